@@ -1,0 +1,110 @@
+//! Pairs that may touch: what MoveIt calls the allowed collision matrix (ACM).
+
+use std::collections::HashMap;
+
+use crate::robot::RobotModel;
+use crate::world::MatrixEntries;
+
+/// For pairs of names, whether they may touch. An entry for a pair wins over the defaults of its names; where neither
+/// exists the pair is checked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AllowedCollisionMatrix {
+    entries: HashMap<(String, String), bool>,
+    defaults: HashMap<String, bool>,
+}
+
+/// Why entries form no matrix.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MatrixError {
+    #[error("allowed_collision_matrix: {names} entry_names but {rows} rows of entry_values")]
+    Rows { names: usize, rows: usize },
+    #[error("allowed_collision_matrix: row '{row}' has {columns} values for {names} entry_names")]
+    Columns {
+        row: String,
+        columns: usize,
+        names: usize,
+    },
+    #[error("allowed_collision_matrix: entry '{a}' – '{b}' is not symmetric")]
+    Asymmetric { a: String, b: String },
+    #[error(
+        "allowed_collision_matrix: {names} default_entry_names but {values} default_entry_values"
+    )]
+    Defaults { names: usize, values: usize },
+}
+
+impl AllowedCollisionMatrix {
+    /// What the robot's SRDF says: disabled pairs may touch.
+    #[must_use]
+    pub fn from_srdf(robot: &RobotModel) -> Self {
+        let mut matrix = Self::default();
+        for pair in robot.srdf().iter().flat_map(|s| &s.disabled_pairs) {
+            matrix.set(&robot.link(pair.a).name, &robot.link(pair.b).name, true);
+        }
+        matrix
+    }
+
+    /// The matrix of a planning scene.
+    pub fn from_entries(given: &MatrixEntries) -> Result<Self, MatrixError> {
+        let names = &given.entry_names;
+        if given.entry_values.len() != names.len() {
+            return Err(MatrixError::Rows {
+                names: names.len(),
+                rows: given.entry_values.len(),
+            });
+        }
+        if given.default_entry_names.len() != given.default_entry_values.len() {
+            return Err(MatrixError::Defaults {
+                names: given.default_entry_names.len(),
+                values: given.default_entry_values.len(),
+            });
+        }
+        let mut matrix = Self::default();
+        for (a, row) in names.iter().zip(&given.entry_values) {
+            if row.len() != names.len() {
+                return Err(MatrixError::Columns {
+                    row: a.clone(),
+                    columns: row.len(),
+                    names: names.len(),
+                });
+            }
+            for (b, &allowed) in names.iter().zip(row) {
+                if matrix.entry(a, b).is_some_and(|earlier| earlier != allowed) {
+                    return Err(MatrixError::Asymmetric {
+                        a: a.clone(),
+                        b: b.clone(),
+                    });
+                }
+                matrix.set(a, b, allowed);
+            }
+        }
+        let defaults = given.default_entry_names.iter().cloned();
+        matrix.defaults = defaults.zip(given.default_entry_values.clone()).collect();
+        Ok(matrix)
+    }
+
+    /// Says whether `a` and `b` may touch.
+    pub fn set(&mut self, a: &str, b: &str, allowed: bool) {
+        self.entries.insert(key(a, b), allowed);
+    }
+
+    fn entry(&self, a: &str, b: &str) -> Option<bool> {
+        self.entries.get(&key(a, b)).copied()
+    }
+
+    /// Whether `a` and `b` may touch; false when nothing is said. If both names have defaults, both must allow.
+    #[must_use]
+    pub fn allows(&self, a: &str, b: &str) -> bool {
+        self.entry(a, b).unwrap_or_else(|| {
+            match (self.defaults.get(a), self.defaults.get(b)) {
+                (Some(&a), Some(&b)) => a && b,
+                (Some(&one), None) | (None, Some(&one)) => one,
+                (None, None) => false,
+            }
+        })
+    }
+}
+
+fn key(a: &str, b: &str) -> (String, String) {
+    let (a, b) = if a <= b { (a, b) } else { (b, a) };
+    (a.to_owned(), b.to_owned())
+}

@@ -1,0 +1,22 @@
+//! The bridge between the towers: a robot and a world in, collision reports out.
+//!
+//! | question | function |
+//! |---|---|
+//! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
+//! | what hits, how far is the rest? | [`CollisionChecker::check`] |
+
+mod allowed;
+mod collision_checker;
+mod mesh_lint;
+mod pairs;
+mod report;
+mod settings;
+mod workspace;
+
+pub use allowed::{AllowedCollisionMatrix, MatrixError};
+pub use collision_checker::{CollisionChecker, SettingsError};
+pub use mesh_lint::open_meshes;
+pub use pairs::{PairList, SkipReason};
+pub use report::{Body, CollisionReport, PairDistance, Question};
+pub use settings::{MeshModel, Settings};
+pub use workspace::Workspace;

@@ -1,0 +1,63 @@
+//! What is asked of a state, and what is answered.
+
+use crate::math::Point;
+use crate::query::Work;
+use crate::robot::LinkId;
+use crate::world::ObstacleId;
+
+/// How much to find out about a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Question {
+    /// Whether the robot hits itself and whether it hits the world; each stops at its first hit.
+    Free,
+    /// All colliding pairs.
+    Pairs,
+    /// As [`Self::Free`], and the least distance with its pair and witness points, unless it exceeds `limit` (m).
+    Distance { limit: f64 },
+    /// All colliding pairs, and the distance of every pair not farther apart than `limit` (m).
+    PairDistances { limit: f64 },
+    /// What a monitor tells: as [`Self::PairDistances`] up to `influence_distance` (m), and the least distance even if
+    /// it is farther, up to `limit` (m).
+    Survey { influence_distance: f64, limit: f64 },
+}
+
+/// One of the two bodies of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Body {
+    Link(LinkId),
+    Obstacle(ObstacleId),
+}
+
+/// Two bodies, how far they are apart (m, padding taken off), and where they are nearest (root frame, first on `a`).
+///
+/// Colliding bodies have distance 0 and one common witness point twice, if one is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairDistance {
+    pub a: Body,
+    pub b: Body,
+    pub distance: f64,
+    pub witness_points: [Point; 2],
+}
+
+/// The answer about one state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CollisionReport {
+    pub self_collision: bool,
+    pub world_collision: bool,
+    /// Colliding pairs: all of them, or for [`Question::Free`] and [`Question::Distance`] the first of each kind.
+    pub colliding_pairs: Vec<(Body, Body)>,
+    /// The least distance, if the question was for distances and something is within its limit.
+    pub nearest: Option<PairDistance>,
+    /// For [`Question::PairDistances`]: every pair within the limit, in the order of the pair list.
+    pub pair_distances: Vec<PairDistance>,
+    /// Volume tests and primitive tests that the answer took.
+    pub work: Work,
+}
+
+impl CollisionReport {
+    /// True only if every pair that had to be checked was found apart.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        !self.self_collision && !self.world_collision
+    }
+}

@@ -1,0 +1,43 @@
+//! What a user decides about checking.
+
+use std::collections::HashMap;
+
+/// Choices that hold for every check of one [`CollisionChecker`](super::CollisionChecker).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Safety distance (m) by which every link counts as larger, unless `link_padding` names it.
+    pub padding: f64,
+    /// Safety distance (m) of single links, by name.
+    pub link_padding: HashMap<String, f64>,
+    /// Whether padding counts between links of the robot too. As in MoveIt, by default it counts against the world only.
+    pub pad_self: bool,
+    /// Check links against links.
+    pub check_self: bool,
+    /// Check links against obstacles.
+    pub check_world: bool,
+    /// What a mesh is.
+    pub mesh_model: MeshModel,
+}
+
+/// Whether what lies wholly inside a closed mesh touches it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MeshModel {
+    /// A mesh is a surface, as in FCL, Coal and MoveIt.
+    #[default]
+    Surface,
+    /// A closed mesh is a solid; an open one stays a surface.
+    Solid,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            padding: 0.0,
+            link_padding: HashMap::new(),
+            pad_self: false,
+            check_self: true,
+            check_world: true,
+            mesh_model: MeshModel::Surface,
+        }
+    }
+}

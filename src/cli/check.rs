@@ -1,0 +1,353 @@
+//! `clearance check`: states in, collisions and distances out.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+use clearance::checker::{Body, CollisionChecker, CollisionReport, Question};
+use clearance::query::Work;
+use clearance::robot::Configuration;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::failure::Failure;
+use super::model::{self, ModelArgs, WorldArgs};
+use super::progress::Progress;
+use super::timing::{self, Timing};
+use super::states;
+
+#[derive(Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    world: WorldArgs,
+
+    #[command(flatten)]
+    input: StateArgs,
+
+    /// What to find out about each state
+    #[arg(long, value_enum, default_value_t = Query::Free)]
+    query: Query,
+
+    /// Distances beyond this many metres are not told
+    #[arg(long, value_name = "M", default_value_t = f64::INFINITY, hide_default_value = true)]
+    limit: f64,
+
+    /// Leave out pairs of links
+    #[arg(long)]
+    no_self: bool,
+
+    /// Leave out pairs of a link and an obstacle
+    #[arg(long)]
+    no_world: bool,
+
+    /// Threads to check on
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+
+    /// How the answer is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    /// Time this many passes over the states, on one thread
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    repeat: usize,
+}
+
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+struct StateArgs {
+    /// States: JSON {"joints": [...], "states": [[...]]}, or CSV with a header of joint names
+    #[arg(long, value_name = "FILE")]
+    states: Option<PathBuf>,
+
+    /// One state, such as "j1=0.1 j2=-1.2"; other joints take 0, or the middle of limits that exclude 0
+    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true)]
+    state: Option<String>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+enum Query {
+    /// Whether the state is free; stops at the first collision
+    Free,
+    /// All colliding pairs
+    Pairs,
+    /// The least distance, its pair and witness points
+    Distance,
+    /// The distance of every pair
+    PairDistances,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Text,
+    Json,
+}
+
+/// The JSON answer.
+#[derive(Serialize)]
+struct Answer {
+    robot: String,
+    joints: Vec<String>,
+    pairs_checked: usize,
+    load_seconds: f64,
+    results: Vec<StateAnswer>,
+    /// Over all states.
+    stats: Stats,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    timing: Option<Timing>,
+}
+
+#[derive(Serialize)]
+struct StateAnswer {
+    free: bool,
+    self_collision: bool,
+    world_collision: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pairs: Option<Vec<[String; 2]>>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    distance: Option<DistanceAnswer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pair_distances: Option<Vec<(String, String, f64)>>,
+}
+
+#[derive(Serialize)]
+struct DistanceAnswer {
+    /// Metres; null beyond the limit.
+    distance: Option<f64>,
+    nearest: Option<[String; 2]>,
+    witness_points: Option<[[f64; 3]; 2]>,
+}
+
+#[derive(Serialize)]
+struct Stats {
+    volume_tests: u64,
+    primitive_tests: u64,
+}
+
+pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
+    if args.limit.is_nan() || args.limit < 0.0 {
+        return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
+    }
+    let start = Instant::now();
+    let checker = checker(args)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let robot = checker.robot();
+    let states = match (&args.input.states, &args.input.state) {
+        (Some(path), _) => states::from_file(path, robot)?,
+        (None, Some(text)) => vec![states::from_text(text, robot)?],
+        (None, None) => return Err(Failure::Input("give --states or --state".to_owned())),
+    };
+    let question = args.question();
+    let reports = check_all(&checker, &states, question, args.threads)?;
+    let timing = time_passes(&checker, &states, question, args.repeat);
+    let answer = Answer {
+        robot: robot.name().to_owned(),
+        joints: robot.position_names().to_vec(),
+        pairs_checked: checker.pairs().len(),
+        load_seconds,
+        stats: Stats::total(&reports),
+        results: (reports.iter())
+            .map(|r| StateAnswer::new(args.query, r, &checker))
+            .collect(),
+        timing,
+    };
+    match args.format {
+        Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
+        Format::Text => print_line(&text(&answer))?,
+    }
+    let all_free = reports.iter().all(CollisionReport::is_free);
+    Ok(ExitCode::from(u8::from(!all_free)))
+}
+
+fn checker(args: &CheckArgs) -> Result<CollisionChecker, Failure> {
+    let robot = args.model.load()?;
+    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
+    let mut settings = args.model.settings();
+    settings.check_self = !args.no_self;
+    settings.check_world = !args.no_world;
+    model::checker(robot, &loaded, settings)
+}
+
+impl CheckArgs {
+    fn question(&self) -> Question {
+        let limit = self.limit;
+        match self.query {
+            Query::Free => Question::Free,
+            Query::Pairs => Question::Pairs,
+            Query::Distance => Question::Distance { limit },
+            Query::PairDistances => Question::PairDistances { limit },
+        }
+    }
+}
+
+/// One report a state, in the states' order, for any number of threads.
+fn check_all(
+    checker: &CollisionChecker,
+    states: &[Configuration],
+    question: Question,
+    threads: usize,
+) -> Result<Vec<CollisionReport>, Failure> {
+    let progress = Progress::new(states.len());
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.max(1))
+        .build()
+        .map_err(internal)?;
+    Ok(pool.install(|| {
+        (states.par_iter())
+            .map_init(
+                || checker.workspace(),
+                |workspace, q| {
+                    let report = checker.check(q, question, workspace);
+                    progress.piece_done();
+                    report
+                },
+            )
+            .collect()
+    }))
+}
+
+fn time_passes(
+    checker: &CollisionChecker,
+    states: &[Configuration],
+    question: Question,
+    passes: usize,
+) -> Option<Timing> {
+    let mut workspace = checker.workspace();
+    timing::measure(passes, states.len(), || {
+        for q in states {
+            if question == Question::Free {
+                std::hint::black_box(checker.is_free(q, &mut workspace));
+            } else {
+                std::hint::black_box(checker.check(q, question, &mut workspace));
+            }
+        }
+    })
+}
+
+impl Stats {
+    fn total(reports: &[CollisionReport]) -> Self {
+        let mut total = Work::default();
+        for report in reports {
+            total += report.work;
+        }
+        Self {
+            volume_tests: total.volume_tests,
+            primitive_tests: total.primitive_tests,
+        }
+    }
+}
+
+impl StateAnswer {
+    fn new(query: Query, report: &CollisionReport, checker: &CollisionChecker) -> Self {
+        let names = |a: Body, b: Body| sorted_names(checker, a, b);
+        let sorted_pairs = || {
+            let mut pairs: Vec<_> = (report.colliding_pairs.iter())
+                .map(|&(a, b)| names(a, b))
+                .collect();
+            pairs.sort();
+            pairs
+        };
+        let distances = || {
+            let pairs = report.pair_distances.iter();
+            pairs
+                .map(|p| {
+                    let [a, b] = names(p.a, p.b);
+                    (a, b, p.distance)
+                })
+                .collect()
+        };
+        Self {
+            free: report.is_free(),
+            self_collision: report.self_collision,
+            world_collision: report.world_collision,
+            pairs: (query == Query::Pairs).then(sorted_pairs),
+            distance: (query == Query::Distance).then(|| DistanceAnswer::new(report, checker)),
+            pair_distances: (query == Query::PairDistances).then(distances),
+        }
+    }
+}
+
+impl DistanceAnswer {
+    /// Names are sorted, and the witness points with them.
+    fn new(report: &CollisionReport, checker: &CollisionChecker) -> Self {
+        let nearest = report.nearest;
+        Self {
+            distance: nearest.map(|n| n.distance),
+            nearest: nearest.map(|n| sorted_names(checker, n.a, n.b)),
+            witness_points: nearest.map(|n| {
+                let mut points = n.witness_points.map(|p| [p.x, p.y, p.z]);
+                if checker.body_name(n.a) > checker.body_name(n.b) {
+                    points.swap(0, 1);
+                }
+                points
+            }),
+        }
+    }
+}
+
+fn sorted_names(checker: &CollisionChecker, a: Body, b: Body) -> [String; 2] {
+    let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
+    names.sort();
+    names
+}
+
+/// A line a state, and a summary.
+fn text(answer: &Answer) -> String {
+    let mut lines: Vec<String> = (answer.results.iter().enumerate())
+        .flat_map(|(i, r)| state_lines(i, r))
+        .collect();
+    let free = answer.results.iter().filter(|r| r.free).count();
+    lines.push(format!(
+        "{}: {free} of {} states free; {} pairs checked; loaded in {:.3} s",
+        answer.robot,
+        answer.results.len(),
+        answer.pairs_checked,
+        answer.load_seconds
+    ));
+    if let Some(t) = answer.timing {
+        lines.push(format!(
+            "{:.3} µs a state (best of {} passes; median {:.3} µs)",
+            t.us_min, t.passes, t.us_median
+        ));
+    }
+    lines.join("\n")
+}
+
+fn state_lines(index: usize, result: &StateAnswer) -> Vec<String> {
+    let verdict = match (result.self_collision, result.world_collision) {
+        (false, false) => "free",
+        (true, false) => "COLLIDING with itself",
+        (false, true) => "COLLIDING with the world",
+        (true, true) => "COLLIDING with itself and the world",
+    };
+    let mut first = format!("state {index}: {verdict}");
+    if let Some(d) = &result.distance {
+        first += &match (d.distance, &d.nearest) {
+            (Some(m), Some([a, b])) => format!(", least distance {m:.6} m: {a} – {b}"),
+            _ => ", nothing within the limit".to_owned(),
+        };
+    }
+    let pairs = result.pairs.iter().flatten();
+    let distances = result.pair_distances.iter().flatten();
+    (std::iter::once(first))
+        .chain(pairs.map(|[a, b]| format!("  {a} – {b}")))
+        .chain(distances.map(|(a, b, m)| format!("  {m:.6} m: {a} – {b}")))
+        .collect()
+}
+
+/// Writes to stdout; a reader that went away is no fault of ours.
+fn print_line(line: &str) -> Result<(), Failure> {
+    use std::io::Write;
+    match writeln!(std::io::stdout().lock(), "{line}") {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(internal(e)),
+        _ => Ok(()),
+    }
+}
+
+fn internal(error: impl std::fmt::Display) -> Failure {
+    Failure::Internal(error.to_string())
+}

@@ -1,0 +1,80 @@
+//! What the `clearance` program does when it is called.
+//!
+//! Exit codes: 0 everything asked about is free; 1 answered, and something is not free; 2 bad input; 3 internal error.
+
+mod check;
+#[cfg(feature = "ros")]
+mod demo;
+mod failure;
+mod model;
+#[cfg(feature = "ros")]
+mod node;
+mod progress;
+mod states;
+mod timing;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+/// Does this robot hit itself or its surroundings, and how far is it from doing so?
+///
+/// Without a command: the ROS 2 node on the built-in demo robot, with a live table in the terminal.
+#[derive(Parser)]
+#[command(version, about, long_about, max_term_width = 100)]
+struct Arguments {
+    /// What is logged on stderr: off, error, warn, info, debug or trace
+    #[arg(long, global = true, value_name = "LEVEL", default_value = "warn")]
+    log_level: log::LevelFilter,
+
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Check states of a robot for collisions, or tell its distances
+    Check(check::CheckArgs),
+    /// The ROS 2 node: joint states in, collisions and distances out
+    #[cfg(feature = "ros")]
+    Node(node::NodeArgs),
+}
+
+/// Runs the program; everything that goes wrong is one message on stderr.
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    match dispatch(arguments) {
+        Ok(code) => code,
+        Err(failure) => {
+            eprintln!("clearance: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
+    match arguments.command {
+        Some(Command::Check(args)) => {
+            log_to_stderr(arguments.log_level);
+            check::run(&args)
+        }
+        #[cfg(feature = "ros")]
+        Some(Command::Node(args)) => node::run(&args, arguments.log_level),
+        #[cfg(feature = "ros")]
+        None => demo::run(arguments.log_level),
+        #[cfg(not(feature = "ros"))]
+        None => Err(Failure::Input(
+            "this build has no ROS 2 node: name a command (see --help)".to_owned(),
+        )),
+    }
+}
+
+fn log_to_stderr(level: log::LevelFilter) {
+    env_logger::Builder::new()
+        .filter_level(level)
+        .format_timestamp(None)
+        .format_target(false)
+        .init();
+}

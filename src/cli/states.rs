@@ -1,0 +1,80 @@
+//! States to check: from a JSON or CSV file, or from the command line.
+
+use std::path::Path;
+
+use clearance::robot::{Configuration, RobotModel};
+use serde::Deserialize;
+
+use super::failure::Failure;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StatesText {
+    joints: Vec<String>,
+    states: Vec<Vec<f64>>,
+}
+
+/// States of `robot` from a file: `{"joints": [...], "states": [[...], ...]}`, or CSV with a header of joint names.
+///
+/// Joints that are not given take their default, mimicking joints follow.
+pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, Failure> {
+    let file = path.display();
+    let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
+    let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+    let is_csv = (path.extension()).is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+    let StatesText { joints, states } = if is_csv {
+        from_csv(&text).map_err(|e| bad(&e))?
+    } else {
+        serde_json::from_str(&text).map_err(|e| bad(&e))?
+    };
+    (states.iter().enumerate())
+        .map(|(i, positions)| {
+            let of_state = |e: &dyn std::fmt::Display| bad(&format!("state {i}: {e}"));
+            if positions.len() != joints.len() {
+                let (given, wanted) = (positions.len(), joints.len());
+                return Err(of_state(&format!("{given} positions for {wanted} joints")));
+            }
+            let named = joints.iter().map(String::as_str).zip(positions.iter().copied());
+            robot.configuration_from_names(named).map_err(|e| of_state(&e))
+        })
+        .collect()
+}
+
+fn from_csv(text: &str) -> Result<StatesText, String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let joints = reader.headers().map_err(|e| e.to_string())?.clone();
+    let states = (reader.records())
+        .map(|record| {
+            let record = record.map_err(|e| e.to_string())?;
+            let line = record.position().map_or(0, csv::Position::line);
+            (record.iter())
+                .map(|field| {
+                    (field.parse::<f64>())
+                        .map_err(|_| format!("line {line}: '{field}' is not a number"))
+                })
+                .collect()
+        })
+        .collect::<Result<_, String>>()?;
+    Ok(StatesText {
+        joints: joints.iter().map(str::to_owned).collect(),
+        states,
+    })
+}
+
+/// One state from text such as `"j1=0.1 j2=-1.2"`; blanks or commas between the joints.
+pub fn from_text(text: &str, robot: &RobotModel) -> Result<Configuration, Failure> {
+    let named = (text.split(|c: char| c == ',' || c.is_whitespace()))
+        .filter(|word| !word.is_empty())
+        .map(|word| {
+            let value = |v: &str| v.parse::<f64>().ok();
+            (word.rsplit_once('='))
+                .and_then(|(joint, v)| Some((joint, value(v)?)))
+                .ok_or_else(|| Failure::Input(format!("--state: '{word}' is not JOINT=NUMBER")))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    robot
+        .configuration_from_names(named)
+        .map_err(|e| Failure::Input(format!("--state: {e}")))
+}

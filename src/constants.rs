@@ -1,0 +1,27 @@
+//! Every tolerance: its unit, its reason, its source.
+
+/// Distance (m) at or below which two solids count as touching: f64 rounding at robot scale is about 1e-14 m, GJK on
+/// curved primitives stops near 1e-10 m, and the shared truth files define contact as a distance of at most 1e-9 m.
+pub const CONTACT_DISTANCE: f64 = 1e-9;
+
+/// Slack of a separating-axis test, relative to the coordinates that enter it: a separation must exceed the rounding of
+/// the sums it is made of, else the axis does not count as separating (Ericson, *Real-Time Collision Detection*, 4.4.1).
+pub const SEPARATION_SLACK: f64 = 1e-14;
+
+/// Relative slack by which fitted volumes are widened, so that rounding never leaves a vertex outside.
+pub const FIT_SLACK: f64 = 1e-12;
+
+/// Largest coordinate (m) that a model may hold: there f64 still tells 15 nanometres apart, and products of four
+/// coordinates stay far from overflow. Models far from their origin are met (a mesh in geographic coordinates); they
+/// are told, not refused.
+pub const LARGEST_COORDINATE: f64 = 1e8;
+
+/// Extent (m) of a mesh beyond which its unit is probably wrong (millimetres without a scale).
+pub const SUSPICIOUS_EXTENT: f64 = 50.0;
+
+/// Distance (m) of a mesh from its origin beyond which the 32-bit floats of most mesh files round to half a millimetre
+/// or more.
+pub const SUSPICIOUS_DISTANCE: f64 = 8192.0;
+
+/// How far from 1 the length of a joint's axis may be before that is told: files round to four digits.
+pub const AXIS_LENGTH_SLACK: f64 = 1e-3;

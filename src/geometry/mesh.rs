@@ -1,0 +1,208 @@
+//! Triangle meshes, validated once: every index in range, every coordinate finite.
+
+use std::collections::HashMap;
+
+use super::Triangle;
+use crate::constants::LARGEST_COORDINATE;
+use crate::math::{Point, Vector};
+
+/// A set of triangles over shared vertices, in metres, in its own frame. Never empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TriangleMesh {
+    vertices: Vec<Point>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Why a list of vertices and faces is no mesh.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MeshError {
+    #[error("the mesh has no triangles")]
+    NoTriangles,
+    #[error("triangle {triangle} names vertex {vertex}, but there are {vertices} vertices")]
+    IndexOutOfRange {
+        triangle: usize,
+        vertex: u32,
+        vertices: usize,
+    },
+    #[error(
+        "vertex {vertex} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m"
+    )]
+    BadVertex { vertex: usize },
+    #[error("the mesh has {0} vertices, more than 32-bit indices can name")]
+    TooManyVertices(usize),
+}
+
+impl TriangleMesh {
+    pub fn new(vertices: Vec<Point>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        if triangles.is_empty() {
+            return Err(MeshError::NoTriangles);
+        }
+        if u32::try_from(vertices.len()).is_err() {
+            return Err(MeshError::TooManyVertices(vertices.len()));
+        }
+        for (triangle, corners) in triangles.iter().enumerate() {
+            for &vertex in corners {
+                if vertex as usize >= vertices.len() {
+                    return Err(MeshError::IndexOutOfRange {
+                        triangle,
+                        vertex,
+                        vertices: vertices.len(),
+                    });
+                }
+            }
+        }
+        let usable = |p: &Point| p.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
+        match vertices.iter().position(|p| !usable(p)) {
+            Some(vertex) => Err(MeshError::BadVertex { vertex }),
+            None => Ok(Self {
+                vertices,
+                triangles,
+            }),
+        }
+    }
+
+    #[must_use]
+    pub fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The corners of triangle number `index`.
+    #[must_use]
+    pub fn triangle(&self, index: usize) -> Triangle {
+        let [a, b, c] = self.triangles[index].map(|v| self.vertices[v as usize]);
+        Triangle { a, b, c }
+    }
+
+    /// The mesh scaled along its axes. An odd number of negative factors mirrors it, and turns the winding so that
+    /// outward faces stay outward.
+    pub fn scaled(mut self, factors: Vector) -> Result<Self, MeshError> {
+        for p in &mut self.vertices {
+            p.coords.component_mul_assign(&factors);
+        }
+        if factors.iter().filter(|f| f.is_sign_negative()).count() % 2 == 1 {
+            for t in &mut self.triangles {
+                t.swap(1, 2);
+            }
+        }
+        Self::new(self.vertices, self.triangles)
+    }
+
+    /// Smallest and largest corner of the axis-aligned box around the vertices that triangles use.
+    #[must_use]
+    pub fn bounds(&self) -> (Point, Point) {
+        let mut lo = Point::from([f64::INFINITY; 3]);
+        let mut hi = Point::from([f64::NEG_INFINITY; 3]);
+        for &v in self.triangles.iter().flatten() {
+            let p = self.vertices[v as usize];
+            lo = lo.inf(&p);
+            hi = hi.sup(&p);
+        }
+        (lo, hi)
+    }
+
+    /// Signed volume (m³) by the divergence theorem: positive when a closed mesh is wound outward.
+    #[must_use]
+    pub fn signed_volume(&self) -> f64 {
+        (0..self.triangles.len())
+            .map(|i| {
+                let t = self.triangle(i);
+                t.a.coords.dot(&t.b.coords.cross(&t.c.coords)) / 6.0
+            })
+            .sum()
+    }
+
+    /// Number of triangles without area.
+    #[must_use]
+    pub fn degenerate_triangles(&self) -> usize {
+        (0..self.triangles.len())
+            .filter(|&i| self.triangle(i).normal() == Vector::zeros())
+            .count()
+    }
+
+    /// Whether every edge is used equally often in both directions, vertices at equal positions counted as one: then
+    /// inside and outside are defined.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        let mut name_of_position: HashMap<[u64; 3], u32> = HashMap::new();
+        let names: Vec<u32> = (self.vertices.iter().zip(0..))
+            .map(|(p, own)| {
+                // -0.0 and 0.0 are one position
+                let key = [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits());
+                *name_of_position.entry(key).or_insert(own)
+            })
+            .collect();
+        let mut balance: HashMap<(u32, u32), i32> = HashMap::new();
+        for t in &self.triangles {
+            let [a, b, c] = t.map(|v| names[v as usize]);
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                if from != to {
+                    let step = if from < to { 1 } else { -1 };
+                    *balance.entry((from.min(to), from.max(to))).or_default() += step;
+                }
+            }
+        }
+        balance.values().all(|&b| b == 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> TriangleMesh {
+        TriangleMesh::new(
+            vec![
+                Point::new(0.0, 0.0, 0.0),
+                Point::new(1.0, 0.0, 0.0),
+                Point::new(0.0, 1.0, 0.0),
+                Point::new(0.0, 0.0, 1.0),
+            ],
+            vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn a_mirror_keeps_faces_outward() {
+        let mesh = tetrahedron();
+        assert!((mesh.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
+        let mirrored = mesh.scaled(Vector::new(1.0, -2.0, 1.0)).unwrap();
+        assert!((mirrored.signed_volume() - 2.0 / 6.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn closed_means_every_edge_has_its_reverse() {
+        let mesh = tetrahedron();
+        assert!(mesh.is_closed());
+        let open = TriangleMesh::new(mesh.vertices.clone(), mesh.triangles[1..].to_vec()).unwrap();
+        assert!(!open.is_closed());
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let p = vec![Point::origin(); 3];
+        assert_eq!(
+            TriangleMesh::new(p.clone(), vec![]),
+            Err(MeshError::NoTriangles)
+        );
+        assert_eq!(
+            TriangleMesh::new(p.clone(), vec![[0, 1, 7]]),
+            Err(MeshError::IndexOutOfRange {
+                triangle: 0,
+                vertex: 7,
+                vertices: 3
+            })
+        );
+        let mut bad = p;
+        bad[1].y = f64::NAN;
+        assert_eq!(
+            TriangleMesh::new(bad, vec![[0, 1, 2]]),
+            Err(MeshError::BadVertex { vertex: 1 })
+        );
+    }
+}

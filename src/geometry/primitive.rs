@@ -1,0 +1,98 @@
+//! Solids with a formula.
+
+/// A solid primitive, centred on its own origin; cylinders and capsules stand along z. Lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive {
+    Box {
+        half_extents: [f64; 3],
+    },
+    Sphere {
+        radius: f64,
+    },
+    Cylinder {
+        radius: f64,
+        half_length: f64,
+    },
+    /// `half_length` leaves out the two half spheres.
+    Capsule {
+        radius: f64,
+        half_length: f64,
+    },
+}
+
+/// A dimension that no solid can have.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{shape} {dimension} is {value}, but must be a finite number of metres, zero or more")]
+pub struct PrimitiveError {
+    pub shape: &'static str,
+    pub dimension: &'static str,
+    pub value: f64,
+}
+
+impl Primitive {
+    /// A box with full edge lengths `size`.
+    pub fn cuboid(size: [f64; 3]) -> Result<Self, PrimitiveError> {
+        for value in size {
+            check("box", "size", value)?;
+        }
+        Ok(Self::Box {
+            half_extents: size.map(|s| 0.5 * s),
+        })
+    }
+
+    pub fn sphere(radius: f64) -> Result<Self, PrimitiveError> {
+        check("sphere", "radius", radius)?;
+        Ok(Self::Sphere { radius })
+    }
+
+    /// A cylinder of full `length`.
+    pub fn cylinder(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
+        check("cylinder", "radius", radius)?;
+        check("cylinder", "length", length)?;
+        Ok(Self::Cylinder {
+            radius,
+            half_length: 0.5 * length,
+        })
+    }
+
+    /// A capsule; `length` leaves out the half spheres.
+    pub fn capsule(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
+        check("capsule", "radius", radius)?;
+        check("capsule", "length", length)?;
+        Ok(Self::Capsule {
+            radius,
+            half_length: 0.5 * length,
+        })
+    }
+
+    /// Radius of the smallest sphere around the origin that holds the solid.
+    #[must_use]
+    pub fn bounding_radius(&self) -> f64 {
+        match *self {
+            Self::Box {
+                half_extents: [x, y, z],
+            } => (x * x + y * y + z * z).sqrt(),
+            Self::Sphere { radius } => radius,
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => radius.hypot(half_length),
+            Self::Capsule {
+                radius,
+                half_length,
+            } => radius + half_length,
+        }
+    }
+}
+
+fn check(shape: &'static str, dimension: &'static str, value: f64) -> Result<(), PrimitiveError> {
+    if value.is_finite() && (0.0..=crate::constants::LARGEST_COORDINATE).contains(&value) {
+        Ok(())
+    } else {
+        Err(PrimitiveError {
+            shape,
+            dimension,
+            value,
+        })
+    }
+}

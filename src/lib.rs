@@ -1,0 +1,38 @@
+//! # clearance
+//!
+//! Does this robot hit itself or its surroundings, and how far is it from doing so?
+//!
+//! ```text
+//! once:      URDF text -> robot::RobotModel -> geometry::Shape per link -> query::CollisionBody
+//! per tick:  joint state -> Configuration -> LinkPoses -> query -> CollisionReport -> messages
+//! ```
+//!
+//! Read the modules top to bottom; each uses only the ones above it. Two towers stand on `geometry`: the left one
+//! (`bounding_volume`, `bvh`, `query`) answers questions about two posed solids and has never heard of a robot; the
+//! right one (`robot`, `world`) knows links, joints and obstacles and has never heard of a hierarchy. `checker` is the
+//! bridge; `monitor` decides what a node says; only `node` knows ROS.
+//!
+//! Units everywhere: metres, radians, seconds.
+
+pub mod constants;
+pub mod math;
+
+pub mod geometry;
+
+pub mod bounding_volume;
+pub mod bvh;
+pub mod query;
+
+pub mod robot;
+pub mod world;
+
+pub mod checker;
+
+pub mod monitor;
+
+#[cfg(feature = "ros")]
+pub mod node;
+
+pub use checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
+pub use robot::{Configuration, MeshFiles, RobotModel};
+pub use world::World;

@@ -1,0 +1,43 @@
+//! Aliases and the frame notation.
+//!
+//! A pose of frame B in frame A is `pose_ab`; a point with coordinates in A is `point_a`; inner letters cancel:
+//! `point_a = pose_ab * point_b`, `pose_ac = pose_ab * pose_bc`. The world is `w`, the robot's root `r`, an obstacle `o`.
+
+/// A position, in metres.
+pub type Point = nalgebra::Point3<f64>;
+/// A displacement or direction.
+pub type Vector = nalgebra::Vector3<f64>;
+/// A direction of length one.
+pub type UnitVector = nalgebra::Unit<Vector>;
+/// A rotation.
+pub type Rotation = nalgebra::UnitQuaternion<f64>;
+/// A rotation as a matrix: its columns are the axes of the rotated frame.
+pub type RotationMatrix = nalgebra::Matrix3<f64>;
+/// A rigid placement of one frame in another.
+pub type Pose = nalgebra::Isometry3<f64>;
+
+/// Pose from a position and a quaternion in the order (x, y, z, w), normalised here.
+///
+/// `None` when a number is not finite or the quaternion has no length.
+#[must_use]
+pub fn pose_from_xyz_quaternion(xyz: [f64; 3], quaternion_xyzw: [f64; 4]) -> Option<Pose> {
+    let [x, y, z, w] = quaternion_xyzw;
+    let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+    let length = quaternion.norm();
+    let finite = xyz.iter().chain(&quaternion_xyzw).all(|v| v.is_finite());
+    (finite && length > 1e-9 && length.is_finite()).then(|| {
+        Pose::from_parts(
+            nalgebra::Translation3::from(xyz),
+            Rotation::from_quaternion(quaternion),
+        )
+    })
+}
+
+/// Pose from a position and fixed-axis roll, pitch, yaw as URDF defines them: `Rz(yaw) * Ry(pitch) * Rx(roll)`.
+#[must_use]
+pub fn pose_from_xyz_rpy(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
+    Pose::from_parts(
+        nalgebra::Translation3::from(xyz),
+        Rotation::from_euler_angles(roll, pitch, yaw),
+    )
+}

@@ -1,0 +1,65 @@
+//! Everything the node says about one joint state.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::{Status, Time};
+use crate::checker::{CollisionChecker, CollisionReport};
+use crate::robot::LinkPoses;
+
+/// A checker, and which one it is.
+pub struct Revision {
+    pub checker: CollisionChecker,
+    /// Counts the robot models taken since the start; the first is 1.
+    pub model: u64,
+    /// Counts the changes of the world since the start.
+    pub world: u64,
+}
+
+impl Revision {
+    /// The frame of all poses and points: the robot's root link.
+    #[must_use]
+    pub fn frame(&self) -> &str {
+        let robot = self.checker.robot();
+        &robot.link(robot.root()).name
+    }
+}
+
+/// What a check found.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    pub report: CollisionReport,
+    /// Where the links were.
+    pub poses: LinkPoses,
+    /// Wall time that the check took.
+    pub compute_time: Duration,
+}
+
+/// What is known about the robot now. Cheap to clone.
+#[derive(Clone)]
+pub struct Judgement {
+    pub status: Status,
+    /// Stamp of the joint state that this is about, if there was one.
+    pub stamp: Option<Time>,
+    /// How old that joint state is (s).
+    pub age: Option<f64>,
+    /// Present exactly when the status is FREE or COLLIDING.
+    pub evidence: Option<Arc<Evidence>>,
+    /// The robot and world that were checked, or would be.
+    pub revision: Option<Arc<Revision>>,
+    /// What did not prevent the judgement and should be known.
+    pub warnings: Arc<[String]>,
+}
+
+impl Judgement {
+    /// The least distance (m): NaN when nothing is known, infinite when nothing is within the distance limit.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        match &self.evidence {
+            None => f64::NAN,
+            Some(evidence) => {
+                (evidence.report.nearest.as_ref()).map_or(f64::INFINITY, |nearest| nearest.distance)
+            }
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! What the node says about the robot, decided without I/O, clocks or ROS: messages and time in, judgements out.
+//!
+//! The rules, in the order in which they are tried; the first that holds decides:
+//!
+//! | what is the matter | status | code |
+//! |---|---|---|
+//! | no usable robot model | UNKNOWN | `no_model` |
+//! | no joint state has arrived | UNKNOWN | `no_joint_state` |
+//! | simulated time is asked for and none has arrived | UNKNOWN | `no_clock` |
+//! | the last joint state, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
+//! | its stamp lies more than `stale_after` in the future | UNKNOWN | `future_stamp` |
+//! | its stamp is older than that of the last judged one from the same publisher | UNKNOWN | `out_of_order` |
+//! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
+//! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
+//! | a joint is missing | UNKNOWN | `partial` |
+//! | some pair touches | COLLIDING | |
+//! | every pair was found apart | FREE | |
+//!
+//! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.
+//! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
+
+mod input;
+mod judgement;
+#[expect(
+    clippy::module_inception,
+    reason = "the monitor is the one thing that this module makes"
+)]
+mod monitor;
+mod settings;
+mod stamp_order;
+mod status;
+mod time;
+mod tracker;
+
+pub use input::{JointStateInput, SourceId};
+pub use judgement::{Evidence, Judgement, Revision};
+pub use monitor::{Monitor, Stopwatch};
+pub use settings::MonitorSettings;
+pub use status::{Reason, Status};
+pub use time::{Now, Time};

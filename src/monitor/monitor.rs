@@ -1,0 +1,293 @@
+//! The monitor: joint states and heartbeats in, judgements out.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::stamp_order::StampOrder;
+use super::tracker::{Reading, Tracker};
+use super::{
+    Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time,
+};
+use crate::checker::{Question, Workspace};
+
+/// Time since any fixed moment; it is read before and after each check.
+pub type Stopwatch = fn() -> Duration;
+
+/// Decides what is known about one robot.
+pub struct Monitor {
+    settings: MonitorSettings,
+    stopwatch: Stopwatch,
+    subject: Option<Subject>,
+    /// What was wrong with the last model offered, while there is none.
+    model_fault: Option<String>,
+    order: StampOrder,
+    heard: Option<Heard>,
+    verdict: Verdict,
+    /// The model or a setting changed since the verdict.
+    outdated: bool,
+    said_at: Option<Duration>,
+    latest_ros_time: Option<Time>,
+}
+
+/// The robot and world to check, and what checking them needs.
+struct Subject {
+    revision: Arc<Revision>,
+    tracker: Tracker,
+    workspace: Workspace,
+}
+
+/// The last joint state.
+struct Heard {
+    input: JointStateInput,
+    /// The stamp that counts: its own, or when it came if it has none.
+    stamp: Time,
+    /// When it came, by the steady clock.
+    at: Duration,
+    /// How much older (s) it is than the last judged one of its publisher, if it is.
+    behind: Option<f64>,
+}
+
+/// A judgement but for its age.
+struct Verdict {
+    status: Status,
+    evidence: Option<Arc<Evidence>>,
+    warnings: Vec<String>,
+}
+
+impl Verdict {
+    fn unknown(reason: Reason) -> Self {
+        Self {
+            status: Status::Unknown(reason),
+            evidence: None,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl Monitor {
+    #[must_use]
+    pub fn new(settings: MonitorSettings, stopwatch: Stopwatch) -> Self {
+        Self {
+            settings,
+            stopwatch,
+            subject: None,
+            model_fault: None,
+            order: StampOrder::default(),
+            heard: None,
+            verdict: Verdict::unknown(Reason::NoModel { fault: None }),
+            outdated: true,
+            said_at: None,
+            latest_ros_time: None,
+        }
+    }
+
+    /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
+    pub fn set_checker(&mut self, revision: Arc<Revision>) {
+        self.subject = Some(Subject {
+            tracker: Tracker::new(revision.checker.robot()),
+            workspace: revision.checker.workspace(),
+            revision,
+        });
+        self.model_fault = None;
+        self.outdated = true;
+    }
+
+    /// A model was refused. The one in use, if any, stays.
+    pub fn note_model_fault(&mut self, fault: String) {
+        self.model_fault = Some(fault);
+        self.outdated = true;
+    }
+
+    pub fn set_settings(&mut self, settings: MonitorSettings) {
+        self.settings = settings;
+        self.outdated = true;
+    }
+
+    /// Judges a joint state.
+    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
+        self.note_clock(now);
+        let stamp = match (input.stamp, now.ros) {
+            (Time::ZERO, Some(now)) => now,
+            (stamp, _) => stamp,
+        };
+        let newest = self
+            .order
+            .newest(input.source)
+            .filter(|_| input.stamp != Time::ZERO);
+        let behind = newest
+            .map(|newest| newest.seconds_since(stamp))
+            .filter(|&behind| behind > 0.0);
+        self.heard = Some(Heard {
+            input,
+            stamp,
+            at: now.steady,
+            behind,
+        });
+        self.judge(now);
+        self.say(now)
+    }
+
+    /// Says the last judgement again, or that it is stale; judges anew when the model or a setting changed.
+    pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
+        self.note_clock(now);
+        if self.outdated {
+            self.judge(now);
+        }
+        self.say(now)
+    }
+
+    /// How long nothing needs to be said, if no joint state comes.
+    #[must_use]
+    pub fn time_to_heartbeat(&self, now: Now) -> Duration {
+        let Some(said_at) = self.said_at.filter(|_| !self.outdated) else {
+            return Duration::ZERO;
+        };
+        let heartbeat = (said_at + self.settings.heartbeat_period()).saturating_sub(now.steady);
+        // the moment at which a judgement becomes stale is news
+        let stale = (self.heard.as_ref())
+            .filter(|_| self.verdict.evidence.is_some())
+            .and_then(|heard| heard.time_to_stale(now, &self.settings));
+        stale.map_or(heartbeat, |stale| heartbeat.min(stale))
+    }
+
+    /// Stamps judged before a clock was set back order nothing any more.
+    fn note_clock(&mut self, now: Now) {
+        if now.ros < self.latest_ros_time {
+            self.order.clear();
+        }
+        self.latest_ros_time = now.ros;
+    }
+
+    fn judge(&mut self, now: Now) {
+        self.outdated = false;
+        self.verdict = self.decide(now).unwrap_or_else(Verdict::unknown);
+    }
+
+    fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
+        let fault = self.model_fault.clone();
+        let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
+        let heard = self.heard.as_ref().ok_or(Reason::NoJointState)?;
+        if let Some(behind) = heard.behind {
+            return Err(Reason::OutOfOrder { behind });
+        }
+        let checker = &subject.revision.checker;
+        let Reading {
+            configuration,
+            mut warnings,
+        } = subject.tracker.read(checker.robot(), &heard.input)?;
+        if heard.input.stamp == Time::ZERO {
+            warnings.push(
+                "the joint state has no stamp: it counts as measured when it came".to_owned(),
+            );
+        }
+        // checking what is stale already would be wasted
+        heard.freshness(now, &self.settings)?;
+
+        let started = (self.stopwatch)();
+        let survey = Question::Survey {
+            influence_distance: self.settings.influence_distance,
+            limit: self.settings.distance_limit,
+        };
+        let report = checker.check(&configuration, survey, &mut subject.workspace);
+        let compute_time = (self.stopwatch)().saturating_sub(started);
+        if heard.input.stamp != Time::ZERO {
+            self.order.note(heard.input.source, heard.stamp);
+        }
+        let status = if report.is_free() {
+            Status::Free
+        } else {
+            Status::Colliding
+        };
+        let poses = checker.link_poses(&subject.workspace).clone();
+        let evidence = Some(Arc::new(Evidence {
+            report,
+            poses,
+            compute_time,
+        }));
+        Ok(Verdict {
+            status,
+            evidence,
+            warnings,
+        })
+    }
+
+    /// The verdict as it holds now: what was right when it was judged may have become stale.
+    fn say(&mut self, now: Now) -> Judgement {
+        self.said_at = Some(now.steady);
+        let subject = self.subject.as_ref();
+        let stale = (self.heard.as_ref().filter(|_| subject.is_some()))
+            .and_then(|heard| heard.freshness(now, &self.settings).err());
+        let (status, evidence) = match stale {
+            Some(reason) => (Status::Unknown(self.with_other_fault(reason)), None),
+            None => (self.verdict.status.clone(), self.verdict.evidence.clone()),
+        };
+        Judgement {
+            status,
+            evidence,
+            stamp: self.heard.as_ref().map(|heard| heard.stamp),
+            age: self.heard.as_ref().map(|heard| heard.age(now)),
+            revision: subject.map(|subject| Arc::clone(&subject.revision)),
+            warnings: self.verdict.warnings.as_slice().into(),
+        }
+    }
+
+    /// A stale joint state that could not be judged when it was fresh has two faults.
+    fn with_other_fault(&self, reason: Reason) -> Reason {
+        match (reason, self.verdict.status.reason()) {
+            (
+                Reason::Stale {
+                    age, stale_after, ..
+                },
+                Some(other),
+            ) if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) => {
+                Reason::Stale {
+                    age,
+                    stale_after,
+                    also: Some(Box::new(other.clone())),
+                }
+            }
+            (reason, _) => reason,
+        }
+    }
+}
+
+impl Heard {
+    /// Age (s) by its stamp, or since it came when no ROS time is known.
+    fn age(&self, now: Now) -> f64 {
+        match now.ros {
+            Some(ros) => ros.seconds_since(self.stamp),
+            None => self.silence(now),
+        }
+    }
+
+    /// How long (s) ago it came.
+    fn silence(&self, now: Now) -> f64 {
+        now.steady.saturating_sub(self.at).as_secs_f64()
+    }
+
+    /// Whether it still says something about the robot.
+    fn freshness(&self, now: Now, settings: &MonitorSettings) -> Result<(), Reason> {
+        let stale_after = settings.stale_after;
+        let age = now.ros.ok_or(Reason::NoClock)?.seconds_since(self.stamp);
+        let older = age.max(self.silence(now));
+        if older > stale_after {
+            Err(Reason::Stale {
+                age: older,
+                stale_after,
+                also: None,
+            })
+        } else if -age > stale_after {
+            Err(Reason::FutureStamp { ahead: -age })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// How long it stays fresh, if it is.
+    fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
+        self.freshness(now, settings).ok()?;
+        let left = settings.stale_after - self.age(now).max(self.silence(now));
+        // a little later, so that it is stale then whatever way rounding goes
+        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
+    }
+}

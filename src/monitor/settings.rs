@@ -1,0 +1,35 @@
+//! What a user decides about monitoring.
+
+use std::time::Duration;
+
+/// Choices that may change at any time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonitorSettings {
+    /// How often something is said at least (Hz).
+    pub heartbeat_rate: f64,
+    /// Age (s) beyond which a joint state says nothing about the robot any more.
+    pub stale_after: f64,
+    /// Distance (m) up to which every pair is reported.
+    pub influence_distance: f64,
+    /// Distance (m) beyond which the least distance is not looked for.
+    pub distance_limit: f64,
+}
+
+impl Default for MonitorSettings {
+    fn default() -> Self {
+        Self {
+            heartbeat_rate: 10.0,
+            stale_after: 0.5,
+            influence_distance: 0.1,
+            distance_limit: 1.0,
+        }
+    }
+}
+
+impl MonitorSettings {
+    /// Longest silence allowed between two judgements.
+    #[must_use]
+    pub fn heartbeat_period(&self) -> Duration {
+        Duration::try_from_secs_f64(1.0 / self.heartbeat_rate).unwrap_or(Duration::from_secs(1))
+    }
+}

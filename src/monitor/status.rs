@@ -1,0 +1,159 @@
+//! FREE, COLLIDING, or UNKNOWN and why.
+
+use std::fmt;
+
+/// What is known about the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// Every pair that has to be checked was found apart.
+    Free,
+    /// Some pair touches.
+    Colliding,
+    /// Nothing is proven.
+    Unknown(Reason),
+}
+
+impl Status {
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        *self == Self::Free
+    }
+
+    #[must_use]
+    pub fn reason(&self) -> Option<&Reason> {
+        match self {
+            Self::Unknown(reason) => Some(reason),
+            Self::Free | Self::Colliding => None,
+        }
+    }
+
+    /// `FREE`, `COLLIDING` or `UNKNOWN`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Free => "FREE",
+            Self::Colliding => "COLLIDING",
+            Self::Unknown(_) => "UNKNOWN",
+        }
+    }
+}
+
+/// Why nothing is known; the text says what to do about it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// No robot model has been loaded; `fault` is what was wrong with the last one offered.
+    NoModel {
+        fault: Option<String>,
+    },
+    NoJointState,
+    NoClock,
+    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it.
+    Stale {
+        age: f64,
+        stale_after: f64,
+        also: Option<Box<Reason>>,
+    },
+    /// The stamp lies `ahead` seconds in the future.
+    FutureStamp {
+        ahead: f64,
+    },
+    /// The stamp is `behind` seconds older than one that was judged before.
+    OutOfOrder {
+        behind: f64,
+    },
+    Malformed(String),
+    NonFinite {
+        joint: String,
+        value: f64,
+    },
+    Partial {
+        missing: Vec<String>,
+    },
+}
+
+impl Reason {
+    /// A word that programs may compare with; it never changes.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoModel { .. } => "no_model",
+            Self::NoJointState => "no_joint_state",
+            Self::NoClock => "no_clock",
+            Self::Stale { .. } => "stale",
+            Self::FutureStamp { .. } => "future_stamp",
+            Self::OutOfOrder { .. } => "out_of_order",
+            Self::Malformed(_) => "malformed",
+            Self::NonFinite { .. } => "non_finite",
+            Self::Partial { .. } => "partial",
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoModel { fault: None } => f.write_str(
+                "there is no robot model yet: give --urdf FILE, or publish the URDF on robot_description",
+            ),
+            Self::NoModel { fault: Some(fault) } => {
+                write!(f, "there is no robot model: the last one was refused: {fault}")
+            }
+            Self::NoJointState => f.write_str(
+                "no joint state has arrived yet: is something publishing joint_states, under this name and namespace?",
+            ),
+            Self::NoClock => f.write_str(
+                "use_sim_time is set, but nothing has arrived on /clock: start the simulation, or set use_sim_time to false",
+            ),
+            Self::Stale { age, stale_after, also } => {
+                write!(
+                    f,
+                    "the last joint state is {age:.3} s old, and stale_after is {stale_after} s: is the driver running?"
+                )?;
+                match also {
+                    Some(reason) => write!(f, " It was not usable either: {reason}"),
+                    None => Ok(()),
+                }
+            }
+            Self::FutureStamp { ahead } => write!(
+                f,
+                "the joint state is stamped {ahead:.3} s in the future: synchronise the clocks, or set use_sim_time if its publisher does"
+            ),
+            Self::OutOfOrder { behind } => write!(
+                f,
+                "the joint state is {behind:.6} s older than one judged before from the same publisher"
+            ),
+            Self::Malformed(what) => write!(f, "the joint state is malformed: {what}"),
+            Self::NonFinite { joint, value } => {
+                write!(f, "joint '{joint}' has position {value}, which is not finite")
+            }
+            Self::Partial { missing } => {
+                write!(f, "the joint state has no position of {}", quoted_list(missing))
+            }
+        }
+    }
+}
+
+/// Names listed at most; a message must not grow with hostile input.
+const LISTED: usize = 8;
+
+/// `'a', 'b' and 3 more`
+pub(super) fn quoted_list(names: &[String]) -> String {
+    let mut text: Vec<String> = names.iter().take(LISTED).map(|n| quoted(n)).collect();
+    if names.len() > LISTED {
+        text.push(format!("{} more", names.len() - LISTED));
+    }
+    match text.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// A name from a message in quotes, shortened if nobody could mean it.
+pub(super) fn quoted(name: &str) -> String {
+    const LONGEST: usize = 80;
+    match name.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("'{}…'", &name[..end]),
+        None => format!("'{name}'"),
+    }
+}

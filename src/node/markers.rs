@@ -1,0 +1,276 @@
+//! What RViz shows: colliding links, and lines between near bodies.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Duration as DurationMessage;
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{
+    Point as PointMessage, Pose as PoseMessage, Quaternion, Vector3,
+};
+use ros2_interfaces_jazzy_serde::std_msgs::msg::{ColorRGBA, Header};
+use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
+
+use super::messages::{header, point_message};
+use crate::checker::{Body, PairDistance};
+use crate::geometry::{Primitive, Shape, TriangleMesh};
+use crate::math::{Point, Pose, Vector};
+use crate::monitor::{Evidence, Judgement, Revision};
+use crate::robot::{Collision, LinkId};
+
+const COLLIDING_LINKS: &str = "colliding_links";
+const WITNESS_LINES: &str = "witness_lines";
+const LEAST_DISTANCE: &str = "least_distance";
+
+const RED: [f32; 4] = [0.9, 0.1, 0.1, 0.8];
+const YELLOW: [f32; 4] = [1.0, 0.8, 0.1, 1.0];
+const WHITE: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
+
+/// Width of a witness line (m).
+const LINE_WIDTH: f64 = 0.004;
+/// Height of a letter (m).
+const TEXT_HEIGHT: f64 = 0.04;
+/// Triangles in one message at most (72 bytes each): RustDDS loses messages of more than about 250 kB.
+const TRIANGLES_SHOWN: usize = 2000;
+const LINES_SHOWN: usize = 1000;
+
+/// What is on the display, so that it can be taken away.
+#[derive(Debug, Default)]
+pub struct Display {
+    shown: BTreeSet<(&'static str, i32)>,
+}
+
+impl Display {
+    /// The markers of a judgement, and the deletion of those that no longer hold. They vanish by themselves after
+    /// `lifetime`, so that nothing is left of a node that has ended.
+    pub fn update(&mut self, judgement: &Judgement, lifetime: Duration) -> MarkerArray {
+        let mut scene = Scene::new(header(judgement), lifetime);
+        if let (Some(revision), Some(evidence)) = (&judgement.revision, &judgement.evidence) {
+            scene.add_colliding_links(revision, evidence);
+            scene.add_witness_lines(evidence);
+        }
+        let shown: BTreeSet<_> = scene.markers.iter().map(|(ns, m)| (*ns, m.id)).collect();
+        let gone: Vec<_> = self.shown.difference(&shown).copied().collect();
+        self.shown = shown;
+        scene.finish(&gone)
+    }
+
+    /// The deletion of everything.
+    pub fn clear(&mut self, judgement: &Judgement) -> MarkerArray {
+        let gone: Vec<_> = std::mem::take(&mut self.shown).into_iter().collect();
+        Scene::new(header(judgement), Duration::ZERO).finish(&gone)
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.shown.is_empty()
+    }
+}
+
+/// A marker array in the making.
+struct Scene {
+    header: Header,
+    lifetime: DurationMessage,
+    markers: Vec<(&'static str, Marker)>,
+    triangles_left: usize,
+}
+
+impl Scene {
+    fn new(header: Header, lifetime: Duration) -> Self {
+        let lifetime = DurationMessage {
+            sec: i32::try_from(lifetime.as_secs()).unwrap_or(i32::MAX),
+            nanosec: lifetime.subsec_nanos(),
+        };
+        Self {
+            header,
+            lifetime,
+            markers: Vec::new(),
+            triangles_left: TRIANGLES_SHOWN,
+        }
+    }
+
+    fn add_colliding_links(&mut self, revision: &Revision, evidence: &Evidence) {
+        let robot = revision.checker.robot();
+        let links: BTreeSet<LinkId> = (evidence.report.colliding_pairs.iter())
+            .flat_map(|&(a, b)| [a, b])
+            .filter_map(|body| match body {
+                Body::Link(link) => Some(link),
+                Body::Obstacle(_) => None,
+            })
+            .collect();
+        for link in links {
+            let pose_rl = evidence.poses.pose(link);
+            for (index, collision) in robot.link(link).collisions.iter().enumerate() {
+                // a number of its own for every marker of the robot: up to four of each collision geometry
+                let first_id = (link.index() * 1024 + index) * 4;
+                self.add_collision(first_id, &(pose_rl * collision.pose_ls), collision);
+            }
+        }
+    }
+
+    fn add_collision(&mut self, first_id: usize, pose_rs: &Pose, collision: &Collision) {
+        match &collision.shape {
+            Shape::Primitive(primitive) => self.add_primitive(first_id, pose_rs, primitive),
+            Shape::Mesh(mesh) => self.add_mesh(first_id, pose_rs, mesh),
+        }
+    }
+
+    fn add_primitive(&mut self, id: usize, pose_rs: &Pose, primitive: &Primitive) {
+        let ball = |radius: f64| Vector::repeat(2.0 * radius);
+        let round =
+            |radius, half_length: f64| Vector::new(2.0 * radius, 2.0 * radius, 2.0 * half_length);
+        match *primitive {
+            Primitive::Box { half_extents } => {
+                self.add_solid(id, Marker::CUBE, pose_rs, 2.0 * Vector::from(half_extents));
+            }
+            Primitive::Sphere { radius } => {
+                self.add_solid(id, Marker::SPHERE, pose_rs, ball(radius));
+            }
+            Primitive::Cylinder {
+                radius,
+                half_length,
+            } => {
+                self.add_solid(id, Marker::CYLINDER, pose_rs, round(radius, half_length));
+            }
+            Primitive::Capsule {
+                radius,
+                half_length,
+            } => {
+                self.add_solid(id, Marker::CYLINDER, pose_rs, round(radius, half_length));
+                for (end, z) in [(1, half_length), (2, -half_length)] {
+                    let pose = pose_rs * Pose::translation(0.0, 0.0, z);
+                    self.add_solid(id + end, Marker::SPHERE, &pose, ball(radius));
+                }
+            }
+        }
+    }
+
+    fn add_solid(&mut self, id: usize, kind: i32, pose_rs: &Pose, size: Vector) {
+        self.add(COLLIDING_LINKS, id, kind, RED, |marker| {
+            marker.pose = pose_message(pose_rs);
+            marker.scale = vector_message(&size);
+        });
+    }
+
+    /// A mesh as triangles, or as the box around it when it has too many.
+    fn add_mesh(&mut self, id: usize, pose_rs: &Pose, mesh: &TriangleMesh) {
+        let triangles = mesh.triangles().len();
+        if triangles > self.triangles_left {
+            let (lo, hi) = mesh.bounds();
+            let centre = nalgebra::center(&lo, &hi);
+            let pose = pose_rs * Pose::from_parts(centre.coords.into(), nalgebra::one());
+            self.add_solid(id, Marker::CUBE, &pose, hi - lo);
+            return;
+        }
+        self.triangles_left -= triangles;
+        let corner = |&v: &u32| point_message(&mesh.vertices()[v as usize]);
+        let points: Vec<PointMessage> = mesh.triangles().iter().flatten().map(corner).collect();
+        self.add(COLLIDING_LINKS, id, Marker::TRIANGLE_LIST, RED, |marker| {
+            marker.pose = pose_message(pose_rs);
+            marker.scale = vector_message(&Vector::repeat(1.0));
+            marker.points = points;
+        });
+    }
+
+    fn add_witness_lines(&mut self, evidence: &Evidence) {
+        let report = &evidence.report;
+        let nearest = report.nearest.as_ref();
+        let near = (report.pair_distances.iter().take(LINES_SHOWN))
+            .chain(nearest.filter(|n| !report.pair_distances.contains(n)))
+            .filter(|pair| pair.distance > 0.0);
+        let ends: Vec<PointMessage> = near
+            .flat_map(|pair| pair.witness_points.each_ref().map(point_message))
+            .collect();
+        if !ends.is_empty() {
+            self.add(WITNESS_LINES, 0, Marker::LINE_LIST, YELLOW, |marker| {
+                marker.scale.x = LINE_WIDTH;
+                marker.points = ends;
+            });
+        }
+        if let Some(nearest) = nearest.filter(|nearest| nearest.distance > 0.0) {
+            self.add_text(nearest);
+        }
+    }
+
+    fn add_text(&mut self, nearest: &PairDistance) {
+        let [a, b] = nearest.witness_points;
+        let middle: Point = nalgebra::center(&a, &b);
+        self.add(
+            LEAST_DISTANCE,
+            0,
+            Marker::TEXT_VIEW_FACING,
+            WHITE,
+            |marker| {
+                marker.pose = pose_message(&Pose::translation(
+                    middle.x,
+                    middle.y,
+                    middle.z + TEXT_HEIGHT,
+                ));
+                marker.scale.z = TEXT_HEIGHT;
+                marker.text = format!("{:.3} m", nearest.distance);
+            },
+        );
+    }
+
+    fn add(
+        &mut self,
+        namespace: &'static str,
+        id: usize,
+        kind: i32,
+        [r, g, b, a]: [f32; 4],
+        complete: impl FnOnce(&mut Marker),
+    ) {
+        let mut marker = Marker {
+            header: self.header.clone(),
+            ns: namespace.to_owned(),
+            id: i32::try_from(id).unwrap_or(i32::MAX),
+            type_: kind,
+            action: Marker::ADD,
+            pose: pose_message(&Pose::identity()),
+            color: ColorRGBA { r, g, b, a },
+            lifetime: self.lifetime.clone(),
+            ..Marker::default()
+        };
+        complete(&mut marker);
+        self.markers.push((namespace, marker));
+    }
+
+    fn finish(self, gone: &[(&'static str, i32)]) -> MarkerArray {
+        let deletion = |&(namespace, id): &(&str, i32)| Marker {
+            header: self.header.clone(),
+            ns: namespace.to_owned(),
+            id,
+            action: Marker::DELETE,
+            pose: pose_message(&Pose::identity()),
+            ..Marker::default()
+        };
+        let mut markers: Vec<Marker> = gone.iter().map(deletion).collect();
+        markers.extend(self.markers.into_iter().map(|(_, marker)| marker));
+        MarkerArray { markers }
+    }
+}
+
+fn vector_message(vector: &Vector) -> Vector3 {
+    Vector3 {
+        x: vector.x,
+        y: vector.y,
+        z: vector.z,
+    }
+}
+
+fn pose_message(pose: &Pose) -> PoseMessage {
+    let position = pose.translation.vector;
+    let q = pose.rotation.quaternion();
+    PoseMessage {
+        position: PointMessage {
+            x: position.x,
+            y: position.y,
+            z: position.z,
+        },
+        orientation: Quaternion {
+            x: q.i,
+            y: q.j,
+            z: q.k,
+            w: q.w,
+        },
+    }
+}

@@ -1,0 +1,398 @@
+//! The one module that names the ROS 2 client library: participants, topics, services, qualities of service.
+//!
+//! Another release of ros2-client, or another middleware, is a change here.
+
+use std::collections::{HashMap, HashSet};
+use std::net::Ipv4Addr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use futures_lite::StreamExt;
+use ros2_client::qos::{Durability, History, Reliability, WhenFull};
+use ros2_client::{
+    Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping,
+};
+use ros2_client::{RmwRequestId, ServiceTypeName};
+use rustdds::{DomainParticipantBuilder, DomainParticipantStatusEvent, GUID, StatusEvented};
+
+use super::environment::{Environment, Reach};
+use super::names::{FullName, NameError};
+use crate::monitor::SourceId;
+
+pub use ros2_client::Message;
+
+/// Something that the middleware refused, in words.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}: {why}")]
+pub struct MiddlewareError {
+    what: String,
+    why: String,
+}
+
+fn refused<E: std::fmt::Display>(what: impl Into<String>) -> impl FnOnce(E) -> MiddlewareError {
+    move |why| MiddlewareError {
+        what: what.into(),
+        why: why.to_string(),
+    }
+}
+
+impl From<NameError> for MiddlewareError {
+    fn from(error: NameError) -> Self {
+        Self {
+            what: "a name is wrong".to_owned(),
+            why: error.to_string(),
+        }
+    }
+}
+
+/// How a topic is carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// Latest samples, lost ones stay lost: a subscription of this kind hears every publisher.
+    BestEffort,
+    /// Every sample arrives: a publisher of this kind is heard by every subscription.
+    Reliable,
+    /// The last sample is kept for those who come later.
+    Latched,
+}
+
+impl Quality {
+    /// Samples kept for each topic.
+    const DEPTH: usize = 10;
+
+    fn profile(self) -> QosProfile {
+        // a subscriber that has stopped reading must never hold up the monitor: its samples are dropped instead
+        let reliable = Reliability::Reliable {
+            when_full: WhenFull::Fail,
+        };
+        let base = QosProfile::subscription_default();
+        match self {
+            Self::BestEffort => base.history(History::KeepLast { depth: Self::DEPTH }),
+            Self::Reliable => base
+                .reliability(reliable)
+                .history(History::KeepLast { depth: Self::DEPTH }),
+            Self::Latched => (base.reliability(reliable))
+                .durability(Durability::TransientLocal)
+                .history(History::KeepLast { depth: 1 }),
+        }
+    }
+}
+
+/// One ROS node on the network.
+#[derive(Clone)]
+pub struct Middleware {
+    node: Arc<Mutex<ros2_client::Node>>,
+    context: Context,
+    endpoints: Arc<Mutex<HashMap<GUID, Endpoint>>>,
+}
+
+/// A topic or service of ours, to be named in complaints.
+#[derive(Clone, Debug)]
+struct Endpoint {
+    dds_topic: String,
+    dds_type: String,
+    name: String,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // the guarded values are valid between any two statements
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Middleware {
+    /// Joins the network under a node name.
+    pub fn join(
+        environment: &Environment,
+        namespace: &str,
+        node: &str,
+    ) -> Result<Self, MiddlewareError> {
+        let mut participant = DomainParticipantBuilder::new(environment.domain);
+        if environment.reach == Reach::Localhost {
+            participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
+        }
+        let participant = participant
+            .build()
+            .map_err(refused("cannot join the ROS network"))?;
+        let context = Context::from_domain_participant(participant)
+            .map_err(refused("cannot join the ROS network"))?;
+        let name = NodeName::new(namespace, node).map_err(refused(format!(
+            "'{namespace}' and '{node}' make no node name"
+        )))?;
+        // the library's own parameter services know no descriptions or ranges; see `parameter_services`
+        let options = NodeOptions::new().start_parameter_services(false);
+        let node =
+            (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
+        Ok(Self {
+            node: Arc::new(Mutex::new(node)),
+            context,
+            endpoints: Arc::default(),
+        })
+    }
+
+    /// Publishes messages of `kind`, such as `std_msgs/Bool`, under a full name.
+    pub fn publisher<M: Message>(
+        &self,
+        name: &FullName,
+        kind: MessageKind,
+        quality: Quality,
+    ) -> Result<Publisher<M>, MiddlewareError> {
+        let mut node = lock(&self.node);
+        let profile = quality.profile();
+        let topic = node
+            .create_topic(&name_of(name)?, kind.type_name(), &profile)
+            .map_err(refused(format!("cannot create topic {name}")))?;
+        let inner = node
+            .create_publisher(&topic, Some(profile))
+            .map_err(refused(format!("cannot publish {name}")))?;
+        self.note(inner.guid(), "rt", name, &kind.type_name().dds_msg_type());
+        Ok(Publisher {
+            inner,
+            name: name.clone(),
+        })
+    }
+
+    /// Hears messages of `kind` under a full name.
+    pub fn subscription<M: Message + 'static>(
+        &self,
+        name: &FullName,
+        kind: MessageKind,
+        quality: Quality,
+    ) -> Result<Subscription<M>, MiddlewareError> {
+        let mut node = lock(&self.node);
+        let profile = quality.profile();
+        let topic = node
+            .create_topic(&name_of(name)?, kind.type_name(), &profile)
+            .map_err(refused(format!("cannot create topic {name}")))?;
+        let inner = node
+            .create_subscription(&topic, Some(profile))
+            .map_err(refused(format!("cannot subscribe to {name}")))?;
+        self.note(inner.guid(), "rt", name, &kind.type_name().dds_msg_type());
+        Ok(Subscription {
+            inner,
+            name: name.clone(),
+        })
+    }
+
+    /// Serves requests of the service type `package/kind` under a full name.
+    pub fn server<Request, Response>(
+        &self,
+        name: &FullName,
+        (package, kind): (&str, &str),
+    ) -> Result<Server<Request, Response>, MiddlewareError>
+    where
+        Request: Message + Clone + 'static,
+        Response: Message + 'static,
+    {
+        let inner = lock(&self.node)
+            .create_server(
+                ServiceMapping::Enhanced,
+                &name_of(name)?,
+                &ServiceTypeName::new(package, kind),
+                // a reliable reader waits 2-3 s for what Fast DDS clients sent before they were matched
+                Quality::BestEffort.profile(),
+                Quality::Reliable.profile(),
+            )
+            .map_err(refused(format!("cannot serve {name}")))?;
+        Ok(Server {
+            inner,
+            name: name.clone(),
+        })
+    }
+
+    fn note(&self, guid: GUID, prefix: &str, name: &FullName, dds_type: &str) {
+        let endpoint = Endpoint {
+            dds_topic: format!("{prefix}{name}"),
+            dds_type: dds_type.to_owned(),
+            name: name.to_string(),
+        };
+        lock(&self.endpoints).insert(guid, endpoint);
+    }
+
+    /// Says in the log which peers can never be heard, and why: DDS itself keeps quiet about it. Never ends.
+    pub async fn watch_for_mismatches(&self) {
+        let listener = self.context.domain_participant().status_listener();
+        let mut events = listener.as_async_status_stream();
+        let mut told = HashSet::new();
+        while let Some(event) = events.next().await {
+            if let Some(complaint) = self.mismatch(&event)
+                && told.len() < 1000
+                && told.insert(complaint.clone())
+            {
+                log::warn!("{complaint}");
+            }
+        }
+    }
+
+    fn mismatch(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
+        let endpoints = lock(&self.endpoints);
+        let name = |guid: &GUID| endpoints.get(guid).map(|e| e.name.clone());
+        match event {
+            DomainParticipantStatusEvent::RemoteReaderQosIncompatible {
+                local_writer,
+                requested_qos,
+                offered_qos,
+                ..
+            } => Some(format!(
+                "a subscription of {} can not hear this node: it requests {}, but {} is offered",
+                name(local_writer)?,
+                quality_in_words(requested_qos),
+                quality_in_words(offered_qos),
+            )),
+            DomainParticipantStatusEvent::RemoteWriterQosIncompatible {
+                local_reader,
+                requested_qos,
+                offered_qos,
+                ..
+            } => Some(format!(
+                "a publisher of {} can not be heard: it offers {}, but this node requests {}",
+                name(local_reader)?,
+                quality_in_words(offered_qos),
+                quality_in_words(requested_qos),
+            )),
+            DomainParticipantStatusEvent::ReaderDetected { reader: peer }
+            | DomainParticipantStatusEvent::WriterDetected { writer: peer } => {
+                let ours = endpoints
+                    .values()
+                    .find(|e| e.dds_topic == peer.topic_name)?;
+                (ours.dds_type != peer.type_name).then(|| {
+                    format!(
+                        "{} has the type {} elsewhere, but {} here: they can not talk",
+                        ours.name, peer.type_name, ours.dds_type
+                    )
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+fn quality_in_words(qos: &rustdds::QosPolicies) -> String {
+    use rustdds::policy::{Durability, Reliability};
+    let reliability = match qos.reliability() {
+        Some(Reliability::Reliable { .. }) => "reliable",
+        Some(Reliability::BestEffort) | None => "best effort",
+    };
+    let durability = match qos.durability() {
+        Some(Durability::Volatile) | None => "volatile",
+        Some(_) => "transient local",
+    };
+    format!("{reliability}, {durability}")
+}
+
+fn name_of(name: &FullName) -> Result<Name, MiddlewareError> {
+    Name::parse(name.as_str()).map_err(refused(format!("'{name}' is no ROS name")))
+}
+
+/// The package and name of a message type.
+#[derive(Clone, Copy, Debug)]
+pub struct MessageKind(pub &'static str, pub &'static str);
+
+impl MessageKind {
+    fn type_name(self) -> MessageTypeName {
+        MessageTypeName::new(self.0, self.1)
+    }
+}
+
+/// Sends messages on one topic.
+pub struct Publisher<M: Message> {
+    inner: ros2_client::Publisher<M>,
+    name: FullName,
+}
+
+impl<M: Message> Publisher<M> {
+    /// Sends, or says why not; never waits. `false` when the message was dropped.
+    pub fn publish(&self, message: M) -> bool {
+        match self.inner.publish(message) {
+            Ok(()) => true,
+            Err(error) => {
+                log::debug!("a message on {} was dropped: {error}", self.name);
+                false
+            }
+        }
+    }
+}
+
+/// Where a message came from.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    pub publisher: SourceId,
+    /// When it was received, by the system's clock.
+    received: Option<SystemTime>,
+}
+
+impl Origin {
+    /// How long it lay here before now.
+    #[must_use]
+    pub fn waited(&self) -> Duration {
+        (self.received.and_then(|received| received.elapsed().ok())).unwrap_or_default()
+    }
+}
+
+/// Receives messages of one topic.
+pub struct Subscription<M> {
+    inner: ros2_client::Subscription<M>,
+    name: FullName,
+}
+
+impl<M: Message + 'static> Subscription<M> {
+    /// The next message, waiting for it. What can not be decoded is logged and passed over.
+    pub async fn next(&self) -> (M, Origin) {
+        loop {
+            match self.inner.async_take().await {
+                Ok((message, info)) => return (message, origin(&info)),
+                Err(error) => self.complain(&error),
+            }
+        }
+    }
+
+    /// The next message if it is there already.
+    pub fn try_next(&self) -> Option<(M, Origin)> {
+        loop {
+            match self.inner.take() {
+                Ok(taken) => return taken.map(|(message, info)| (message, origin(&info))),
+                Err(error) => self.complain(&error),
+            }
+        }
+    }
+
+    fn complain(&self, error: &ros2_client::ReadError) {
+        log::warn!("a message on {} could not be read: {error}", self.name);
+    }
+}
+
+fn origin(info: &ros2_client::MessageInfo) -> Origin {
+    let since_epoch = info
+        .received_timestamp()
+        .and_then(|t| u64::try_from(t.to_nanos()).ok());
+    Origin {
+        publisher: SourceId(info.publisher_gid().to_bytes16()),
+        received: since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds)),
+    }
+}
+
+/// Answers requests of one service.
+pub struct Server<Request: Message, Response: Message> {
+    inner: ros2_client::Server<Request, Response>,
+    name: FullName,
+}
+
+/// Names a request in its answer.
+pub struct RequestId(RmwRequestId);
+
+impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Response> {
+    /// The next request, waiting for it. What can not be decoded is logged and passed over.
+    pub async fn next(&self) -> (RequestId, Request) {
+        loop {
+            match self.inner.async_receive_request().await {
+                Ok((id, request)) => return (RequestId(id), request),
+                Err(error) => log::warn!("a request to {} could not be read: {error}", self.name),
+            }
+        }
+    }
+
+    pub fn answer(&self, RequestId(id): RequestId, response: Response) {
+        if let Err(error) = self.inner.send_response(id, response) {
+            log::warn!("an answer of {} was dropped: {error}", self.name);
+        }
+    }
+}

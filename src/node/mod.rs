@@ -1,0 +1,40 @@
+//! The ROS 2 node: subscriptions to the monitor, judgements to publishers. Nothing here decides what is safe.
+//!
+//! ```text
+//! robot_description, parameters ──> loader ──────┐ checkers
+//! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics
+//! parameter services, /clock ──> services ───────┘ settings
+//! ```
+//!
+//! Each box is a thread; they talk through channels. Only [`middleware`] knows the ROS client library's calls.
+
+mod arguments;
+pub mod clearance_msgs;
+mod clock;
+mod diagnostics;
+mod environment;
+mod loader;
+pub mod logging;
+mod markers;
+mod messages;
+mod middleware;
+mod monitor_loop;
+mod motion;
+mod names;
+mod parameter_files;
+mod parameter_services;
+mod parameter_value;
+mod parameters;
+mod publishers;
+mod run;
+mod simulation_clock;
+mod threads;
+
+pub use arguments::{ArgumentError, ParameterSource, RosArguments};
+pub use environment::{Environment, EnvironmentError, Reach};
+pub use loader::Surroundings;
+pub use monitor_loop::Observer;
+pub use motion::{Motion, Trajectory};
+pub use parameter_value::Value;
+pub use parameters::Parameters;
+pub use run::{NODE_NAME, NodeError, NodeOptions, run};

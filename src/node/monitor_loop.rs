@@ -1,0 +1,155 @@
+//! Joint states to the monitor, judgements to the topics: the thread that must never wait for anything else.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use smol::Timer;
+use smol::channel::Receiver;
+
+use super::clock::RosClock;
+use super::diagnostics::{Activity, diagnostics};
+use super::messages::joint_state_input;
+use super::middleware::{Origin, Subscription};
+use super::parameters::Parameters;
+use super::publishers::Publishers;
+use crate::monitor::{Judgement, Monitor, Revision};
+
+/// What the other threads tell the monitor.
+pub enum Event {
+    Checker(Arc<Revision>),
+    ModelFault(String),
+    Parameters(Box<Parameters>),
+    Stop,
+}
+
+/// Sees every judgement, for a display beside ROS. It must be quick.
+pub type Observer = Box<dyn FnMut(&Judgement) + Send>;
+
+/// Time between two diagnostics while the status stays.
+const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
+
+/// A joint state that waited longer than this is passed over if a newer one is there.
+const LONGEST_WAIT: Duration = Duration::from_millis(50);
+
+/// Everything that the monitor's thread holds.
+pub struct MonitorLoop {
+    pub node: String,
+    pub monitor: Monitor,
+    pub parameters: Parameters,
+    pub clock: Arc<RosClock>,
+    pub joint_states: Subscription<JointState>,
+    pub events: Receiver<Event>,
+    pub publishers: Publishers,
+    pub observer: Option<Observer>,
+    pub report: Report,
+}
+
+/// What the next diagnostics will tell.
+#[derive(Default)]
+pub struct Report {
+    activity: Activity,
+    model_fault: Option<String>,
+    /// Status and steady time of the last diagnostics.
+    last: Option<(&'static str, Duration)>,
+}
+
+/// What woke the thread.
+enum Wake {
+    Event(Event),
+    JointState(JointState, Origin),
+    Heartbeat,
+}
+
+impl MonitorLoop {
+    /// Runs until it is told to stop.
+    pub async fn run(mut self) {
+        loop {
+            match self.wake().await {
+                Wake::Event(Event::Stop) => return,
+                Wake::Event(event) => self.heed(event),
+                Wake::JointState(message, origin) => self.judge(message, origin),
+                Wake::Heartbeat => {
+                    let judgement = self.monitor.on_heartbeat(self.clock.read());
+                    self.say(&judgement);
+                }
+            }
+        }
+    }
+
+    async fn wake(&self) -> Wake {
+        let due = self.monitor.time_to_heartbeat(self.clock.read());
+        let event = async { Wake::Event(self.events.recv().await.unwrap_or(Event::Stop)) };
+        let joint_state = async {
+            let (message, origin) = self.joint_states.next().await;
+            Wake::JointState(message, origin)
+        };
+        let heartbeat = async {
+            Timer::after(due).await;
+            Wake::Heartbeat
+        };
+        future::or(event, future::or(joint_state, heartbeat)).await
+    }
+
+    fn heed(&mut self, event: Event) {
+        match event {
+            Event::Stop => {}
+            Event::Checker(revision) => {
+                self.report.model_fault = None;
+                self.monitor.set_checker(revision);
+            }
+            Event::ModelFault(fault) => {
+                self.report.model_fault = Some(fault.clone());
+                self.report.last = None;
+                self.monitor.note_model_fault(fault);
+            }
+            Event::Parameters(parameters) => {
+                self.monitor.set_settings(parameters.monitor_settings());
+                self.parameters = *parameters;
+            }
+        }
+    }
+
+    fn judge(&mut self, mut message: JointState, mut origin: Origin) {
+        while origin.waited() > LONGEST_WAIT
+            && let Some(newer) = self.joint_states.try_next()
+        {
+            self.report.activity.passed_over += 1;
+            (message, origin) = newer;
+        }
+        let input = joint_state_input(message, origin.publisher);
+        let judgement = self.monitor.on_joint_state(input, self.clock.read());
+        self.report.activity.note_judged(&judgement);
+        self.say(&judgement);
+    }
+
+    fn say(&mut self, judgement: &Judgement) {
+        let steady = self.clock.steady();
+        self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
+        if let Some(observe) = &mut self.observer {
+            observe(judgement);
+        }
+        self.say_diagnostics(judgement, steady);
+    }
+
+    /// Once a second, and at every change of status.
+    fn say_diagnostics(&mut self, judgement: &Judgement, steady: Duration) {
+        let status = judgement.status.word();
+        let since = |at: Duration| steady.saturating_sub(at);
+        let report = &mut self.report;
+        if report
+            .last
+            .is_some_and(|(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD)
+        {
+            return;
+        }
+        let interval = report.last.map_or(steady, |(_, at)| since(at));
+        report.last = Some((status, steady));
+        let now = self.clock.now().unwrap_or_default();
+        let activity = std::mem::take(&mut report.activity);
+        let fault = report.model_fault.as_deref();
+        let message = diagnostics(&self.node, now, judgement, &activity, interval, fault);
+        self.publishers.say_diagnostics(message);
+    }
+}

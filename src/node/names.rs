@@ -1,0 +1,219 @@
+//! Names of nodes, topics and services: relative, private (`~`) and absolute ones, namespaces and remaps.
+
+use std::fmt;
+
+/// A checked absolute name, such as `/robot1/joint_states`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FullName(String);
+
+impl FullName {
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for FullName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Text that is no ROS name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{name}' is no {kind}: {why}")]
+pub struct NameError {
+    name: String,
+    kind: &'static str,
+    why: &'static str,
+}
+
+/// `from:=to`, for every node or for the one called `node`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remap {
+    pub node: Option<String>,
+    pub from: String,
+    pub to: String,
+}
+
+/// A node's name and namespace, and the remaps that hold for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names {
+    node: String,
+    /// Begins with a slash and ends with none, but for the root `/`.
+    namespace: String,
+    remaps: Vec<Remap>,
+}
+
+impl Names {
+    /// A node called `default_node` in the root namespace, unless `__node` and `__ns` say otherwise.
+    pub fn new(default_node: &str, remaps: &[Remap]) -> Result<Self, NameError> {
+        let applicable: Vec<Remap> = (remaps.iter())
+            .filter(|r| r.node.as_deref().is_none_or(|node| node == default_node))
+            .cloned()
+            .collect();
+        // the first rule that matches wins, as in rcl
+        let special = |names: &[&str]| {
+            (applicable.iter().find(|r| names.contains(&r.from.as_str()))).map(|r| r.to.as_str())
+        };
+        let node = special(&["__node", "__name"]).unwrap_or(default_node);
+        check_token(node).map_err(|why| NameError {
+            name: node.to_owned(),
+            kind: "node name",
+            why,
+        })?;
+        let namespace = special(&["__ns"]).unwrap_or("/");
+        check_namespace(namespace)?;
+        Ok(Self {
+            node: node.to_owned(),
+            namespace: namespace.to_owned(),
+            remaps: applicable
+                .into_iter()
+                .filter(|r| !r.from.starts_with("__"))
+                .collect(),
+        })
+    }
+
+    #[must_use]
+    pub fn node(&self) -> &str {
+        &self.node
+    }
+
+    #[must_use]
+    pub fn namespace(&self) -> &str {
+        &self.namespace
+    }
+
+    /// The node's own full name.
+    #[must_use]
+    pub fn full_node_name(&self) -> String {
+        join(&self.namespace, &self.node)
+    }
+
+    /// The full name of a topic or service after remaps.
+    pub fn resolve(&self, name: &str) -> Result<FullName, NameError> {
+        let full = self.expand(name)?;
+        for remap in &self.remaps {
+            if self.expand(&remap.from)? == full {
+                return self.expand(&remap.to);
+            }
+        }
+        Ok(full)
+    }
+
+    /// The full name of a topic or service before remaps.
+    fn expand(&self, name: &str) -> Result<FullName, NameError> {
+        let error = |why| NameError {
+            name: name.to_owned(),
+            kind: "topic or service name",
+            why,
+        };
+        let name = (name.replace("{node}", &self.node))
+            .replace("{ns}", self.namespace.trim_end_matches('/'))
+            .replace("{namespace}", self.namespace.trim_end_matches('/'));
+        let full = if let Some(private) = name.strip_prefix('~') {
+            let Some(rest) = private.strip_prefix('/') else {
+                return Err(error("'~' is followed by a slash and a name"));
+            };
+            join(&self.full_node_name(), rest)
+        } else if name.starts_with('/') {
+            name
+        } else {
+            join(&self.namespace, &name)
+        };
+        for token in full.strip_prefix('/').unwrap_or(&full).split('/') {
+            check_token(token).map_err(error)?;
+        }
+        Ok(FullName(full))
+    }
+}
+
+fn join(namespace: &str, name: &str) -> String {
+    format!("{}/{name}", namespace.trim_end_matches('/'))
+}
+
+fn check_namespace(namespace: &str) -> Result<(), NameError> {
+    let error = |why| NameError {
+        name: namespace.to_owned(),
+        kind: "namespace",
+        why,
+    };
+    let rest = namespace
+        .strip_prefix('/')
+        .ok_or(error("it must begin with a slash"))?;
+    if rest.is_empty() {
+        return Ok(());
+    }
+    rest.split('/')
+        .try_for_each(|token| check_token(token).map_err(error))
+}
+
+fn check_token(token: &str) -> Result<(), &'static str> {
+    if token.is_empty() {
+        Err("there is nothing before, after or between its slashes")
+    } else if token.starts_with(|c: char| c.is_ascii_digit()) {
+        Err("a part of it begins with a digit")
+    } else if !token.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+        Err("only letters, digits, underscores and slashes may stand in it")
+    } else if token.contains("__") {
+        Err("two underscores stand together")
+    } else {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn remap(node: Option<&str>, from: &str, to: &str) -> Remap {
+        Remap {
+            node: node.map(str::to_owned),
+            from: from.to_owned(),
+            to: to.to_owned(),
+        }
+    }
+
+    fn resolved(names: &Names, name: &str) -> String {
+        names.resolve(name).unwrap().to_string()
+    }
+
+    #[test]
+    fn names_expand_as_in_rcl() {
+        let root = Names::new("clearance", &[]).unwrap();
+        assert_eq!(resolved(&root, "joint_states"), "/joint_states");
+        assert_eq!(resolved(&root, "~/state"), "/clearance/state");
+        assert_eq!(resolved(&root, "/diagnostics"), "/diagnostics");
+
+        let inner = Names::new("clearance", &[remap(None, "__ns", "/cell/left")]).unwrap();
+        assert_eq!(resolved(&inner, "joint_states"), "/cell/left/joint_states");
+        assert_eq!(resolved(&inner, "~/state"), "/cell/left/clearance/state");
+        assert_eq!(resolved(&inner, "{ns}/{node}/x"), "/cell/left/clearance/x");
+    }
+
+    #[test]
+    fn remaps_compare_full_names_and_the_first_wins() {
+        let remaps = [
+            remap(None, "__node", "guard"),
+            remap(Some("other"), "joint_states", "/wrong"),
+            remap(Some("clearance"), "joint_states", "/arm/joint_states"),
+            remap(None, "/joint_states", "/late"),
+            remap(None, "~/state", "answer"),
+        ];
+        let names = Names::new("clearance", &remaps).unwrap();
+        assert_eq!(names.full_node_name(), "/guard");
+        assert_eq!(resolved(&names, "joint_states"), "/arm/joint_states");
+        assert_eq!(resolved(&names, "~/state"), "/answer");
+        assert_eq!(resolved(&names, "~/is_free"), "/guard/is_free");
+    }
+
+    #[test]
+    fn bad_names_are_named() {
+        for bad in ["", "/", "a//b", "a/", "1a", "a b", "~x", "a__b", "ä"] {
+            let error = Names::new("n", &[]).unwrap().resolve(bad).unwrap_err();
+            assert!(error.to_string().contains(&format!("'{bad}'")), "{error}");
+        }
+        assert!(Names::new("n", &[remap(None, "__ns", "relative")]).is_err());
+        assert!(Names::new("n", &[remap(None, "__node", "a/b")]).is_err());
+    }
+}

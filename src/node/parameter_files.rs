@@ -1,0 +1,268 @@
+//! ROS 2 parameter files, and the order in which files and single parameters take effect.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value as Yaml};
+
+use super::arguments::ParameterSource;
+use super::names::Names;
+use super::parameter_value::{self, Value};
+use super::parameters::{Parameters, declaration};
+
+/// A parameter that can not be taken at the start.
+#[derive(Debug, thiserror::Error)]
+pub enum ParameterFault {
+    #[error("parameter file {}: {why}", file.display())]
+    File { file: PathBuf, why: String },
+    #[error("parameter '{name}': {why}")]
+    Single { name: String, why: String },
+}
+
+/// The values at the start: defaults, then the files in turn, then the single parameters; the later wins.
+///
+/// Also says what was passed over: parameters of wildcard sections that other nodes may have but this one has not.
+pub fn initial(
+    mut parameters: Parameters,
+    sources: &[ParameterSource],
+    names: &Names,
+) -> Result<(Parameters, Vec<String>), ParameterFault> {
+    let mut passed_over = Vec::new();
+    for source in sources {
+        if let ParameterSource::File(file) = source {
+            let fault = |why| ParameterFault::File {
+                file: file.clone(),
+                why,
+            };
+            let text = std::fs::read_to_string(file).map_err(|e| fault(e.to_string()))?;
+            apply_text(&mut parameters, &text, file, names, &mut passed_over).map_err(fault)?;
+        }
+    }
+    for source in sources {
+        if let ParameterSource::Single { node, name, value } = source
+            && node.as_deref().is_none_or(|node| is_this_node(node, names))
+        {
+            (parameters.set(name, value)).map_err(|why| ParameterFault::Single {
+                name: name.clone(),
+                why,
+            })?;
+        }
+    }
+    Ok((parameters, passed_over))
+}
+
+fn is_this_node(name: &str, names: &Names) -> bool {
+    name == names.node() || name == names.full_node_name()
+}
+
+fn apply_text(
+    parameters: &mut Parameters,
+    text: &str,
+    file: &Path,
+    names: &Names,
+    passed_over: &mut Vec<String>,
+) -> Result<(), String> {
+    let document: Yaml = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+    let Yaml::Object(document) = document else {
+        return Err("it must map node names to ros__parameters".to_owned());
+    };
+    let mut sections = Vec::new();
+    collect_sections(&document, String::new(), &mut sections)?;
+    let full_name = names.full_node_name();
+    sections.retain(|section| matches(&section.pattern, &full_name));
+    // what names this node wins over wildcards
+    sections.sort_by_key(|section| !section.is_wildcard());
+    for section in sections {
+        for (name, value) in &section.values {
+            if section.is_wildcard() && declaration(name).is_none() {
+                passed_over.push(format!(
+                    "{name} of {} in {}",
+                    section.pattern,
+                    file.display()
+                ));
+                continue;
+            }
+            (parameters.set(name, value)).map_err(|why| format!("{}: {why}", section.pattern))?;
+        }
+    }
+    Ok(())
+}
+
+/// The parameters of the nodes that a name pattern stands for.
+struct Section {
+    /// Absolute, with `*` for one part of a name and `**` for any number of them.
+    pattern: String,
+    values: Vec<(String, Value)>,
+}
+
+impl Section {
+    fn is_wildcard(&self) -> bool {
+        self.pattern.contains('*')
+    }
+}
+
+/// Node names may be nested: `/cell: {left: {ros__parameters: ...}}` is `/cell/left`.
+fn collect_sections(
+    map: &Map<String, Yaml>,
+    prefix: String,
+    sections: &mut Vec<Section>,
+) -> Result<(), String> {
+    for (key, value) in map {
+        let Yaml::Object(inner) = value else {
+            return Err(format!(
+                "'{key}' must hold ros__parameters, or node names that do"
+            ));
+        };
+        if key == "ros__parameters" {
+            let mut values = Vec::new();
+            flatten(inner, "", &mut values);
+            sections.push(Section {
+                pattern: prefix.clone(),
+                values,
+            });
+        } else {
+            let pattern = format!("{prefix}/{}", key.trim_matches('/'));
+            collect_sections(inner, pattern, sections)?;
+        }
+    }
+    Ok(())
+}
+
+/// Nested parameters have dots in their names.
+fn flatten(map: &Map<String, Yaml>, prefix: &str, values: &mut Vec<(String, Value)>) {
+    for (key, value) in map {
+        match value {
+            Yaml::Object(inner) => flatten(inner, &format!("{prefix}{key}."), values),
+            other => values.push((format!("{prefix}{key}"), parameter_value::from_node(other))),
+        }
+    }
+}
+
+fn matches(pattern: &str, full_name: &str) -> bool {
+    fn parts_match(pattern: &[&str], name: &[&str]) -> bool {
+        match (pattern, name) {
+            ([], []) => true,
+            (["**", rest @ ..], _) => {
+                (0..=name.len()).any(|skipped| parts_match(rest, &name[skipped..]))
+            }
+            ([first, pattern @ ..], [part, name @ ..]) => {
+                (*first == "*" || first == part) && parts_match(pattern, name)
+            }
+            _ => false,
+        }
+    }
+    let parts = |text: &str| {
+        text.split('/')
+            .filter(|p| !p.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    let (pattern, name): (Vec<String>, Vec<String>) = (parts(pattern), parts(full_name));
+    let pattern: Vec<&str> = pattern.iter().map(String::as_str).collect();
+    let name: Vec<&str> = name.iter().map(String::as_str).collect();
+    parts_match(&pattern, &name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::node::names::Remap;
+
+    fn names(namespace: &str) -> Names {
+        let remap = |from: &str, to: &str| Remap {
+            node: None,
+            from: from.into(),
+            to: to.into(),
+        };
+        Names::new("clearance", &[remap("__ns", namespace)]).unwrap()
+    }
+
+    fn apply(text: &str, namespace: &str) -> Result<(Parameters, Vec<String>), String> {
+        let mut parameters = Parameters::default();
+        let mut passed_over = Vec::new();
+        let file = Path::new("p.yaml");
+        apply_text(
+            &mut parameters,
+            text,
+            file,
+            &names(namespace),
+            &mut passed_over,
+        )?;
+        Ok((parameters, passed_over))
+    }
+
+    #[test]
+    fn sections_match_by_name_namespace_and_wildcard() {
+        let padding = |text, ns| apply(text, ns).unwrap().0.padding;
+        for (key, root, cell) in [
+            ("/**", 0.5, 0.5),
+            ("clearance", 0.5, 0.0),
+            ("/clearance", 0.5, 0.0),
+            ("/cell/clearance", 0.0, 0.5),
+            ("/*/clearance", 0.0, 0.5),
+            ("/**/clearance", 0.5, 0.5),
+            ("other", 0.0, 0.0),
+        ] {
+            let text = format!("{key}:\n  ros__parameters:\n    padding: 0.5\n");
+            assert_eq!(padding(&text, "/"), root, "{key} at the root");
+            assert_eq!(padding(&text, "/cell"), cell, "{key} in /cell");
+        }
+        let nested = "/cell:\n  clearance:\n    ros__parameters:\n      padding: 0.5\n";
+        assert_eq!(padding(nested, "/cell"), 0.5);
+    }
+
+    #[test]
+    fn the_own_name_wins_over_wildcards() {
+        let text = "clearance: {ros__parameters: {padding: 0.25}}\n/**: {ros__parameters: {padding: 0.5}}\n";
+        assert_eq!(apply(text, "/").unwrap().0.padding, 0.25);
+    }
+
+    #[test]
+    fn unknown_parameters_are_refused_by_name_but_may_be_meant_for_others() {
+        let error = apply("clearance: {ros__parameters: {a: {b: 1}}}", "/").unwrap_err();
+        assert!(error.contains("'a.b'"), "{error}");
+        let (_, passed_over) = apply("/**: {ros__parameters: {speed: 1}}", "/").unwrap();
+        assert!(passed_over[0].contains("speed"), "{passed_over:?}");
+    }
+
+    #[test]
+    fn broken_files_are_refused() {
+        for bad in [
+            "",
+            "3",
+            "clearance: 3",
+            "clearance: {padding: 1}",
+            "a: [",
+            "clearance: {ros__parameters: {padding: big}}",
+        ] {
+            assert!(apply(bad, "/").is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn single_parameters_win_over_files() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("p.yaml");
+        std::fs::write(
+            &file,
+            "/**: {ros__parameters: {padding: 0.5, stale_after: 2}}",
+        )
+        .unwrap();
+        let single = |node: Option<&str>, name: &str, value| ParameterSource::Single {
+            node: node.map(str::to_owned),
+            name: name.to_owned(),
+            value,
+        };
+        let sources = [
+            single(None, "padding", Value::Double(0.125)),
+            ParameterSource::File(file),
+            single(Some("other"), "heartbeat_rate", Value::Double(99.0)),
+        ];
+        let (parameters, _) = initial(Parameters::default(), &sources, &names("/")).unwrap();
+        assert_eq!(parameters.padding, 0.125);
+        assert_eq!(parameters.stale_after, 2.0);
+        assert_eq!(parameters.heartbeat_rate, 10.0);
+        let missing = [ParameterSource::File("/nowhere.yaml".into())];
+        let error = initial(Parameters::default(), &missing, &names("/")).unwrap_err();
+        assert!(error.to_string().contains("/nowhere.yaml"), "{error}");
+    }
+}

@@ -1,0 +1,341 @@
+//! The standard parameter services, as `ros2 param` speaks to them, and `/parameter_events`.
+//!
+//! The client library has its own, but they describe nothing, change parameters one by one and lose the first requests
+//! of clients that were there before them.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use futures_lite::future;
+use ros2_client::builtin_interfaces::Time as StampMessage;
+use ros2_client::parameters::raw;
+use ros2_client::rcl_interfaces::{
+    DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
+    GetParameterTypesResponse, GetParametersRequest, GetParametersResponse, ListParametersRequest,
+    ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse,
+    SetParametersRequest, SetParametersResponse,
+};
+use serde::{Deserialize, Serialize};
+
+use super::clock::RosClock;
+use super::middleware::{
+    Message, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Server,
+};
+use super::names::Names;
+use super::parameter_value::{Value, not_set};
+use super::parameters::{DECLARATIONS, Declaration, Parameters, Range, declaration};
+
+/// Called with every new set of parameters, in the order of the changes.
+pub type OnChange = Box<dyn Fn(&Parameters) + Send + Sync>;
+
+/// The parameters in force, shared between those who change and those who read them.
+#[derive(Clone)]
+pub struct ParameterStore {
+    values: Arc<Mutex<Parameters>>,
+    on_change: Arc<OnChange>,
+}
+
+impl ParameterStore {
+    #[must_use]
+    pub fn new(initial: Parameters, on_change: OnChange) -> Self {
+        Self {
+            values: Arc::new(Mutex::new(initial)),
+            on_change: Arc::new(on_change),
+        }
+    }
+
+    #[must_use]
+    pub fn get(&self) -> Parameters {
+        self.values
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Makes all changes or none; the new values come into force together.
+    fn set_together(&self, changes: &[(String, Value)]) -> Result<(), String> {
+        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut changed = values.clone();
+        for (name, value) in changes {
+            changed.set(name, value)?;
+        }
+        if *values != changed {
+            *values = changed;
+            (self.on_change)(&values);
+        }
+        Ok(())
+    }
+
+    /// Makes each change that can be made; the new values come into force together.
+    fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
+        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut changed = values.clone();
+        let results = changes
+            .iter()
+            .map(|(name, value)| changed.set(name, value))
+            .collect::<Vec<_>>();
+        if *values != changed {
+            *values = changed;
+            (self.on_change)(&values);
+        }
+        results
+    }
+}
+
+/// The six services of one node.
+pub struct ParameterServices {
+    store: ParameterStore,
+    clock: Arc<RosClock>,
+    node: String,
+    events: Publisher<Event>,
+    get: Server<GetParametersRequest, GetParametersResponse>,
+    get_types: Server<GetParameterTypesRequest, GetParameterTypesResponse>,
+    list: Server<ListParametersRequest, ListParametersResponse>,
+    describe: Server<DescribeParametersRequest, DescribeParametersResponse>,
+    set: Server<SetParametersRequest, SetParametersResponse>,
+    set_atomically: Server<SetParametersRequest, SetParametersAtomicallyResponse>,
+}
+
+/// `rcl_interfaces/msg/ParameterEvent`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Event(raw::ParameterEvent);
+
+impl Message for Event {}
+
+impl ParameterServices {
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        store: ParameterStore,
+        clock: Arc<RosClock>,
+    ) -> Result<Self, MiddlewareError> {
+        fn server<Request, Response>(
+            middleware: &Middleware,
+            names: &Names,
+            name: &str,
+            kind: &str,
+        ) -> Result<Server<Request, Response>, MiddlewareError>
+        where
+            Request: Message + Clone + 'static,
+            Response: Message + 'static,
+        {
+            let name = names.resolve(&format!("~/{name}"))?;
+            middleware.server(&name, ("rcl_interfaces", kind))
+        }
+        let events = names.resolve("/parameter_events")?;
+        let event_kind = MessageKind("rcl_interfaces", "ParameterEvent");
+        let services = Self {
+            node: names.full_node_name(),
+            store,
+            clock,
+            events: middleware.publisher(&events, event_kind, Quality::Reliable)?,
+            get: server(middleware, names, "get_parameters", "GetParameters")?,
+            get_types: server(
+                middleware,
+                names,
+                "get_parameter_types",
+                "GetParameterTypes",
+            )?,
+            list: server(middleware, names, "list_parameters", "ListParameters")?,
+            describe: server(
+                middleware,
+                names,
+                "describe_parameters",
+                "DescribeParameters",
+            )?,
+            set: server(middleware, names, "set_parameters", "SetParameters")?,
+            set_atomically: server(
+                middleware,
+                names,
+                "set_parameters_atomically",
+                "SetParametersAtomically",
+            )?,
+        };
+        let all: Vec<&Declaration> = DECLARATIONS.iter().collect();
+        services.announce(&all, &[]);
+        Ok(services)
+    }
+
+    /// Answers requests for ever.
+    pub async fn serve(&self) {
+        let reading = future::zip(
+            future::zip(
+                answer(&self.get, |r| self.values(&r)),
+                answer(&self.get_types, |r| self.types(&r)),
+            ),
+            future::zip(
+                answer(&self.list, list),
+                answer(&self.describe, |r| describe(&r)),
+            ),
+        );
+        let writing = future::zip(
+            answer(&self.set, |r| self.change_each(&r)),
+            answer(&self.set_atomically, |r| self.change_together(&r)),
+        );
+        future::zip(reading, writing).await;
+    }
+
+    fn values(&self, request: &GetParametersRequest) -> GetParametersResponse {
+        let parameters = self.store.get();
+        let value = |name: &String| {
+            declaration(name).map_or_else(not_set, |d| d.get(&parameters).to_message())
+        };
+        GetParametersResponse {
+            values: request.names.iter().map(value).collect(),
+        }
+    }
+
+    fn types(&self, request: &GetParameterTypesRequest) -> GetParameterTypesResponse {
+        let values = self
+            .values(&GetParametersRequest {
+                names: request.names.clone(),
+            })
+            .values;
+        GetParameterTypesResponse {
+            values: values.iter().map(|value| value.ptype).collect(),
+        }
+    }
+
+    fn change_each(&self, request: &SetParametersRequest) -> SetParametersResponse {
+        let changes = changes(request);
+        let results = self.store.set_each(&changes);
+        let made = (changes.iter().zip(&results))
+            .filter(|(_, r)| r.is_ok())
+            .map(|((n, _), _)| n);
+        let made: Vec<&Declaration> = made.filter_map(|name| declaration(name)).collect();
+        self.announce(&[], &made);
+        SetParametersResponse {
+            results: results.into_iter().map(result_message).collect(),
+        }
+    }
+
+    fn change_together(&self, request: &SetParametersRequest) -> SetParametersAtomicallyResponse {
+        let changes = changes(request);
+        let result = self.store.set_together(&changes);
+        if result.is_ok() {
+            let made: Vec<_> = changes
+                .iter()
+                .filter_map(|(name, _)| declaration(name))
+                .collect();
+            self.announce(&[], &made);
+        }
+        SetParametersAtomicallyResponse {
+            result: result_message(result),
+        }
+    }
+
+    /// Tells who listens to `/parameter_events`.
+    fn announce(&self, new: &[&Declaration], changed: &[&Declaration]) {
+        if new.is_empty() && changed.is_empty() {
+            return;
+        }
+        let parameters = self.store.get();
+        let messages = |declarations: &[&Declaration]| {
+            let message = |d: &&Declaration| raw::Parameter {
+                name: d.name.to_owned(),
+                value: d.get(&parameters).to_message(),
+            };
+            declarations.iter().map(message).collect()
+        };
+        let now = self.clock.now().unwrap_or_default();
+        self.events.publish(Event(raw::ParameterEvent {
+            stamp: StampMessage::from_nanos(now.nanoseconds()),
+            node: self.node.clone(),
+            new_parameters: messages(new),
+            changed_parameters: messages(changed),
+            deleted_parameters: Vec::new(),
+        }));
+    }
+}
+
+async fn answer<Request, Response>(
+    server: &Server<Request, Response>,
+    respond: impl Fn(Request) -> Response,
+) where
+    Request: Message + 'static,
+    Response: Message + 'static,
+{
+    loop {
+        let (id, request) = server.next().await;
+        server.answer(id, respond(request));
+    }
+}
+
+fn changes(request: &SetParametersRequest) -> Vec<(String, Value)> {
+    let change = |p: &raw::Parameter| (p.name.clone(), Value::from_message(&p.value));
+    request.parameter.iter().map(change).collect()
+}
+
+fn result_message(result: Result<(), String>) -> raw::SetParametersResult {
+    let (successful, reason) = match result {
+        Ok(()) => (true, String::new()),
+        Err(reason) => (false, reason),
+    };
+    raw::SetParametersResult { successful, reason }
+}
+
+/// As rclcpp lists them: all, or those that are a prefix or lie below one. No name here has a dot.
+#[expect(clippy::needless_pass_by_value, reason = "a request is answered once")]
+fn list(request: ListParametersRequest) -> ListParametersResponse {
+    let wanted =
+        |name: &str| request.prefixes.is_empty() || request.prefixes.iter().any(|p| p == name);
+    let names = DECLARATIONS
+        .iter()
+        .map(|d| d.name)
+        .filter(|name| wanted(name))
+        .map(str::to_owned);
+    let result = ListParametersResult {
+        names: names.collect(),
+        prefixes: Vec::new(),
+    };
+    ListParametersResponse { result }
+}
+
+fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
+    let describe = |name: &String| match declaration(name) {
+        Some(declaration) => descriptor(declaration),
+        None => raw::ParameterDescriptor {
+            name: name.clone(),
+            ..blank_descriptor()
+        },
+    };
+    DescribeParametersResponse {
+        values: request.names.iter().map(describe).collect(),
+    }
+}
+
+fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
+    let ranges = match declaration.range {
+        Range::Bool => Vec::new(),
+        Range::Double { from, to } => {
+            vec![raw::FloatingPointRange {
+                from_value: from,
+                to_value: to,
+                step: 0.0,
+            }]
+        }
+    };
+    let unit = match declaration.unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    };
+    raw::ParameterDescriptor {
+        name: declaration.name.to_owned(),
+        r#type: declaration.get(&Parameters::default()).to_message().ptype,
+        description: format!("{}{unit}", declaration.description),
+        floating_point_range: ranges,
+        ..blank_descriptor()
+    }
+}
+
+fn blank_descriptor() -> raw::ParameterDescriptor {
+    raw::ParameterDescriptor {
+        name: String::new(),
+        r#type: raw::ParameterType::NOT_SET,
+        description: String::new(),
+        additional_constraints: String::new(),
+        read_only: false,
+        dynamic_typing: false,
+        floating_point_range: Vec::new(),
+        integer_range: Vec::new(),
+    }
+}

@@ -1,0 +1,154 @@
+//! Values of ROS parameters.
+
+use ros2_client::parameters::raw::{ParameterType, ParameterValue};
+use serde_json::Value as Yaml;
+
+/// A value of one of the types that this node's parameters have, or `Other`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Bool(bool),
+    Integer(i64),
+    Double(f64),
+    Text(String),
+    /// Arrays, and nothing at all: no parameter here takes them; the text says what it was.
+    Other(&'static str),
+}
+
+impl Value {
+    /// The kind of value in words.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Bool(_) => "a bool",
+            Self::Integer(_) => "an integer",
+            Self::Double(_) => "a double",
+            Self::Text(_) => "a string",
+            Self::Other(kind) => kind,
+        }
+    }
+
+    /// The message that carries this value.
+    #[must_use]
+    pub fn to_message(&self) -> ParameterValue {
+        let mut message = not_set();
+        match self {
+            Self::Bool(value) => {
+                message.ptype = ParameterType::BOOL;
+                message.boolean_value = *value;
+            }
+            Self::Integer(value) => {
+                message.ptype = ParameterType::INTEGER;
+                message.int_value = *value;
+            }
+            Self::Double(value) => {
+                message.ptype = ParameterType::DOUBLE;
+                message.double_value = *value;
+            }
+            Self::Text(value) => {
+                message.ptype = ParameterType::STRING;
+                message.string_value.clone_from(value);
+            }
+            Self::Other(_) => {}
+        }
+        message
+    }
+
+    /// What a message says.
+    #[must_use]
+    pub fn from_message(message: &ParameterValue) -> Self {
+        match message.ptype {
+            ParameterType::BOOL => Self::Bool(message.boolean_value),
+            ParameterType::INTEGER => Self::Integer(message.int_value),
+            ParameterType::DOUBLE => Self::Double(message.double_value),
+            ParameterType::STRING => Self::Text(message.string_value.clone()),
+            ParameterType::NOT_SET => Self::Other("no value, which would delete it"),
+            _ => Self::Other("an array"),
+        }
+    }
+}
+
+/// The message of a parameter that does not exist.
+#[must_use]
+pub fn not_set() -> ParameterValue {
+    ParameterValue {
+        ptype: ParameterType::NOT_SET,
+        boolean_value: false,
+        int_value: 0,
+        double_value: 0.0,
+        string_value: String::new(),
+        byte_array: Vec::new(),
+        bool_array: Vec::new(),
+        int_array: Vec::new(),
+        double_array: Vec::new(),
+        string_array: Vec::new(),
+    }
+}
+
+/// The value after `:=` in `-p name:=value`, which is YAML as in rcl.
+pub fn from_yaml(text: &str) -> Result<Value, String> {
+    if let Some(special) = special_number(text.trim()) {
+        return Ok(Value::Double(special));
+    }
+    let yaml: Yaml = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+    Ok(from_node(&yaml))
+}
+
+/// The value of a node of a YAML document.
+#[must_use]
+pub fn from_node(yaml: &Yaml) -> Value {
+    match yaml {
+        Yaml::Bool(value) => Value::Bool(*value),
+        Yaml::Number(number) => match (number.as_i64(), number.as_f64()) {
+            (Some(integer), _) => Value::Integer(integer),
+            (None, Some(double)) => Value::Double(double),
+            (None, None) => Value::Other("a number too large"),
+        },
+        Yaml::String(text) => {
+            special_number(text).map_or_else(|| Value::Text(text.clone()), Value::Double)
+        }
+        Yaml::Array(_) => Value::Other("a list"),
+        Yaml::Object(_) => Value::Other("a map"),
+        Yaml::Null => Value::Other("nothing, or not a number"),
+    }
+}
+
+/// YAML's numbers that JSON has not.
+fn special_number(text: &str) -> Option<f64> {
+    match text.to_ascii_lowercase().as_str() {
+        ".nan" => Some(f64::NAN),
+        ".inf" | "+.inf" => Some(f64::INFINITY),
+        "-.inf" => Some(f64::NEG_INFINITY),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn yaml_decides_the_type() {
+        assert_eq!(from_yaml("true"), Ok(Value::Bool(true)));
+        assert_eq!(from_yaml("20"), Ok(Value::Integer(20)));
+        assert_eq!(from_yaml("-1.5"), Ok(Value::Double(-1.5)));
+        assert_eq!(from_yaml("1e-3"), Ok(Value::Double(1e-3)));
+        assert_eq!(from_yaml(".inf"), Ok(Value::Double(f64::INFINITY)));
+        assert_eq!(from_yaml("some text"), Ok(Value::Text("some text".into())));
+        assert_eq!(from_yaml("[1, 2]"), Ok(Value::Other("a list")));
+        assert!(from_yaml("[1, 2").is_err());
+    }
+
+    #[test]
+    fn messages_go_both_ways() {
+        let text = Value::Text("x".into());
+        for value in [
+            Value::Bool(true),
+            Value::Integer(-3),
+            Value::Double(0.5),
+            text,
+        ] {
+            assert_eq!(Value::from_message(&value.to_message()), value);
+        }
+        assert!(matches!(Value::from_message(&not_set()), Value::Other(_)));
+    }
+}

@@ -1,0 +1,283 @@
+//! The node as a whole: its threads, their channels, its beginning and its end.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use smol::channel::{self, Receiver, Sender};
+
+use super::arguments::RosArguments;
+use super::clock::RosClock;
+use super::environment::Environment;
+use super::loader::{Loader, Order, Surroundings};
+use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
+use super::monitor_loop::{Event, MonitorLoop, Observer, Report};
+use super::motion::{self, Motion};
+use super::names::{FullName, NameError, Names};
+use super::parameter_files;
+use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
+use super::parameters::Parameters;
+use super::publishers::Publishers;
+use super::simulation_clock;
+use super::threads::{End, Part, run_together, until};
+use crate::checker::MeshModel;
+use crate::monitor::Monitor;
+use crate::robot::{MeshFiles, RobotModel};
+
+/// The node's name unless it is remapped.
+pub const NODE_NAME: &str = "clearance";
+
+/// Everything that is decided before a node starts.
+pub struct NodeOptions {
+    pub environment: Environment,
+    pub arguments: RosArguments,
+    /// The parameters before files and `-p` change them.
+    pub parameters: Parameters,
+    /// Without a robot it is awaited on `robot_description`.
+    pub robot: Option<RobotModel>,
+    /// Where meshes of a described robot are looked up.
+    pub mesh_files: MeshFiles,
+    pub surroundings: Surroundings,
+    pub mesh_model: MeshModel,
+    /// A motion to publish on `joint_states`.
+    pub motion: Option<Motion>,
+    pub observer: Option<Observer>,
+}
+
+/// Why a node did not start or did not end well.
+#[derive(Debug, thiserror::Error)]
+pub enum NodeError {
+    /// What the user gave is wrong.
+    #[error("{0}")]
+    Input(String),
+    /// The network or this program failed.
+    #[error("{0}")]
+    Internal(String),
+}
+
+fn input(error: impl std::fmt::Display) -> NodeError {
+    NodeError::Input(error.to_string())
+}
+
+impl From<MiddlewareError> for NodeError {
+    fn from(error: MiddlewareError) -> Self {
+        Self::Internal(error.to_string())
+    }
+}
+
+impl From<NameError> for NodeError {
+    fn from(error: NameError) -> Self {
+        input(error)
+    }
+}
+
+const JOINT_STATE: MessageKind = MessageKind("sensor_msgs", "JointState");
+const STRING: MessageKind = MessageKind("std_msgs", "String");
+
+/// Runs a node until SIGINT or SIGTERM.
+pub fn run(options: NodeOptions) -> Result<(), NodeError> {
+    let names = Names::new(NODE_NAME, &options.arguments.remaps)?;
+    let parameters = initial_parameters(&options, &names)?;
+    let clock = Arc::new(RosClock::new(parameters.use_sim_time));
+    let (events, events_in) = channel::unbounded();
+    let (orders, orders_in) = channel::unbounded();
+    let (changes, changes_in) = channel::unbounded();
+    let (stop, stopped) = channel::bounded(1);
+    let end = End {
+        events: events.clone(),
+        orders: orders.clone(),
+        stop,
+    };
+    let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, changes);
+    let store = ParameterStore::new(parameters.clone(), on_change);
+
+    let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
+    let mut loader = Loader::new(
+        options.mesh_files,
+        options.surroundings,
+        options.mesh_model,
+        store.clone(),
+    );
+    if let Some(robot) = options.robot {
+        monitor.set_checker(loader.take_given(robot).map_err(NodeError::Input)?);
+    }
+    let current_robot = loader.current_robot();
+    end_on_signals(end.clone())?;
+
+    let middleware = Middleware::join(&options.environment, names.namespace(), names.node())?;
+    let joint_states = names.resolve("joint_states")?;
+    let monitor_loop = MonitorLoop {
+        node: names.full_node_name(),
+        monitor,
+        parameters,
+        clock: Arc::clone(&clock),
+        joint_states: middleware.subscription(&joint_states, JOINT_STATE, Quality::BestEffort)?,
+        events: events_in,
+        publishers: Publishers::open(&middleware, &names)?,
+        observer: options.observer,
+        report: Report::default(),
+    };
+    let services = Services::open(
+        &middleware,
+        &names,
+        store,
+        Arc::clone(&clock),
+        orders,
+        changes_in,
+    )?;
+    let mut parts = vec![
+        Part::new("monitor", move || smol::block_on(monitor_loop.run())),
+        Part::new("loader", move || loader.follow(&orders_in, &events)),
+    ];
+    if let Some(motion) = options.motion {
+        let publisher = middleware.publisher(&joint_states, JOINT_STATE, Quality::Reliable)?;
+        let stopped = stopped.clone();
+        parts.push(Part::new("motion", move || {
+            let play = motion::play(&motion, &current_robot, &clock, &publisher);
+            smol::block_on(until(&stopped, play));
+        }));
+    }
+    parts.push(Part::new("services", move || {
+        smol::block_on(until(&stopped, services.serve()))
+    }));
+
+    let node = names.full_node_name();
+    log::info!(
+        "{node} listens to {joint_states} in domain {}",
+        options.environment.domain
+    );
+    run_together(parts, &end).map_err(NodeError::Internal)?;
+    log::info!("{node} has ended");
+    Ok(())
+}
+
+fn initial_parameters(options: &NodeOptions, names: &Names) -> Result<Parameters, NodeError> {
+    let arguments = &options.arguments;
+    for ignored in &arguments.ignored {
+        log::warn!("{ignored} has no effect here");
+    }
+    let defaults = options.parameters.clone();
+    let (parameters, passed_over) =
+        parameter_files::initial(defaults, &arguments.parameters, names).map_err(input)?;
+    for parameter in passed_over {
+        log::info!("this node has no parameter {parameter}");
+    }
+    Ok(parameters)
+}
+
+/// What is neither urgent nor slow, on one thread: descriptions, parameters, simulated time, complaints about peers.
+struct Services {
+    middleware: Middleware,
+    descriptions: Subscription<StringMessage>,
+    semantics: Subscription<StringMessage>,
+    parameters: ParameterServices,
+    store: ParameterStore,
+    clock: Arc<RosClock>,
+    clock_topic: FullName,
+    orders: Sender<Order>,
+    changes: Receiver<()>,
+}
+
+impl Services {
+    fn open(
+        middleware: &Middleware,
+        names: &Names,
+        store: ParameterStore,
+        clock: Arc<RosClock>,
+        orders: Sender<Order>,
+        changes: Receiver<()>,
+    ) -> Result<Self, NodeError> {
+        let latched = |name| -> Result<_, NodeError> {
+            Ok(middleware.subscription(&names.resolve(name)?, STRING, Quality::Latched)?)
+        };
+        Ok(Self {
+            descriptions: latched("robot_description")?,
+            semantics: latched("robot_description_semantic")?,
+            parameters: ParameterServices::offer(
+                middleware,
+                names,
+                store.clone(),
+                Arc::clone(&clock),
+            )?,
+            clock_topic: names.resolve("/clock")?,
+            middleware: middleware.clone(),
+            store,
+            clock,
+            orders,
+            changes,
+        })
+    }
+
+    async fn serve(self) {
+        let follow_clock = async {
+            let Self {
+                middleware,
+                clock_topic,
+                clock,
+                store,
+                changes,
+                ..
+            } = &self;
+            let followed = simulation_clock::follow(middleware, clock_topic, clock, store, changes);
+            if let Err(error) = followed.await {
+                log::error!("simulated time can not be followed: {error}");
+            }
+        };
+        let descriptions = forward(&self.descriptions, &self.orders, Order::Description);
+        let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
+        let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
+        let serve = future::zip(
+            self.parameters.serve(),
+            self.middleware.watch_for_mismatches(),
+        );
+        future::zip(listen, serve).await;
+    }
+}
+
+/// Turns descriptions on a topic into orders.
+async fn forward(
+    topic: &Subscription<StringMessage>,
+    orders: &Sender<Order>,
+    order: fn(String) -> Order,
+) {
+    loop {
+        let (message, _) = topic.next().await;
+        if orders.send(order(message.data)).await.is_err() {
+            return;
+        }
+    }
+}
+
+/// Brings changed parameters to everyone they concern.
+fn on_change(
+    initial: Parameters,
+    clock: Arc<RosClock>,
+    End { events, orders, .. }: &End,
+    changes: Sender<()>,
+) -> OnChange {
+    let (events, orders) = (events.clone(), orders.clone());
+    let last = Mutex::new(initial);
+    Box::new(move |parameters| {
+        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+        clock.use_sim_time(parameters.use_sim_time);
+        // whoever no longer listens has ended
+        let _ = events.try_send(Event::Parameters(Box::new(parameters.clone())));
+        if (last.padding, last.pad_self) != (parameters.padding, parameters.pad_self) {
+            let _ = orders.try_send(Order::Parameters);
+        }
+        let _ = changes.try_send(());
+        *last = parameters.clone();
+    })
+}
+
+fn end_on_signals(end: End) -> Result<(), NodeError> {
+    ctrlc::set_handler(move || end.tell())
+        .map_err(|error| NodeError::Internal(format!("signals can not be handled: {error}")))
+}
+
+/// Time since this was first asked.
+fn stopwatch() -> Duration {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed()
+}

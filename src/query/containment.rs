@@ -1,0 +1,128 @@
+//! Whether a body whose surface touches nothing lies inside a closed mesh.
+//!
+//! If two surfaces do not touch, each connected part of one is wholly inside or wholly outside the other, so one point
+//! of each part decides. Inside is where the winding number (Jacobson, Kavan & Sorkine-Hornung 2013) is not zero.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::geometry::{Shape, TriangleMesh};
+use crate::math::{Point, Pose};
+
+/// The closed meshes of a body, and a point of each connected part of it.
+#[derive(Clone, Debug)]
+pub(super) struct Interior {
+    closed_meshes: Vec<ClosedMesh>,
+    part_points: Vec<Point>,
+}
+
+#[derive(Clone, Debug)]
+struct ClosedMesh {
+    mesh: Arc<TriangleMesh>,
+    pose_bm: Pose,
+    bounds: (Point, Point),
+}
+
+impl Interior {
+    pub fn new<'a>(shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+        let mut interior = Self {
+            closed_meshes: Vec::new(),
+            part_points: Vec::new(),
+        };
+        for (pose, shape) in shapes {
+            match shape {
+                Shape::Primitive(_) => interior
+                    .part_points
+                    .push(Point::from(pose.translation.vector)),
+                Shape::Mesh(mesh) => {
+                    interior
+                        .part_points
+                        .extend(part_points(mesh).iter().map(|p| pose * p));
+                    if mesh.is_closed() {
+                        interior.closed_meshes.push(ClosedMesh {
+                            mesh: Arc::clone(mesh),
+                            pose_bm: *pose,
+                            bounds: mesh.bounds(),
+                        });
+                    }
+                }
+            }
+        }
+        interior
+    }
+
+    /// A point of one body inside a closed mesh of the other, in the frame of a.
+    pub fn contained_point(a: Option<&Self>, b: Option<&Self>, pose_ab: &Pose) -> Option<Point> {
+        let (a, b) = (a?, b?);
+        let in_a = || {
+            let points = b.part_points.iter().map(|p| pose_ab * p);
+            points.into_iter().find(|p| a.contains(p))
+        };
+        let in_b = || {
+            let inside = |p: &&Point| b.contains(&pose_ab.inverse_transform_point(p));
+            a.part_points.iter().find(inside).copied()
+        };
+        in_a().or_else(in_b)
+    }
+
+    fn contains(&self, point: &Point) -> bool {
+        self.closed_meshes.iter().any(|m| m.contains(point))
+    }
+}
+
+impl ClosedMesh {
+    fn contains(&self, point_b: &Point) -> bool {
+        let p = self.pose_bm.inverse_transform_point(point_b);
+        let (lo, hi) = self.bounds;
+        (0..3).all(|i| (lo[i]..=hi[i]).contains(&p[i])) && winding_number(&self.mesh, &p).abs() > 0.5
+    }
+}
+
+/// How often the surface winds around `p`: the sum of the triangles' solid angles over 4π (van Oosterom & Strackee
+/// 1983).
+fn winding_number(mesh: &TriangleMesh, p: &Point) -> f64 {
+    let solid_angle = |i: usize| {
+        let [a, b, c] = mesh.triangle(i).corners().map(|corner| corner - p);
+        let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+        let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+        2.0 * a.dot(&b.cross(&c)).atan2(below)
+    };
+    let total: f64 = (0..mesh.triangles().len()).map(solid_angle).sum();
+    total / (4.0 * std::f64::consts::PI)
+}
+
+/// One vertex of each connected part, corners at equal positions joined.
+fn part_points(mesh: &TriangleMesh) -> Vec<Point> {
+    let mut parent: Vec<usize> = (0..mesh.vertices().len()).collect();
+    let mut first_at: HashMap<[u64; 3], usize> = HashMap::new();
+    for (v, p) in mesh.vertices().iter().enumerate() {
+        let same = *first_at
+            .entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits()))
+            .or_insert(v);
+        join(&mut parent, same, v);
+    }
+    for t in mesh.triangles() {
+        let [a, b, c] = t.map(|v| v as usize);
+        join(&mut parent, a, b);
+        join(&mut parent, b, c);
+    }
+    let mut seen = std::collections::HashSet::new();
+    (mesh.triangles().iter().flatten())
+        .map(|&v| v as usize)
+        .filter(|&v| seen.insert(find(&mut parent, v)))
+        .map(|v| mesh.vertices()[v])
+        .collect()
+}
+
+fn find(parent: &mut [usize], mut v: usize) -> usize {
+    while parent[v] != v {
+        parent[v] = parent[parent[v]];
+        v = parent[v];
+    }
+    v
+}
+
+fn join(parent: &mut [usize], a: usize, b: usize) {
+    let (a, b) = (find(parent, a), find(parent, b));
+    parent[a.max(b)] = a.min(b);
+}

@@ -1,0 +1,124 @@
+//! How far are two bodies apart?
+
+use super::containment::Interior;
+use super::element_pair::{Separation, element_separation};
+use super::{CollisionBody, Work};
+use crate::bounding_volume::BoundingVolume;
+use crate::bvh::Content;
+use crate::math::Pose;
+
+/// Least distance of two bodies and their nearest points, or `None` if it was proven larger than `limit` (m).
+///
+/// Descends both RSS trees at once, the nearer children first (Larsen, Gottschalk, Lin & Manocha 1999).
+#[must_use]
+pub fn distance(
+    a: &CollisionBody,
+    b: &CollisionBody,
+    pose_ab: &Pose,
+    limit: f64,
+    work: &mut Work,
+) -> Option<Separation> {
+    nearest_below(a, b, pose_ab, limit, 0.0, work)
+}
+
+/// As [`distance`], but satisfied with any separation of at most `enough`.
+pub(super) fn nearest_below(
+    a: &CollisionBody,
+    b: &CollisionBody,
+    pose_ab: &Pose,
+    limit: f64,
+    enough: f64,
+    work: &mut Work,
+) -> Option<Separation> {
+    let mut search = Search {
+        a,
+        b,
+        pose_ab,
+        bound: limit,
+        enough,
+        nearest: None,
+        work,
+    };
+    let (i, j) = (a.rss.root(), b.rss.root());
+    let lower = search.lower_bound(i, j);
+    search.nodes(i, j, lower);
+    let nearest = search.nearest;
+    if nearest.is_some_and(|n| n.distance == 0.0) {
+        return nearest;
+    }
+    Interior::contained_point(a.interior.as_ref(), b.interior.as_ref(), pose_ab)
+        .map(Separation::touching_at)
+        .or(nearest)
+}
+
+struct Search<'s> {
+    a: &'s CollisionBody,
+    b: &'s CollisionBody,
+    pose_ab: &'s Pose,
+    /// Nothing farther than this matters.
+    bound: f64,
+    /// Nothing nearer than this is looked for.
+    enough: f64,
+    nearest: Option<Separation>,
+    work: &'s mut Work,
+}
+
+impl Search<'_> {
+    fn lower_bound(&mut self, i: u32, j: u32) -> f64 {
+        self.work.volume_tests += 1;
+        let (va, vb) = (&self.a.rss.node(i).volume, &self.b.rss.node(j).volume);
+        va.lower_bound(vb, self.pose_ab)
+    }
+
+    /// Whether nothing at distance `lower` or more is of interest any more.
+    fn settled(&self, lower: f64) -> bool {
+        match self.nearest {
+            Some(found) => lower >= found.distance || found.distance <= self.enough,
+            None => lower > self.bound,
+        }
+    }
+
+    fn nodes(&mut self, i: u32, j: u32, lower: f64) {
+        if self.settled(lower) {
+            return;
+        }
+        let (na, nb) = (self.a.rss.node(i), self.b.rss.node(j));
+        match (na.content, nb.content) {
+            (Content::Leaf(fa, ta), Content::Leaf(fb, tb)) => self.leaves((fa, ta), (fb, tb)),
+            (Content::Children([l, r]), Content::Leaf(..)) => self.nearer_first((l, j), (r, j)),
+            (Content::Children([l, r]), _) if na.volume.size() >= nb.volume.size() => {
+                self.nearer_first((l, j), (r, j));
+            }
+            (_, Content::Children([l, r])) => self.nearer_first((i, l), (i, r)),
+        }
+    }
+
+    fn nearer_first(&mut self, first: (u32, u32), second: (u32, u32)) {
+        let lower_first = self.lower_bound(first.0, first.1);
+        let lower_second = self.lower_bound(second.0, second.1);
+        let mut children = [(first, lower_first), (second, lower_second)];
+        if lower_second < lower_first {
+            children.swap(0, 1);
+        }
+        for ((i, j), lower) in children {
+            self.nodes(i, j, lower);
+        }
+    }
+
+    fn leaves(&mut self, in_a: (u32, u32), in_b: (u32, u32)) {
+        for &i in self.a.rss.leaf(in_a.0, in_a.1) {
+            for &j in self.b.rss.leaf(in_b.0, in_b.1) {
+                self.work.primitive_tests += 1;
+                let (ea, eb) = (&self.a.elements[i as usize], &self.b.elements[j as usize]);
+                let found = element_separation(ea, eb, self.pose_ab);
+                let better = match self.nearest {
+                    Some(n) => found.distance < n.distance,
+                    None => found.distance <= self.bound,
+                };
+                if better {
+                    self.nearest = Some(found);
+                }
+            }
+        }
+    }
+}

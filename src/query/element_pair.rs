@@ -1,0 +1,138 @@
+//! The least distance of two convex elements: closed form where there is one, GJK otherwise.
+
+use super::core::{Core, RoundedCore};
+use super::narrow_phase;
+use super::refine::refine;
+use crate::bvh::Element;
+use crate::constants::CONTACT_DISTANCE;
+use crate::geometry::{PointPair, Triangle, nearest_on_segments};
+use crate::math::{Point, Pose};
+
+/// Most projections in the search for a common point.
+const MOST_PROJECTIONS: usize = 200;
+
+/// How far two things are apart (m), and where they are nearest. Touching things have distance 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    pub distance: f64,
+    /// In the frame of the first body, first on it.
+    pub witness_points: PointPair,
+}
+
+impl Separation {
+    pub(super) fn touching_at(point: Point) -> Self {
+        Self {
+            distance: 0.0,
+            witness_points: [point, point],
+        }
+    }
+
+    pub(super) fn of(witness_points: PointPair) -> Self {
+        let distance = nalgebra::distance(&witness_points[0], &witness_points[1]);
+        Self {
+            distance: if distance <= CONTACT_DISTANCE {
+                0.0
+            } else {
+                distance
+            },
+            witness_points,
+        }
+    }
+}
+
+/// A common point of two elements, if they touch.
+pub(super) fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point> {
+    if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
+        return a.contact_point(&b.transformed(pose_ab));
+    }
+    let separation = element_separation(a, b, pose_ab);
+    (separation.distance == 0.0).then_some(separation.witness_points[0])
+}
+
+/// Distance and nearest points of two elements.
+pub(super) fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separation {
+    if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
+        return Separation::of(a.nearest_points(&b.transformed(pose_ab)));
+    }
+    let (core_a, mut core_b) = (RoundedCore::from(a), RoundedCore::from(b));
+    core_b.pose = pose_ab * core_b.pose;
+    rounded_separation(&core_a, &core_b)
+}
+
+/// The cores' distance less both radii, and the nearest points moved out to the surfaces.
+fn rounded_separation(a: &RoundedCore, b: &RoundedCore) -> Separation {
+    let pose_ab = a.pose.inv_mul(&b.pose);
+    let [p, q] = core_nearest_points(&a.core, &b.core, &pose_ab);
+    let apart = nalgebra::distance(&p, &q);
+    let [p, q] = [p, q].map(|p| a.pose * p);
+    if apart <= a.radius + b.radius + CONTACT_DISTANCE {
+        let share = if apart > 0.0 {
+            (a.radius / apart).min(1.0)
+        } else {
+            0.0
+        };
+        return Separation::touching_at(p + (q - p) * share);
+    }
+    let out = (q - p) / apart;
+    Separation {
+        distance: apart - a.radius - b.radius,
+        witness_points: [p + out * a.radius, q - out * b.radius],
+    }
+}
+
+/// Nearest points of two cores in the frame of a; a common point twice when they overlap.
+pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
+    let origin_b = || Point::from(pose_ab.translation.vector);
+    match (a, b) {
+        (_, Core::Point) => [a.nearest_point(&origin_b()), origin_b()],
+        (Core::Point, _) => {
+            let p = Point::origin();
+            [p, pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(&p))]
+        }
+        (Core::Segment(h), Core::Segment(k)) => {
+            nearest_on_segments(&Core::segment(*h), &segment_at(*k, pose_ab))
+        }
+        (Core::Triangle(t), Core::Segment(h)) => t.nearest_to_segment(&segment_at(*h, pose_ab)),
+        (Core::Segment(h), Core::Triangle(t)) => {
+            let [on_b, on_a] = triangle_at(t, pose_ab).nearest_to_segment(&Core::segment(*h));
+            [on_a, on_b]
+        }
+        (Core::Triangle(t), Core::Triangle(u)) => t.nearest_points(&triangle_at(u, pose_ab)),
+        _ => match narrow_phase::nearest_points(a, b, pose_ab) {
+            Some(pair) => proven_points(refine(a, b, pose_ab, pair)),
+            None => [overlap_point(a, b, pose_ab); 2],
+        },
+    }
+}
+
+/// Points no farther apart than is proven: where the proof falls short, the shortfall counts as nearness.
+fn proven_points(([p, q], proven): (PointPair, f64)) -> PointPair {
+    let apart = nalgebra::distance(&p, &q);
+    if apart - proven <= CONTACT_DISTANCE || apart == 0.0 {
+        return [p, q];
+    }
+    [p, p + (q - p) * (proven.max(0.0) / apart)]
+}
+
+fn segment_at(half_length: f64, pose: &Pose) -> [Point; 2] {
+    Core::segment(half_length).map(|p| pose * p)
+}
+
+fn triangle_at(t: &Triangle, pose: &Pose) -> Triangle {
+    t.transformed(pose)
+}
+
+/// A point of two overlapping cores: projecting on one and the other in turn leads into the common part of two convex
+/// solids (Bregman 1965).
+fn overlap_point(a: &Core, b: &Core, pose_ab: &Pose) -> Point {
+    let on_b = |p: &Point| pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(p));
+    let mut p = a.nearest_point(&Point::from(pose_ab.translation.vector));
+    for _ in 0..MOST_PROJECTIONS {
+        let q = on_b(&p);
+        if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
+            return q;
+        }
+        p = a.nearest_point(&q);
+    }
+    p
+}

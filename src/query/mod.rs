@@ -1,0 +1,33 @@
+//! Questions between two posed bodies.
+//!
+//! | question | function | answer |
+//! |---|---|---|
+//! | do they touch? | [`collide`] | a common point, or proof that they are apart |
+//! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
+//! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
+//! | how deep are two solids in each other? | [`signed_distance`] | least translation that separates, negative |
+//!
+//! Bodies touch when their distance is at most [`CONTACT_DISTANCE`](crate::constants::CONTACT_DISTANCE). A mesh is a
+//! surface; a body made with [`CollisionBody::with_solid_meshes`] also counts what lies inside its closed meshes.
+//! `pose_ab` is the pose of body b in the frame of body a; witness points are in the frame of a, first on a. After the
+//! door (finite poses) queries are total: no error, no panic.
+
+mod body;
+mod collide;
+mod containment;
+mod core;
+mod distance;
+mod element_pair;
+mod narrow_phase;
+mod penetration;
+mod refine;
+mod within_margin;
+mod work;
+
+pub use body::CollisionBody;
+pub use collide::collide;
+pub use distance::distance;
+pub use element_pair::Separation;
+pub use penetration::signed_distance;
+pub use within_margin::within_margin;
+pub use work::Work;

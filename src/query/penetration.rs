@@ -1,0 +1,77 @@
+//! How deep two solid primitives are in each other.
+
+use super::core::{Core, RoundedCore};
+use super::element_pair::{Separation, core_nearest_points};
+use super::narrow_phase;
+use crate::bvh::Element;
+use crate::constants::CONTACT_DISTANCE;
+use crate::geometry::Primitive;
+use crate::math::{Point, Pose, Vector};
+
+/// Signed distance (m) of two solid primitives, b posed in the frame of a: as [`distance`](super::distance) when apart;
+/// when they overlap, minus the least translation that separates them, with the witness points deepest in each other.
+///
+/// Exact where one is a sphere or the cores of capsules are apart; elsewhere by EPA, within about 1e-6 of the size of
+/// the solids. Two capsules whose axes cross answer the sum of their radii.
+#[must_use]
+pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separation {
+    let core_of = |primitive: &Primitive, pose: Pose| {
+        RoundedCore::from(&Element::Primitive {
+            primitive: *primitive,
+            pose,
+        })
+    };
+    let (a, b) = (core_of(a, Pose::identity()), core_of(b, *pose_ab));
+    let [p, q] = core_nearest_points(&a.core, &b.core, pose_ab);
+    let apart = nalgebra::distance(&p, &q);
+    if apart > CONTACT_DISTANCE {
+        return moved_out(&a, &b, [p, q], (q - p) / apart, apart);
+    }
+    let (depth, [p, q]) = core_depth(&a.core, &b.core, pose_ab).unwrap_or((0.0, [p, q]));
+    let out = ((p - q).try_normalize(CONTACT_DISTANCE))
+        .unwrap_or_else(|| normal_of_crossing(&a.core, &b.core, pose_ab));
+    moved_out(&a, &b, [p, q], out, -depth)
+}
+
+/// The direction in which cores without common volume come apart soonest: normal to both, where they are segments.
+fn normal_of_crossing(a: &Core, b: &Core, pose_ab: &Pose) -> Vector {
+    let axis_b = pose_ab * Vector::z();
+    match (a, b) {
+        (Core::Segment(_), Core::Segment(_)) => Vector::z().cross(&axis_b),
+        (Core::Segment(_), _) => Vector::x(),
+        _ => axis_b.cross(&Vector::x()),
+    }
+    .try_normalize(1e-9)
+    .unwrap_or_else(Vector::x)
+}
+
+/// Surfaces lie a radius out from the cores, a along `out` and b against it.
+fn moved_out(
+    a: &RoundedCore,
+    b: &RoundedCore,
+    [p, q]: [Point; 2],
+    out: Vector,
+    apart: f64,
+) -> Separation {
+    Separation {
+        distance: apart - a.radius - b.radius,
+        witness_points: [p + out * a.radius, q - out * b.radius],
+    }
+}
+
+/// Depth of overlapping cores, the point of a deepest in b, and the point of b deepest in a.
+fn core_depth(a: &Core, b: &Core, pose_ab: &Pose) -> Option<(f64, [Point; 2])> {
+    match (a, b) {
+        (_, Core::Point) => {
+            let inside = Point::from(pose_ab.translation.vector);
+            let (depth, surface) = a.depth(&inside)?;
+            Some((depth, [surface, inside]))
+        }
+        (Core::Point, _) => {
+            let (depth, surface) = b.depth(&pose_ab.inverse_transform_point(&Point::origin()))?;
+            Some((depth, [Point::origin(), pose_ab * surface]))
+        }
+        (Core::Segment(_), Core::Segment(_)) => None,
+        _ => narrow_phase::penetration(a, b, pose_ab),
+    }
+}

@@ -1,0 +1,18 @@
+//! What a query cost, in tests rather than in seconds.
+
+/// Counters of elementary tests: they guard speed without timing noise (Gottschalk, Lin & Manocha 1996:
+/// `T = N_bv * C_bv + N_p * C_p`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Tests of two bounding volumes.
+    pub volume_tests: u64,
+    /// Tests of two triangles, two convex primitives, or one of each.
+    pub primitive_tests: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.volume_tests += other.volume_tests;
+        self.primitive_tests += other.primitive_tests;
+    }
+}

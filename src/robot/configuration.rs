@@ -1,0 +1,173 @@
+//! Joint positions of a whole robot, checked once.
+
+use std::collections::HashMap;
+
+use super::joint::JointKind;
+use super::{JointId, RobotModel};
+
+/// Finite positions of every free joint (rad, m), in the order of [`RobotModel::position_names`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration(Vec<f64>);
+
+/// Why numbers are no configuration.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConfigurationError {
+    #[error("{given} positions given, but the robot has {expected}: {names}")]
+    WrongLength {
+        given: usize,
+        expected: usize,
+        names: String,
+    },
+    #[error("joint '{joint}' has position {value}, which is not finite")]
+    NotFinite { joint: String, value: f64 },
+    #[error(
+        "floating joint '{joint}' has a quaternion of length {length}, but it must be 1 within 1e-3"
+    )]
+    NotAQuaternion { joint: String, length: f64 },
+    #[error("the robot has no joint '{joint}'{hint}")]
+    UnknownJoint { joint: String, hint: String },
+    #[error("joint '{joint}' is given twice")]
+    Duplicate { joint: String },
+    #[error("joint '{joint}' is fixed and has no position")]
+    Fixed { joint: String },
+}
+
+impl Configuration {
+    #[must_use]
+    pub fn positions(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl RobotModel {
+    /// Checks `positions`, one for each of [`Self::position_names`].
+    ///
+    /// # Errors
+    /// When there are too many or too few, when one is not finite, or a floating joint's quaternion is none.
+    pub fn configuration(&self, positions: &[f64]) -> Result<Configuration, ConfigurationError> {
+        if positions.len() != self.position_names.len() {
+            return Err(ConfigurationError::WrongLength {
+                given: positions.len(),
+                expected: self.position_names.len(),
+                names: self.position_names.join(", "),
+            });
+        }
+        for (name, &value) in self.position_names.iter().zip(positions) {
+            if !value.is_finite() {
+                return Err(ConfigurationError::NotFinite {
+                    joint: name.clone(),
+                    value,
+                });
+            }
+        }
+        let mut positions = positions.to_vec();
+        self.normalise_quaternions(&mut positions)?;
+        Ok(Configuration(positions))
+    }
+
+    /// Every joint at zero, or at the middle of limits that exclude zero.
+    #[must_use]
+    pub fn default_configuration(&self) -> Configuration {
+        let mut positions = vec![0.0; self.position_names.len()];
+        for joint in self.joint_ids() {
+            let Some(first) = self.first_position(joint) else {
+                continue;
+            };
+            match (&self.joint(joint).kind, self.joint(joint).limits) {
+                (JointKind::Floating, _) => positions[first + 6] = 1.0,
+                (_, Some(l)) if !(l.lower..=l.upper).contains(&0.0) => {
+                    positions[first] = 0.5 * (l.lower + l.upper);
+                }
+                _ => {}
+            }
+        }
+        Configuration(positions)
+    }
+
+    /// The default configuration with some joints set by name.
+    ///
+    /// A joint that mimics another may be named: its value is ignored, since it follows.
+    ///
+    /// # Errors
+    /// When a name is unknown, fixed or given twice, and as for [`Self::configuration`].
+    pub fn configuration_from_names<'a>(
+        &self,
+        named: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Configuration, ConfigurationError> {
+        let mut positions = self.default_configuration().0;
+        let index: HashMap<&str, usize> = (self.position_names.iter())
+            .enumerate()
+            .map(|(i, n)| (n.as_str(), i))
+            .collect();
+        let mut seen = std::collections::HashSet::new();
+        for (name, value) in named {
+            if !seen.insert(name) {
+                return Err(ConfigurationError::Duplicate {
+                    joint: name.to_owned(),
+                });
+            }
+            match index.get(name) {
+                Some(&i) => positions[i] = value,
+                None => self.check_follower(name, value)?,
+            }
+        }
+        self.configuration(&positions)
+    }
+
+    /// A name that is no free position: fine if that joint mimics another, else an error.
+    fn check_follower(&self, name: &str, value: f64) -> Result<(), ConfigurationError> {
+        let joint = name.to_owned();
+        match self.joint_by_name(name).map(|j| self.joint(j)) {
+            Some(j) if j.mimic.is_some() && value.is_finite() => Ok(()),
+            Some(j) if j.mimic.is_some() => Err(ConfigurationError::NotFinite { joint, value }),
+            Some(j) if j.kind == JointKind::Fixed => Err(ConfigurationError::Fixed { joint }),
+            Some(j) => Err(ConfigurationError::UnknownJoint {
+                hint: format!(
+                    ", but it has {}",
+                    (j.kind.position_suffixes().iter())
+                        .map(|s| format!("'{joint}{s}'"))
+                        .collect::<Vec<_>>()
+                        .join(", ")
+                ),
+                joint,
+            }),
+            None => Err(ConfigurationError::UnknownJoint {
+                hint: format!("; it has {}", self.position_names.join(", ")),
+                joint,
+            }),
+        }
+    }
+
+    fn normalise_quaternions(&self, positions: &mut [f64]) -> Result<(), ConfigurationError> {
+        for id in self.joint_ids() {
+            let joint = self.joint(id);
+            let (JointKind::Floating, Some(first)) = (&joint.kind, self.first_position(id)) else {
+                continue;
+            };
+            let quaternion = &mut positions[first + 3..first + 7];
+            let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
+            if (length - 1.0).abs() > 1e-3 {
+                return Err(ConfigurationError::NotAQuaternion {
+                    joint: joint.name.clone(),
+                    length,
+                });
+            }
+            for component in quaternion {
+                *component /= length;
+            }
+        }
+        Ok(())
+    }
+
+    /// The position of a joint with one degree of freedom, mimics resolved; `None` for other joints.
+    #[must_use]
+    pub fn joint_position(&self, q: &Configuration, joint: JointId) -> Option<f64> {
+        match self.joint(joint).mimic {
+            Some(m) => Some(m.multiplier * self.joint_position(q, m.joint)? + m.offset),
+            None if self.joint(joint).kind.position_suffixes().len() == 1 => {
+                Some(q.0[self.first_position(joint)?])
+            }
+            None => None,
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Mesh files to meshes: read, scaled, judged, each once.
+
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::mesh_files::{Found, MeshFileError, MeshFiles};
+use super::mesh_formats;
+use super::numbers::shortened;
+use crate::constants::{SUSPICIOUS_DISTANCE, SUSPICIOUS_EXTENT};
+use crate::geometry::TriangleMesh;
+use crate::math::Vector;
+
+/// Largest mesh file (bytes) that is read: ten million triangles of binary STL.
+const LARGEST_FILE: u64 = 512 << 20;
+
+/// A mesh as read: scaled, in metres, with what was odd about it.
+#[derive(Clone, Debug)]
+pub struct LoadedMesh {
+    pub mesh: Arc<TriangleMesh>,
+    /// Complete sentences that name the file.
+    pub remarks: Vec<String>,
+}
+
+impl MeshFiles {
+    /// Reads a mesh and scales it along its axes.
+    ///
+    /// # Errors
+    /// When the name is no name, the file is missing, outside the allowed folders or unreadable, or holds no mesh.
+    pub fn load(&self, uri: &str, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
+        MeshCache::new(self).load(uri, scale)
+    }
+}
+
+/// Meshes of one robot or world: a file that is used several times with one scale is read once.
+pub(crate) struct MeshCache<'f> {
+    files: &'f MeshFiles,
+    loaded: HashMap<(Found, [u64; 3]), Arc<TriangleMesh>>,
+}
+
+impl<'f> MeshCache<'f> {
+    pub fn new(files: &'f MeshFiles) -> Self {
+        Self {
+            files,
+            loaded: HashMap::new(),
+        }
+    }
+
+    /// As [`MeshFiles::load`]; what is odd about a mesh is told at its first use only.
+    pub fn load(&mut self, uri: &str, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
+        let found = self.files.find(uri)?;
+        let key = (found, [scale.x, scale.y, scale.z].map(f64::to_bits));
+        if let Some(mesh) = self.loaded.get(&key) {
+            return Ok(LoadedMesh {
+                mesh: mesh.clone(),
+                remarks: Vec::new(),
+            });
+        }
+        let mut loaded = load(&key.0, scale)?;
+        if uri.trim_start().starts_with("model://") {
+            let remark = format!(
+                "mesh '{}': Gazebo's model:// is taken as package://",
+                shortened(uri)
+            );
+            loaded.remarks.push(remark);
+        }
+        self.loaded.insert(key, loaded.mesh.clone());
+        Ok(loaded)
+    }
+}
+
+fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
+    let (file, bytes) = match found {
+        Found::File(file) => (file.as_path(), read_file(file)),
+        Found::Embedded(name, bytes) => (Path::new(name), Ok(bytes.to_vec())),
+    };
+    let unusable = |reason: String| MeshFileError::Unusable {
+        file: file.to_owned(),
+        reason,
+    };
+    let extension = file
+        .extension()
+        .and_then(OsStr::to_str)
+        .unwrap_or_default()
+        .to_lowercase();
+    let read = bytes
+        .and_then(|bytes| mesh_formats::read(bytes, &extension))
+        .map_err(unusable)?;
+    let mesh = if scale == Vector::from_element(1.0) {
+        read.mesh
+    } else {
+        read.mesh
+            .scaled(scale)
+            .map_err(|e| unusable(e.to_string()))?
+    };
+    let (lo, hi) = mesh.bounds();
+    if lo == hi {
+        return Err(unusable("the whole mesh is one point".to_owned()));
+    }
+    let remarks = read.remarks.into_iter().chain(oddities(&mesh));
+    Ok(LoadedMesh {
+        remarks: remarks
+            .map(|r| format!("mesh {}: {r}", file.display()))
+            .collect(),
+        mesh: Arc::new(mesh),
+    })
+}
+
+fn read_file(file: &Path) -> Result<Vec<u8>, String> {
+    let metadata = file.metadata().map_err(|e| e.to_string())?;
+    if metadata.is_dir() {
+        return Err("is a folder, no file".to_owned());
+    }
+    // a pipe or a device would block or never end
+    if !metadata.is_file() {
+        return Err("is no ordinary file".to_owned());
+    }
+    if metadata.len() > LARGEST_FILE {
+        return Err(format!(
+            "has {} bytes, more than the {LARGEST_FILE} that are read",
+            metadata.len()
+        ));
+    }
+    let mut bytes = Vec::new();
+    File::open(file)
+        .and_then(|f| f.take(LARGEST_FILE).read_to_end(&mut bytes))
+        .map_err(|e| e.to_string())?;
+    Ok(bytes)
+}
+
+/// What about the size and place of a mesh is probably not meant.
+fn oddities(mesh: &TriangleMesh) -> Vec<String> {
+    let (lo, hi) = mesh.bounds();
+    let mut oddities = Vec::new();
+    if mesh.degenerate_triangles() == mesh.triangles().len() {
+        oddities.push("no triangle has an area; what is left are lines".to_owned());
+    }
+    let extent = (hi - lo).amax();
+    if extent > SUSPICIOUS_EXTENT {
+        oddities.push(format!(
+            "is {extent} m long; probably it is in millimetres and lacks scale=\"0.001 0.001 0.001\""
+        ));
+    }
+    let distance = lo.coords.amax().max(hi.coords.amax());
+    if distance > SUSPICIOUS_DISTANCE {
+        oddities.push(format!(
+            "lies up to {distance} m from its origin, where 32-bit floats round to {:.1e} m",
+            distance * 0.5 * f64::from(f32::EPSILON)
+        ));
+    }
+    oddities
+}

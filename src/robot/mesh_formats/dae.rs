@@ -1,0 +1,140 @@
+//! COLLADA: the triangles that the scene shows, in metres.
+//!
+//! Read straight from the XML tree. The crate `dae-parser` insists on the whole schema (it refuses a file without a
+//! creation date, for one), trusts counts when it allocates, and keeps 32-bit floats; what a surface needs of COLLADA
+//! is less than the checks that would have to stand before it.
+//!
+//! The file's unit and the transforms of its nodes are applied. Its `up_axis` is not: RViz and `MoveIt` show the axes as
+//! they stand in the file, and a checker that turned them would check another robot than the one shown.
+
+use std::collections::HashMap;
+
+use nalgebra::Matrix4;
+use roxmltree::Node;
+
+use super::ReadMesh;
+use crate::geometry::TriangleMesh;
+use crate::math::Point;
+use crate::robot::numbers::{decimal, decimals};
+use crate::robot::xml::{Expected, Xml, child, children, read_xml};
+
+mod geometry;
+mod scene;
+
+/// Most triangles of a file, instances counted: a file of nested instances can ask for any number.
+const MOST_TRIANGLES: usize = 20_000_000;
+
+/// # Errors
+/// When the file is no COLLADA, contradicts itself, or shows no triangles; with the line.
+pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
+    let mut warnings = Vec::new();
+    let expected = Expected {
+        file: None,
+        language: "a COLLADA file",
+        root: "COLLADA",
+    };
+    let read = read_xml(text, expected, &mut warnings, |xml, _| {
+        Collada::new(xml).read()
+    });
+    let mut read = read.map_err(|fault| fault.to_string())??;
+    let warned = warnings.iter().map(ToString::to_string);
+    read.remarks.splice(0..0, warned);
+    Ok(read)
+}
+
+/// A COLLADA document and what has been gathered from it.
+struct Collada<'d> {
+    xml: &'d Xml<'d>,
+    elements: HashMap<&'d str, Node<'d, 'd>>,
+    vertices: Vec<Point>,
+    triangles: Vec<[u32; 3]>,
+    remarks: Vec<String>,
+}
+
+impl<'d> Collada<'d> {
+    fn new(xml: &'d Xml<'d>) -> Self {
+        let elements = (xml.root().descendants())
+            .filter_map(|node| Some((node.attribute("id")?, node)))
+            .collect();
+        Self {
+            xml,
+            elements,
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    fn read(mut self) -> Result<ReadMesh, String> {
+        let metres = self.unit()?;
+        self.note_up_axis();
+        for shown in self.shown_geometries(Matrix4::new_scaling(metres))? {
+            self.append(shown.geometry, &shown.to_file)?;
+        }
+        if self.triangles.is_empty() {
+            return Err("the scene shows no triangles".to_owned());
+        }
+        let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|e| e.to_string())?;
+        self.remarks.dedup();
+        Ok(ReadMesh {
+            mesh,
+            remarks: self.remarks,
+        })
+    }
+
+    /// Metres in one unit of the file.
+    fn unit(&self) -> Result<f64, String> {
+        let asset = child(self.xml.root(), "asset");
+        let Some(unit) = asset.and_then(|a| child(a, "unit")) else {
+            return Ok(1.0);
+        };
+        match unit.attribute("meter").map(decimal) {
+            None => Ok(1.0),
+            Some(Ok(metres)) if metres > 0.0 => Ok(metres),
+            Some(Ok(metres)) => Err(self.at(unit, format!("a unit of {metres} metres"))),
+            Some(Err(reason)) => Err(self.at(unit, format!("unit meter {reason}"))),
+        }
+    }
+
+    fn note_up_axis(&mut self) {
+        let asset = child(self.xml.root(), "asset");
+        let up = asset
+            .and_then(|a| child(a, "up_axis"))
+            .and_then(|u| u.text())
+            .map(str::trim);
+        if let Some(up @ ("X_UP" | "Y_UP")) = up {
+            self.remarks.push(format!(
+                "says {up}; its axes are taken as they stand in the file, as RViz shows them"
+            ));
+        }
+    }
+
+    /// The element that `#id` names.
+    fn referenced(&self, node: Node, attribute: &str) -> Result<Node<'d, 'd>, String> {
+        let url = node.attribute(attribute).unwrap_or_default();
+        let Some(id) = url.strip_prefix('#') else {
+            return Err(self.at(
+                node,
+                format!("{attribute} '{url}' is no '#id' of this file, and no other is opened"),
+            ));
+        };
+        (self.elements.get(id).copied())
+            .ok_or_else(|| self.at(node, format!("nothing has the id '{id}'")))
+    }
+
+    /// A message with the line of `node`.
+    fn at(&self, node: Node, message: impl std::fmt::Display) -> String {
+        format!(
+            "line {}: <{}>: {message}",
+            self.xml.line(node),
+            node.tag_name().name()
+        )
+    }
+
+    fn numbers<const N: usize>(&self, node: Node) -> Result<[f64; N], String> {
+        decimals(node.text().unwrap_or_default()).map_err(|reason| self.at(node, reason))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,267 @@
+//! The triangles of one COLLADA geometry.
+
+use nalgebra::Matrix4;
+use roxmltree::Node;
+
+use super::{Collada, MOST_TRIANGLES, child, children, decimal};
+use crate::math::Point;
+use crate::robot::mesh_formats::polygon;
+
+/// Polygons by the places of their corners in the positions.
+type Polygons = Vec<Vec<usize>>;
+
+impl<'d> Collada<'d> {
+    /// Adds the triangles of `geometry`, moved by `to_file`.
+    pub(super) fn append(
+        &mut self,
+        geometry: Node<'d, 'd>,
+        to_file: &Matrix4<f64>,
+    ) -> Result<(), String> {
+        let Some(mesh) = child(geometry, "mesh").or_else(|| child(geometry, "convex_mesh")) else {
+            return Err(self.at(geometry, "has no <mesh>"));
+        };
+        let mirrored = to_file.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        // a file instances few vertex lists, nearly always one for each geometry
+        let mut known: Option<(Node, usize, Vec<Point>)> = None;
+        for primitive in mesh.children().filter(Node::is_element) {
+            let Some((vertices, polygons)) = self.polygons(primitive)? else {
+                continue;
+            };
+            if known.as_ref().is_none_or(|(node, _, _)| *node != vertices) {
+                let positions = self.positions(vertices)?;
+                let first = self.vertices.len();
+                self.vertices
+                    .extend(positions.iter().map(|p| to_file.transform_point(p)));
+                known = Some((vertices, first, positions));
+            }
+            let Some((_, first, positions)) = &known else {
+                continue;
+            };
+            for polygon in polygons {
+                self.append_polygon(primitive, &polygon, positions, *first, mirrored)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn append_polygon(
+        &mut self,
+        primitive: Node,
+        polygon: &[usize],
+        positions: &[Point],
+        first: usize,
+        mirrored: bool,
+    ) -> Result<(), String> {
+        let corner = |&index: &usize| {
+            (positions.get(index).copied()).ok_or_else(|| {
+                let count = positions.len();
+                self.at(
+                    primitive,
+                    format!("names vertex {index}, but there are {count}"),
+                )
+            })
+        };
+        let corners: Vec<Point> = polygon.iter().map(corner).collect::<Result<_, _>>()?;
+        let triangles =
+            polygon::triangulate(&corners).map_err(|reason| self.at(primitive, reason))?;
+        if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
+            return Err(format!(
+                "the scene shows more than {MOST_TRIANGLES} triangles"
+            ));
+        }
+        for triple in triangles {
+            let [a, b, c] = triple.map(|k| u32::try_from(first + polygon[k]).unwrap_or(u32::MAX));
+            self.triangles
+                .push(if mirrored { [a, c, b] } else { [a, b, c] });
+        }
+        Ok(())
+    }
+
+    /// The positions that `<vertices>` point at.
+    fn positions(&mut self, vertices: Node<'d, 'd>) -> Result<Vec<Point>, String> {
+        let position = |n: &Node| n.attribute("semantic") == Some("POSITION");
+        let Some(input) = children(vertices, "input").find(position) else {
+            return Err(self.at(vertices, "has no input POSITION"));
+        };
+        let source = self.referenced(input, "source")?;
+        let accessor = child(source, "technique_common").and_then(|t| child(t, "accessor"));
+        let Some(accessor) = accessor else {
+            return Err(self.at(source, "has no accessor"));
+        };
+        let array = self.referenced(accessor, "source")?;
+        let numbers: Vec<f64> = (array.text().unwrap_or_default().split_whitespace())
+            .map(decimal)
+            .collect::<Result<_, _>>()
+            .map_err(|reason| self.at(array, reason))?;
+        let count = self.whole(accessor, "count", None)?;
+        let stride = self.whole(accessor, "stride", Some(1))?;
+        let offset = self.whole(accessor, "offset", Some(0))?;
+        if stride < 3 {
+            return Err(self.at(
+                accessor,
+                format!("positions have 3 numbers, but the stride is {stride}"),
+            ));
+        }
+        let positions: Vec<Point> = (numbers.get(offset..).unwrap_or_default())
+            .chunks(stride)
+            .take(count)
+            .filter_map(|p| Some(Point::new(*p.first()?, *p.get(1)?, *p.get(2)?)))
+            .collect();
+        if positions.len() != count {
+            return Err(self.at(
+                accessor,
+                format!(
+                    "the count is {count}, but {} positions are there",
+                    positions.len()
+                ),
+            ));
+        }
+        Ok(positions)
+    }
+
+    /// The polygons of a primitive element and the `<vertices>` they index; `None` for lines and other elements.
+    fn polygons(
+        &mut self,
+        primitive: Node<'d, 'd>,
+    ) -> Result<Option<(Node<'d, 'd>, Polygons)>, String> {
+        let kind = primitive.tag_name().name();
+        if !matches!(
+            kind,
+            "triangles" | "polylist" | "polygons" | "trifans" | "tristrips"
+        ) {
+            return Ok(None);
+        }
+        if child(primitive, "ph").is_some() {
+            return Err(self.at(primitive, "polygons with holes are not read"));
+        }
+        let mut stride = 1;
+        let mut vertex_input = None;
+        for input in children(primitive, "input") {
+            let offset = self.whole(input, "offset", Some(0))?;
+            stride = stride.max(offset.saturating_add(1));
+            if input.attribute("semantic") == Some("VERTEX") {
+                vertex_input = Some((input, offset));
+            }
+        }
+        let lists: Vec<Vec<usize>> = children(primitive, "p")
+            .map(|p| self.indices(p))
+            .collect::<Result<_, _>>()?;
+        let Some((input, offset)) = vertex_input else {
+            return Err(self.at(primitive, "has no input VERTEX"));
+        };
+        let corners = |list: &Vec<usize>| -> Result<Vec<usize>, String> {
+            if !list.len().is_multiple_of(stride) {
+                return Err(self.at(
+                    primitive,
+                    format!("{} indices are no multiple of {stride}", list.len()),
+                ));
+            }
+            Ok(list.iter().skip(offset).step_by(stride).copied().collect())
+        };
+        let lists = lists.iter().map(corners).collect::<Result<Vec<_>, _>>()?;
+        let polygons = match kind {
+            "triangles" => self.equal_polygons(primitive, &lists.concat())?,
+            "polylist" => self.counted_polygons(primitive, &lists.concat())?,
+            "trifans" => lists.iter().flat_map(|l| fan(l)).collect(),
+            "tristrips" => lists.iter().flat_map(|l| strip(l)).collect(),
+            _ => lists,
+        };
+        self.compare_count(primitive, kind, polygons.len());
+        Ok(Some((self.referenced(input, "source")?, polygons)))
+    }
+
+    fn equal_polygons(&self, primitive: Node, corners: &[usize]) -> Result<Polygons, String> {
+        if !corners.len().is_multiple_of(3) {
+            return Err(self.at(
+                primitive,
+                format!("{} corners are no triangles", corners.len()),
+            ));
+        }
+        Ok(corners.chunks(3).map(<[usize]>::to_vec).collect())
+    }
+
+    fn counted_polygons(
+        &self,
+        primitive: Node<'d, 'd>,
+        corners: &[usize],
+    ) -> Result<Polygons, String> {
+        let counts = match child(primitive, "vcount") {
+            Some(vcount) => self.indices(vcount)?,
+            None => Vec::new(),
+        };
+        let mut rest = corners;
+        let mut polygons = Vec::new();
+        for count in counts {
+            let Some((polygon, others)) = rest.split_at_checked(count) else {
+                return Err(self.at(primitive, "vcount asks for more corners than <p> has"));
+            };
+            polygons.push(polygon.to_vec());
+            rest = others;
+        }
+        if rest.is_empty() {
+            Ok(polygons)
+        } else {
+            Err(self.at(
+                primitive,
+                format!("vcount leaves {} corners of <p> over", rest.len()),
+            ))
+        }
+    }
+
+    /// The attribute `count` binds nobody, but a wrong one is told.
+    fn compare_count(&mut self, primitive: Node, kind: &str, polygons: usize) {
+        let said = primitive
+            .attribute("count")
+            .and_then(|c| c.trim().parse::<usize>().ok());
+        // fans and strips count lists, not triangles
+        if !matches!(kind, "trifans" | "tristrips") && said.is_some_and(|said| said != polygons) {
+            let said = said.unwrap_or_default();
+            let remark = self.at(
+                primitive,
+                format!("the count is {said}, but {polygons} are there"),
+            );
+            self.remarks.push(remark);
+        }
+    }
+
+    fn indices(&self, node: Node) -> Result<Vec<usize>, String> {
+        (node.text().unwrap_or_default().split_whitespace())
+            .map(|word| {
+                word.parse()
+                    .map_err(|_| self.at(node, "holds something that is no index"))
+            })
+            .collect()
+    }
+
+    /// A whole number from an attribute.
+    fn whole(&self, node: Node, attribute: &str, missing: Option<usize>) -> Result<usize, String> {
+        match (node.attribute(attribute).map(str::trim), missing) {
+            (Some(text), _) => text.parse().map_err(|_| {
+                self.at(
+                    node,
+                    format!("the attribute {attribute} is no whole number"),
+                )
+            }),
+            (None, Some(value)) => Ok(value),
+            (None, None) => Err(self.at(node, format!("has no attribute {attribute}"))),
+        }
+    }
+}
+
+fn fan(list: &[usize]) -> Polygons {
+    let Some((&first, rest)) = list.split_first() else {
+        return Vec::new();
+    };
+    rest.windows(2)
+        .map(|pair| vec![first, pair[0], pair[1]])
+        .collect()
+}
+
+/// Every second triangle of a strip is wound the other way.
+fn strip(list: &[usize]) -> Polygons {
+    let turned = |(i, t): (usize, &[usize])| match i % 2 {
+        0 => vec![t[0], t[1], t[2]],
+        _ => vec![t[1], t[0], t[2]],
+    };
+    list.windows(3).enumerate().map(turned).collect()
+}

@@ -1,0 +1,99 @@
+//! Which geometries a COLLADA scene shows, and where.
+
+use nalgebra::{Matrix4, Unit, Vector3};
+use roxmltree::Node;
+
+use super::{Collada, child, children};
+
+/// Nodes in nodes: more is a loop of `instance_node`.
+const MOST_LEVELS: usize = 100;
+
+/// Most nodes that are visited, instances counted.
+const MOST_NODES: usize = 100_000;
+
+/// A geometry where the scene shows it.
+pub(super) struct Shown<'d> {
+    pub geometry: Node<'d, 'd>,
+    /// From the geometry's coordinates to the file's, in metres.
+    pub to_file: Matrix4<f64>,
+}
+
+impl<'d> Collada<'d> {
+    /// The geometries under the scene, with all node transforms; `base` comes last.
+    pub(super) fn shown_geometries(
+        &mut self,
+        base: Matrix4<f64>,
+    ) -> Result<Vec<Shown<'d>>, String> {
+        let mut shown = Vec::new();
+        let mut pending: Vec<(Node, Matrix4<f64>, usize)> = self
+            .visual_scene()?
+            .map(|scene| children(scene, "node").map(|n| (n, base, 0)).collect())
+            .unwrap_or_default();
+        // the stack gives back the last first; the file's order is easier to follow
+        pending.reverse();
+        let mut visited = 0;
+        while let Some((node, to_file, level)) = pending.pop() {
+            visited += 1;
+            if level > MOST_LEVELS || visited > MOST_NODES {
+                return Err(self.at(node, "nodes instance each other without end, or nearly so"));
+            }
+            let to_file = to_file * self.node_transform(node)?;
+            let first = pending.len();
+            for part in node.children().filter(Node::is_element) {
+                match part.tag_name().name() {
+                    "node" => pending.push((part, to_file, level + 1)),
+                    "instance_node" => {
+                        pending.push((self.referenced(part, "url")?, to_file, level + 1));
+                    }
+                    "instance_geometry" => shown.push(Shown {
+                        geometry: self.referenced(part, "url")?,
+                        to_file,
+                    }),
+                    "instance_controller" => {
+                        let remark =
+                            "instances a controller; skinned and morphed meshes are left out";
+                        self.remarks.push(self.at(node, remark));
+                    }
+                    _ => {}
+                }
+            }
+            pending[first..].reverse();
+        }
+        Ok(shown)
+    }
+
+    /// The scene that the file instances, or its only one.
+    fn visual_scene(&self) -> Result<Option<Node<'d, 'd>>, String> {
+        let instance =
+            child(self.xml.root(), "scene").and_then(|s| child(s, "instance_visual_scene"));
+        if let Some(instance) = instance {
+            return self.referenced(instance, "url").map(Some);
+        }
+        let mut scenes = children(self.xml.root(), "library_visual_scenes")
+            .flat_map(|library| children(library, "visual_scene"));
+        let only = scenes.next();
+        Ok(only.filter(|_| scenes.next().is_none()))
+    }
+
+    /// The product of a node's transform elements, in the order of the file: the last is applied to points first.
+    fn node_transform(&self, node: Node<'d, 'd>) -> Result<Matrix4<f64>, String> {
+        let mut product = Matrix4::identity();
+        for part in node.children().filter(Node::is_element) {
+            product *= match part.tag_name().name() {
+                "matrix" => Matrix4::from_row_slice(&self.numbers::<16>(part)?),
+                "translate" => Matrix4::new_translation(&self.numbers::<3>(part)?.into()),
+                "scale" => Matrix4::new_nonuniform_scaling(&self.numbers::<3>(part)?.into()),
+                "rotate" => {
+                    let [x, y, z, degrees] = self.numbers(part)?;
+                    match Unit::try_new(Vector3::new(x, y, z), 1e-12) {
+                        Some(axis) => Matrix4::from_axis_angle(&axis, degrees.to_radians()),
+                        None => return Err(self.at(part, "a rotation axis without length")),
+                    }
+                }
+                "lookat" | "skew" => return Err(self.at(part, "this transform is not read")),
+                _ => continue,
+            };
+        }
+        Ok(product)
+    }
+}

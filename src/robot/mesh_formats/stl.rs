@@ -1,0 +1,199 @@
+//! STL, binary and ASCII, through `stl_io`.
+//!
+//! `stl_io` tells the two apart by a leading `solid `, reads one solid of an ASCII file and knows only lower case. Both
+//! kinds are therefore brought into the form it reads faithfully before it sees them.
+
+use std::io::Cursor;
+
+use super::ReadMesh;
+use crate::geometry::TriangleMesh;
+use crate::math::Point;
+
+const HEADER: usize = 84;
+const TRIANGLE: usize = 50;
+
+/// Whether the file has exactly the length that its triangle count asks for: then it is binary, whatever its header
+/// says.
+pub(super) fn has_binary_length(bytes: &[u8]) -> bool {
+    triangle_count(bytes).is_some_and(|count| count > 0 && expected_length(count) == bytes.len())
+}
+
+/// Whether a text that begins with `solid` goes on as an ASCII STL does.
+pub(super) fn looks_ascii(bytes: &[u8]) -> bool {
+    let head = bytes[..bytes.len().min(4096)].to_ascii_lowercase();
+    let has = |word: &[u8]| head.windows(word.len()).any(|w| w == word);
+    has(b"facet") || has(b"endsolid")
+}
+
+fn triangle_count(bytes: &[u8]) -> Option<usize> {
+    let count: [u8; 4] = bytes.get(80..HEADER)?.try_into().ok()?;
+    usize::try_from(u32::from_le_bytes(count)).ok()
+}
+
+fn expected_length(count: usize) -> usize {
+    count.saturating_mul(TRIANGLE).saturating_add(HEADER)
+}
+
+/// # Errors
+/// When the length does not fit the triangle count: a cut file, or no STL at all.
+pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
+    let Some(count) = triangle_count(&bytes) else {
+        return Err(format!(
+            "{} bytes are too few for an STL, which has a header of {HEADER}",
+            bytes.len()
+        ));
+    };
+    let expected = expected_length(count);
+    // a few bytes of padding are met in the wild; a whole triangle is none
+    if bytes.len() < expected || bytes.len() >= expected + TRIANGLE {
+        return Err(format!(
+            "the header says {count} triangles, which are {expected} bytes, but the file has {}: it is cut, or no STL",
+            bytes.len()
+        ));
+    }
+    let surplus = bytes.len() - expected;
+    // a header that begins with "solid " would pass for ASCII
+    bytes[..80].fill(0);
+    let mut read = indexed(&bytes)?;
+    if surplus > 0 {
+        read.remarks
+            .push(format!("{surplus} bytes follow the last triangle"));
+    }
+    Ok(read)
+}
+
+/// # Errors
+/// When a solid is not written as STL asks; all solids of the file count.
+pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
+    indexed(one_plain_solid(text).as_bytes())
+}
+
+/// The facets of all solids as one solid in lower case; normals, which are not used, become zero, since degenerate
+/// facets are often published with the normal `nan nan nan`.
+fn one_plain_solid(text: &str) -> String {
+    let mut solid = String::with_capacity(text.len());
+    solid.push_str("solid all\n");
+    let mut open = false;
+    for line in text.lines().map(|l| l.trim().to_ascii_lowercase()) {
+        let word = line.split_whitespace().next().unwrap_or_default();
+        match word {
+            "solid" => open = true,
+            "endsolid" => open = false,
+            "facet" => solid.push_str("facet normal 0 0 0\n"),
+            _ => {
+                solid.push_str(&line);
+                solid.push('\n');
+            }
+        }
+    }
+    // without its end the file is cut, and stl_io says so
+    if !open {
+        solid.push_str("endsolid all\n");
+    }
+    solid
+}
+
+fn indexed(bytes: &[u8]) -> Result<ReadMesh, String> {
+    let stl = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|e| format!("bad STL: {e}"))?;
+    let vertices = (stl.vertices.iter())
+        .map(|v| Point::from(v.0.map(f64::from)))
+        .collect();
+    let triangles = (stl.faces.iter())
+        .map(|f| index_triple(f.vertices))
+        .collect::<Option<Vec<_>>>()
+        .ok_or("more vertices than 32-bit indices can name")?;
+    let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| e.to_string())?;
+    Ok(mesh.into())
+}
+
+fn index_triple(indices: [usize; 3]) -> Option<[u32; 3]> {
+    let [a, b, c] = indices.map(u32::try_from);
+    Some([a.ok()?, b.ok()?, c.ok()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const FACET: &str = "facet normal nan nan nan\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1e0 0\n \
+                         endloop\nendfacet\n";
+
+    fn binary(header: &[u8], count: u32, triangles: usize) -> Vec<u8> {
+        let mut bytes = vec![b' '; 80];
+        bytes[..header.len()].copy_from_slice(header);
+        bytes.extend(count.to_le_bytes());
+        for i in 0..u8::try_from(triangles).unwrap() {
+            let corners = [
+                0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, i as f32,
+            ];
+            bytes.extend(corners.iter().flat_map(|c| c.to_le_bytes()));
+            bytes.extend([0, 0]);
+        }
+        bytes
+    }
+
+    #[test]
+    fn several_solids_in_any_case_all_count() {
+        let text = format!(
+            "SOLID\n{FACET}endsolid\nsolid b\n{}EndSolid b",
+            FACET.to_uppercase()
+        );
+        assert_eq!(read_ascii(&text).unwrap().mesh.triangles().len(), 2);
+    }
+
+    #[test]
+    fn ascii_faults() {
+        for text in [
+            format!("solid a\n{FACET}"),
+            format!("solid a\n{}endsolid", FACET.replace("1e0", "1,5")),
+            format!(
+                "solid a\n{}endsolid",
+                FACET.replace("endloop", "vertex 1 1 1\nendloop")
+            ),
+            format!("solid a\n{}endsolid", FACET.replace("1e0", "inf")),
+            "solid a\nendsolid a".to_owned(),
+        ] {
+            assert!(read_ascii(&text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_binary_file_may_begin_with_solid() {
+        let bytes = binary(b"solid s", 3, 3);
+        assert!(has_binary_length(&bytes));
+        assert_eq!(read_binary(bytes).unwrap().mesh.triangles().len(), 3);
+    }
+
+    #[test]
+    fn counts_must_fit() {
+        assert!(
+            read_binary(binary(b"", 3, 2))
+                .unwrap_err()
+                .contains("3 triangles")
+        );
+        assert!(
+            read_binary(binary(b"", 2, 3))
+                .unwrap_err()
+                .contains("2 triangles")
+        );
+        assert!(read_binary(binary(b"", u32::MAX, 3)).is_err());
+        let mut padded = binary(b"", 2, 2);
+        padded.push(0);
+        assert_eq!(read_binary(padded).unwrap().remarks.len(), 1);
+    }
+
+    proptest! {
+        #[test]
+        fn mutations_never_panic(at in 0usize..400, byte: u8, cut in 0usize..400) {
+            let ascii = format!("solid a\n{FACET}{FACET}endsolid a");
+            for mut bytes in [binary(b"x", 3, 3), ascii.into_bytes()] {
+                let at = at % bytes.len();
+                bytes[at] = byte;
+                bytes.truncate(bytes.len() - cut.min(bytes.len()) / 4);
+                let _ = super::super::read(bytes, "stl");
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Mimic joints: whom each follows in the end.
+
+use super::joint::{JointKind, Mimic};
+use super::{Joint, JointId};
+
+/// Why mimic joints follow nobody; the joints are named in the message.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct MimicError {
+    pub joint: JointId,
+    pub message: String,
+}
+
+/// Replaces each joint's mimic, which may follow a joint that itself follows another, by one that follows a free joint:
+/// `m1 (m2 q + o2) + o1 = (m1 m2) q + (m1 o2 + o1)`.
+pub(super) fn resolve(joints: &mut [Joint]) -> Result<(), MimicError> {
+    // 0: not looked at, 1: on the chain under way, 2: resolved
+    let mut state = vec![0u8; joints.len()];
+    for start in 0..joints.len() {
+        let mut chain = Vec::new();
+        let mut at = start;
+        while let (0, Some(mimic)) = (state[at], joints[at].mimic) {
+            state[at] = 1;
+            chain.push(at);
+            at = mimic.joint.index();
+        }
+        if state[at] == 1 {
+            return Err(cycle(joints, &chain, at));
+        }
+        // leaders first
+        for &follower in chain.iter().rev() {
+            follow(joints, follower)?;
+            state[follower] = 2;
+        }
+        state[at] = 2;
+    }
+    Ok(())
+}
+
+fn follow(joints: &mut [Joint], follower: usize) -> Result<(), MimicError> {
+    let Some(own) = joints[follower].mimic else {
+        return Ok(());
+    };
+    let leader = &joints[own.joint.index()];
+    let error = |message: String| MimicError {
+        joint: joint_id(follower),
+        message,
+    };
+    match leader.kind {
+        JointKind::Revolute(_) | JointKind::Continuous(_) | JointKind::Prismatic(_) => {}
+        JointKind::Fixed | JointKind::Floating | JointKind::Planar(_) => {
+            return Err(error(format!(
+                "mimics joint '{}', which has no single position",
+                leader.name
+            )));
+        }
+    }
+    if let Some(theirs) = leader.mimic {
+        let composed = Mimic {
+            joint: theirs.joint,
+            multiplier: own.multiplier * theirs.multiplier,
+            offset: own.multiplier * theirs.offset + own.offset,
+        };
+        if !composed.multiplier.is_finite() || !composed.offset.is_finite() {
+            return Err(error(
+                "the multipliers of its mimic chain overflow".to_owned(),
+            ));
+        }
+        joints[follower].mimic = Some(composed);
+    }
+    Ok(())
+}
+
+fn cycle(joints: &[Joint], chain: &[usize], at: usize) -> MimicError {
+    let looped = chain.iter().skip_while(|&&j| j != at).chain([&at]);
+    let names: Vec<String> = looped.map(|&j| format!("'{}'", joints[j].name)).collect();
+    MimicError {
+        joint: joint_id(at),
+        message: format!("mimics itself: {}", names.join(" mimics ")),
+    }
+}
+
+fn joint_id(index: usize) -> JointId {
+    JointId(u32::try_from(index).unwrap_or(u32::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Pose, Vector};
+    use crate::robot::LinkId;
+
+    fn joint(name: &str, mimic: Option<(u32, f64, f64)>) -> Joint {
+        Joint {
+            name: name.to_owned(),
+            kind: JointKind::Revolute(Vector::x_axis()),
+            parent: LinkId(0),
+            child: LinkId(1),
+            pose_pj: Pose::identity(),
+            limits: None,
+            mimic: mimic.map(|(leader, multiplier, offset)| Mimic {
+                joint: JointId(leader),
+                multiplier,
+                offset,
+            }),
+            passive: false,
+        }
+    }
+
+    #[test]
+    fn chains_in_any_order_compose() {
+        let mut joints = [
+            joint("a", Some((2, 2.0, 1.0))),
+            joint("leader", None),
+            joint("b", Some((1, -3.0, 0.5))),
+        ];
+        resolve(&mut joints).unwrap();
+        let a = joints[0].mimic.unwrap();
+        assert_eq!((a.joint, a.multiplier, a.offset), (JointId(1), -6.0, 2.0));
+    }
+
+    #[test]
+    fn cycles_are_named() {
+        let mut joints = [
+            joint("tail", Some((1, 1.0, 0.0))),
+            joint("a", Some((2, 1.0, 0.0))),
+            joint("b", Some((1, 1.0, 0.0))),
+        ];
+        let error = resolve(&mut joints).unwrap_err();
+        assert_eq!(error.message, "mimics itself: 'a' mimics 'b' mimics 'a'");
+    }
+
+    #[test]
+    fn a_leader_needs_one_position() {
+        let mut joints = [joint("a", Some((1, 1.0, 0.0))), joint("b", None)];
+        joints[1].kind = JointKind::Floating;
+        assert!(resolve(&mut joints).unwrap_err().message.contains("'b'"));
+    }
+
+    #[test]
+    fn long_chains_need_no_stack() {
+        let count = 100_000;
+        let mut joints: Vec<Joint> = (0..count)
+            .map(|i| joint("j", (i + 1 < count).then_some((i + 1, 1.0, 1.0))))
+            .collect();
+        resolve(&mut joints).unwrap();
+        assert_eq!(joints[0].mimic.unwrap().joint, JointId(count - 1));
+        assert!((joints[0].mimic.unwrap().offset - f64::from(count - 1)).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,33 @@
+//! Links and joints: what a URDF and an SRDF say, and where the links are for given joint positions.
+
+mod configuration;
+mod ids;
+mod joint;
+mod kinematics;
+mod loaded_mesh;
+mod mesh_files;
+mod mesh_formats;
+mod mesh_uri;
+mod mimic;
+mod model;
+mod numbers;
+mod robot_text;
+mod source;
+mod srdf;
+mod tree;
+mod urdf;
+mod urdf_door;
+mod warning;
+mod xml;
+
+pub use configuration::{Configuration, ConfigurationError};
+pub use ids::{JointId, LinkId};
+pub use joint::{Joint, JointKind, Limits, Mimic};
+pub use kinematics::LinkPoses;
+pub use loaded_mesh::LoadedMesh;
+pub use mesh_files::{MeshFileError, MeshFiles};
+pub use model::{Collision, Link, ModelError, RobotModel};
+pub use robot_text::RobotText;
+pub use source::{Fault, Place};
+pub use srdf::{DisabledPair, Group, Srdf, VirtualJoint};
+pub use warning::Warning;

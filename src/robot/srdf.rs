@@ -1,0 +1,311 @@
+//! What an SRDF adds to a robot: pairs that may touch, groups, virtual and passive joints.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use roxmltree::Node;
+
+use super::xml::{Expected, Xml, children, read_xml};
+use super::{Fault, JointId, LinkId, RobotModel, Warning};
+
+mod group;
+
+/// An SRDF with its names resolved; what it says of links and joints that the robot does not have is left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Srdf {
+    pub robot_name: String,
+    /// Pairs never checked; each pair once, the link that comes first in the URDF first.
+    pub disabled_pairs: Vec<DisabledPair>,
+    pub groups: Vec<Group>,
+    pub virtual_joints: Vec<VirtualJoint>,
+    pub passive_joints: Vec<JointId>,
+}
+
+/// Two links that are never checked against each other, and why the SRDF's author says so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DisabledPair {
+    pub a: LinkId,
+    pub b: LinkId,
+    /// Such as `Adjacent` or `Never`; may be empty.
+    pub reason: String,
+}
+
+/// A named set of joints and links, in the URDF's order; chains and subgroups are resolved.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Group {
+    pub name: String,
+    pub joints: Vec<JointId>,
+    /// The child links of the joints, and links the group names by themselves.
+    pub links: Vec<LinkId>,
+}
+
+/// Where the robot's root stands in a frame outside of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VirtualJoint {
+    pub name: String,
+    /// `fixed`, `floating` or `planar`.
+    pub kind: String,
+    pub parent_frame: String,
+    pub child_link: LinkId,
+}
+
+/// Elements of SRDF and of Tesseract's dialect that say nothing about collisions.
+const IGNORED: [&str; 11] = [
+    "group_state",
+    "end_effector",
+    "joint_property",
+    "link_sphere_approximation",
+    "group_tcps",
+    "group_opw",
+    "kinematics_plugin_config",
+    "contact_managers_plugin_config",
+    "task_composer_plugin_config",
+    "calibration_config",
+    "collision_margins",
+];
+
+/// Reads an SRDF into `model`.
+///
+/// # Errors
+/// Text that is no SRDF, and groups that contain themselves. Whatever else is odd becomes a warning: it can only add
+/// pairs to check.
+pub(super) fn apply(model: &mut RobotModel, text: &str, file: Option<&str>) -> Result<(), Fault> {
+    let mut warnings = Vec::new();
+    let expected = Expected {
+        file,
+        language: "an SRDF",
+        root: "robot",
+    };
+    let read = read_xml(text, expected, &mut warnings, |xml, warnings| {
+        let mut reader = Reader::new(xml, model);
+        let srdf = reader.read();
+        warnings.append(&mut reader.finished_warnings());
+        srdf
+    });
+    let srdf = read??;
+    model.warnings.extend(warnings);
+    for &joint in &srdf.passive_joints {
+        model.joints[joint.index()].passive = true;
+    }
+    model.srdf = Some(srdf);
+    Ok(())
+}
+
+struct Reader<'d> {
+    xml: &'d Xml<'d>,
+    model: &'d RobotModel,
+    links: HashMap<&'d str, LinkId>,
+    joints: HashMap<&'d str, JointId>,
+    virtual_joints: Vec<VirtualJoint>,
+    warnings: Vec<Warning>,
+    /// Unknown names: a warning for the first place and how many there are.
+    unknown: BTreeMap<(&'static str, String), (Warning, usize)>,
+}
+
+impl<'d> Reader<'d> {
+    fn new(xml: &'d Xml<'d>, model: &'d RobotModel) -> Self {
+        Self {
+            xml,
+            model,
+            links: (model.links.iter().zip(0..))
+                .map(|(l, i)| (l.name.as_str(), LinkId(i)))
+                .collect(),
+            joints: (model.joints.iter().zip(0..))
+                .map(|(j, i)| (j.name.as_str(), JointId(i)))
+                .collect(),
+            virtual_joints: Vec::new(),
+            warnings: Vec::new(),
+            unknown: BTreeMap::new(),
+        }
+    }
+
+    fn read(&mut self) -> Result<Srdf, Fault> {
+        let root = self.xml.root();
+        let robot_name = self.check_root(root)?;
+        self.read_virtual_joints(root);
+        let passive_joints = self.passive_joints(root);
+        let disabled_pairs = self.disabled_pairs(root);
+        let groups = self.read_groups(root)?;
+        self.note_unknown_elements(root);
+        Ok(Srdf {
+            robot_name,
+            disabled_pairs,
+            groups,
+            virtual_joints: std::mem::take(&mut self.virtual_joints),
+            passive_joints,
+        })
+    }
+
+    fn check_root(&mut self, root: Node<'d, 'd>) -> Result<String, Fault> {
+        if let Some(link) = children(root, "link").next() {
+            let message = "<link> belongs to a URDF, not to an SRDF: the files are confused";
+            return Err(self.xml.fault(link, "", message));
+        }
+        let name = root.attribute("name").unwrap_or_default();
+        if name != self.model.name {
+            let message = format!(
+                "the SRDF is of robot '{name}', the URDF of robot '{}'",
+                self.model.name
+            );
+            self.warn(root, "", message);
+        }
+        Ok(name.to_owned())
+    }
+
+    fn read_virtual_joints(&mut self, root: Node<'d, 'd>) {
+        for node in children(root, "virtual_joint") {
+            let text = |name| node.attribute(name).unwrap_or_default().trim().to_owned();
+            let element = format!("virtual_joint '{}'", text("name"));
+            if let Some(child_link) = self.link(node, "child_link", &element) {
+                self.virtual_joints.push(VirtualJoint {
+                    name: text("name"),
+                    kind: text("type"),
+                    parent_frame: text("parent_frame"),
+                    child_link,
+                });
+            }
+        }
+    }
+
+    fn passive_joints(&mut self, root: Node<'d, 'd>) -> Vec<JointId> {
+        let nodes: Vec<Node> = children(root, "passive_joint").collect();
+        nodes
+            .into_iter()
+            .filter_map(|n| self.joint(n, "name", "passive_joint"))
+            .collect()
+    }
+
+    /// `MoveIt`'s order: links whose collisions are off by default, then pairs switched on, then pairs switched off.
+    fn disabled_pairs(&mut self, root: Node<'d, 'd>) -> Vec<DisabledPair> {
+        let mut pairs: BTreeMap<(LinkId, LinkId), String> = BTreeMap::new();
+        for node in children(root, "disable_default_collisions") {
+            if let Some(link) = self.link(node, "link", "disable_default_collisions") {
+                let others = self.model.link_ids().filter(|&other| other != link);
+                pairs.extend(others.map(|other| (ordered(link, other), "Default".to_owned())));
+            }
+        }
+        for node in children(root, "enable_collisions") {
+            if let Some(pair) = self.pair(node) {
+                pairs.remove(&pair);
+            }
+        }
+        for node in children(root, "disable_collisions") {
+            if let Some(pair) = self.pair(node) {
+                pairs.insert(
+                    pair,
+                    node.attribute("reason").unwrap_or_default().to_owned(),
+                );
+            }
+        }
+        (pairs.into_iter())
+            .map(|((a, b), reason)| DisabledPair { a, b, reason })
+            .collect()
+    }
+
+    fn pair(&mut self, node: Node<'d, 'd>) -> Option<(LinkId, LinkId)> {
+        let element = node.tag_name().name();
+        // both, so that both are told when unknown
+        let (a, b) = (
+            self.link(node, "link1", element),
+            self.link(node, "link2", element),
+        );
+        let (a, b) = (a?, b?);
+        if a == b {
+            let name = &self.model.link(a).name;
+            self.warn(
+                node,
+                element,
+                format!("link '{name}' with itself is no pair; ignored"),
+            );
+            return None;
+        }
+        Some(ordered(a, b))
+    }
+
+    fn note_unknown_elements(&mut self, root: Node<'d, 'd>) {
+        const READ: [&str; 6] = [
+            "group",
+            "virtual_joint",
+            "passive_joint",
+            "disable_collisions",
+            "enable_collisions",
+            "disable_default_collisions",
+        ];
+        let unknown: BTreeSet<&str> = (root.children().filter(Node::is_element))
+            .map(|n| n.tag_name().name())
+            .filter(|name| !READ.contains(name) && !IGNORED.contains(name))
+            .collect();
+        if !unknown.is_empty() {
+            let names: Vec<String> = unknown.iter().map(|n| format!("<{n}>")).collect();
+            self.warn(root, "", format!("not SRDF, ignored: {}", names.join(", ")));
+        }
+    }
+
+    /// The link that an attribute names, or a warning.
+    fn link(&mut self, node: Node<'d, 'd>, attribute: &str, element: &str) -> Option<LinkId> {
+        let name = node.attribute(attribute).unwrap_or_default().trim();
+        let id = self.links.get(name).copied();
+        if id.is_none() {
+            self.note_unknown("link", node, attribute, name, element);
+        }
+        id
+    }
+
+    /// The joint that an attribute names, or a warning; a virtual joint is known, but none of the URDF's.
+    fn joint(&mut self, node: Node<'d, 'd>, attribute: &str, element: &str) -> Option<JointId> {
+        let name = node.attribute(attribute).unwrap_or_default().trim();
+        let id = self.joints.get(name).copied();
+        if id.is_none() && !self.virtual_joints.iter().any(|v| v.name == name) {
+            self.note_unknown("joint", node, attribute, name, element);
+        }
+        id
+    }
+
+    fn note_unknown(
+        &mut self,
+        kind: &'static str,
+        node: Node,
+        attribute: &str,
+        name: &str,
+        element: &str,
+    ) {
+        if name.is_empty() {
+            return self.warn(node, element, format!("has no {attribute}; ignored"));
+        }
+        let xml = self.xml;
+        let warning = || {
+            xml.warning(
+                node,
+                element,
+                format!("the robot has no {kind} '{name}'; ignored"),
+            )
+        };
+        let entry = self.unknown.entry((kind, name.to_owned()));
+        entry.or_insert_with(|| (warning(), 0)).1 += 1;
+    }
+
+    fn warn(&mut self, node: Node, element: impl Into<String>, message: impl Into<String>) {
+        self.warnings.push(self.xml.warning(node, element, message));
+    }
+
+    /// All warnings in the order of their lines.
+    fn finished_warnings(&mut self) -> Vec<Warning> {
+        let mut warnings = std::mem::take(&mut self.warnings);
+        let unknown = std::mem::take(&mut self.unknown).into_values();
+        warnings.extend(unknown.map(|(mut warning, count)| {
+            if count > 1 {
+                let more = count - 1;
+                warning.message = format!("{}, here and at {more} more places", warning.message);
+            }
+            warning
+        }));
+        warnings.sort_by_key(|w| w.place.line);
+        warnings
+    }
+}
+
+fn ordered(a: LinkId, b: LinkId) -> (LinkId, LinkId) {
+    (a.min(b), a.max(b))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,335 @@
+use proptest::prelude::*;
+
+use crate::robot::{JointKind, MeshFiles, RobotModel};
+
+/// Two links and a joint; `collision` goes into the second link, `joint` into the joint.
+fn urdf(collision: &str, kind: &str, joint: &str) -> String {
+    format!(
+        "<?xml version='1.0'?>\n<robot name='r' version='1.1'>\n<link name='a'/>\n<link name='b'>{collision}</link>\n\
+         <joint name='j' type='{kind}'><parent link='a'/><child link='b'/>\n{joint}</joint>\n</robot>"
+    )
+}
+
+const LIMIT: &str = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
+
+fn collision(geometry: &str) -> String {
+    urdf(
+        &format!("<collision><geometry>{geometry}</geometry></collision>"),
+        "fixed",
+        "",
+    )
+}
+
+fn revolute(more: &str) -> String {
+    urdf("", "revolute", &format!("{LIMIT}{more}"))
+}
+
+fn accepted(text: &str) -> RobotModel {
+    RobotModel::from_urdf(text, &MeshFiles::default()).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// Asserts that the text is refused, with all words in the message.
+fn refused(text: &str, words: &[&str]) {
+    let message = match RobotModel::from_urdf(text, &MeshFiles::default()) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(error) => error.to_string(),
+    };
+    for word in words {
+        assert!(message.contains(word), "'{word}' is missing in: {message}");
+    }
+}
+
+/// Asserts that the text is accepted, with one warning that has all words.
+fn warned(text: &str, words: &[&str]) -> RobotModel {
+    let model = accepted(text);
+    let warnings: Vec<String> = model.warnings().iter().map(ToString::to_string).collect();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    for word in words {
+        assert!(
+            warnings[0].contains(word),
+            "'{word}' is missing in: {warnings:?}"
+        );
+    }
+    model
+}
+
+#[test]
+fn every_shape_is_read() {
+    for (geometry, kind) in [
+        ("<box size='1 2 3'/>", "box"),
+        ("<sphere radius='.5'/>", "sphere"),
+        ("<cylinder radius='1' length='2'/>", "cylinder"),
+        ("<capsule radius='1' length='2'/>", "capsule"),
+    ] {
+        let model = accepted(&collision(geometry));
+        assert_eq!(model.links()[1].collisions[0].shape.kind(), kind);
+    }
+}
+
+#[test]
+fn bad_shapes_are_refused_by_link_shape_and_dimension() {
+    for (geometry, words) in [
+        (
+            "<box size='1 2'/>",
+            &["link 'b'", "box size", "2 numbers"][..],
+        ),
+        ("<box/>", &["box size is missing"]),
+        ("<sphere radius='-1'/>", &["sphere radius", "negative"]),
+        ("<sphere radius='1e9'/>", &["sphere radius", "larger"]),
+        (
+            "<capsule radius='1' length='nan'/>",
+            &["capsule length", "not finite"],
+        ),
+        ("<box size='${x} 1 1'/>", &["xacro"]),
+        ("<mesh/>", &["mesh has no filename"]),
+        ("<mesh filename='$(find p)/a.stl'/>", &["xacro"]),
+        ("<mesh filename='a.stl' scale='1 1'/>", &["mesh scale"]),
+        ("<mesh filename='a.stl'/>", &["a.stl", "--package-path"]),
+        ("<plane/>", &["<plane>", "box"]),
+        ("", &["<geometry> is empty"]),
+        (
+            "<box size='1 1 1'/><sphere radius='1'/>",
+            &["more than one shape"],
+        ),
+    ] {
+        refused(&collision(geometry), words);
+    }
+    refused(
+        &urdf("<collision name='tip'/>", "fixed", ""),
+        &["line 4: ", "link 'b' collision 'tip'", "no <geometry>"],
+    );
+}
+
+#[test]
+fn a_dimension_of_zero_is_told() {
+    warned(&collision("<sphere radius='0'/>"), &["sphere radius is 0"]);
+    let strict = collision("<sphere radius='0'/>").replace("1.1", "1.2");
+    refused(&strict, &["sphere radius is 0"]);
+}
+
+#[test]
+fn what_collisions_do_not_need_is_not_looked_at() {
+    let visual = "<visual><geometry><mesh filename='nowhere.stl' scale='x'/></geometry></visual>\
+        <inertial><mass/></inertial>";
+    accepted(&urdf(visual, "fixed", ""));
+    let gazebo = "<gazebo><link name=''/><joint/></gazebo><transmission><joint name='j'/></transmission></robot>";
+    accepted(&urdf("", "fixed", "").replace("</robot>", gazebo));
+}
+
+#[test]
+fn joints_need_type_and_two_known_links() {
+    refused(
+        &urdf("", "hinge", ""),
+        &["joint 'j'", "'hinge'", "revolute"],
+    );
+    refused(
+        &urdf("", "fixed", "").replace("type='fixed'", ""),
+        &["has no type"],
+    );
+    refused(
+        &urdf("", "fixed", "").replace("<child link='b'/>", ""),
+        &["no <child>"],
+    );
+    refused(
+        &urdf("", "fixed", "").replace("<child link='b'/>", "<child/>"),
+        &["<child> names no link"],
+    );
+    refused(
+        &urdf("", "fixed", "").replace("parent link='a'", "parent link='x'"),
+        &["parent link 'x'"],
+    );
+    let second_root = urdf("", "fixed", "").replace("</robot>", "<link name='c'/></robot>");
+    refused(&second_root, &["2 links have no parent", "'a'", "'c'"]);
+}
+
+#[test]
+fn all_faults_come_at_once() {
+    let text = urdf("<collision/>", "hinge", "<origin xyz='1 2'/>");
+    let error = RobotModel::from_urdf(&text, &MeshFiles::default()).unwrap_err();
+    assert_eq!(error.faults.len(), 3, "{error}");
+    let many = text.replace("</robot>", &("<link/>".repeat(1000) + "</robot>"));
+    let error = RobotModel::from_urdf(&many, &MeshFiles::default()).unwrap_err();
+    assert!(error.faults.len() < 30 && error.to_string().ends_with("more faults"));
+}
+
+#[test]
+fn names_must_be_there_and_differ() {
+    refused(
+        &urdf("", "fixed", "").replace("link name='a'", "link name=' '"),
+        &["line 3: ", "a link has no name"],
+    );
+    refused(
+        &urdf("", "fixed", "").replace("link name='b'", "link name='a'"),
+        &["line 4: ", "link 'a'", "line 3"],
+    );
+    refused(
+        &urdf("", "fixed", "").replace("link name='b'", "link name='${p}b'"),
+        &["xacro"],
+    );
+    warned(
+        &urdf("", "fixed", "").replace("robot name='r'", "robot"),
+        &["no name"],
+    );
+}
+
+#[test]
+fn an_axis_needs_a_direction_only() {
+    refused(&revolute("<axis xyz='0 0 0'/>"), &["joint 'j'", "axis"]);
+    let model = warned(
+        &revolute("<axis xyz='0 0 10'/>"),
+        &["joint 'j'", "axis", "length 10"],
+    );
+    assert_eq!(
+        model.joints()[0].kind,
+        JointKind::Revolute(crate::math::Vector::z_axis())
+    );
+    accepted(&revolute("<axis xyz='0 0.7071 0.7071'/>"));
+    assert_eq!(
+        accepted(&revolute("")).joints()[0].kind,
+        JointKind::Revolute(crate::math::Vector::x_axis())
+    );
+}
+
+#[test]
+fn limits_are_as_urdfdom_takes_them() {
+    refused(&urdf("", "revolute", ""), &["joint 'j'", "no <limit>"]);
+    refused(
+        &urdf("", "prismatic", "<limit lower='1' upper='0' velocity='1'/>"),
+        &["lower 1", "upper 0"],
+    );
+    refused(
+        &urdf("", "revolute", "<limit lower='-inf' upper='1'/>"),
+        &["limit lower", "not finite"],
+    );
+    refused(
+        &urdf("", "revolute", "<limit velocity='-1' lower='0' upper='1'/>"),
+        &["velocity is negative"],
+    );
+    let still = warned(
+        &urdf("", "revolute", "<limit effort='1' velocity='2'/>"),
+        &["'j'", "limit"],
+    );
+    let limits = still.joints()[0].limits.unwrap();
+    assert_eq!(
+        (limits.lower, limits.upper, limits.velocity),
+        (0.0, 0.0, 2.0)
+    );
+    // URDF 1.2 changed the meaning of what is not said
+    let free =
+        accepted(&urdf("", "revolute", "<limit effort='1' velocity='2'/>").replace("1.1", "1.2"));
+    assert_eq!(free.joints()[0].limits, None);
+    assert_eq!(
+        accepted(&urdf("", "continuous", LIMIT)).joints()[0].limits,
+        None
+    );
+}
+
+#[test]
+fn mimics_are_checked() {
+    refused(&revolute("<mimic joint='x'/>"), &["joint 'j'", "'x'"]);
+    refused(&revolute("<mimic/>"), &["names no joint"]);
+    refused(&revolute("<mimic joint='j'/>"), &["'j' mimics 'j'"]);
+    refused(
+        &revolute("<mimic joint='j' offset='inf'/>"),
+        &["mimic offset"],
+    );
+    refused(
+        &urdf("", "planar", "<mimic joint='j'/>"),
+        &["planar joint cannot mimic"],
+    );
+    warned(
+        &urdf("", "fixed", "<mimic joint='nobody'/>"),
+        &["fixed", "ignored"],
+    );
+}
+
+#[test]
+fn a_quaternion_is_a_rotation_from_1_1_on() {
+    let text = urdf(
+        "",
+        "fixed",
+        "<origin xyz='1 2 3' quat_xyzw='0 0.70710678118 0 0.70710678119'/>",
+    );
+    let turned = accepted(&text).joints()[0].pose_pj;
+    // the angles of urdf-rs would be wrong by milliradians near this pitch
+    assert!((turned.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-10);
+    assert!((turned.translation.vector - crate::math::Vector::new(1.0, 2.0, 3.0)).norm() < 1e-15);
+    warned(&text.replace("1.1", "1.0"), &["quat_xyzw is ignored"]);
+    refused(&text.replace("xyz='1 2 3'", "rpy='0 0 0'"), &["both"]);
+    refused(&text.replace("0.70710678119", "nan"), &["quat_xyzw"]);
+    refused(
+        &text
+            .replace("0.70710678118", "0")
+            .replace("0.70710678119", "0"),
+        &["no length"],
+    );
+}
+
+#[test]
+fn repeated_elements_are_told() {
+    warned(
+        &urdf("", "fixed", "<origin xyz='1 0 0'/><origin xyz='2 0 0'/>"),
+        &["second <origin>"],
+    );
+}
+
+#[test]
+fn odd_names_reach_the_model_unchanged() {
+    let model = accepted(&urdf("", "fixed", "").replace("'b'", "'&lt;ä&amp;&quot;&gt; &#x1F916;'"));
+    assert_eq!(model.links()[1].name, "<ä&\"> 🤖");
+}
+
+#[test]
+fn no_urdf_at_all() {
+    refused("", &["empty"]);
+    refused("<sdf/>", &["<sdf>", "<robot>"]);
+    refused("<robot name='r'/>", &["no <link>"]);
+    refused(
+        "<robot version='2.0'><link name='a'/></robot>",
+        &["version '2.0'"],
+    );
+    refused("<robot name='r'><xacro:macro/></robot>", &["xacro"]);
+    refused(
+        &("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)),
+        &["XML"],
+    );
+    warned(
+        "<robot name='r' version='1'><link name='a'/></robot>",
+        &["version '1'"],
+    );
+}
+
+proptest! {
+    #[test]
+    fn mutations_never_panic(
+        at in 0usize..1000,
+        bytes in prop::collection::vec(any::<u8>(), 0..4),
+        cut in 0usize..1000,
+    ) {
+        let good = urdf(
+            "<collision><origin xyz='1 2 3' rpy='0 0 1'/><geometry><box size='1 2 3'/></geometry></collision>",
+            "revolute",
+            &format!("{LIMIT}<mimic joint='j' multiplier='2'/><axis xyz='0 0 1'/>"),
+        );
+        let mut text = good.clone().into_bytes();
+        let at = at % text.len();
+        text.splice(at..(at + bytes.len()).min(good.len()), bytes);
+        let _ = RobotModel::from_urdf(&String::from_utf8_lossy(&text), &MeshFiles::default());
+        let _ = RobotModel::from_urdf(&good[..cut % good.len()], &MeshFiles::default());
+    }
+
+    #[test]
+    fn any_words_in_attributes_never_panic(word in "[-+0-9a-zA-Z.<>&'\" {}$(\u{fffd}\u{e4}]{0,12}", which in 0usize..40) {
+        let good = urdf(
+            "<collision><origin xyz='1 2 3' rpy='0 0 1'/><geometry><box size='1 2 3'/></geometry></collision>",
+            "prismatic",
+            &format!("{LIMIT}<axis xyz='0 0 1'/>"),
+        );
+        let escaped = word.replace('&', "&amp;").replace('<', "&lt;").replace('\'', "&apos;");
+        let parts: Vec<&str> = good.split('\'').collect();
+        let which = ((2 * which + 1) % (parts.len() - 1)) | 1;
+        let mut parts: Vec<String> = parts.into_iter().map(str::to_owned).collect();
+        parts[which] = escaped;
+        let _ = RobotModel::from_urdf(&parts.join("'"), &MeshFiles::default());
+    }
+}

@@ -1,0 +1,51 @@
+//! The sound text, as `urdf-rs` gets it.
+
+use std::fmt::Write as _;
+
+/// Writes XML elements with escaped attributes.
+#[derive(Debug, Default)]
+pub(super) struct Writer {
+    text: String,
+}
+
+impl Writer {
+    pub fn open(&mut self, tag: &str, attributes: &[(&str, &str)]) {
+        self.start(tag, attributes);
+        self.text.push_str(">\n");
+    }
+
+    pub fn close(&mut self, tag: &str) {
+        let _ = writeln!(self.text, "</{tag}>");
+    }
+
+    pub fn element(&mut self, tag: &str, attributes: &[(&str, &str)]) {
+        self.start(tag, attributes);
+        self.text.push_str("/>\n");
+    }
+
+    pub fn finish(self) -> String {
+        self.text
+    }
+
+    fn start(&mut self, tag: &str, attributes: &[(&str, &str)]) {
+        let _ = write!(self.text, "<{tag}");
+        for (name, value) in attributes {
+            let _ = write!(self.text, " {name}=\"{}\"", escaped(value));
+        }
+    }
+}
+
+fn escaped(value: &str) -> String {
+    let mut escaped = String::with_capacity(value.len());
+    for c in value.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&apos;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}

@@ -1,0 +1,16 @@
+//! Odd but usable input, said out loud.
+
+use super::Place;
+
+/// Something in a URDF, SRDF or mesh that was accepted and should be looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    pub place: Place,
+    pub message: String,
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.place, self.message)
+    }
+}

@@ -1,0 +1,351 @@
+//! The door for XML: text to tree, with the line of every element, and nothing expanded or fetched.
+
+use std::borrow::Cow;
+
+use roxmltree::{Document, Error, Node, ParsingOptions};
+
+use super::numbers::shortened;
+use super::{Fault, Place, Warning};
+
+/// Longest XML text (bytes) that is read; a robot description is rarely longer than one of these megabytes.
+const LARGEST_TEXT: usize = 64 << 20;
+
+/// Most nodes of a tree: about 200 MB of memory, a hundred times a humanoid with all its visuals.
+const MOST_NODES: u32 = 2_000_000;
+
+/// Most namespace prefixes that are declared on behalf of a text that forgot to.
+const MOST_UNDECLARED_PREFIXES: usize = 16;
+
+/// A parsed XML text that knows its name and its lines.
+pub(super) struct Xml<'d> {
+    pub document: &'d Document<'d>,
+    file: Option<String>,
+    line_starts: Vec<usize>,
+}
+
+impl<'d> Xml<'d> {
+    pub fn root(&self) -> Node<'d, 'd> {
+        self.document.root_element()
+    }
+
+    /// Line of the element's start, from 1.
+    pub fn line(&self, node: Node) -> u32 {
+        let line = self
+            .line_starts
+            .partition_point(|&start| start <= node.range().start);
+        u32::try_from(line).unwrap_or(u32::MAX)
+    }
+
+    /// Where `node` stands; `element` says to a reader what it belongs to.
+    pub fn place(&self, node: Node, element: impl Into<String>) -> Place {
+        let element = element.into();
+        Place {
+            file: self.file.clone(),
+            line: Some(self.line(node)),
+            element: (!element.is_empty()).then_some(element),
+        }
+    }
+
+    pub fn fault(
+        &self,
+        node: Node,
+        element: impl Into<String>,
+        message: impl Into<String>,
+    ) -> Fault {
+        Fault {
+            place: self.place(node, element),
+            message: message.into(),
+        }
+    }
+
+    pub fn warning(
+        &self,
+        node: Node,
+        element: impl Into<String>,
+        message: impl Into<String>,
+    ) -> Warning {
+        Warning {
+            place: self.place(node, element),
+            message: message.into(),
+        }
+    }
+}
+
+/// Child elements that bear a plain (not prefixed) name.
+pub(super) fn children<'d, 'n>(
+    node: Node<'d, 'd>,
+    name: &'n str,
+) -> impl Iterator<Item = Node<'d, 'd>> + use<'d, 'n> {
+    node.children()
+        .filter(move |c| c.is_element() && c.tag_name().name() == name)
+}
+
+/// The first child element of that name.
+pub(super) fn child<'d>(node: Node<'d, 'd>, name: &str) -> Option<Node<'d, 'd>> {
+    children(node, name).next()
+}
+
+/// What a text should be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Expected<'f> {
+    /// Where the text comes from, for messages.
+    pub file: Option<&'f str>,
+    /// Such as `a URDF`.
+    pub language: &'static str,
+    /// The name of its outermost element.
+    pub root: &'static str,
+}
+
+impl Expected<'_> {
+    fn place(&self, line: Option<u32>) -> Place {
+        Place {
+            file: self.file.map(str::to_owned),
+            line,
+            element: None,
+        }
+    }
+
+    fn fault(&self, line: Option<u32>, message: impl Into<String>) -> Fault {
+        Fault {
+            place: self.place(line),
+            message: message.into(),
+        }
+    }
+
+    /// The text is something else altogether.
+    fn wrong_root(&self, found: &str, line: Option<u32>) -> Fault {
+        let Self { language, root, .. } = self;
+        let found = shortened(found);
+        self.fault(
+            line,
+            format!("the text is <{found}>, but {language} begins with <{root}>"),
+        )
+    }
+}
+
+/// Parses `text` and hands the tree to `read`.
+///
+/// A byte-order mark and the XML declaration are dropped (its version and encoding bind nobody: the text is Unicode
+/// already), undeclared namespace prefixes are declared; both with a warning where they are faults. Lines stay right.
+///
+/// # Errors
+/// A fault with its line: bad syntax, another root element than expected, a DTD (its entities are never expanded,
+/// nothing is fetched), too long a text.
+pub(super) fn read_xml<T>(
+    text: &str,
+    expected: Expected,
+    warnings: &mut Vec<Warning>,
+    read: impl FnOnce(&Xml, &mut Vec<Warning>) -> T,
+) -> Result<T, Fault> {
+    if text.len() > LARGEST_TEXT {
+        let message = format!(
+            "the text has {} bytes, more than the {LARGEST_TEXT} that are read",
+            text.len()
+        );
+        return Err(expected.fault(None, message));
+    }
+    let mut text = without_declaration(text, &expected, warnings);
+    for _ in 0..=MOST_UNDECLARED_PREFIXES {
+        let options = ParsingOptions {
+            nodes_limit: MOST_NODES,
+            ..ParsingOptions::default()
+        };
+        match Document::parse_with_options(&text, options) {
+            Ok(document) => {
+                let xml = Xml {
+                    document: &document,
+                    file: expected.file.map(str::to_owned),
+                    line_starts: line_starts(&text),
+                };
+                let found = xml.root().tag_name().name();
+                if found != expected.root {
+                    return Err(expected.wrong_root(found, Some(xml.line(xml.root()))));
+                }
+                return Ok(read(&xml, warnings));
+            }
+            Err(Error::UnknownNamespace(prefix, position)) => {
+                warnings.push(Warning {
+                    place: expected.place(Some(position.row)),
+                    message: format!(
+                        "the namespace prefix '{prefix}' is not declared; taken as if it were"
+                    ),
+                });
+                let Some(declared) = declare_prefix(&text, &prefix) else {
+                    return Err(
+                        expected.fault(Some(position.row), format!("undeclared prefix '{prefix}'"))
+                    );
+                };
+                text = Cow::Owned(declared);
+            }
+            Err(error) => return Err(syntax_fault(&expected, &error, &text)),
+        }
+    }
+    let message =
+        format!("more than {MOST_UNDECLARED_PREFIXES} namespace prefixes are not declared");
+    Err(expected.fault(None, message))
+}
+
+fn syntax_fault(expected: &Expected, error: &Error, text: &str) -> Fault {
+    match error {
+        Error::DtdDetected => doctype_fault(expected, text),
+        Error::NoRootNode => expected.fault(None, "the text is empty: it has no XML element"),
+        Error::NodesLimitReached => {
+            expected.fault(None, format!("more than {MOST_NODES} XML nodes"))
+        }
+        Error::UnclosedRootNode => expected.fault(
+            None,
+            "bad XML: the text is cut, its first element has no end",
+        ),
+        other => expected.fault(Some(other.pos().row), format!("bad XML: {other}")),
+    }
+}
+
+/// `<!DOCTYPE html>` is a web page; other document types may hold entities that expand or fetch.
+fn doctype_fault(expected: &Expected, text: &str) -> Fault {
+    let (before, rest) = text.split_once("<!DOCTYPE").unwrap_or((text, ""));
+    let line = u32::try_from(before.matches('\n').count() + 1).ok();
+    let name = rest
+        .split(|c: char| c.is_whitespace() || c == '>')
+        .find(|w| !w.is_empty());
+    match name {
+        Some(name) if name.eq_ignore_ascii_case("html") => expected.wrong_root(name, line),
+        _ => expected.fault(
+            line,
+            "a DOCTYPE is refused: its entities are never expanded and nothing it names is fetched; remove it",
+        ),
+    }
+}
+
+/// The text without byte-order mark and XML declaration; a declaration's line breaks are kept.
+fn without_declaration<'t>(
+    text: &'t str,
+    expected: &Expected,
+    warnings: &mut Vec<Warning>,
+) -> Cow<'t, str> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let Some((declaration, rest)) = text
+        .trim_start()
+        .strip_prefix("<?xml ")
+        .and_then(|t| t.split_once("?>"))
+    else {
+        return Cow::Borrowed(text);
+    };
+    let version = declaration
+        .split_once("version")
+        .and_then(|(_, v)| v.split(['"', '\'']).nth(1));
+    if !matches!(version, Some("1.0" | "1.1")) {
+        warnings.push(Warning {
+            place: expected.place(Some(1)),
+            message: format!(
+                "XML version '{}' does not exist; read as 1.0",
+                version.unwrap_or_default()
+            ),
+        });
+    }
+    let head = &text[..text.len() - rest.len()];
+    if head.contains('\n') {
+        let breaks = head.matches('\n').count();
+        Cow::Owned("\n".repeat(breaks) + rest)
+    } else {
+        Cow::Borrowed(rest)
+    }
+}
+
+/// The text with `prefix` declared on its first element; `None` when there is none.
+fn declare_prefix(text: &str, prefix: &str) -> Option<String> {
+    let mut at = 0;
+    loop {
+        at += text.get(at..)?.find('<')?;
+        let rest = &text[at..];
+        if rest.starts_with("<!--") {
+            at += rest.find("-->")?;
+        } else if rest.starts_with("<?") {
+            at += rest.find("?>")?;
+        } else {
+            break;
+        }
+    }
+    let name_end = at + text[at..].find(|c: char| c.is_whitespace() || c == '>' || c == '/')?;
+    let (head, tail) = text.split_at(name_end);
+    Some(format!(
+        "{head} xmlns:{prefix}=\"undeclared:{prefix}\"{tail}"
+    ))
+}
+
+fn line_starts(text: &str) -> Vec<usize> {
+    std::iter::once(0)
+        .chain(text.match_indices('\n').map(|(i, _)| i + 1))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn root_line(text: &str) -> (Result<u32, String>, Vec<String>) {
+        let mut warnings = Vec::new();
+        let expected = Expected {
+            file: Some("f.xml"),
+            language: "an A",
+            root: "a",
+        };
+        let result = read_xml(text, expected, &mut warnings, |xml, _| xml.line(xml.root()));
+        let warnings = warnings.iter().map(ToString::to_string).collect();
+        (result.map_err(|f| f.to_string()), warnings)
+    }
+
+    #[test]
+    fn lines_survive_mark_and_declaration() {
+        let (result, warnings) =
+            root_line("\u{feff}<?xml version=\"1.0\"\n encoding='utf-8'?>\n\n<a/>");
+        assert_eq!(result, Ok(4));
+        assert!(warnings.is_empty());
+    }
+
+    #[test]
+    fn an_impossible_version_is_a_warning() {
+        let (result, warnings) = root_line("<?xml version=\"0.0\" ?><a/>");
+        assert!(result.is_ok());
+        assert_eq!(
+            warnings,
+            ["f.xml:1: XML version '0.0' does not exist; read as 1.0"]
+        );
+    }
+
+    #[test]
+    fn undeclared_prefixes_are_a_warning() {
+        let (result, warnings) = root_line("<!-- <b> -->\n<a>\n<s:x t:y='1'/></a>");
+        assert_eq!(result, Ok(2));
+        assert_eq!(warnings.len(), 2);
+        assert!(warnings[0].starts_with("f.xml:3: "), "{warnings:?}");
+    }
+
+    #[test]
+    fn entities_are_refused() {
+        let (result, _) = root_line("\n<!DOCTYPE a [<!ENTITY x 'y'>]><a>&x;</a>");
+        assert!(result.unwrap_err().starts_with("f.xml:2: a DOCTYPE"));
+    }
+
+    #[test]
+    fn another_language_is_named() {
+        for page in ["<!DOCTYPE html><html>", "<html/>"] {
+            assert_eq!(
+                root_line(page).0.unwrap_err(),
+                "f.xml:1: the text is <html>, but an A begins with <a>"
+            );
+        }
+    }
+
+    #[test]
+    fn a_hundred_thousand_levels_do_not_overflow_the_stack() {
+        let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
+        assert!(root_line(&deep).0.is_ok());
+    }
+
+    #[test]
+    fn faults_name_the_line() {
+        let (result, _) = root_line("<a>\n<b>\n</a>");
+        assert!(result.unwrap_err().starts_with("f.xml:3: bad XML"));
+        assert!(root_line("").0.unwrap_err().contains("empty"));
+    }
+}

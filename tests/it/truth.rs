@@ -1,0 +1,469 @@
+//! Whole robots against answers that nobody here wrote.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clearance::checker::{AllowedCollisionMatrix, Body, CollisionChecker, Question, Settings};
+use clearance::geometry::{Primitive, Shape};
+use clearance::math::{Pose, Vector};
+use clearance::robot::{MeshFiles, RobotModel};
+use clearance::world::{Obstacle, ObstacleShape, World};
+use rayon::prelude::*;
+use serde_json::Value;
+
+use crate::cases::{numbers, pose, shape};
+use crate::tally::{Tally, json, shared_folder};
+
+/// How far (m) the distances of Coal, rounded to 1e-6 and with a GJK tolerance of 1e-6, may be from the truth.
+const COAL_ACCURACY: f64 = 1.6e-6;
+
+fn robot(robots: &Path, name: &str, use_srdf: bool) -> RobotModel {
+    let list = json(&robots.join("robots.json"));
+    let entry = (list.as_array().unwrap().iter()).find(|r| r["name"] == name).unwrap();
+    let path = |field: &str| robots.join(entry[field].as_str().unwrap());
+    let srdf = path("srdf");
+    RobotModel::load(
+        &path("urdf"),
+        use_srdf.then_some(srdf.as_path()),
+        &[path("package_root")],
+    )
+    .unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+fn named(value: &Value) -> Vec<(&str, f64)> {
+    let joints = value.as_object().unwrap();
+    joints.iter().map(|(j, v)| (j.as_str(), v.as_f64().unwrap())).collect()
+}
+
+/// Names of a pair, sorted.
+fn names(checker: &CollisionChecker, a: Body, b: Body) -> (String, String) {
+    let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
+    names.sort();
+    let [a, b] = names;
+    (a, b)
+}
+
+fn pair_list(value: Option<&Value>) -> Vec<(String, String)> {
+    let mut pairs: Vec<_> = (value.and_then(Value::as_array).into_iter().flatten())
+        .map(|pair| {
+            let mut names = [0, 1].map(|i| pair[i].as_str().unwrap().to_owned());
+            names.sort();
+            let [a, b] = names;
+            (a, b)
+        })
+        .collect();
+    pairs.sort();
+    pairs
+}
+
+fn hits(checker: &CollisionChecker, pairs: &[(Body, Body)]) -> Vec<(String, String)> {
+    let mut found: Vec<_> = pairs.iter().map(|&(a, b)| names(checker, a, b)).collect();
+    found.sort();
+    found
+}
+
+fn world_of(objects: &[Value], meshes: &MeshFiles) -> World {
+    let mut world = World::default();
+    for object in objects {
+        let added = world.add(Obstacle {
+            name: object["name"].as_str().unwrap().to_owned(),
+            shapes: vec![ObstacleShape {
+                pose_rs: pose(&object["pose"]),
+                shape: shape(&object["shape"], meshes),
+            }],
+        });
+        added.unwrap();
+    }
+    world
+}
+
+#[test]
+fn self_collisions_of_the_shared_robots() {
+    let Some(robots) = shared_folder("robots") else { return };
+    let mut tally = Tally::new("robots/states.json");
+    for truth in json(&robots.join("states.json")).as_array().unwrap() {
+        let name = truth["robot"].as_str().unwrap();
+        let robot = Arc::new(robot(&robots, name, true));
+        let checker = CollisionChecker::new(robot.clone(), &World::default(), Settings::default()).unwrap();
+        let mut workspace = checker.workspace();
+        // the file counts pairs of collision geometries
+        let geometries = |l| robot.link(l).collisions.len();
+        let pairs = checker.pairs().self_pairs().iter();
+        let geometry_pairs: usize = pairs.map(|&(a, b)| geometries(a) * geometries(b)).sum();
+        assert_eq!(Some(geometry_pairs as u64), truth["pairs_checked"].as_u64(), "{name}");
+        for (i, state) in truth["states"].as_array().unwrap().iter().enumerate() {
+            let q = robot.configuration_from_names(named(&state["joints"])).unwrap();
+            let report = checker.check(&q, Question::Pairs, &mut workspace);
+            let mut wanted = pair_list(state.get("hits"));
+            wanted.extend(pair_list(state.get("adjacent_hits")));
+            wanted.sort();
+            let found = hits(&checker, &report.colliding_pairs);
+            let mut wrong = vec![];
+            if found != wanted {
+                wrong.push(format!("{found:?} instead of {wanted:?}"));
+            }
+            if checker.is_free(&q, &mut workspace) != wanted.is_empty() {
+                wrong.push("is_free".to_owned());
+            }
+            if let Some(least) = state["least_distance_of_free_non_adjacent_pairs"].as_f64() {
+                let limit = least + 1e-3;
+                let survey = checker.check(&q, Question::PairDistances { limit }, &mut workspace);
+                let nearest = (survey.pair_distances.iter())
+                    .filter(|p| p.distance > 0.0)
+                    .filter(|p| match (p.a, p.b) {
+                        (Body::Link(a), Body::Link(b)) => !robot.adjacent_rigid_bodies(a, b),
+                        _ => true,
+                    })
+                    .map(|p| p.distance)
+                    .fold(f64::INFINITY, f64::min);
+                if (nearest - least).abs() > COAL_ACCURACY {
+                    wrong.push(format!("least distance {nearest} instead of {least}"));
+                }
+            }
+            tally.add(&format!("{name} state {i}"), &wrong);
+        }
+    }
+    tally.finish(72);
+}
+
+#[test]
+fn robot_cases_of_other_test_suites() {
+    let Some(robots) = shared_folder("robots") else { return };
+    let Some(cases) = shared_folder("cases") else { return };
+    let meshes = MeshFiles::under(&cases);
+    let mut tally = Tally::new("cases.json, robots and links");
+    for case in json(&cases.join("cases.json")).as_array().unwrap() {
+        let wrong = match case["kind"].as_str().unwrap() {
+            "robot" => robot_case(case, &robots, &meshes),
+            "links" => links_case(case, &robots, &meshes),
+            _ => continue,
+        };
+        tally.add(case["id"].as_str().unwrap(), &wrong);
+    }
+    tally.finish(4);
+}
+
+fn robot_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
+    let robot = robot(robots, case["robot"].as_str().unwrap(), case["use_srdf"] == Value::Bool(true));
+    let world = world_of(case["world"].as_array().unwrap(), meshes);
+    let mut settings = Settings::default();
+    if let Some(padding) = case.get("padding") {
+        settings.link_padding = named(padding).iter().map(|(l, p)| ((*l).to_owned(), *p)).collect();
+    }
+    let checker = CollisionChecker::new(Arc::new(robot), &world, settings).unwrap();
+    let q = checker.robot().configuration_from_names(named(&case["joints"])).unwrap();
+    let limit = f64::INFINITY;
+    let report = checker.check(&q, Question::Distance { limit }, &mut checker.workspace());
+    let expect = &case["expect"];
+    let mut wrong = vec![];
+    for (field, found) in [("self_collide", report.self_collision), ("world_collide", report.world_collision)] {
+        if expect[field].as_bool().is_some_and(|wanted| wanted != found) {
+            wrong.push(format!("{field} {found}"));
+        }
+    }
+    if let Some(wanted) = expect["self_distance"].as_f64() {
+        let found = report.nearest.unwrap().distance;
+        if (found - wanted).abs() > expect["tolerance"].as_f64().unwrap() {
+            wrong.push(format!("self distance {found} instead of {wanted}"));
+        }
+    }
+    wrong
+}
+
+/// A link against a link or a shape: a robot whose one link is that link, against a world of the other.
+fn links_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
+    let robot = robot(robots, case["robot"].as_str().unwrap(), false);
+    let body = |side: &Value| {
+        let shapes: Vec<(Pose, Shape)> = match side["link"].as_str() {
+            Some(link) => {
+                let link = robot.link(robot.link_by_name(link).unwrap());
+                link.collisions.iter().map(|c| (c.pose_ls, c.shape.clone())).collect()
+            }
+            None => vec![(Pose::identity(), shape(&side["shape"], meshes))],
+        };
+        clearance::query::CollisionBody::new(shapes.iter().map(|(p, s)| (p, s))).unwrap()
+    };
+    let (a, b) = (&case["a"], &case["b"]);
+    let pose_ab = pose(&a["pose"]).inv_mul(&pose(&b["pose"]));
+    let mut work = clearance::query::Work::default();
+    let hit = clearance::query::collide(&body(a), &body(b), &pose_ab, &mut work).is_some();
+    if hit == case["expect"]["collide"].as_bool().unwrap() {
+        vec![]
+    } else {
+        vec![format!("collide {hit}")]
+    }
+}
+
+#[test]
+fn path_samples_of_the_scenes() {
+    let (Some(scenes), Some(robots)) = (shared_folder("scenes"), shared_folder("robots")) else { return };
+    let meshes = MeshFiles::under(&scenes);
+    let mut tally = Tally::new("scenes, path_samples");
+    let mut files: Vec<_> = std::fs::read_dir(&scenes).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|f| f.extension().is_some_and(|e| e == "json"));
+    files.sort();
+    for file in files {
+        let scene = json(&file);
+        let robot = Arc::new(robot(&robots, scene["robot"].as_str().unwrap(), true));
+        for problem in scene["problems"].as_array().unwrap() {
+            scene_problem(&scene, problem, &robot, &meshes, &mut tally);
+        }
+    }
+    tally.finish(500);
+}
+
+fn scene_problem(scene: &Value, problem: &Value, robot: &Arc<RobotModel>, meshes: &MeshFiles, tally: &mut Tally) {
+    let list = |v: Option<&Value>| v.and_then(Value::as_array).cloned().unwrap_or_default();
+    let mut obstacles = list(scene.get("shared_obstacles"));
+    obstacles.extend(list(problem.get("obstacles")));
+    let world = world_of(&obstacles, meshes);
+    let mut allowed = AllowedCollisionMatrix::from_srdf(robot);
+    for pair in list(problem.get("allowed_pairs")) {
+        allowed.set(pair[0].as_str().unwrap(), pair[1].as_str().unwrap(), true);
+    }
+    let checker =
+        CollisionChecker::with_matrix(robot.clone(), &world, Settings::default(), Some(&allowed)).unwrap();
+    let mut workspace = checker.workspace();
+    for sample in problem["path_samples"].as_array().unwrap() {
+        let t = sample["t"].as_f64().unwrap();
+        let others = named(&problem["other_joints"]);
+        let (start, goal) = (named(&problem["start"]), &problem["goal"]);
+        let between = start.iter().map(|&(j, s)| (j, s + t * (goal[j].as_f64().unwrap() - s)));
+        let own: Vec<_> = between.chain(others.into_iter().filter(|(j, _)| goal.get(j).is_none())).collect();
+        let q = robot.configuration_from_names(own).unwrap();
+        let case = format!("{} at {t}", problem["id"].as_str().unwrap());
+        tally.add(&case, &sample_disagreements(&checker, &q, sample, &mut workspace));
+    }
+}
+
+fn sample_disagreements(
+    checker: &CollisionChecker,
+    q: &clearance::Configuration,
+    sample: &Value,
+    workspace: &mut clearance::Workspace,
+) -> Vec<String> {
+    let mut wrong = vec![];
+    let report = checker.check(q, Question::Pairs, workspace);
+    let (world_hits, self_hits): (Vec<_>, Vec<_>) =
+        report.colliding_pairs.iter().partition(|(_, b)| matches!(b, Body::Obstacle(_)));
+    for (scope, found) in [("self", self_hits), ("world", world_hits)] {
+        let found = hits(checker, &found);
+        let wanted = pair_list(sample.get(format!("{scope}_hits")));
+        if found != wanted {
+            wrong.push(format!("{scope} hits {found:?} instead of {wanted:?}"));
+        }
+    }
+    // each scope's least distance: the far limit keeps every pair that matters
+    let wanted = ["self", "world"].map(|scope| sample[format!("{scope}_distance")].as_f64());
+    let limit = wanted.iter().flatten().fold(0.0, |m: f64, d| m.max(*d)) + 1e-4;
+    let near = checker.check(q, Question::PairDistances { limit }, workspace);
+    for (scope, wanted) in ["self", "world"].into_iter().zip(wanted) {
+        let Some(wanted) = wanted else { continue };
+        let of_scope = near.pair_distances.iter().filter(|p| matches!(p.b, Body::Obstacle(_)) == (scope == "world"));
+        let found = of_scope.map(|p| p.distance).fold(f64::INFINITY, f64::min);
+        if (found - wanted).abs() > COAL_ACCURACY {
+            wrong.push(format!("{scope} distance {found} instead of {wanted}"));
+        }
+    }
+    wrong
+}
+
+/// A robot of the truth folder and its pairs in the truth's order.
+struct TruthRobot {
+    checker: CollisionChecker,
+    joint_order: Vec<String>,
+    link_pairs: Vec<(String, String)>,
+}
+
+fn truth_robot(folder: &Path) -> TruthRobot {
+    let srdf = folder.join("robot.srdf");
+    let robot = RobotModel::load(&folder.join("robot.urdf"), Some(&srdf), &[]).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    let strings = |v: &Value| -> Vec<String> {
+        v.as_array().unwrap().iter().map(|s| s.as_str().unwrap().to_owned()).collect()
+    };
+    let pairs = json(&folder.join("pairs.json"));
+    let link_pairs: Vec<_> = (pairs["link_pairs"].as_array().unwrap().iter())
+        .map(|p| {
+            let mut pair = strings(p);
+            pair.sort();
+            (pair[0].clone(), pair[1].clone())
+        })
+        .collect();
+    let mut ours: Vec<_> = (checker.pairs().self_pairs().iter())
+        .map(|&(a, b)| names(&checker, Body::Link(a), Body::Link(b)))
+        .collect();
+    let mut theirs = link_pairs.clone();
+    ours.sort();
+    theirs.sort();
+    assert_eq!(ours, theirs, "the pairs that the SRDF leaves");
+    TruthRobot { joint_order: strings(&json(&folder.join("states.json"))["joint_order"]), checker, link_pairs }
+}
+
+fn configurations(robot: &TruthRobot, file: &Path) -> Vec<clearance::Configuration> {
+    let states = json(file);
+    (states["q"].as_array().unwrap().iter())
+        .map(|q| {
+            let values = q.as_array().unwrap().iter().map(|v| v.as_f64().unwrap());
+            let order = robot.joint_order.iter().map(String::as_str);
+            robot.checker.robot().configuration_from_names(order.zip(values)).unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn thousands_of_states_and_walks() {
+    let Some(truth) = shared_folder("truth") else { return };
+    for name in ["ur5", "panda"] {
+        let folder = truth.join(name);
+        let robot = truth_robot(&folder);
+        for (states, answers, count) in [
+            ("states.json", "truth_states.json", 2000),
+            ("states_free.json", "truth_states_free.json", 1000),
+            ("walks.json", "truth_walks.json", 10_000),
+        ] {
+            let answers = json(&folder.join(answers));
+            let qs = configurations(&robot, &folder.join(states));
+            let wrong: Vec<_> = (qs.par_iter().enumerate())
+                .map_init(
+                    || robot.checker.workspace(),
+                    |workspace, (i, q)| state_disagreements(&robot, q, i, &answers, workspace),
+                )
+                .collect();
+            let mut tally = Tally::new(&format!("truth/{name}/{states}"));
+            for (i, wrong) in wrong.iter().enumerate() {
+                tally.add(&format!("state {i}"), wrong);
+            }
+            tally.finish(count);
+        }
+    }
+}
+
+fn state_disagreements(
+    robot: &TruthRobot,
+    q: &clearance::Configuration,
+    i: usize,
+    answers: &Value,
+    workspace: &mut clearance::Workspace,
+) -> Vec<String> {
+    let checker = &robot.checker;
+    let mut wrong = vec![];
+    let hit = answers["hit"][i].as_u64().unwrap() == 1;
+    if checker.is_free(q, workspace) == hit {
+        wrong.push(format!("hit should be {hit}"));
+    }
+    let found = checker.check(q, Question::Distance { limit: f64::INFINITY }, workspace).nearest.unwrap();
+    let wanted = answers["min_distance"][i].as_f64().unwrap();
+    if (found.distance - wanted).abs() > 2e-9 {
+        wrong.push(format!("distance {} instead of {wanted}", found.distance));
+    }
+    if let Some(pairs) = answers.get("colliding_pairs") {
+        let report = checker.check(q, Question::Pairs, workspace);
+        let mut wanted: Vec<_> = (pairs[i].as_array().unwrap().iter())
+            .map(|k| robot.link_pairs[usize::try_from(k.as_u64().unwrap()).unwrap()].clone())
+            .collect();
+        wanted.sort();
+        if hits(checker, &report.colliding_pairs) != wanted {
+            wrong.push("colliding pairs".to_owned());
+        }
+    }
+    wrong
+}
+
+#[test]
+fn every_pair_distance_of_a_hundred_states() {
+    let Some(truth) = shared_folder("truth") else { return };
+    for name in ["ur5", "panda"] {
+        let folder = truth.join(name);
+        let robot = truth_robot(&folder);
+        let checker = &robot.checker;
+        let answers = json(&folder.join("truth_pair_distances.json"));
+        let qs = configurations(&robot, &folder.join("states.json"));
+        let wrong: Vec<Vec<String>> = (qs[..100].par_iter().enumerate())
+            .map_init(
+                || checker.workspace(),
+                |workspace, (i, q)| {
+                    let limit = f64::INFINITY;
+                    let report = checker.check(q, Question::PairDistances { limit }, workspace);
+                    assert_eq!(report.pair_distances.len(), robot.link_pairs.len());
+                    let off = |p: &clearance::checker::PairDistance| {
+                        let pair = names(checker, p.a, p.b);
+                        let k = robot.link_pairs.iter().position(|x| *x == pair).unwrap();
+                        let wanted = answers["distance"][i][k].as_f64().unwrap();
+                        ((p.distance - wanted).abs() > 2e-9)
+                            .then(|| format!("{pair:?} {} instead of {wanted}", p.distance))
+                    };
+                    report.pair_distances.iter().filter_map(off).collect()
+                },
+            )
+            .collect();
+        let mut tally = Tally::new(&format!("truth/{name}/truth_pair_distances.json"));
+        for (i, wrong) in wrong.iter().enumerate() {
+            tally.add(&format!("state {i}"), wrong);
+        }
+        tally.finish(100);
+    }
+}
+
+#[test]
+fn robots_against_primitives_and_a_mesh_world() {
+    let Some(truth) = shared_folder("truth") else { return };
+    for name in ["ur5", "panda"] {
+        let folder = truth.join(name);
+        let robot = truth_robot(&folder);
+        let qs = configurations(&robot, &folder.join("states.json"));
+        for (env, states) in [("prim_10", 2000), ("prim_100", 300), ("prim_1000", 100), ("mesh", 200)] {
+            let answers = json(&folder.join(format!("truth_env_{env}.json")));
+            let objects = json(&folder.join(format!("env_{env}.json")))["objects"].as_array().unwrap().clone();
+            let settings = Settings { check_self: false, ..Settings::default() };
+            let world = env_world(&objects, &folder);
+            let checker = CollisionChecker::new(robot.checker.robot().clone(), &world, settings).unwrap();
+            let wrong: Vec<Vec<String>> = (qs[..states].par_iter().enumerate())
+                .map_init(
+                    || checker.workspace(),
+                    |workspace, (i, q)| {
+                        let mut wrong = vec![];
+                        let hit = answers["hit"][i].as_u64().unwrap() == 1;
+                        if checker.is_free(q, workspace) == hit {
+                            wrong.push(format!("hit should be {hit}"));
+                        }
+                        let report = checker.check(q, Question::Distance { limit: f64::INFINITY }, workspace);
+                        let found = report.nearest.unwrap().distance;
+                        let wanted = answers["min_distance"][i].as_f64().unwrap();
+                        if (found - wanted).abs() > 5e-9 {
+                            wrong.push(format!("distance {found} instead of {wanted}"));
+                        }
+                        wrong
+                    },
+                )
+                .collect();
+            let mut tally = Tally::new(&format!("truth/{name}/truth_env_{env}.json"));
+            for (i, wrong) in wrong.iter().enumerate() {
+                tally.add(&format!("state {i}"), wrong);
+            }
+            tally.finish(states);
+        }
+    }
+}
+
+fn env_world(objects: &[Value], folder: &Path) -> World {
+    // the mesh lies beside the robot's folder, which is outside the robot's own roots
+    let meshes = MeshFiles::under(folder.parent().unwrap());
+    let mut world = World::default();
+    for object in objects {
+        let shape = if object["type"] == "mesh" {
+            let file = object["file"].as_str().unwrap().trim_start_matches("../");
+            let scale = Vector::from(numbers::<3>(&object["scale"]));
+            Shape::Mesh(meshes.load(file, scale).unwrap().mesh)
+        } else {
+            shape(object, &meshes)
+        };
+        assert!(!matches!(shape, Shape::Primitive(Primitive::Capsule { .. })));
+        let obstacle = Obstacle {
+            name: object["id"].as_str().unwrap().to_owned(),
+            shapes: vec![ObstacleShape { pose_rs: pose(&object["pose"]), shape }],
+        };
+        world.add(obstacle).unwrap();
+    }
+    world
+}

@@ -1,0 +1,55 @@
+//! The node as ROS 2 users meet it: `tests/rclpy/` runs the binary beside real rclpy.
+
+#![cfg(feature = "ros")]
+
+use std::io::Write;
+use std::process::Command;
+
+const SKIP: &str = "CLEARANCE_SKIP_RCLPY";
+
+#[test]
+fn rclpy() {
+    if std::env::var(SKIP).is_ok_and(|value| value == "1") {
+        announce(&format!("\n*** SKIPPED: the tests with rclpy did not run, because {SKIP}=1 ***\n"));
+        return;
+    }
+    let output = Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rclpy/run.sh"))
+        .env("CLEARANCE_BIN", env!("CARGO_BIN_EXE_clearance"))
+        .output()
+        .expect("tests/rclpy/run.sh starts");
+    let stdout = String::from_utf8_lossy(&output.stdout);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+
+    let passed = passed_tests(&stdout);
+    assert!(
+        output.status.success() && passed > 0,
+        "the tests with rclpy did not pass ({}; {passed} passed); {SKIP}=1 skips them\n\
+         --- stderr ---\n{stderr}\n--- stdout ---\n{stdout}",
+        output.status,
+    );
+    announce(&format!("rclpy: {passed} tests passed"));
+}
+
+/// Past the capture of the test harness, which shows only what failed tests print.
+fn announce(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// The count in the last line of pytest, as in `== 3 passed, 1 warning in 0.5s ==`.
+fn passed_tests(stdout: &str) -> usize {
+    let summary = stdout.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();
+    let words: Vec<_> = summary.split([' ', ',']).collect();
+    words
+        .windows(2)
+        .find(|pair| pair[1] == "passed")
+        .and_then(|pair| pair[0].parse().ok())
+        .unwrap_or(0)
+}
+
+#[test]
+fn reads_the_count_from_the_summary_of_pytest() {
+    assert_eq!(passed_tests("....\n===== 4 passed, 1 warning in 0.52s =====\n"), 4);
+    assert_eq!(passed_tests("===== 1 failed, 21 passed in 9.10s =====\n\n"), 21);
+    assert_eq!(passed_tests("===== no tests ran in 0.01s =====\n"), 0);
+    assert_eq!(passed_tests(""), 0);
+}

@@ -1,0 +1,57 @@
+"""A ROS domain of its own for every test, and what the nodes printed beside every failure."""
+
+import itertools
+import os
+import tempfile
+from contextlib import ExitStack
+
+import pytest
+
+from cell import Cell
+from node_process import NodeProcess
+from peer import Peer
+
+_logs_of_peers = tempfile.TemporaryDirectory(prefix="clearance-rclpy-")
+os.environ["ROS_LOG_DIR"] = _logs_of_peers.name
+
+# Above domain 232 the ports of DDS run out.
+_domain_ids = itertools.cycle(range(1, 233))
+
+
+@pytest.fixture
+def domain_id():
+    return next(_domain_ids)
+
+
+@pytest.fixture
+def peer(domain_id):
+    with Peer(domain_id) as peer:
+        yield peer
+
+
+@pytest.fixture(scope="module")
+def module_peer():
+    with Peer(next(_domain_ids)) as peer:
+        yield peer
+
+
+@pytest.fixture
+def start(peer):
+    """Starts cells that end with the test: `start(parameters={...}, ros_arguments=[...])`."""
+    with ExitStack() as cells:
+        yield lambda *arguments, **options: cells.enter_context(Cell(peer, *arguments, **options))
+
+
+@pytest.fixture
+def cell(start):
+    """A node that checks the two-link robot."""
+    return start()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport():
+    report = yield
+    if report.failed:
+        for node in NodeProcess.running:
+            report.sections.append((f"output of {node.path}", node.output()))
+    return report

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# Makes a Python environment with real rclpy (ROS 2 Kilted wheels from PyPI) and clearance_msgs built
+# from this repository, and prints its path. Nothing is installed outside the cache folder:
+#   ${CLEARANCE_CACHE:-${XDG_CACHE_HOME:-~/.cache}/clearance}/rclpy-<hash of all that it is made from>
+# Needs CPython 3.10 to 3.13 with its headers, g++ and make. The first run takes a minute or two.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+
+# A sourced ROS installation, or the wheels of another environment, would mix with this one.
+unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+say() { echo "rclpy environment: $*" >&2; }
+die() { say "$*"; exit 1; }
+
+find_python() {
+    local candidate
+    for candidate in python3.11 python3.12 python3.13 python3.10 python3; do
+        if "$candidate" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null; then
+            echo "$candidate"
+            return
+        fi
+    done
+    die "needs CPython 3.10, 3.11, 3.12 or 3.13: there are no rclpy wheels for others"
+}
+
+check_tools() {
+    local tool
+    for tool in g++ make; do
+        command -v "$tool" >/dev/null || die "needs $tool (Debian: apt-get install g++ make)"
+    done
+    "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(sysconfig.get_paths()["include"] + "/Python.h"))' \
+        || die "needs Python.h of $("$python" --version) (Debian: apt-get install python3-dev)"
+}
+
+# The same inputs give the same folder wherever the repository lies.
+hash_of_inputs() {
+    {
+        "$python" --version
+        cd "$root"
+        find tests/rclpy/environment.sh interfaces -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
+    } | sha256sum | cut -c1-16
+}
+
+install_wheels() {
+    local ament=2.7.3
+    "$python" -m venv "$venv"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check \
+        "setuptools<80" numpy catkin_pkg cmake pytest pytest-timeout \
+        ros-rclpy==9.1.2 ros-diagnostic-msgs ros-ament-package==0.17.2 ros-ament-cmake-ros-core \
+        ros-ament-cmake-{core,python,libraries,include-directories,target-dependencies,test,gtest,gmock,pytest,version,gen-version-h}==$ament \
+        ros-ament-cmake-export-{definitions,dependencies,include-directories,interfaces,libraries,link-flags,targets}==$ament \
+        ros-kilted-{rmw-fastrtps-cpp,ament-cmake,ament-cmake-ros,rosidl-core-generators,rosidl-default-generators} \
+        ros-kilted-{std,sensor,geometry,shape,trajectory,visualization,diagnostic}-msgs ros-kilted-std-srvs
+}
+
+# The CMake exports of the wheels carry the paths of the machine that built them.
+point_exports_at_this_python() {
+    local python_include numpy_include
+    python_include=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_paths()["include"])')
+    numpy_include=$("$venv/bin/python" -c 'import numpy; print(numpy.get_include())')
+    grep -rlE /opt/python/cp31 "$venv/share" --include='*.cmake' | xargs -r sed -i -E \
+        -e "s#/opt/python/[^;\"]*/numpy/_?core/include#$numpy_include#g" \
+        -e "s#/opt/python/[^;\"]*/include/python3\.[0-9]+#$python_include#g"
+}
+
+build_interfaces() {
+    local package=$1 build="$venv/build/$1"
+    (
+        export PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" LD_LIBRARY_PATH="$venv/lib"
+        cmake -S "$root/interfaces/$package" -B "$build" -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
+            -DPython3_EXECUTABLE="$venv/bin/python" -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF
+        cmake --build "$build" -j2
+        cmake --install "$build"
+    ) >"$venv/$package.log" 2>&1 || { tail -n 60 "$venv/$package.log" >&2; die "$package does not build"; }
+    rm -rf "$build"
+}
+
+python=$(find_python)
+venv="${CLEARANCE_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/clearance}/rclpy-$(hash_of_inputs)"
+mkdir -p "$(dirname "$venv")"
+
+# Two test runs at once wait for each other; the lock ends with this process.
+exec 9>"$venv.lock"
+flock 9
+
+# The stamp is written last: a folder without it is what an interrupted build left behind.
+if [ ! -e "$venv/.complete" ]; then
+    check_tools
+    say "building $venv"
+    rm -rf "$venv"
+    install_wheels
+    point_exports_at_this_python
+    build_interfaces clearance_msgs
+    "$venv/bin/python" -c 'import rclpy; from clearance_msgs.msg import CollisionState'
+    touch "$venv/.complete"
+    say "ready"
+fi
+echo "$venv"

@@ -1,0 +1,49 @@
+"""Counts what a node sends on an interface that is not the loopback, while a peer on localhost hears it.
+
+Run it in a network namespace of its own: localhost_probe.py DOMAIN_ID [VARIABLE=VALUE of the node]...
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from clearance_msgs.msg import CollisionState
+
+from cell import Cell
+from peer import Peer
+
+# A pair of virtual Ethernet ends: what goes out of one counts as sent, and the other is nobody.
+# Without IPv6 the kernel itself sends nothing there.
+NETWORK = """
+ip link set lo up
+ip link set lo multicast on
+ip link add out type veth peer name nobody
+[ ! -e /proc/sys/net/ipv6 ] || echo 1 > /proc/sys/net/ipv6/conf/out/disable_ipv6
+ip addr add 10.0.0.1/24 dev out
+ip link set nobody up
+ip link set out up
+ip route add 224.0.0.0/4 dev {multicast}
+"""
+
+
+def packets_sent(interface):
+    lines = Path("/proc/self/net/dev").read_text().splitlines()
+    fields = next(line.split(":")[1].split() for line in lines if line.split(":")[0].strip() == interface)
+    return int(fields[9])
+
+
+def main(domain_id, *of_node):
+    of_node = dict(assignment.split("=") for assignment in of_node)
+    subprocess.run(["sh", "-euc", NETWORK.format(multicast="lo" if of_node else "out")], check=True)
+
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    environment = {"ROS_AUTOMATIC_DISCOVERY_RANGE": None} | of_node
+    with Peer(int(domain_id)) as peer, Cell(peer, environment=environment) as cell:
+        assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+        seen = len(cell.states.messages)
+        peer.wait_for(lambda: len(cell.states.messages) >= seen + 100, "100 more states")
+        print(packets_sent("out"))
+
+
+main(*sys.argv[1:])

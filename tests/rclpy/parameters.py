@@ -1,0 +1,38 @@
+"""The standard parameter services of a node."""
+
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+
+
+class Parameters:
+    """Asks the services, and waits for their answers."""
+
+    def __init__(self, peer, node):
+        self._peer = peer
+        self._client = AsyncParameterClient(peer.node, node.path)
+        peer.wait_for(self._client.services_are_ready, "the parameter services")
+
+    def names(self):
+        return set(self._answer(self._client.list_parameters()).result.names)
+
+    def describe(self, *names):
+        return self._answer(self._client.describe_parameters(list(names))).descriptors
+
+    def get(self, *names):
+        values = self._answer(self._client.get_parameters(list(names))).values
+        return [parameter_value_to_python(value) for value in values]
+
+    def set(self, **values):
+        parameters = [Parameter(name, value=value) for name, value in values.items()]
+        return self._answer(self._client.set_parameters(parameters)).results
+
+    def succeed(self, **values):
+        for result in self.set(**values):
+            assert result.successful, result.reason
+
+    def set_atomically(self, **values):
+        parameters = [Parameter(name, value=value) for name, value in values.items()]
+        return self._answer(self._client.set_parameters_atomically(parameters)).result
+
+    def _answer(self, future):
+        return self._peer.result(future, "an answer of the parameter services")

@@ -1,0 +1,105 @@
+"""What `ros2 node`, `ros2 topic` and remaps see of the node."""
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy, qos_profile_sensor_data
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+import two_link
+
+PUBLISHED = {
+    "~/state": "clearance_msgs/msg/CollisionState",
+    "~/is_free": "std_msgs/msg/Bool",
+    "~/distance": "std_msgs/msg/Float64",
+    "~/markers": "visualization_msgs/msg/MarkerArray",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+}
+SUBSCRIBED = {
+    "joint_states": "sensor_msgs/msg/JointState",
+    "robot_description": "std_msgs/msg/String",
+}
+PARAMETER_SERVICES = {
+    "~/describe_parameters": "rcl_interfaces/srv/DescribeParameters",
+    "~/get_parameter_types": "rcl_interfaces/srv/GetParameterTypes",
+    "~/get_parameters": "rcl_interfaces/srv/GetParameters",
+    "~/list_parameters": "rcl_interfaces/srv/ListParameters",
+    "~/set_parameters": "rcl_interfaces/srv/SetParameters",
+    "~/set_parameters_atomically": "rcl_interfaces/srv/SetParametersAtomically",
+}
+
+
+def resolved(names, node):
+    def resolve(name):
+        if name.startswith("~/"):
+            return node.private(name[2:])
+        return name if name.startswith("/") else node.relative(name)
+
+    return {(resolve(name), (kind,)) for name, kind in names.items()}
+
+
+def flat(names_and_types):
+    return {(name, tuple(kinds)) for name, kinds in names_and_types}
+
+
+@pytest.mark.parametrize("namespace", ["", "/cell", "/plant/cell_7"])
+def test_names_and_types_stand_in_the_graph(peer, start, namespace):
+    node = start(namespace=namespace).node
+    graph = peer.node
+
+    def complete():
+        if (node.name, namespace or "/") not in graph.get_node_names_and_namespaces():
+            return False
+        own = node.name, namespace or "/"
+        return (
+            resolved(PUBLISHED, node) <= flat(graph.get_publisher_names_and_types_by_node(*own))
+            and resolved(SUBSCRIBED, node) <= flat(graph.get_subscriber_names_and_types_by_node(*own))
+            and resolved(PARAMETER_SERVICES, node) <= flat(graph.get_service_names_and_types_by_node(*own))
+        )
+
+    peer.wait_for(complete, f"the names of {node.path}")
+
+
+def test_every_publisher_is_reliable_and_the_joint_states_match_both(peer, cell):
+    cell.judged(joint1=0, joint2=0)
+
+    for topic in ("state", "is_free", "distance", "markers"):
+        (info,) = peer.node.get_publishers_info_by_topic(cell.node.private(topic))
+        assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+    (info,) = peer.node.get_subscriptions_info_by_topic(cell.node.relative("joint_states"))
+    assert info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+    (info,) = peer.node.get_subscriptions_info_by_topic(cell.node.relative("robot_description"))
+    assert info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+
+
+def test_topics_can_be_remapped(peer, start):
+    cell = start(
+        urdf=None,
+        ros_arguments=[
+            *("-r", "joint_states:=/arm/measured_joints"),
+            *("--remap", "robot_description:=arm_description"),
+            *("-r", "~/state:=/safety/state"),
+        ],
+    )
+    cell.driver.disconnect()
+    driver = two_link.Driver(peer, "/arm/measured_joints")
+    peer.latch(String(data=two_link.description()), cell.node.relative("arm_description"))
+    states = peer.record(CollisionState, "/safety/state")
+
+    stamp = driver.report(joint1=0, joint2=0)
+    state = states.wait_for(lambda state: state.status == CollisionState.FREE, "a judgement")
+    assert two_link.judged_since(stamp)(state)
+    assert cell.states.messages == []
+
+
+def test_a_best_effort_driver_is_heard(peer, cell):
+    cell.driver.disconnect()
+    publisher = peer.node.create_publisher(JointState, cell.node.relative("joint_states"), qos_profile_sensor_data)
+
+    def judged():
+        message = JointState(name=list(two_link.JOINTS), position=[0.0, 0.0])
+        message.header.stamp = peer.now().to_msg()
+        publisher.publish(message)
+        return any(state.status == CollisionState.FREE for state in cell.states.messages)
+
+    peer.wait_for(judged, "a judgement")

@@ -1,0 +1,149 @@
+"""Joint states that cannot be judged become UNKNOWN with a reason, and never pass for free."""
+
+from math import inf, isnan, nan, pi
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from rclpy.duration import Duration
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
+
+
+def test_nothing_is_free_before_the_first_joint_state(start):
+    cell = start(driving=False)
+    is_free = cell.peer.record(Bool, cell.node.private("is_free"))
+    distance = cell.peer.record(Float64, cell.node.private("distance"))
+
+    state = cell.unknown("no_joint_state")
+    assert "joint_states" in state.reason
+    assert is_free.next().data is False
+    assert isnan(distance.next().data)
+
+
+def test_silence_becomes_stale_and_the_heartbeat_goes_on(cell):
+    is_free = cell.peer.record(Bool, cell.node.private("is_free"))
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.driver.pause()
+
+    first = cell.unknown("stale")
+    assert first.age > 0.5
+    assert first.reason
+    assert not first.distance_known
+
+    seen = len(cell.states.messages)
+    cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 10, "ten heartbeats")
+    assert all(state.reason_code == "stale" for state in cell.states.messages[seen:])
+    assert cell.states.messages[-1].age > first.age
+    assert is_free.next().data is False
+
+    cell.driver.resume()
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+
+
+def test_a_missing_joint_is_named(cell):
+    cell.driver.report(joint1=0)
+    state = cell.unknown("partial")
+    assert "joint2" in state.reason
+    assert "joint1" not in state.reason
+    assert not state.distance_known
+
+
+def test_a_joint_that_was_there_before_is_missed_too(cell):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    state = cell.judged(joint1=0)
+    assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, "partial")
+    assert "joint2" in state.reason
+
+
+@pytest.mark.parametrize("value", [nan, inf, -inf])
+def test_a_position_that_is_no_number_is_named(cell, value):
+    state = cell.judged(joint1=0, joint2=value)
+    assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, "non_finite")
+    assert "joint2" in state.reason
+
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+
+
+def test_unknown_joints_are_ignored_with_a_warning(cell):
+    state = cell.judged(joint1=0, joint2=pi, gripper=0.3)
+    assert state.status == CollisionState.COLLIDING
+    assert len(state.warnings) == 1
+    assert "gripper" in state.warnings[0]
+
+    assert cell.judged(joint1=0, joint2=0).warnings == []
+
+
+def test_fewer_positions_than_names_are_malformed(cell):
+    publisher = cell.peer.node.create_publisher(JointState, cell.node.relative("joint_states"), 10)
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+
+    def refused():
+        message = JointState(name=["joint1", "joint2"], position=[0.0])
+        message.header.stamp = cell.peer.now().to_msg()
+        publisher.publish(message)
+        return next((state for state in cell.states.messages if state.reason_code == "malformed"), None)
+
+    state = cell.peer.wait_for(refused, "UNKNOWN for a joint state that is cut short")
+    assert state.status == CollisionState.UNKNOWN
+    assert "2 names and 1 positions" in state.reason
+
+
+def test_a_stamp_far_in_the_future_is_not_trusted(cell):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.driver.pause()
+
+    def refused():
+        cell.driver.publish({"joint1": 0, "joint2": 0}, cell.peer.now() + Duration(seconds=10))
+        return next((state for state in cell.states.messages if state.reason_code == "future_stamp"), None)
+
+    assert cell.peer.wait_for(refused, "UNKNOWN for a stamp in the future").status == CollisionState.UNKNOWN
+
+    cell.driver.resume()
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+
+
+def test_a_joint_state_without_a_stamp_is_judged_with_a_warning(start):
+    cell = start(driving=False)
+
+    def judged():
+        cell.driver.publish({"joint1": 0, "joint2": 0}, Time())
+        return next((state for state in cell.states.messages if state.status == CollisionState.FREE), None)
+
+    state = cell.peer.wait_for(judged, "a judgement")
+    assert any("stamp" in warning for warning in state.warnings)
+
+
+def test_a_stamp_before_the_last_one_is_out_of_order(cell):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.driver.pause()
+    stamp = cell.peer.now() - Duration(seconds=0.2)
+
+    def refused():
+        cell.driver.publish({"joint1": 0, "joint2": 0}, stamp)
+        return next((state for state in cell.states.messages if state.reason_code == "out_of_order"), None)
+
+    state = cell.peer.wait_for(refused, "UNKNOWN for a stamp out of order")
+    assert state.status == CollisionState.UNKNOWN
+
+    cell.driver.resume()
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+
+
+def test_a_joint_state_that_arrives_old_is_stale(cell):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.driver.pause()
+    seen = len(cell.states.messages)
+    stamp = cell.peer.now()
+    cell.unknown("stale", after=seen)
+
+    def judged():
+        cell.driver.publish({"joint1": 0, "joint2": 0}, stamp)
+        return any(Time.from_msg(state.header.stamp) == stamp for state in cell.states.messages)
+
+    cell.peer.wait_for(judged, "a judgement of the joint state that arrives late")
+    assert all(
+        state.status == CollisionState.UNKNOWN
+        for state in cell.states.messages
+        if Time.from_msg(state.header.stamp) == stamp
+    )

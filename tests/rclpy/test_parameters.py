@@ -1,0 +1,100 @@
+"""The parameters: by file, by command line, and live through the standard services."""
+
+from math import inf, pi
+
+import pytest
+import yaml
+from clearance_msgs.msg import CollisionState
+from rcl_interfaces.msg import ParameterEvent, ParameterType
+from std_msgs.msg import Float64
+
+import two_link
+from node_process import ROOT, NodeProcess
+from parameters import Parameters
+
+NAMES = {"heartbeat_rate", "stale_after", "influence_distance", "distance_limit", "padding", "publish_markers"}
+
+
+def test_every_parameter_is_listed_described_and_of_its_type(cell):
+    names = sorted(cell.parameters.names())
+    assert NAMES <= set(names)
+
+    for name, descriptor in zip(names, cell.parameters.describe(*names), strict=True):
+        assert descriptor.name == name
+        assert descriptor.type in (ParameterType.PARAMETER_BOOL, ParameterType.PARAMETER_DOUBLE)
+        assert descriptor.description
+    assert cell.parameters.get("heartbeat_rate", "stale_after", "publish_markers") == [20.0, 0.5, True]
+
+
+def test_the_influence_distance_changes_live(start):
+    cell = start(parameters={"influence_distance": 0.1})
+    assert cell.judged(joint1=0, joint2=5 * pi / 6).pair_distances == []
+
+    cell.parameters.succeed(influence_distance=0.5)
+    assert cell.parameters.get("influence_distance") == [0.5]
+    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    assert [pair.distance for pair in state.pair_distances] == [pytest.approx(0.2)]
+
+
+def test_the_distance_limit_changes_live(start):
+    cell = start(parameters={"distance_limit": 0.5, "influence_distance": 0.1})
+    distance = cell.peer.record(Float64, cell.node.private("distance"))
+    state = cell.judged(joint1=0, joint2=0)
+    assert state.status == CollisionState.FREE
+    assert not state.distance_known
+    assert distance.next().data == inf
+
+    cell.parameters.succeed(distance_limit=1.0)
+    assert cell.judged(joint1=0, joint2=0).distance_known
+    distance.wait_for(lambda message: message.data == pytest.approx(0.7), "the distance")
+
+
+def test_staleness_changes_live(cell):
+    cell.parameters.succeed(stale_after=3600.0)
+    cell.judged(joint1=0, joint2=0)
+    cell.driver.pause()
+    old = cell.states.wait_for(lambda state: state.age > 1.0, "a joint state over a second old")
+    assert old.status == CollisionState.FREE
+
+    cell.parameters.succeed(stale_after=0.5)
+    cell.unknown("stale")
+
+
+def test_a_change_is_told_on_parameter_events(cell):
+    events = cell.peer.record(ParameterEvent, "/parameter_events")
+    cell.parameters.succeed(stale_after=2.0)
+
+    event = events.wait_for(lambda event: event.node == cell.node.path and event.changed_parameters, "the change")
+    assert [parameter.name for parameter in event.changed_parameters] == ["stale_after"]
+
+
+def test_a_parameter_file_sets_and_the_command_line_wins(start, tmp_path):
+    path = tmp_path / "parameters.yaml"
+    path.write_text("/**:\n  ros__parameters:\n    distance_limit: 3.0\n    influence_distance: 0.25\n")
+    cell = start("--params-file", path, parameters={"influence_distance": 0.75})
+    assert cell.parameters.get("distance_limit", "influence_distance") == [3.0, 0.75]
+
+
+@pytest.mark.parametrize("section", ["/**", "clearance_of_the_file", "/cell/clearance_of_the_file"])
+def test_a_parameter_file_among_the_ros_arguments(start, tmp_path, section):
+    path = tmp_path / "parameters.yaml"
+    path.write_text(f"{section}:\n  ros__parameters:\n    influence_distance: 0.25\n")
+    namespace = "/cell" if section.startswith("/cell") else ""
+    cell = start(ros_arguments=["--params-file", path], name="clearance_of_the_file", namespace=namespace)
+    assert cell.parameters.get("influence_distance") == [0.25]
+
+
+def test_a_parameter_file_for_another_node_changes_nothing(start, tmp_path):
+    path = tmp_path / "parameters.yaml"
+    path.write_text("another_node:\n  ros__parameters:\n    influence_distance: 0.25\n")
+    cell = start(ros_arguments=["--params-file", path])
+    assert cell.parameters.get("influence_distance") != [0.25]
+
+
+def test_the_manual_holds_every_parameter_with_its_default(peer):
+    (section,) = yaml.safe_load((ROOT / "config/clearance.yaml").read_text()).values()
+    manual = section["ros__parameters"]
+    with NodeProcess("--urdf", two_link.URDF, domain_id=peer.domain_id) as node:
+        parameters = Parameters(peer, node)
+        assert parameters.names() == set(manual)
+        assert dict(zip(manual, parameters.get(*manual), strict=True)) == manual

@@ -1,0 +1,61 @@
+"""The process: how it ends, and how both sides find each other again after a restart."""
+
+import signal
+import subprocess
+
+import pytest
+from clearance_msgs.msg import CollisionState
+
+import two_link
+from node_process import BINARY, EXIT_DEADLINE
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+def test_the_node_ends_cleanly_when_asked(cell, by):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    assert cell.node.stop(by) == 0
+    names = cell.peer.node.get_node_names_and_namespaces
+    cell.peer.wait_for(lambda: (cell.node.name, cell.node.namespace) not in names(), "the node to leave the graph")
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+def test_a_node_without_a_model_ends_cleanly_too(start, by):
+    cell = start(urdf=None)
+    cell.unknown("no_model")
+    assert cell.node.stop(by) == 0
+
+
+@pytest.mark.parametrize("end", ["asked", "crashed"])
+def test_a_subscriber_hears_the_node_again_after_a_restart(cell, end):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.node.stop() if end == "asked" else cell.node.kill()
+
+    cell.restart_node()
+    state = cell.judged(joint1=0, joint2=0)
+    assert state.model_revision == 1
+
+
+def test_the_node_hears_a_driver_again_after_its_restart(cell):
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.driver.disconnect()
+    cell.unknown("stale")
+
+    cell.driver = two_link.Driver(cell.peer, cell.node.relative("joint_states"))
+    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--urdf", "nowhere.urdf"], "nowhere.urdf"),
+        (["--ros-args", "-p", "heartbeat_rate:=-1.0"], "heartbeat_rate"),
+        (["--ros-args", "-p", "hartbeat_rate:=10.0"], "hartbeat_rate"),
+        (["--ros-args", "--params-file", "nowhere.yaml"], "nowhere.yaml"),
+        (["--ros-args", "-r", "__node:=not a name"], "not a name"),
+    ],
+)
+def test_bad_input_on_the_command_line_ends_with_2_and_is_named(arguments, named):
+    result = subprocess.run([BINARY, "node", *arguments], capture_output=True, text=True, timeout=EXIT_DEADLINE)
+    assert result.returncode == 2
+    assert named in result.stderr
+    assert result.stdout == ""
