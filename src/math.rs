@@ -25,19 +25,12 @@ pub fn pose_from_xyz_quaternion(xyz: [f64; 3], quaternion_xyzw: [f64; 4]) -> Opt
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     let length = quaternion.norm();
     let finite = xyz.iter().chain(&quaternion_xyzw).all(|v| v.is_finite());
-    (finite && length > 1e-9 && length.is_finite()).then(|| {
-        Pose::from_parts(
-            nalgebra::Translation3::from(xyz),
-            Rotation::from_quaternion(quaternion),
-        )
-    })
+    (finite && length > 1e-9 && length.is_finite())
+        .then(|| Pose::from_parts(nalgebra::Translation3::from(xyz), Rotation::from_quaternion(quaternion)))
 }
 
 /// Pose from a position and fixed-axis roll, pitch, yaw as URDF defines them: `Rz(yaw) * Ry(pitch) * Rx(roll)`.
 #[must_use]
 pub fn pose_from_xyz_rpy(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
-    Pose::from_parts(
-        nalgebra::Translation3::from(xyz),
-        Rotation::from_euler_angles(roll, pitch, yaw),
-    )
+    Pose::from_parts(nalgebra::Translation3::from(xyz), Rotation::from_euler_angles(roll, pitch, yaw))
 }

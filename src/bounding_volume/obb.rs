@@ -62,12 +62,7 @@ impl Obb {
             + pose_ab.translation.vector.abs().sum()
             + self.half_extents.sum()
             + other.half_extents.sum();
-        Relative {
-            t,
-            abs_r: r.abs(),
-            r,
-            slack: SEPARATION_SLACK * reach,
-        }
+        Relative { t, abs_r: r.abs(), r, slack: SEPARATION_SLACK * reach }
     }
 
     /// Gap along each box's face normals: the largest is a lower bound of the distance.
@@ -107,14 +102,8 @@ impl BoundingVolume for Obb {
         let half_extents = match *primitive {
             Primitive::Box { half_extents } => Vector::from(half_extents),
             Primitive::Sphere { radius } => Vector::repeat(radius),
-            Primitive::Cylinder {
-                radius,
-                half_length,
-            } => Vector::new(radius, radius, half_length),
-            Primitive::Capsule {
-                radius,
-                half_length,
-            } => Vector::new(radius, radius, half_length + radius),
+            Primitive::Cylinder { radius, half_length } => Vector::new(radius, radius, half_length),
+            Primitive::Capsule { radius, half_length } => Vector::new(radius, radius, half_length + radius),
         };
         let slack = FIT_SLACK * (pose.translation.vector.amax() + half_extents.amax());
         Self {
@@ -125,8 +114,7 @@ impl BoundingVolume for Obb {
     }
 
     fn lower_bound(&self, other: &Self, pose_ab: &Pose) -> f64 {
-        self.face_gap(other, &self.relative(other, pose_ab))
-            .max(0.0)
+        self.face_gap(other, &self.relative(other, pose_ab)).max(0.0)
     }
 
     fn may_touch(&self, other: &Self, pose_ab: &Pose) -> bool {

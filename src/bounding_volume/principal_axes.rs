@@ -20,19 +20,14 @@ pub fn principal_axes(points: &[Point]) -> RotationMatrix {
     let eigen = (covariance / scale).symmetric_eigen();
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-    orthonormal(
-        &eigen.eigenvectors.column(order[0]).into(),
-        &eigen.eigenvectors.column(order[1]).into(),
-    )
+    orthonormal(&eigen.eigenvectors.column(order[0]).into(), &eigen.eigenvectors.column(order[1]).into())
 }
 
 /// Axes along `first` and, as far as it is normal to that, `second`: orthonormal to rounding whatever comes in.
 fn orthonormal(first: &Vector, second: &Vector) -> RotationMatrix {
     let x = first.normalize();
     let rest = second - x * x.dot(second);
-    let y = rest
-        .try_normalize(1e-6)
-        .unwrap_or_else(|| any_normal_to(&x));
+    let y = rest.try_normalize(1e-6).unwrap_or_else(|| any_normal_to(&x));
     RotationMatrix::from_columns(&[x, y, x.cross(&y)])
 }
 

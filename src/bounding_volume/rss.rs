@@ -55,16 +55,12 @@ fn sides<T: Copy>(corners: &[T; 4]) -> [[T; 2]; 4] {
 fn rectangle_distance(a: &Rss, corners_a: &[Point; 4], b: &Rss, corners_b: &[Point; 4]) -> f64 {
     let b_in_a = corners_b.map(|p| a.local(&p));
     let a_in_b = corners_a.map(|p| b.local(&p));
-    let pierced = |r: &Rss, corners: &[Vector; 4]| {
-        sides(corners).iter().any(|[p, q]| r.pierced_by(p, q))
-    };
+    let pierced = |r: &Rss, corners: &[Vector; 4]| sides(corners).iter().any(|[p, q]| r.pierced_by(p, q));
     if pierced(a, &b_in_a) || pierced(b, &a_in_b) {
         return 0.0;
     }
     let corner_face = |r: &Rss, corners: &[Vector; 4]| {
-        (corners.iter())
-            .map(|p| r.squared_distance_from_rectangle(p))
-            .fold(f64::INFINITY, f64::min)
+        (corners.iter()).map(|p| r.squared_distance_from_rectangle(p)).fold(f64::INFINITY, f64::min)
     };
     let mut least = corner_face(a, &b_in_a).min(corner_face(b, &a_in_b));
     for e in &sides(corners_a) {
@@ -84,16 +80,11 @@ impl BoundingVolume for Rss {
     fn fit(points: &[Point]) -> Self {
         let axes = principal_axes(points);
         let local = || points.iter().map(|p| axes.tr_mul(&p.coords));
-        let (lo, hi) = local().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
-            (lo.min(p.z), hi.max(p.z))
-        });
+        let (lo, hi) =
+            local().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p.z), hi.max(p.z)));
         let (middle, thickness) = (0.5 * (lo + hi), 0.5 * (hi - lo));
         let span = |i: usize| {
-            let cap = |p: &Vector| {
-                (thickness * thickness - (p.z - middle).powi(2))
-                    .max(0.0)
-                    .sqrt()
-            };
+            let cap = |p: &Vector| (thickness * thickness - (p.z - middle).powi(2)).max(0.0).sqrt();
             local().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
                 (lo.min(p[i] + cap(&p)), hi.max(p[i] - cap(&p)))
             })
@@ -123,14 +114,9 @@ impl BoundingVolume for Rss {
                 ([h[order[0]], h[order[1]]], h[order[2]], order)
             }
             Primitive::Sphere { radius } => ([0.0, 0.0], radius, [0, 1, 2]),
-            Primitive::Cylinder {
-                radius,
-                half_length,
+            Primitive::Cylinder { radius, half_length } | Primitive::Capsule { radius, half_length } => {
+                ([half_length, 0.0], radius, [2, 0, 1])
             }
-            | Primitive::Capsule {
-                radius,
-                half_length,
-            } => ([half_length, 0.0], radius, [2, 0, 1]),
         };
         let rotation = pose.rotation.to_rotation_matrix();
         let reach = pose.translation.vector.amax() + primitive.bounding_radius();

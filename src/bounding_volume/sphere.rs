@@ -19,8 +19,7 @@ impl BoundingVolume for Sphere {
         let farthest = |from: Point| {
             (points.iter().copied())
                 .max_by(|p, q| {
-                    nalgebra::distance_squared(&from, p)
-                        .total_cmp(&nalgebra::distance_squared(&from, q))
+                    nalgebra::distance_squared(&from, p).total_cmp(&nalgebra::distance_squared(&from, q))
                 })
                 .unwrap_or(from)
         };
@@ -36,13 +35,8 @@ impl BoundingVolume for Sphere {
                 radius = grown;
             }
         }
-        let exact = (points.iter())
-            .map(|p| nalgebra::distance(&centre, p))
-            .fold(0.0, f64::max);
-        Self {
-            radius: exact + FIT_SLACK * (exact + centre.coords.amax()),
-            centre,
-        }
+        let exact = (points.iter()).map(|p| nalgebra::distance(&centre, p)).fold(0.0, f64::max);
+        Self { radius: exact + FIT_SLACK * (exact + centre.coords.amax()), centre }
     }
 
     fn around(primitive: &Primitive, pose: &Pose) -> Self {

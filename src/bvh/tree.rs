@@ -46,10 +46,7 @@ impl<B: BoundingVolume> Tree<B> {
         };
         let mut order: Vec<u32> = (0..count).collect();
         builder.node(&mut order, 0);
-        Self {
-            nodes: builder.nodes,
-            order,
-        }
+        Self { nodes: builder.nodes, order }
     }
 
     #[must_use]
@@ -87,10 +84,7 @@ impl<B: BoundingVolume> Builder<'_, B> {
         let index = u32::try_from(self.nodes.len()).expect("node count fits 32 bits");
         let count = u32::try_from(order.len()).expect("element count fits 32 bits");
         let volume = self.volume(order);
-        self.nodes.push(Node {
-            volume,
-            content: Content::Leaf(start, start + count),
-        });
+        self.nodes.push(Node { volume, content: Content::Leaf(start, start + count) });
         if !self.is_leaf(order) {
             let half = self.split(order);
             let (left, right) = order.split_at_mut(half);
@@ -122,8 +116,7 @@ impl<B: BoundingVolume> Builder<'_, B> {
     /// Sorts the half with smaller middles along the longest axis to the front; returns how many that are.
     fn split(&mut self, order: &mut [u32]) -> usize {
         self.points.clear();
-        self.points
-            .extend(order.iter().map(|&i| self.middles[i as usize]));
+        self.points.extend(order.iter().map(|&i| self.middles[i as usize]));
         let axis: Vector = principal_axes(&self.points).column(0).into();
         let half = order.len() / 2;
         let key = |i: u32| self.middles[i as usize].coords.dot(&axis);

@@ -19,16 +19,10 @@ pub enum MatrixError {
     #[error("allowed_collision_matrix: {names} entry_names but {rows} rows of entry_values")]
     Rows { names: usize, rows: usize },
     #[error("allowed_collision_matrix: row '{row}' has {columns} values for {names} entry_names")]
-    Columns {
-        row: String,
-        columns: usize,
-        names: usize,
-    },
+    Columns { row: String, columns: usize, names: usize },
     #[error("allowed_collision_matrix: entry '{a}' – '{b}' is not symmetric")]
     Asymmetric { a: String, b: String },
-    #[error(
-        "allowed_collision_matrix: {names} default_entry_names but {values} default_entry_values"
-    )]
+    #[error("allowed_collision_matrix: {names} default_entry_names but {values} default_entry_values")]
     Defaults { names: usize, values: usize },
 }
 
@@ -47,10 +41,7 @@ impl AllowedCollisionMatrix {
     pub fn from_entries(given: &MatrixEntries) -> Result<Self, MatrixError> {
         let names = &given.entry_names;
         if given.entry_values.len() != names.len() {
-            return Err(MatrixError::Rows {
-                names: names.len(),
-                rows: given.entry_values.len(),
-            });
+            return Err(MatrixError::Rows { names: names.len(), rows: given.entry_values.len() });
         }
         if given.default_entry_names.len() != given.default_entry_values.len() {
             return Err(MatrixError::Defaults {
@@ -61,18 +52,11 @@ impl AllowedCollisionMatrix {
         let mut matrix = Self::default();
         for (a, row) in names.iter().zip(&given.entry_values) {
             if row.len() != names.len() {
-                return Err(MatrixError::Columns {
-                    row: a.clone(),
-                    columns: row.len(),
-                    names: names.len(),
-                });
+                return Err(MatrixError::Columns { row: a.clone(), columns: row.len(), names: names.len() });
             }
             for (b, &allowed) in names.iter().zip(row) {
                 if matrix.entry(a, b).is_some_and(|earlier| earlier != allowed) {
-                    return Err(MatrixError::Asymmetric {
-                        a: a.clone(),
-                        b: b.clone(),
-                    });
+                    return Err(MatrixError::Asymmetric { a: a.clone(), b: b.clone() });
                 }
                 matrix.set(a, b, allowed);
             }
@@ -94,12 +78,10 @@ impl AllowedCollisionMatrix {
     /// Whether `a` and `b` may touch; false when nothing is said. If both names have defaults, both must allow.
     #[must_use]
     pub fn allows(&self, a: &str, b: &str) -> bool {
-        self.entry(a, b).unwrap_or_else(|| {
-            match (self.defaults.get(a), self.defaults.get(b)) {
-                (Some(&a), Some(&b)) => a && b,
-                (Some(&one), None) | (None, Some(&one)) => one,
-                (None, None) => false,
-            }
+        self.entry(a, b).unwrap_or_else(|| match (self.defaults.get(a), self.defaults.get(b)) {
+            (Some(&a), Some(&b)) => a && b,
+            (Some(&one), None) | (None, Some(&one)) => one,
+            (None, None) => false,
         })
     }
 }

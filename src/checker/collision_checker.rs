@@ -45,11 +45,7 @@ struct Pair<'c> {
 
 impl CollisionChecker {
     /// Builds the hierarchies of every link and obstacle and decides the pairs, by SRDF or adjacency.
-    pub fn new(
-        robot: Arc<RobotModel>,
-        world: &World,
-        settings: Settings,
-    ) -> Result<Self, SettingsError> {
+    pub fn new(robot: Arc<RobotModel>, world: &World, settings: Settings) -> Result<Self, SettingsError> {
         Self::with_matrix(robot, world, settings, None)
     }
 
@@ -61,29 +57,16 @@ impl CollisionChecker {
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, SettingsError> {
         let link_padding = link_padding(&robot, &settings)?;
-        let pairs = PairList::new(&robot, world, matrix)
-            .restricted(settings.check_self, settings.check_world);
+        let pairs =
+            PairList::new(&robot, world, matrix).restricted(settings.check_self, settings.check_world);
         let mesh_model = settings.mesh_model;
         let link_bodies = (robot.links().iter())
-            .map(|l| {
-                body(
-                    l.collisions.iter().map(|c| (&c.pose_ls, &c.shape)),
-                    mesh_model,
-                )
-            })
+            .map(|l| body(l.collisions.iter().map(|c| (&c.pose_ls, &c.shape)), mesh_model))
             .collect();
         let obstacle_bodies = (world.obstacles().iter())
             .map(|o| body(o.shapes.iter().map(|s| (&s.pose_rs, &s.shape)), mesh_model))
             .collect();
-        Ok(Self {
-            world: world.clone(),
-            link_bodies,
-            obstacle_bodies,
-            robot,
-            settings,
-            pairs,
-            link_padding,
-        })
+        Ok(Self { world: world.clone(), link_bodies, obstacle_bodies, robot, settings, pairs, link_padding })
     }
 
     #[must_use]
@@ -118,10 +101,7 @@ impl CollisionChecker {
     /// Scratch memory for one thread.
     #[must_use]
     pub fn workspace(&self) -> Workspace {
-        Workspace {
-            poses: LinkPoses::new(&self.robot),
-            queue: Vec::with_capacity(self.pairs.len()),
-        }
+        Workspace { poses: LinkPoses::new(&self.robot), queue: Vec::with_capacity(self.pairs.len()) }
     }
 
     /// Where the links were in the last check made with this workspace (root frame).
@@ -140,12 +120,7 @@ impl CollisionChecker {
 
     /// Answers `question` about the state `q`.
     #[must_use]
-    pub fn check(
-        &self,
-        q: &Configuration,
-        question: Question,
-        workspace: &mut Workspace,
-    ) -> CollisionReport {
+    pub fn check(&self, q: &Configuration, question: Question, workspace: &mut Workspace) -> CollisionReport {
         self.robot.forward_kinematics(q, &mut workspace.poses);
         let mut report = CollisionReport::default();
         match question {
@@ -156,10 +131,7 @@ impl CollisionChecker {
                 self.least_distance(limit, workspace, &mut report);
             }
             Question::PairDistances { limit } => self.distances(limit, workspace, &mut report),
-            Question::Survey {
-                influence_distance,
-                limit,
-            } => {
+            Question::Survey { influence_distance, limit } => {
                 self.distances(influence_distance, workspace, &mut report);
                 if report.nearest.is_none() && limit > influence_distance {
                     self.least_distance(limit, workspace, &mut report);
@@ -246,9 +218,7 @@ impl CollisionChecker {
             } else {
                 0.0
             };
-            let body = |l: crate::robot::LinkId| {
-                self.link_bodies[l.index()].as_ref().expect(has_body)
-            };
+            let body = |l: crate::robot::LinkId| self.link_bodies[l.index()].as_ref().expect(has_body);
             return Pair {
                 ids: (Body::Link(a), Body::Link(b)),
                 bodies: (body(a), body(b)),
@@ -331,17 +301,13 @@ fn link_padding(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>, Set
         if value.is_finite() && value >= 0.0 {
             Ok(value)
         } else {
-            Err(SettingsError::BadPadding {
-                of: of.to_owned(),
-                value,
-            })
+            Err(SettingsError::BadPadding { of: of.to_owned(), value })
         }
     };
     let default = usable("", settings.padding)?;
     let mut padding = vec![default; robot.links().len()];
     for (name, &value) in &settings.link_padding {
-        let link = (robot.link_by_name(name))
-            .ok_or_else(|| SettingsError::UnknownLink(name.clone()))?;
+        let link = (robot.link_by_name(name)).ok_or_else(|| SettingsError::UnknownLink(name.clone()))?;
         padding[link.index()] = usable(&format!(" of link '{name}'"), value)?;
     }
     Ok(padding)

@@ -26,12 +26,7 @@ pub enum SkipReason {
 }
 
 impl SkipReason {
-    pub const ALL: [Self; 4] = [
-        Self::SameRigidBody,
-        Self::Adjacent,
-        Self::Disabled,
-        Self::Allowed,
-    ];
+    pub const ALL: [Self; 4] = [Self::SameRigidBody, Self::Adjacent, Self::Disabled, Self::Allowed];
 }
 
 impl std::fmt::Display for SkipReason {
@@ -52,9 +47,8 @@ impl PairList {
     /// skipped.
     #[must_use]
     pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
-        let solid: Vec<LinkId> = (robot.link_ids())
-            .filter(|l| !robot.link(*l).collisions.is_empty())
-            .collect();
+        let solid: Vec<LinkId> =
+            (robot.link_ids()).filter(|l| !robot.link(*l).collisions.is_empty()).collect();
         let mut list = Self::default();
         list.add_self_pairs(robot, &solid, scene);
         list.add_world_pairs(robot, &solid, world, scene);
@@ -67,9 +61,7 @@ impl PairList {
         solid: &[LinkId],
         scene: Option<&AllowedCollisionMatrix>,
     ) {
-        let srdf = robot
-            .srdf()
-            .map(|_| AllowedCollisionMatrix::from_srdf(robot));
+        let srdf = robot.srdf().map(|_| AllowedCollisionMatrix::from_srdf(robot));
         for (i, &a) in solid.iter().enumerate() {
             for &b in &solid[i + 1..] {
                 let (name_a, name_b) = (&robot.link(a).name, &robot.link(b).name);

@@ -14,8 +14,8 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::model::{self, ModelArgs, WorldArgs};
 use super::progress::Progress;
-use super::timing::{self, Timing};
 use super::states;
+use super::timing::{self, Timing};
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -33,7 +33,13 @@ pub struct CheckArgs {
     query: Query,
 
     /// Distances beyond this many metres are not told
-    #[arg(long, value_name = "M", default_value_t = f64::INFINITY, hide_default_value = true)]
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = f64::INFINITY,
+        hide_default_value = true,
+        allow_negative_numbers = true
+    )]
     limit: f64,
 
     /// Leave out pairs of links
@@ -150,9 +156,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         pairs_checked: checker.pairs().len(),
         load_seconds,
         stats: Stats::total(&reports),
-        results: (reports.iter())
-            .map(|r| StateAnswer::new(args.query, r, &checker))
-            .collect(),
+        results: (reports.iter()).map(|r| StateAnswer::new(args.query, r, &checker)).collect(),
         timing,
     };
     match args.format {
@@ -192,10 +196,7 @@ fn check_all(
     threads: usize,
 ) -> Result<Vec<CollisionReport>, Failure> {
     let progress = Progress::new(states.len());
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.max(1))
-        .build()
-        .map_err(internal)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build().map_err(internal)?;
     Ok(pool.install(|| {
         (states.par_iter())
             .map_init(
@@ -234,10 +235,7 @@ impl Stats {
         for report in reports {
             total += report.work;
         }
-        Self {
-            volume_tests: total.volume_tests,
-            primitive_tests: total.primitive_tests,
-        }
+        Self { volume_tests: total.volume_tests, primitive_tests: total.primitive_tests }
     }
 }
 
@@ -245,9 +243,7 @@ impl StateAnswer {
     fn new(query: Query, report: &CollisionReport, checker: &CollisionChecker) -> Self {
         let names = |a: Body, b: Body| sorted_names(checker, a, b);
         let sorted_pairs = || {
-            let mut pairs: Vec<_> = (report.colliding_pairs.iter())
-                .map(|&(a, b)| names(a, b))
-                .collect();
+            let mut pairs: Vec<_> = (report.colliding_pairs.iter()).map(|&(a, b)| names(a, b)).collect();
             pairs.sort();
             pairs
         };
@@ -297,9 +293,8 @@ fn sorted_names(checker: &CollisionChecker, a: Body, b: Body) -> [String; 2] {
 
 /// A line a state, and a summary.
 fn text(answer: &Answer) -> String {
-    let mut lines: Vec<String> = (answer.results.iter().enumerate())
-        .flat_map(|(i, r)| state_lines(i, r))
-        .collect();
+    let mut lines: Vec<String> =
+        (answer.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r)).collect();
     let free = answer.results.iter().filter(|r| r.free).count();
     lines.push(format!(
         "{}: {free} of {} states free; {} pairs checked; loaded in {:.3} s",

@@ -1,2 +1,99 @@
+//! `clearance` alone: the node on a robot, a world and a motion that the program carries, and a live table.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clearance::node::{
+    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory,
+};
+use clearance::robot::{MeshFiles, RobotModel, RobotText};
+use clearance::world::{PlanningScene, World};
+use log::LevelFilter;
+
+use super::demo_table::{Latest, Table};
 use super::failure::Failure;
-pub fn run(_: log::LevelFilter) -> Result<std::process::ExitCode, Failure> { Ok(std::process::ExitCode::SUCCESS) }
+use super::node::failure;
+
+const URDF: &str = include_str!("../../urdf/demo_arm/demo_arm.urdf");
+const SRDF: &str = include_str!("../../urdf/demo_arm/demo_arm.srdf");
+const WORLD: &str = include_str!("../../config/demo_world.yaml");
+const MOTION: &str = include_str!("../../config/demo_motion.yaml");
+
+macro_rules! meshes {
+    ($($name:literal)*) => {
+        &[$(($name, include_bytes!(concat!("../../urdf/demo_arm/", $name)))),*]
+    };
+}
+
+const MESHES: &[(&str, &[u8])] = meshes! {
+    "meshes/base.stl" "meshes/link1.stl" "meshes/link2.stl" "meshes/link3.stl" "meshes/link4.stl"
+    "meshes/link5.stl" "meshes/link6.stl" "meshes/link7.stl" "meshes/hand.stl" "meshes/finger.stl"
+};
+
+/// Runs the demo until it is told to end.
+pub fn run(level: LevelFilter) -> Result<ExitCode, Failure> {
+    node::logging::start(level);
+    // a demo must not be seen, or disturb anything, on other machines
+    let environment =
+        Environment { reach: Reach::Localhost, ..Environment::of_process().map_err(Failure::input)? };
+    let robot = robot().map_err(Failure::Internal)?;
+    let motion = Trajectory::from_yaml(MOTION)
+        .map_err(|e| Failure::Internal(format!("config/demo_motion.yaml: {e}")))?;
+
+    let latest = Latest::default();
+    let ended = Arc::new(AtomicBool::new(false));
+    let table = Table::start(latest.clone(), Arc::clone(&ended), environment.domain);
+    let result = node::run(NodeOptions {
+        environment,
+        arguments: RosArguments::default(),
+        parameters: Parameters::default(),
+        robot: Some(robot),
+        mesh_files: MeshFiles::default(),
+        surroundings: surroundings(),
+        mesh_model: clearance::checker::MeshModel::Surface,
+        motion: Some(Motion::Trajectory(motion)),
+        observer: Some(Box::new(move |judgement| latest.note(judgement))),
+    });
+    ended.store(true, Ordering::Relaxed);
+    table.finish();
+    result.map_err(failure)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn robot() -> Result<RobotModel, String> {
+    let text = RobotText {
+        urdf: URDF,
+        urdf_name: Some("urdf/demo_arm/demo_arm.urdf"),
+        srdf: Some(SRDF),
+        srdf_name: Some("urdf/demo_arm/demo_arm.srdf"),
+    };
+    RobotModel::from_text(&text, &MeshFiles::embedded(MESHES)).map_err(|e| e.to_string())
+}
+
+fn surroundings() -> Surroundings {
+    Box::new(|robot| {
+        let file = "config/demo_world.yaml";
+        let scene =
+            PlanningScene::from_yaml(WORLD, file, robot, &MeshFiles::default()).map_err(|e| e.to_string())?;
+        let mut world = World::default();
+        for obstacle in scene.obstacles {
+            world.add(obstacle).map_err(|e| format!("{file}: {e}"))?;
+        }
+        Ok((world, None))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_program_carries_is_sound() {
+        let robot = robot().unwrap();
+        assert_eq!(robot.warnings(), []);
+        let (world, _) = surroundings()(&robot).unwrap();
+        assert!(!world.obstacles().is_empty());
+        Trajectory::from_yaml(MOTION).unwrap();
+    }
+}

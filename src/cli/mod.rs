@@ -5,6 +5,8 @@
 mod check;
 #[cfg(feature = "ros")]
 mod demo;
+#[cfg(feature = "ros")]
+mod demo_table;
 mod failure;
 mod model;
 #[cfg(feature = "ros")]
@@ -65,16 +67,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         #[cfg(feature = "ros")]
         None => demo::run(arguments.log_level),
         #[cfg(not(feature = "ros"))]
-        None => Err(Failure::Input(
-            "this build has no ROS 2 node: name a command (see --help)".to_owned(),
-        )),
+        None => Err(Failure::Input("this build has no ROS 2 node: name a command (see --help)".to_owned())),
     }
 }
 
 fn log_to_stderr(level: log::LevelFilter) {
-    env_logger::Builder::new()
-        .filter_level(level)
-        .format_timestamp(None)
-        .format_target(false)
-        .init();
+    env_logger::Builder::new().filter_level(level).format_timestamp(None).format_target(false).init();
 }

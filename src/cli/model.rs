@@ -26,7 +26,7 @@ pub struct ModelArgs {
     pub package_path: Vec<PathBuf>,
 
     /// Safety distance around every link, in metres
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub padding: Option<f64>,
 
     /// Padding counts between links of the robot too, not only against the world
@@ -62,10 +62,10 @@ pub struct LoadedWorld {
 impl ModelArgs {
     /// Loads the robot; warnings are logged.
     pub fn load(&self) -> Result<RobotModel, Failure> {
-        let urdf = (self.urdf.as_deref())
-            .ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
-        let robot = RobotModel::load(urdf, self.srdf.as_deref(), &self.package_path)
-            .map_err(Failure::input)?;
+        let urdf =
+            (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
+        let robot =
+            RobotModel::load(urdf, self.srdf.as_deref(), &self.package_path).map_err(Failure::input)?;
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
@@ -103,11 +103,9 @@ impl WorldArgs {
         let mut loaded = LoadedWorld::default();
         for path in &self.world {
             let file = path.display().to_string();
-            let text = std::fs::read_to_string(path)
-                .map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+            let text = std::fs::read_to_string(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
             let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
-            let scene =
-                PlanningScene::from_yaml(&text, &file, robot, &files).map_err(Failure::input)?;
+            let scene = PlanningScene::from_yaml(&text, &file, robot, &files).map_err(Failure::input)?;
             for warning in &scene.warnings {
                 log::warn!("{warning}");
             }
@@ -140,11 +138,6 @@ pub fn checker(
             log::warn!("{mesh} is not closed: it stays a surface");
         }
     }
-    CollisionChecker::with_matrix(
-        Arc::new(robot),
-        &loaded.world,
-        settings,
-        loaded.allowed.as_ref(),
-    )
-    .map_err(Failure::input)
+    CollisionChecker::with_matrix(Arc::new(robot), &loaded.world, settings, loaded.allowed.as_ref())
+        .map_err(Failure::input)
 }

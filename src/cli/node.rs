@@ -71,14 +71,8 @@ impl NodeArgs {
     fn ros_arguments(&self) -> Result<RosArguments, Failure> {
         let mut arguments = RosArguments::parse(&self.ros_args).map_err(Failure::input)?;
         let files = self.params_file.iter().cloned().map(ParameterSource::File);
-        let padding = self
-            .model
-            .padding
-            .map(|m| single("padding", Value::Double(m)));
-        let pad_self = self
-            .model
-            .pad_self
-            .then(|| single("pad_self", Value::Bool(true)));
+        let padding = self.model.padding.map(|m| single("padding", Value::Double(m)));
+        let pad_self = self.model.pad_self.then(|| single("pad_self", Value::Bool(true)));
         let first = files.chain(padding).chain(pad_self);
         arguments.parameters = first.chain(arguments.parameters).collect();
         Ok(arguments)
@@ -87,18 +81,12 @@ impl NodeArgs {
     fn surroundings(&self) -> Surroundings {
         let (world, mesh_files) = (self.world.clone(), self.model.mesh_files());
         Box::new(move |robot| {
-            let loaded = world
-                .load(robot, &mesh_files)
-                .map_err(|failure| failure.to_string())?;
+            let loaded = world.load(robot, &mesh_files).map_err(|failure| failure.to_string())?;
             Ok((loaded.world, loaded.allowed))
         })
     }
 }
 
 fn single(name: &str, value: Value) -> ParameterSource {
-    ParameterSource::Single {
-        node: None,
-        name: name.to_owned(),
-        value,
-    }
+    ParameterSource::Single { node: None, name: name.to_owned(), value }
 }

@@ -18,11 +18,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {per_sec} {eta}") {
             bar.set_style(style);
         }
-        Self {
-            bar,
-            start: Instant::now(),
-            shown: AtomicBool::new(false),
-        }
+        Self { bar, start: Instant::now(), shown: AtomicBool::new(false) }
     }
 
     pub fn piece_done(&self) {

@@ -41,9 +41,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
 }
 
 fn from_csv(text: &str) -> Result<StatesText, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let joints = reader.headers().map_err(|e| e.to_string())?.clone();
     let states = (reader.records())
         .map(|record| {
@@ -51,16 +49,12 @@ fn from_csv(text: &str) -> Result<StatesText, String> {
             let line = record.position().map_or(0, csv::Position::line);
             (record.iter())
                 .map(|field| {
-                    (field.parse::<f64>())
-                        .map_err(|_| format!("line {line}: '{field}' is not a number"))
+                    (field.parse::<f64>()).map_err(|_| format!("line {line}: '{field}' is not a number"))
                 })
                 .collect()
         })
         .collect::<Result<_, String>>()?;
-    Ok(StatesText {
-        joints: joints.iter().map(str::to_owned).collect(),
-        states,
-    })
+    Ok(StatesText { joints: joints.iter().map(str::to_owned).collect(), states })
 }
 
 /// One state from text such as `"j1=0.1 j2=-1.2"`; blanks or commas between the joints.
@@ -74,7 +68,5 @@ pub fn from_text(text: &str, robot: &RobotModel) -> Result<Configuration, Failur
                 .ok_or_else(|| Failure::Input(format!("--state: '{word}' is not JOINT=NUMBER")))
         })
         .collect::<Result<Vec<_>, _>>()?;
-    robot
-        .configuration_from_names(named)
-        .map_err(|e| Failure::Input(format!("--state: {e}")))
+    robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("--state: {e}")))
 }

@@ -23,9 +23,5 @@ pub fn measure(passes: usize, pieces: usize, mut pass: impl FnMut()) -> Option<T
         .collect();
     microseconds.sort_by(f64::total_cmp);
     (pieces > 0).then_some(())?;
-    Some(Timing {
-        passes,
-        us_min: *microseconds.first()?,
-        us_median: microseconds[passes / 2],
-    })
+    Some(Timing { passes, us_min: *microseconds.first()?, us_median: microseconds[passes / 2] })
 }

@@ -19,14 +19,8 @@ pub enum MeshError {
     #[error("the mesh has no triangles")]
     NoTriangles,
     #[error("triangle {triangle} names vertex {vertex}, but there are {vertices} vertices")]
-    IndexOutOfRange {
-        triangle: usize,
-        vertex: u32,
-        vertices: usize,
-    },
-    #[error(
-        "vertex {vertex} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m"
-    )]
+    IndexOutOfRange { triangle: usize, vertex: u32, vertices: usize },
+    #[error("vertex {vertex} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m")]
     BadVertex { vertex: usize },
     #[error("the mesh has {0} vertices, more than 32-bit indices can name")]
     TooManyVertices(usize),
@@ -43,21 +37,14 @@ impl TriangleMesh {
         for (triangle, corners) in triangles.iter().enumerate() {
             for &vertex in corners {
                 if vertex as usize >= vertices.len() {
-                    return Err(MeshError::IndexOutOfRange {
-                        triangle,
-                        vertex,
-                        vertices: vertices.len(),
-                    });
+                    return Err(MeshError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() });
                 }
             }
         }
         let usable = |p: &Point| p.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
         match vertices.iter().position(|p| !usable(p)) {
             Some(vertex) => Err(MeshError::BadVertex { vertex }),
-            None => Ok(Self {
-                vertices,
-                triangles,
-            }),
+            None => Ok(Self { vertices, triangles }),
         }
     }
 
@@ -119,9 +106,7 @@ impl TriangleMesh {
     /// Number of triangles without area.
     #[must_use]
     pub fn degenerate_triangles(&self) -> usize {
-        (0..self.triangles.len())
-            .filter(|&i| self.triangle(i).normal() == Vector::zeros())
-            .count()
+        (0..self.triangles.len()).filter(|&i| self.triangle(i).normal() == Vector::zeros()).count()
     }
 
     /// Whether every edge is used equally often in both directions, vertices at equal positions counted as one: then
@@ -186,23 +171,13 @@ mod tests {
     #[test]
     fn faults_are_named() {
         let p = vec![Point::origin(); 3];
-        assert_eq!(
-            TriangleMesh::new(p.clone(), vec![]),
-            Err(MeshError::NoTriangles)
-        );
+        assert_eq!(TriangleMesh::new(p.clone(), vec![]), Err(MeshError::NoTriangles));
         assert_eq!(
             TriangleMesh::new(p.clone(), vec![[0, 1, 7]]),
-            Err(MeshError::IndexOutOfRange {
-                triangle: 0,
-                vertex: 7,
-                vertices: 3
-            })
+            Err(MeshError::IndexOutOfRange { triangle: 0, vertex: 7, vertices: 3 })
         );
         let mut bad = p;
         bad[1].y = f64::NAN;
-        assert_eq!(
-            TriangleMesh::new(bad, vec![[0, 1, 2]]),
-            Err(MeshError::BadVertex { vertex: 1 })
-        );
+        assert_eq!(TriangleMesh::new(bad, vec![[0, 1, 2]]), Err(MeshError::BadVertex { vertex: 1 }));
     }
 }

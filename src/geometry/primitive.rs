@@ -35,9 +35,7 @@ impl Primitive {
         for value in size {
             check("box", "size", value)?;
         }
-        Ok(Self::Box {
-            half_extents: size.map(|s| 0.5 * s),
-        })
+        Ok(Self::Box { half_extents: size.map(|s| 0.5 * s) })
     }
 
     pub fn sphere(radius: f64) -> Result<Self, PrimitiveError> {
@@ -49,38 +47,24 @@ impl Primitive {
     pub fn cylinder(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
         check("cylinder", "radius", radius)?;
         check("cylinder", "length", length)?;
-        Ok(Self::Cylinder {
-            radius,
-            half_length: 0.5 * length,
-        })
+        Ok(Self::Cylinder { radius, half_length: 0.5 * length })
     }
 
     /// A capsule; `length` leaves out the half spheres.
     pub fn capsule(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
         check("capsule", "radius", radius)?;
         check("capsule", "length", length)?;
-        Ok(Self::Capsule {
-            radius,
-            half_length: 0.5 * length,
-        })
+        Ok(Self::Capsule { radius, half_length: 0.5 * length })
     }
 
     /// Radius of the smallest sphere around the origin that holds the solid.
     #[must_use]
     pub fn bounding_radius(&self) -> f64 {
         match *self {
-            Self::Box {
-                half_extents: [x, y, z],
-            } => (x * x + y * y + z * z).sqrt(),
+            Self::Box { half_extents: [x, y, z] } => (x * x + y * y + z * z).sqrt(),
             Self::Sphere { radius } => radius,
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => radius.hypot(half_length),
-            Self::Capsule {
-                radius,
-                half_length,
-            } => radius + half_length,
+            Self::Cylinder { radius, half_length } => radius.hypot(half_length),
+            Self::Capsule { radius, half_length } => radius + half_length,
         }
     }
 }
@@ -89,10 +73,6 @@ fn check(shape: &'static str, dimension: &'static str, value: f64) -> Result<(),
     if value.is_finite() && (0.0..=crate::constants::LARGEST_COORDINATE).contains(&value) {
         Ok(())
     } else {
-        Err(PrimitiveError {
-            shape,
-            dimension,
-            value,
-        })
+        Err(PrimitiveError { shape, dimension, value })
     }
 }

@@ -37,20 +37,13 @@ impl Triangle {
 
     #[must_use]
     pub fn transformed(&self, pose: &Pose) -> Self {
-        Self {
-            a: pose * self.a,
-            b: pose * self.b,
-            c: pose * self.c,
-        }
+        Self { a: pose * self.a, b: pose * self.b, c: pose * self.c }
     }
 
     /// Unit normal by the right-hand rule; zero for a degenerate triangle.
     #[must_use]
     pub fn normal(&self) -> Vector {
-        (self.b - self.a)
-            .cross(&(self.c - self.a))
-            .try_normalize(0.0)
-            .unwrap_or_else(Vector::zeros)
+        (self.b - self.a).cross(&(self.c - self.a)).try_normalize(0.0).unwrap_or_else(Vector::zeros)
     }
 
     /// The point of the triangle nearest to `p` (Ericson 5.1.5: walk the Voronoi regions of corners, edges, face).
@@ -140,9 +133,8 @@ impl Triangle {
         }
         let normal = (self.b - self.a).cross(&(self.c - self.a));
         let (height_p, height_q) = (-normal.dot(&pa), normal.dot(&(q - self.a)));
-        (height_p * height_q <= 0.0).then(|| {
-            Point::from((self.a.coords * u + self.b.coords * v + self.c.coords * w) / sum)
-        })
+        (height_p * height_q <= 0.0)
+            .then(|| Point::from((self.a.coords * u + self.b.coords * v + self.c.coords * w) / sum))
     }
 
     /// Nearest points over all vertex–face and edge–edge pairs; right unless the triangles cross.

@@ -188,8 +188,8 @@ impl Middleware {
                 ServiceMapping::Enhanced,
                 &name_of(name)?,
                 &ServiceTypeName::new(package, kind),
-                // a reliable reader waits 2-3 s for what Fast DDS clients sent before they were matched
-                Quality::BestEffort.profile(),
+                // what a client sends before it is known here arrives late, but a best-effort reader would lose it
+                Quality::Reliable.profile(),
                 Quality::Reliable.profile(),
             )
             .map_err(refused(format!("cannot serve {name}")))?;

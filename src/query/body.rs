@@ -23,10 +23,9 @@ impl CollisionBody {
         let mut elements = Vec::new();
         for (pose, shape) in shapes {
             match shape {
-                Shape::Primitive(primitive) => elements.push(Element::Primitive {
-                    primitive: *primitive,
-                    pose: *pose,
-                }),
+                Shape::Primitive(primitive) => {
+                    elements.push(Element::Primitive { primitive: *primitive, pose: *pose })
+                }
                 Shape::Mesh(mesh) => elements.extend(
                     (0..mesh.triangles().len())
                         .map(|i| Element::Triangle(mesh.triangle(i).transformed(pose))),

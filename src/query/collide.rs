@@ -11,18 +11,8 @@ use crate::math::{Point, Pose};
 ///
 /// Descends both OBB trees at once, the larger volume first (Gottschalk, Lin & Manocha 1996).
 #[must_use]
-pub fn collide(
-    a: &CollisionBody,
-    b: &CollisionBody,
-    pose_ab: &Pose,
-    work: &mut Work,
-) -> Option<Point> {
-    let mut search = Search {
-        a,
-        b,
-        pose_ab,
-        work,
-    };
+pub fn collide(a: &CollisionBody, b: &CollisionBody, pose_ab: &Pose, work: &mut Work) -> Option<Point> {
+    let mut search = Search { a, b, pose_ab, work };
     (search.nodes(a.obb.root(), b.obb.root()))
         .or_else(|| Interior::contained_point(a.interior.as_ref(), b.interior.as_ref(), pose_ab))
 }
@@ -43,9 +33,7 @@ impl Search<'_> {
         }
         match (na.content, nb.content) {
             (Content::Leaf(fa, ta), Content::Leaf(fb, tb)) => self.leaves((fa, ta), (fb, tb)),
-            (Content::Children([l, r]), Content::Leaf(..)) => {
-                self.nodes(l, j).or_else(|| self.nodes(r, j))
-            }
+            (Content::Children([l, r]), Content::Leaf(..)) => self.nodes(l, j).or_else(|| self.nodes(r, j)),
             (Content::Children([l, r]), _) if na.volume.size() >= nb.volume.size() => {
                 self.nodes(l, j).or_else(|| self.nodes(r, j))
             }

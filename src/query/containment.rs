@@ -25,19 +25,12 @@ struct ClosedMesh {
 
 impl Interior {
     pub fn new<'a>(shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
-        let mut interior = Self {
-            closed_meshes: Vec::new(),
-            part_points: Vec::new(),
-        };
+        let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
-                Shape::Primitive(_) => interior
-                    .part_points
-                    .push(Point::from(pose.translation.vector)),
+                Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
-                    interior
-                        .part_points
-                        .extend(part_points(mesh).iter().map(|p| pose * p));
+                    interior.part_points.extend(part_points(mesh).iter().map(|p| pose * p));
                     if mesh.is_closed() {
                         interior.closed_meshes.push(ClosedMesh {
                             mesh: Arc::clone(mesh),
@@ -96,9 +89,7 @@ fn part_points(mesh: &TriangleMesh) -> Vec<Point> {
     let mut parent: Vec<usize> = (0..mesh.vertices().len()).collect();
     let mut first_at: HashMap<[u64; 3], usize> = HashMap::new();
     for (v, p) in mesh.vertices().iter().enumerate() {
-        let same = *first_at
-            .entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits()))
-            .or_insert(v);
+        let same = *first_at.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(v);
         join(&mut parent, same, v);
     }
     for t in mesh.triangles() {

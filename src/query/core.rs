@@ -32,37 +32,17 @@ pub(super) struct RoundedCore {
 impl From<&Element> for RoundedCore {
     fn from(element: &Element) -> Self {
         match element {
-            Element::Triangle(t) => Self {
-                core: Core::Triangle(*t),
-                pose: Pose::identity(),
-                radius: 0.0,
-            },
+            Element::Triangle(t) => Self { core: Core::Triangle(*t), pose: Pose::identity(), radius: 0.0 },
             Element::Primitive { primitive, pose } => {
                 let (core, radius) = match *primitive {
-                    Primitive::Box { half_extents } => {
-                        (Core::Cuboid(Vector::from(half_extents)), 0.0)
-                    }
+                    Primitive::Box { half_extents } => (Core::Cuboid(Vector::from(half_extents)), 0.0),
                     Primitive::Sphere { radius } => (Core::Point, radius),
-                    Primitive::Capsule {
-                        radius,
-                        half_length,
-                    } => (Core::Segment(half_length), radius),
-                    Primitive::Cylinder {
-                        radius,
-                        half_length,
-                    } => (
-                        Core::Cylinder {
-                            radius,
-                            half_length,
-                        },
-                        0.0,
-                    ),
+                    Primitive::Capsule { radius, half_length } => (Core::Segment(half_length), radius),
+                    Primitive::Cylinder { radius, half_length } => {
+                        (Core::Cylinder { radius, half_length }, 0.0)
+                    }
                 };
-                Self {
-                    core,
-                    pose: *pose,
-                    radius,
-                }
+                Self { core, pose: *pose, radius }
             }
         }
     }
@@ -71,10 +51,7 @@ impl From<&Element> for RoundedCore {
 impl Core {
     /// The ends of a segment core.
     pub fn segment(half_length: f64) -> [Point; 2] {
-        [
-            Point::new(0.0, 0.0, -half_length),
-            Point::new(0.0, 0.0, half_length),
-        ]
+        [Point::new(0.0, 0.0, -half_length), Point::new(0.0, 0.0, half_length)]
     }
 
     /// The point farthest along `direction`.
@@ -93,17 +70,10 @@ impl Core {
                 }
             }
             Self::Cuboid(half) => Point::from(half.zip_map(direction, f64::copysign)),
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Self::Cylinder { radius, half_length } => {
                 let across = direction.x.hypot(direction.y);
                 let scale = if across > 0.0 { radius / across } else { 0.0 };
-                Point::new(
-                    direction.x * scale,
-                    direction.y * scale,
-                    half_length.copysign(direction.z),
-                )
+                Point::new(direction.x * scale, direction.y * scale, half_length.copysign(direction.z))
             }
         }
     }
@@ -112,22 +82,13 @@ impl Core {
     pub fn nearest_point(&self, p: &Point) -> Point {
         match *self {
             Self::Point => Point::origin(),
-            Self::Segment(half_length) => {
-                Point::new(0.0, 0.0, p.z.clamp(-half_length, half_length))
-            }
+            Self::Segment(half_length) => Point::new(0.0, 0.0, p.z.clamp(-half_length, half_length)),
             Self::Triangle(t) => t.nearest_point(p),
             Self::Cuboid(half) => Point::from(p.coords.zip_map(&half, |c, h| c.clamp(-h, h))),
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Self::Cylinder { radius, half_length } => {
                 let across = p.x.hypot(p.y);
                 let scale = if across > radius { radius / across } else { 1.0 };
-                Point::new(
-                    p.x * scale,
-                    p.y * scale,
-                    p.z.clamp(-half_length, half_length),
-                )
+                Point::new(p.x * scale, p.y * scale, p.z.clamp(-half_length, half_length))
             }
         }
     }
@@ -143,10 +104,7 @@ impl Core {
                 surface[axis] = half[axis].copysign(p[axis]);
                 (room[axis] >= 0.0).then_some((room[axis], surface))
             }
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Self::Cylinder { radius, half_length } => {
                 let across = p.x.hypot(p.y);
                 let (side, end) = (radius - across, half_length - p.z.abs());
                 if side < 0.0 || end < 0.0 {

@@ -30,15 +30,7 @@ pub(super) fn nearest_below(
     enough: f64,
     work: &mut Work,
 ) -> Option<Separation> {
-    let mut search = Search {
-        a,
-        b,
-        pose_ab,
-        bound: limit,
-        enough,
-        nearest: None,
-        work,
-    };
+    let mut search = Search { a, b, pose_ab, bound: limit, enough, nearest: None, work };
     let (i, j) = (a.rss.root(), b.rss.root());
     let lower = search.lower_bound(i, j);
     search.nodes(i, j, lower);

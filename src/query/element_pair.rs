@@ -21,22 +21,12 @@ pub struct Separation {
 
 impl Separation {
     pub(super) fn touching_at(point: Point) -> Self {
-        Self {
-            distance: 0.0,
-            witness_points: [point, point],
-        }
+        Self { distance: 0.0, witness_points: [point, point] }
     }
 
     pub(super) fn of(witness_points: PointPair) -> Self {
         let distance = nalgebra::distance(&witness_points[0], &witness_points[1]);
-        Self {
-            distance: if distance <= CONTACT_DISTANCE {
-                0.0
-            } else {
-                distance
-            },
-            witness_points,
-        }
+        Self { distance: if distance <= CONTACT_DISTANCE { 0.0 } else { distance }, witness_points }
     }
 }
 
@@ -66,11 +56,7 @@ fn rounded_separation(a: &RoundedCore, b: &RoundedCore) -> Separation {
     let apart = nalgebra::distance(&p, &q);
     let [p, q] = [p, q].map(|p| a.pose * p);
     if apart <= a.radius + b.radius + CONTACT_DISTANCE {
-        let share = if apart > 0.0 {
-            (a.radius / apart).min(1.0)
-        } else {
-            0.0
-        };
+        let share = if apart > 0.0 { (a.radius / apart).min(1.0) } else { 0.0 };
         return Separation::touching_at(p + (q - p) * share);
     }
     let out = (q - p) / apart;

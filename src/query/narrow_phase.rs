@@ -5,9 +5,7 @@
 
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
 use parry3d_f64::query::ClosestPoints;
-use parry3d_f64::query::details::{
-    closest_points_support_map_support_map, contact_support_map_support_map,
-};
+use parry3d_f64::query::details::{closest_points_support_map_support_map, contact_support_map_support_map};
 use parry3d_f64::shape::SupportMap;
 
 use super::core::Core;
@@ -26,10 +24,9 @@ impl SupportMap for Core {
 pub(super) fn nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> Option<PointPair> {
     let pose = ParryPose::from(*pose_ab);
     match closest_points_support_map_support_map(&pose, a, b, f64::MAX) {
-        ClosestPoints::WithinMargin(on_a, on_b) => Some([
-            Point::from(from_parry(on_a)),
-            pose_ab * Point::from(from_parry(on_b)),
-        ]),
+        ClosestPoints::WithinMargin(on_a, on_b) => {
+            Some([Point::from(from_parry(on_a)), pose_ab * Point::from(from_parry(on_b))])
+        }
         // `Disjoint` means farther than the largest number
         ClosestPoints::Intersecting | ClosestPoints::Disjoint => None,
     }

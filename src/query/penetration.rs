@@ -16,10 +16,7 @@ use crate::math::{Point, Pose, Vector};
 #[must_use]
 pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separation {
     let core_of = |primitive: &Primitive, pose: Pose| {
-        RoundedCore::from(&Element::Primitive {
-            primitive: *primitive,
-            pose,
-        })
+        RoundedCore::from(&Element::Primitive { primitive: *primitive, pose })
     };
     let (a, b) = (core_of(a, Pose::identity()), core_of(b, *pose_ab));
     let [p, q] = core_nearest_points(&a.core, &b.core, pose_ab);
@@ -46,13 +43,7 @@ fn normal_of_crossing(a: &Core, b: &Core, pose_ab: &Pose) -> Vector {
 }
 
 /// Surfaces lie a radius out from the cores, a along `out` and b against it.
-fn moved_out(
-    a: &RoundedCore,
-    b: &RoundedCore,
-    [p, q]: [Point; 2],
-    out: Vector,
-    apart: f64,
-) -> Separation {
+fn moved_out(a: &RoundedCore, b: &RoundedCore, [p, q]: [Point; 2], out: Vector, apart: f64) -> Separation {
     Separation {
         distance: apart - a.radius - b.radius,
         witness_points: [p + out * a.radius, q - out * b.radius],

@@ -56,11 +56,7 @@ pub(super) fn refine(a: &Core, b: &Core, pose_ab: &Pose, start: PointPair) -> (P
 fn support(a: &Core, b: &Core, pose_ab: &Pose, direction: &Vector) -> Support {
     let on_a = a.support(direction);
     let on_b = pose_ab * b.support(&-(pose_ab.rotation.inverse() * direction));
-    Support {
-        on_a,
-        on_b,
-        difference: on_a - on_b,
-    }
+    Support { on_a, on_b, difference: on_a - on_b }
 }
 
 fn weighted(simplex: &[Support], weights: &[f64; 4]) -> PointPair {
@@ -104,10 +100,7 @@ fn weights_inside(simplex: &[Support], members: &[usize]) -> Option<Vec<f64>> {
         [e, f] => {
             let (ee, ef, ff) = (e.norm_squared(), e.dot(&f), f.norm_squared());
             let area = e.cross(&f).norm_squared();
-            vec![
-                (ff * along(0) - ef * along(1)) / area,
-                (ee * along(1) - ef * along(0)) / area,
-            ]
+            vec![(ff * along(0) - ef * along(1)) / area, (ee * along(1) - ef * along(0)) / area]
         }
         _ => {
             let matrix = nalgebra::Matrix3::from_columns(&edges);

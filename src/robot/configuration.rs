@@ -13,16 +13,10 @@ pub struct Configuration(Vec<f64>);
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConfigurationError {
     #[error("{given} positions given, but the robot has {expected}: {names}")]
-    WrongLength {
-        given: usize,
-        expected: usize,
-        names: String,
-    },
+    WrongLength { given: usize, expected: usize, names: String },
     #[error("joint '{joint}' has position {value}, which is not finite")]
     NotFinite { joint: String, value: f64 },
-    #[error(
-        "floating joint '{joint}' has a quaternion of length {length}, but it must be 1 within 1e-3"
-    )]
+    #[error("floating joint '{joint}' has a quaternion of length {length}, but it must be 1 within 1e-3")]
     NotAQuaternion { joint: String, length: f64 },
     #[error("the robot has no joint '{joint}'{hint}")]
     UnknownJoint { joint: String, hint: String },
@@ -54,10 +48,7 @@ impl RobotModel {
         }
         for (name, &value) in self.position_names.iter().zip(positions) {
             if !value.is_finite() {
-                return Err(ConfigurationError::NotFinite {
-                    joint: name.clone(),
-                    value,
-                });
+                return Err(ConfigurationError::NotFinite { joint: name.clone(), value });
             }
         }
         let mut positions = positions.to_vec();
@@ -95,16 +86,12 @@ impl RobotModel {
         named: impl IntoIterator<Item = (&'a str, f64)>,
     ) -> Result<Configuration, ConfigurationError> {
         let mut positions = self.default_configuration().0;
-        let index: HashMap<&str, usize> = (self.position_names.iter())
-            .enumerate()
-            .map(|(i, n)| (n.as_str(), i))
-            .collect();
+        let index: HashMap<&str, usize> =
+            (self.position_names.iter()).enumerate().map(|(i, n)| (n.as_str(), i)).collect();
         let mut seen = std::collections::HashSet::new();
         for (name, value) in named {
             if !seen.insert(name) {
-                return Err(ConfigurationError::Duplicate {
-                    joint: name.to_owned(),
-                });
+                return Err(ConfigurationError::Duplicate { joint: name.to_owned() });
             }
             match index.get(name) {
                 Some(&i) => positions[i] = value,
@@ -147,10 +134,7 @@ impl RobotModel {
             let quaternion = &mut positions[first + 3..first + 7];
             let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
             if (length - 1.0).abs() > 1e-3 {
-                return Err(ConfigurationError::NotAQuaternion {
-                    joint: joint.name.clone(),
-                    length,
-                });
+                return Err(ConfigurationError::NotAQuaternion { joint: joint.name.clone(), length });
             }
             for component in quaternion {
                 *component /= length;

@@ -58,9 +58,7 @@ impl JointKind {
             Self::Fixed => &[],
             Self::Revolute(_) | Self::Continuous(_) | Self::Prismatic(_) => &[""],
             Self::Planar(_) => &["/x", "/y", "/theta"],
-            Self::Floating => &[
-                "/trans_x", "/trans_y", "/trans_z", "/rot_x", "/rot_y", "/rot_z", "/rot_w",
-            ],
+            Self::Floating => &["/trans_x", "/trans_y", "/trans_z", "/rot_x", "/rot_y", "/rot_z", "/rot_w"],
         }
     }
 

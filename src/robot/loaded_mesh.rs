@@ -43,10 +43,7 @@ pub(crate) struct MeshCache<'f> {
 
 impl<'f> MeshCache<'f> {
     pub fn new(files: &'f MeshFiles) -> Self {
-        Self {
-            files,
-            loaded: HashMap::new(),
-        }
+        Self { files, loaded: HashMap::new() }
     }
 
     /// As [`MeshFiles::load`]; what is odd about a mesh is told at its first use only.
@@ -54,17 +51,11 @@ impl<'f> MeshCache<'f> {
         let found = self.files.find(uri)?;
         let key = (found, [scale.x, scale.y, scale.z].map(f64::to_bits));
         if let Some(mesh) = self.loaded.get(&key) {
-            return Ok(LoadedMesh {
-                mesh: mesh.clone(),
-                remarks: Vec::new(),
-            });
+            return Ok(LoadedMesh { mesh: mesh.clone(), remarks: Vec::new() });
         }
         let mut loaded = load(&key.0, scale)?;
         if uri.trim_start().starts_with("model://") {
-            let remark = format!(
-                "mesh '{}': Gazebo's model:// is taken as package://",
-                shortened(uri)
-            );
+            let remark = format!("mesh '{}': Gazebo's model:// is taken as package://", shortened(uri));
             loaded.remarks.push(remark);
         }
         self.loaded.insert(key, loaded.mesh.clone());
@@ -77,24 +68,13 @@ fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
         Found::File(file) => (file.as_path(), read_file(file)),
         Found::Embedded(name, bytes) => (Path::new(name), Ok(bytes.to_vec())),
     };
-    let unusable = |reason: String| MeshFileError::Unusable {
-        file: file.to_owned(),
-        reason,
-    };
-    let extension = file
-        .extension()
-        .and_then(OsStr::to_str)
-        .unwrap_or_default()
-        .to_lowercase();
-    let read = bytes
-        .and_then(|bytes| mesh_formats::read(bytes, &extension))
-        .map_err(unusable)?;
+    let unusable = |reason: String| MeshFileError::Unusable { file: file.to_owned(), reason };
+    let extension = file.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase();
+    let read = bytes.and_then(|bytes| mesh_formats::read(bytes, &extension)).map_err(unusable)?;
     let mesh = if scale == Vector::from_element(1.0) {
         read.mesh
     } else {
-        read.mesh
-            .scaled(scale)
-            .map_err(|e| unusable(e.to_string()))?
+        read.mesh.scaled(scale).map_err(|e| unusable(e.to_string()))?
     };
     let (lo, hi) = mesh.bounds();
     if lo == hi {
@@ -102,9 +82,7 @@ fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
     }
     let remarks = read.remarks.into_iter().chain(oddities(&mesh));
     Ok(LoadedMesh {
-        remarks: remarks
-            .map(|r| format!("mesh {}: {r}", file.display()))
-            .collect(),
+        remarks: remarks.map(|r| format!("mesh {}: {r}", file.display())).collect(),
         mesh: Arc::new(mesh),
     })
 }
@@ -119,15 +97,10 @@ fn read_file(file: &Path) -> Result<Vec<u8>, String> {
         return Err("is no ordinary file".to_owned());
     }
     if metadata.len() > LARGEST_FILE {
-        return Err(format!(
-            "has {} bytes, more than the {LARGEST_FILE} that are read",
-            metadata.len()
-        ));
+        return Err(format!("has {} bytes, more than the {LARGEST_FILE} that are read", metadata.len()));
     }
     let mut bytes = Vec::new();
-    File::open(file)
-        .and_then(|f| f.take(LARGEST_FILE).read_to_end(&mut bytes))
-        .map_err(|e| e.to_string())?;
+    File::open(file).and_then(|f| f.take(LARGEST_FILE).read_to_end(&mut bytes)).map_err(|e| e.to_string())?;
     Ok(bytes)
 }
 

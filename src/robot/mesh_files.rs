@@ -36,11 +36,7 @@ pub enum MeshFileError {
         "mesh '{uri}' is {}, outside every folder that may be opened ({allowed}); allow its folder with --package-path",
         file.display()
     )]
-    Outside {
-        uri: String,
-        file: PathBuf,
-        allowed: String,
-    },
+    Outside { uri: String, file: PathBuf, allowed: String },
     #[error("mesh {}: {reason}", file.display())]
     Unusable { file: PathBuf, reason: String },
 }
@@ -73,10 +69,7 @@ impl MeshFiles {
     /// Meshes compiled into the program, by name: `package://` left out, as in `demo/arm.stl`.
     #[must_use]
     pub fn embedded(meshes: &'static [(&'static str, &'static [u8])]) -> Self {
-        Self {
-            embedded: meshes,
-            ..Self::default()
-        }
+        Self { embedded: meshes, ..Self::default() }
     }
 
     /// Looks up `package://NAME/path` as `dir/NAME/path`, before everything else.
@@ -158,10 +151,7 @@ impl MeshFiles {
             let allowed = listed(self.roots().map(|r| r.display().to_string()).collect());
             return Err(MeshFileError::Outside { uri, file, allowed });
         }
-        Err(MeshFileError::NotFound {
-            uri,
-            tried: listed(tried.iter().map(|t| shortened(t)).collect()),
-        })
+        Err(MeshFileError::NotFound { uri, tried: listed(tried.iter().map(|t| shortened(t)).collect()) })
     }
 
     /// Folders whose files may always be opened.
@@ -178,40 +168,25 @@ impl MeshFiles {
         let Some(file) = mesh_uri::resolved(file) else {
             return false;
         };
-        root.into_iter()
-            .chain(self.roots())
-            .any(|r| file.starts_with(r))
+        root.into_iter().chain(self.roots()).any(|r| file.starts_with(r))
     }
 
     fn candidates(&self, name: &MeshName) -> Vec<Candidate> {
-        let plain = |file: PathBuf| Candidate {
-            file,
-            trusted_links: false,
-            root: None,
-        };
+        let plain = |file: PathBuf| Candidate { file, trusted_links: false, root: None };
         match name {
             MeshName::Absolute(path) => vec![plain(path.clone())],
-            MeshName::Relative(path) => (self.folder.iter())
-                .map(|folder| plain(folder.join(path)))
-                .collect(),
+            MeshName::Relative(path) => (self.folder.iter()).map(|folder| plain(folder.join(path))).collect(),
             MeshName::Package { name, path } => {
                 let given = (self.package_paths.iter()).map(|dir| plain(dir.join(name).join(path)));
-                let beside =
-                    (self.beside.iter().flat_map(|b| b.ancestors())).map(|dir| Candidate {
-                        root: Some(dir.join(name)),
-                        ..plain(dir.join(name).join(path))
-                    });
+                let beside = (self.beside.iter().flat_map(|b| b.ancestors()))
+                    .map(|dir| Candidate { root: Some(dir.join(name)), ..plain(dir.join(name).join(path)) });
                 let ament = (self.ament_prefixes.iter()).map(|prefix| Candidate {
                     trusted_links: true,
                     ..plain(prefix.join("share").join(name).join(path))
                 });
                 let ros = (self.ros_package_paths.iter()).map(|dir| {
                     let is_package = dir.file_name() == Some(OsStr::new(name));
-                    let package = if is_package {
-                        dir.clone()
-                    } else {
-                        dir.join(name)
-                    };
+                    let package = if is_package { dir.clone() } else { dir.join(name) };
                     plain(package.join(path))
                 });
                 given.chain(beside).chain(ament).chain(ros).collect()
@@ -228,11 +203,7 @@ fn anchored(folder: &Path) -> PathBuf {
 
 fn listed(mut names: Vec<String>) -> String {
     names.dedup();
-    if names.is_empty() {
-        "no folder at all: none is known".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "no folder at all: none is known".to_owned() } else { names.join(", ") }
 }
 
 #[cfg(test)]

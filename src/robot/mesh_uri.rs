@@ -18,10 +18,7 @@ pub(super) enum MeshName {
 
 /// Reads a mesh name as URDF and planning scenes write it; `%41` stands for `A`.
 pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
-    let bad = |reason: &str| MeshFileError::BadName {
-        uri: shortened(uri),
-        reason: reason.to_owned(),
-    };
+    let bad = |reason: &str| MeshFileError::BadName { uri: shortened(uri), reason: reason.to_owned() };
     let decoded = percent_encoding::percent_decode_str(uri.trim())
         .decode_utf8()
         .map_err(|_| bad("is no UTF-8 once its %-escapes are decoded"))?;
@@ -33,17 +30,13 @@ pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
     }
     match decoded.split_once("://") {
         Some(("package" | "model", rest)) => package(rest).map_err(bad),
-        Some(("file", rest)) if Path::new(rest).is_absolute() => {
-            Ok(MeshName::Absolute(rest.into()))
-        }
+        Some(("file", rest)) if Path::new(rest).is_absolute() => Ok(MeshName::Absolute(rest.into())),
         Some(("file", _)) => Err(bad("names another computer; only file:///path is read")),
         Some((scheme, _)) => Err(bad(&format!(
             "has the scheme {scheme}://, and nothing is ever fetched; only package://, model://, file:// and plain \
              file names are read"
         ))),
-        None if Path::new(&*decoded).is_absolute() => {
-            Ok(MeshName::Absolute(decoded.into_owned().into()))
-        }
+        None if Path::new(&*decoded).is_absolute() => Ok(MeshName::Absolute(decoded.into_owned().into())),
         None => Ok(MeshName::Relative(decoded.into_owned().into())),
     }
 }
@@ -60,10 +53,7 @@ fn package(rest: &str) -> Result<MeshName, &'static str> {
     if path.as_os_str().is_empty() {
         return Err("names a package, but no file in it");
     }
-    Ok(MeshName::Package {
-        name: name.to_owned(),
-        path: path.to_owned(),
-    })
+    Ok(MeshName::Package { name: name.to_owned(), path: path.to_owned() })
 }
 
 /// The path with `.` and `..` resolved by name; `None` when it climbs above its beginning.
@@ -88,23 +78,11 @@ mod tests {
 
     #[test]
     fn schemes() {
-        let package = |name: &str, path: &str| MeshName::Package {
-            name: name.into(),
-            path: path.into(),
-        };
-        assert_eq!(
-            parse("package://p/m/a%20b.stl"),
-            Ok(package("p", "m/a b.stl"))
-        );
+        let package = |name: &str, path: &str| MeshName::Package { name: name.into(), path: path.into() };
+        assert_eq!(parse("package://p/m/a%20b.stl"), Ok(package("p", "m/a b.stl")));
         assert_eq!(parse("model://p/x.dae"), Ok(package("p", "x.dae")));
-        assert_eq!(
-            parse("file:///a/b.stl"),
-            Ok(MeshName::Absolute("/a/b.stl".into()))
-        );
-        assert_eq!(
-            parse("../m/b.stl"),
-            Ok(MeshName::Relative("../m/b.stl".into()))
-        );
+        assert_eq!(parse("file:///a/b.stl"), Ok(MeshName::Absolute("/a/b.stl".into())));
+        assert_eq!(parse("../m/b.stl"), Ok(MeshName::Relative("../m/b.stl".into())));
     }
 
     #[test]

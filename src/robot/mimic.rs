@@ -41,17 +41,11 @@ fn follow(joints: &mut [Joint], follower: usize) -> Result<(), MimicError> {
         return Ok(());
     };
     let leader = &joints[own.joint.index()];
-    let error = |message: String| MimicError {
-        joint: joint_id(follower),
-        message,
-    };
+    let error = |message: String| MimicError { joint: joint_id(follower), message };
     match leader.kind {
         JointKind::Revolute(_) | JointKind::Continuous(_) | JointKind::Prismatic(_) => {}
         JointKind::Fixed | JointKind::Floating | JointKind::Planar(_) => {
-            return Err(error(format!(
-                "mimics joint '{}', which has no single position",
-                leader.name
-            )));
+            return Err(error(format!("mimics joint '{}', which has no single position", leader.name)));
         }
     }
     if let Some(theirs) = leader.mimic {
@@ -61,9 +55,7 @@ fn follow(joints: &mut [Joint], follower: usize) -> Result<(), MimicError> {
             offset: own.multiplier * theirs.offset + own.offset,
         };
         if !composed.multiplier.is_finite() || !composed.offset.is_finite() {
-            return Err(error(
-                "the multipliers of its mimic chain overflow".to_owned(),
-            ));
+            return Err(error("the multipliers of its mimic chain overflow".to_owned()));
         }
         joints[follower].mimic = Some(composed);
     }
@@ -73,10 +65,7 @@ fn follow(joints: &mut [Joint], follower: usize) -> Result<(), MimicError> {
 fn cycle(joints: &[Joint], chain: &[usize], at: usize) -> MimicError {
     let looped = chain.iter().skip_while(|&&j| j != at).chain([&at]);
     let names: Vec<String> = looped.map(|&j| format!("'{}'", joints[j].name)).collect();
-    MimicError {
-        joint: joint_id(at),
-        message: format!("mimics itself: {}", names.join(" mimics ")),
-    }
+    MimicError { joint: joint_id(at), message: format!("mimics itself: {}", names.join(" mimics ")) }
 }
 
 fn joint_id(index: usize) -> JointId {
@@ -108,11 +97,8 @@ mod tests {
 
     #[test]
     fn chains_in_any_order_compose() {
-        let mut joints = [
-            joint("a", Some((2, 2.0, 1.0))),
-            joint("leader", None),
-            joint("b", Some((1, -3.0, 0.5))),
-        ];
+        let mut joints =
+            [joint("a", Some((2, 2.0, 1.0))), joint("leader", None), joint("b", Some((1, -3.0, 0.5)))];
         resolve(&mut joints).unwrap();
         let a = joints[0].mimic.unwrap();
         assert_eq!((a.joint, a.multiplier, a.offset), (JointId(1), -6.0, 2.0));
@@ -139,9 +125,8 @@ mod tests {
     #[test]
     fn long_chains_need_no_stack() {
         let count = 100_000;
-        let mut joints: Vec<Joint> = (0..count)
-            .map(|i| joint("j", (i + 1 < count).then_some((i + 1, 1.0, 1.0))))
-            .collect();
+        let mut joints: Vec<Joint> =
+            (0..count).map(|i| joint("j", (i + 1 < count).then_some((i + 1, 1.0, 1.0)))).collect();
         resolve(&mut joints).unwrap();
         assert_eq!(joints[0].mimic.unwrap().joint, JointId(count - 1));
         assert!((joints[0].mimic.unwrap().offset - f64::from(count - 1)).abs() < 1e-6);

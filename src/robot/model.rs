@@ -66,20 +66,14 @@ impl std::error::Error for ModelError {}
 
 impl From<Fault> for ModelError {
     fn from(fault: Fault) -> Self {
-        Self {
-            faults: vec![fault],
-        }
+        Self { faults: vec![fault] }
     }
 }
 
 impl ModelError {
     /// `value`, if there are no faults.
     pub(super) fn unless_sound<T>(value: T, faults: Vec<Fault>) -> Result<T, Self> {
-        if faults.is_empty() {
-            Ok(value)
-        } else {
-            Err(Self::from(faults))
-        }
+        if faults.is_empty() { Ok(value) } else { Err(Self::from(faults)) }
     }
 }
 
@@ -89,10 +83,7 @@ impl From<Vec<Fault>> for ModelError {
         let more = faults.len().saturating_sub(MOST_FAULTS);
         faults.truncate(MOST_FAULTS);
         if more > 0 {
-            faults.push(Fault {
-                place: Place::default(),
-                message: format!("and {more} more faults"),
-            });
+            faults.push(Fault { place: Place::default(), message: format!("and {more} more faults") });
         }
         Self { faults }
     }
@@ -163,10 +154,7 @@ impl RobotModel {
     /// Number of degrees of freedom; mimicking joints do not count, a floating joint counts six.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
-        (self.joints.iter())
-            .filter(|j| j.mimic.is_none())
-            .map(|j| j.kind.degrees_of_freedom())
-            .sum()
+        (self.joints.iter()).filter(|j| j.mimic.is_none()).map(|j| j.kind.degrees_of_freedom()).sum()
     }
 
     /// Where a joint's positions begin in a configuration; `None` for fixed and mimicking joints.
@@ -202,9 +190,8 @@ impl RobotModel {
     pub fn adjacent_rigid_bodies(&self, a: LinkId, b: LinkId) -> bool {
         let is_parent = |parent: LinkId, child: LinkId| {
             let top = self.link(self.link(child).rigid_body);
-            top.parent_joint.is_some_and(|j| {
-                self.link(self.joint(j).parent).rigid_body == self.link(parent).rigid_body
-            })
+            top.parent_joint
+                .is_some_and(|j| self.link(self.joint(j).parent).rigid_body == self.link(parent).rigid_body)
         };
         is_parent(a, b) || is_parent(b, a)
     }

@@ -5,17 +5,10 @@
 /// # Errors
 /// What is wrong, with the text that is: `'2.10.110' is no decimal number`.
 pub(super) fn decimals<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .map(decimal)
-        .collect::<Result<_, _>>()?;
+    let numbers: Vec<f64> = text.split_whitespace().map(decimal).collect::<Result<_, _>>()?;
     numbers.try_into().map_err(|numbers: Vec<f64>| {
         let plural = if N == 1 { "" } else { "s" };
-        format!(
-            "'{}' has {} numbers, but must have {N} number{plural}",
-            shortened(text),
-            numbers.len()
-        )
+        format!("'{}' has {} numbers, but must have {N} number{plural}", shortened(text), numbers.len())
     })
 }
 
@@ -47,14 +40,8 @@ mod tests {
     #[test]
     fn finite_decimals_only() {
         assert_eq!(decimals::<3>(" 1 -2.5\n.5e1 "), Ok([1.0, -2.5, 5.0]));
-        assert_eq!(
-            decimals::<1>("1 2"),
-            Err("'1 2' has 2 numbers, but must have 1 number".into())
-        );
-        assert_eq!(
-            decimal("2.10.110"),
-            Err("'2.10.110' is no decimal number".into())
-        );
+        assert_eq!(decimals::<1>("1 2"), Err("'1 2' has 2 numbers, but must have 1 number".into()));
+        assert_eq!(decimal("2.10.110"), Err("'2.10.110' is no decimal number".into()));
         assert_eq!(decimal("0x10"), Err("'0x10' is no decimal number".into()));
         assert_eq!(decimal("1e999"), Err("'1e999' is not finite".into()));
         for word in ["nan", "inf", "-Infinity", "", "1,5", "+", "e5"] {

@@ -24,10 +24,7 @@ impl RobotModel {
     /// # Errors
     /// Every fault found in the URDF and its meshes, with line, link and joint.
     pub fn from_urdf(text: &str, files: &MeshFiles) -> Result<Self, ModelError> {
-        let text = RobotText {
-            urdf: text,
-            ..RobotText::default()
-        };
+        let text = RobotText { urdf: text, ..RobotText::default() };
         Self::from_text(&text, files)
     }
 
@@ -39,10 +36,7 @@ impl RobotModel {
         let sound = urdf_door::check(text.urdf, text.urdf_name)?;
         let robot = urdf_rs::read_from_string(&sound.text).map_err(|e| {
             ModelError::from(Fault {
-                place: Place {
-                    file: text.urdf_name.map(str::to_owned),
-                    ..Place::default()
-                },
+                place: Place { file: text.urdf_name.map(str::to_owned), ..Place::default() },
                 message: format!("bad URDF: {e}"),
             })
         })?;
@@ -82,15 +76,10 @@ impl RobotModel {
 
 fn read_text(path: &Path) -> Result<String, Fault> {
     let fault = |message: String| Fault {
-        place: Place {
-            file: Some(path.display().to_string()),
-            ..Place::default()
-        },
+        place: Place { file: Some(path.display().to_string()), ..Place::default() },
         message,
     };
-    let metadata = path
-        .metadata()
-        .map_err(|e| fault(format!("cannot be read: {e}")))?;
+    let metadata = path.metadata().map_err(|e| fault(format!("cannot be read: {e}")))?;
     if !metadata.is_file() {
         return Err(fault("is no ordinary file".to_owned()));
     }
@@ -106,9 +95,7 @@ fn read_text(path: &Path) -> Result<String, Fault> {
     }
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
-        fault(format!(
-            "is no UTF-8 text: byte {at} belongs to another encoding"
-        ))
+        fault(format!("is no UTF-8 text: byte {at} belongs to another encoding"))
     })
 }
 
@@ -144,8 +131,7 @@ mod tests {
         <joint name='p' type='planar'><parent link='root'/><child link='roam'/><axis xyz='0 0 1'/></joint></robot>";
 
     fn all_kinds() -> RobotModel {
-        RobotModel::from_urdf(ALL_KINDS, &MeshFiles::embedded(&MESHES))
-            .unwrap_or_else(|e| panic!("{e}"))
+        RobotModel::from_urdf(ALL_KINDS, &MeshFiles::embedded(&MESHES)).unwrap_or_else(|e| panic!("{e}"))
     }
 
     #[test]
@@ -171,10 +157,7 @@ mod tests {
         assert_eq!(model.degrees_of_freedom(), 11);
         // the middle of limits that exclude zero, and no turn at all
         let q = model.default_configuration();
-        assert_eq!(
-            q.positions(),
-            [0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-        );
+        assert_eq!(q.positions(), [0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
     }
 
     #[test]
@@ -206,10 +189,7 @@ mod tests {
             (point("fly", 0.0, 1.0, 0.0), Point::new(0.0, -1.0, 7.0)),
             (point("roam", 1.0, 0.0, 0.0), Point::new(3.0, 1.0, 0.0)),
         ] {
-            assert!(
-                (found - expected).norm() < 1e-12,
-                "{found} instead of {expected}"
-            );
+            assert!((found - expected).norm() < 1e-12, "{found} instead of {expected}");
         }
     }
 
@@ -225,10 +205,7 @@ mod tests {
         };
         assert!(Arc::ptr_eq(&mesh("turn"), &mesh("slide")));
         assert!(!Arc::ptr_eq(&mesh("turn"), &mesh("finger")));
-        assert_eq!(
-            mesh("finger").bounds().1 - Point::origin(),
-            Vector::new(2.0, 2.0, 0.0)
-        );
+        assert_eq!(mesh("finger").bounds().1 - Point::origin(), Vector::new(2.0, 2.0, 0.0));
     }
 
     #[test]
@@ -245,10 +222,7 @@ mod tests {
         let missing = RobotModel::load(&folder.path().join("none"), None, &[]).unwrap_err();
         assert!(missing.to_string().contains("none"));
         assert!(
-            RobotModel::load(folder.path(), None, &[])
-                .unwrap_err()
-                .to_string()
-                .contains("no ordinary file")
+            RobotModel::load(folder.path(), None, &[]).unwrap_err().to_string().contains("no ordinary file")
         );
     }
 }

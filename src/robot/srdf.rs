@@ -70,11 +70,7 @@ const IGNORED: [&str; 11] = [
 /// pairs to check.
 pub(super) fn apply(model: &mut RobotModel, text: &str, file: Option<&str>) -> Result<(), Fault> {
     let mut warnings = Vec::new();
-    let expected = Expected {
-        file,
-        language: "an SRDF",
-        root: "robot",
-    };
+    let expected = Expected { file, language: "an SRDF", root: "robot" };
     let read = read_xml(text, expected, &mut warnings, |xml, warnings| {
         let mut reader = Reader::new(xml, model);
         let srdf = reader.read();
@@ -106,12 +102,8 @@ impl<'d> Reader<'d> {
         Self {
             xml,
             model,
-            links: (model.links.iter().zip(0..))
-                .map(|(l, i)| (l.name.as_str(), LinkId(i)))
-                .collect(),
-            joints: (model.joints.iter().zip(0..))
-                .map(|(j, i)| (j.name.as_str(), JointId(i)))
-                .collect(),
+            links: (model.links.iter().zip(0..)).map(|(l, i)| (l.name.as_str(), LinkId(i))).collect(),
+            joints: (model.joints.iter().zip(0..)).map(|(j, i)| (j.name.as_str(), JointId(i))).collect(),
             virtual_joints: Vec::new(),
             warnings: Vec::new(),
             unknown: BTreeMap::new(),
@@ -142,10 +134,7 @@ impl<'d> Reader<'d> {
         }
         let name = root.attribute("name").unwrap_or_default();
         if name != self.model.name {
-            let message = format!(
-                "the SRDF is of robot '{name}', the URDF of robot '{}'",
-                self.model.name
-            );
+            let message = format!("the SRDF is of robot '{name}', the URDF of robot '{}'", self.model.name);
             self.warn(root, "", message);
         }
         Ok(name.to_owned())
@@ -168,10 +157,7 @@ impl<'d> Reader<'d> {
 
     fn passive_joints(&mut self, root: Node<'d, 'd>) -> Vec<JointId> {
         let nodes: Vec<Node> = children(root, "passive_joint").collect();
-        nodes
-            .into_iter()
-            .filter_map(|n| self.joint(n, "name", "passive_joint"))
-            .collect()
+        nodes.into_iter().filter_map(|n| self.joint(n, "name", "passive_joint")).collect()
     }
 
     /// `MoveIt`'s order: links whose collisions are off by default, then pairs switched on, then pairs switched off.
@@ -190,32 +176,20 @@ impl<'d> Reader<'d> {
         }
         for node in children(root, "disable_collisions") {
             if let Some(pair) = self.pair(node) {
-                pairs.insert(
-                    pair,
-                    node.attribute("reason").unwrap_or_default().to_owned(),
-                );
+                pairs.insert(pair, node.attribute("reason").unwrap_or_default().to_owned());
             }
         }
-        (pairs.into_iter())
-            .map(|((a, b), reason)| DisabledPair { a, b, reason })
-            .collect()
+        (pairs.into_iter()).map(|((a, b), reason)| DisabledPair { a, b, reason }).collect()
     }
 
     fn pair(&mut self, node: Node<'d, 'd>) -> Option<(LinkId, LinkId)> {
         let element = node.tag_name().name();
         // both, so that both are told when unknown
-        let (a, b) = (
-            self.link(node, "link1", element),
-            self.link(node, "link2", element),
-        );
+        let (a, b) = (self.link(node, "link1", element), self.link(node, "link2", element));
         let (a, b) = (a?, b?);
         if a == b {
             let name = &self.model.link(a).name;
-            self.warn(
-                node,
-                element,
-                format!("link '{name}' with itself is no pair; ignored"),
-            );
+            self.warn(node, element, format!("link '{name}' with itself is no pair; ignored"));
             return None;
         }
         Some(ordered(a, b))
@@ -260,25 +234,12 @@ impl<'d> Reader<'d> {
         id
     }
 
-    fn note_unknown(
-        &mut self,
-        kind: &'static str,
-        node: Node,
-        attribute: &str,
-        name: &str,
-        element: &str,
-    ) {
+    fn note_unknown(&mut self, kind: &'static str, node: Node, attribute: &str, name: &str, element: &str) {
         if name.is_empty() {
             return self.warn(node, element, format!("has no {attribute}; ignored"));
         }
         let xml = self.xml;
-        let warning = || {
-            xml.warning(
-                node,
-                element,
-                format!("the robot has no {kind} '{name}'; ignored"),
-            )
-        };
+        let warning = || xml.warning(node, element, format!("the robot has no {kind} '{name}'; ignored"));
         let entry = self.unknown.entry((kind, name.to_owned()));
         entry.or_insert_with(|| (warning(), 0)).1 += 1;
     }

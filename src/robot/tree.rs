@@ -52,12 +52,7 @@ impl Tree {
         }
         // a joint that was never reached hangs on a circle
         match children.values().flatten().next() {
-            None => Ok(Self {
-                root,
-                topological_order,
-                parent_joint,
-                rigid_body,
-            }),
+            None => Ok(Self { root, topological_order, parent_joint, rigid_body }),
             Some(id) => {
                 let start = joints[id.index()].parent;
                 Err(TreeError::Cycle(cycle_above(start, &parent_joint, joints)))
@@ -71,17 +66,12 @@ fn link_ids(count: usize) -> impl Iterator<Item = LinkId> {
 }
 
 fn root(parent_joint: &[Option<JointId>], joints: &[Joint]) -> Result<LinkId, TreeError> {
-    let roots: Vec<LinkId> = link_ids(parent_joint.len())
-        .filter(|l| parent_joint[l.index()].is_none())
-        .collect();
+    let roots: Vec<LinkId> =
+        link_ids(parent_joint.len()).filter(|l| parent_joint[l.index()].is_none()).collect();
     match roots[..] {
         [root] => Ok(root),
         [] if parent_joint.is_empty() => Err(TreeError::NoLinks),
-        [] => Err(TreeError::Cycle(cycle_above(
-            LinkId(0),
-            parent_joint,
-            joints,
-        ))),
+        [] => Err(TreeError::Cycle(cycle_above(LinkId(0), parent_joint, joints))),
         _ => Err(TreeError::SeveralRoots(roots)),
     }
 }
@@ -122,11 +112,7 @@ mod tests {
     use crate::math::{Pose, Vector};
 
     fn joint(parent: u32, child: u32, moving: bool) -> Joint {
-        let kind = if moving {
-            JointKind::Continuous(Vector::z_axis())
-        } else {
-            JointKind::Fixed
-        };
+        let kind = if moving { JointKind::Continuous(Vector::z_axis()) } else { JointKind::Fixed };
         Joint {
             name: format!("{parent}-{child}"),
             kind,
@@ -151,20 +137,14 @@ mod tests {
     #[test]
     fn what_is_no_tree_is_named() {
         assert_eq!(Tree::new(0, &[]).unwrap_err(), TreeError::NoLinks);
-        assert_eq!(
-            Tree::new(2, &[]).unwrap_err(),
-            TreeError::SeveralRoots(vec![LinkId(0), LinkId(1)])
-        );
+        assert_eq!(Tree::new(2, &[]).unwrap_err(), TreeError::SeveralRoots(vec![LinkId(0), LinkId(1)]));
         let twice = [joint(0, 1, true), joint(2, 1, true)];
         assert_eq!(
             Tree::new(3, &twice).unwrap_err(),
             TreeError::TwoParents(LinkId(1), JointId(0), JointId(1))
         );
         let circle = [joint(0, 1, true), joint(1, 0, true)];
-        assert_eq!(
-            Tree::new(2, &circle).unwrap_err(),
-            TreeError::Cycle(vec![LinkId(1), LinkId(0)])
-        );
+        assert_eq!(Tree::new(2, &circle).unwrap_err(), TreeError::Cycle(vec![LinkId(1), LinkId(0)]));
         // a root, a circle, and a link that hangs on the circle
         let beside = [joint(1, 2, true), joint(2, 1, true), joint(2, 3, true)];
         let Err(TreeError::Cycle(mut links)) = Tree::new(4, &beside) else {

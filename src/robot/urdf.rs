@@ -28,16 +28,9 @@ pub(super) fn build(
         }));
     }
     let mut joints = joints(robot, &sound)?;
-    mimic::resolve(&mut joints).map_err(|e| Fault {
-        place: place(&sound, e.joint),
-        message: e.message,
-    })?;
+    mimic::resolve(&mut joints).map_err(|e| Fault { place: place(&sound, e.joint), message: e.message })?;
     let tree = Tree::new(robot.links.len(), &joints).map_err(|e| tree_fault(e, &sound, &joints))?;
-    let SoundUrdf {
-        links: notes,
-        mut warnings,
-        ..
-    } = sound;
+    let SoundUrdf { links: notes, mut warnings, .. } = sound;
     let links = links(robot, &notes, &tree, files, &mut warnings)?;
     let (first_position, position_names) = positions(&joints);
     Ok(RobotModel {
@@ -76,21 +69,16 @@ fn positions(joints: &[Joint]) -> (Vec<Option<usize>>, Vec<String>) {
 }
 
 fn joints(robot: &urdf_rs::Robot, sound: &SoundUrdf) -> Result<Vec<Joint>, ModelError> {
-    let link_ids: HashMap<&str, LinkId> = (robot.links.iter().zip(0..))
-        .map(|(l, i)| (l.name.as_str(), LinkId(i)))
-        .collect();
-    let joint_ids: HashMap<&str, JointId> = (robot.joints.iter().zip(0..))
-        .map(|(j, i)| (j.name.as_str(), JointId(i)))
-        .collect();
+    let link_ids: HashMap<&str, LinkId> =
+        (robot.links.iter().zip(0..)).map(|(l, i)| (l.name.as_str(), LinkId(i))).collect();
+    let joint_ids: HashMap<&str, JointId> =
+        (robot.joints.iter().zip(0..)).map(|(j, i)| (j.name.as_str(), JointId(i))).collect();
     let mut joints = Vec::with_capacity(robot.joints.len());
     let mut faults = Vec::new();
     for (joint, notes) in robot.joints.iter().zip(&sound.joints) {
         match read_joint(joint, notes, &link_ids, &joint_ids) {
             Ok(joint) => joints.push(joint),
-            Err(message) => faults.push(Fault {
-                place: notes.place.clone(),
-                message,
-            }),
+            Err(message) => faults.push(Fault { place: notes.place.clone(), message }),
         }
     }
     ModelError::unless_sound(joints, faults)
@@ -111,9 +99,8 @@ fn read_joint(
         Some(mimic) => {
             let leader = joint_ids.get(mimic.joint.trim()).copied();
             Some(Mimic {
-                joint: leader.ok_or_else(|| {
-                    format!("mimics joint '{}', which does not exist", mimic.joint)
-                })?,
+                joint: leader
+                    .ok_or_else(|| format!("mimics joint '{}', which does not exist", mimic.joint))?,
                 multiplier: mimic.multiplier.unwrap_or(1.0),
                 offset: mimic.offset.unwrap_or(0.0),
             })
@@ -177,18 +164,10 @@ fn links(
         for (collision, notes) in link.collision.iter().zip(&notes.collisions) {
             match read_collision(collision, notes, &mut meshes, warnings) {
                 Ok(collision) => collisions.push(collision),
-                Err(message) => faults.push(Fault {
-                    place: notes.place.clone(),
-                    message,
-                }),
+                Err(message) => faults.push(Fault { place: notes.place.clone(), message }),
             }
         }
-        links.push(Link {
-            name: link.name.clone(),
-            parent_joint,
-            collisions,
-            rigid_body,
-        });
+        links.push(Link { name: link.name.clone(), parent_joint, collisions, rigid_body });
     }
     ModelError::unless_sound(links, faults)
 }
@@ -199,32 +178,22 @@ fn read_collision(
     meshes: &mut MeshCache,
     warnings: &mut Vec<Warning>,
 ) -> Result<Collision, String> {
-    let primitive =
-        |p: Result<Primitive, PrimitiveError>| p.map(Shape::Primitive).map_err(|e| e.to_string());
+    let primitive = |p: Result<Primitive, PrimitiveError>| p.map(Shape::Primitive).map_err(|e| e.to_string());
     let shape = match &collision.geometry {
         urdf_rs::Geometry::Box { size } => primitive(Primitive::cuboid(**size)),
         urdf_rs::Geometry::Sphere { radius } => primitive(Primitive::sphere(*radius)),
-        urdf_rs::Geometry::Cylinder { radius, length } => {
-            primitive(Primitive::cylinder(*radius, *length))
-        }
-        urdf_rs::Geometry::Capsule { radius, length } => {
-            primitive(Primitive::capsule(*radius, *length))
-        }
+        urdf_rs::Geometry::Cylinder { radius, length } => primitive(Primitive::cylinder(*radius, *length)),
+        urdf_rs::Geometry::Capsule { radius, length } => primitive(Primitive::capsule(*radius, *length)),
         urdf_rs::Geometry::Mesh { filename, scale } => {
             let scale = scale.map_or(Vector::from_element(1.0), |s| Vector::from(*s));
             let loaded = meshes.load(filename, scale).map_err(|e| e.to_string())?;
-            warnings.extend(loaded.remarks.into_iter().map(|message| Warning {
-                place: notes.place.clone(),
-                message,
-            }));
+            warnings.extend(
+                loaded.remarks.into_iter().map(|message| Warning { place: notes.place.clone(), message }),
+            );
             Ok(Shape::Mesh(loaded.mesh))
         }
     }?;
-    Ok(Collision {
-        name: collision.name.clone(),
-        pose_ls: pose(&collision.origin, notes.rotation),
-        shape,
-    })
+    Ok(Collision { name: collision.name.clone(), pose_ls: pose(&collision.origin, notes.rotation), shape })
 }
 
 fn tree_fault(error: TreeError, sound: &SoundUrdf, joints: &[Joint]) -> Fault {
@@ -233,9 +202,8 @@ fn tree_fault(error: TreeError, sound: &SoundUrdf, joints: &[Joint]) -> Fault {
         notes.map(|n| n.place.clone()).unwrap_or_default()
     };
     let listed = |ids: &[LinkId]| {
-        let names: Vec<String> = (ids.iter().take(20))
-            .map(|&id| link_place(id).element.unwrap_or_default())
-            .collect();
+        let names: Vec<String> =
+            (ids.iter().take(20)).map(|&id| link_place(id).element.unwrap_or_default()).collect();
         let more = if ids.len() > 20 { " …" } else { "" };
         names.join(", ") + more
     };
@@ -252,18 +220,11 @@ fn tree_fault(error: TreeError, sound: &SoundUrdf, joints: &[Joint]) -> Fault {
         ),
         TreeError::SeveralRoots(roots) => (
             roots.get(1).map(|&r| link_place(r)).unwrap_or_default(),
-            format!(
-                "{} links have no parent, but only one may: {}",
-                roots.len(),
-                listed(&roots)
-            ),
+            format!("{} links have no parent, but only one may: {}", roots.len(), listed(&roots)),
         ),
         TreeError::Cycle(links) => (
             links.first().map(|&l| link_place(l)).unwrap_or_default(),
-            format!(
-                "these links hang on each other in a circle: {}",
-                listed(&links)
-            ),
+            format!("these links hang on each other in a circle: {}", listed(&links)),
         ),
     };
     Fault { place, message }

@@ -59,14 +59,8 @@ pub(super) struct JointNotes {
 /// Reads a URDF as XML and reports all its faults, as far as they can be told without meshes.
 pub(super) fn check(text: &str, file: Option<&str>) -> Result<SoundUrdf, ModelError> {
     let mut warnings = Vec::new();
-    let expected = Expected {
-        file,
-        language: "a URDF",
-        root: "robot",
-    };
-    let checked = read_xml(text, expected, &mut warnings, |xml, _| {
-        Door::new(xml).check()
-    })?;
+    let expected = Expected { file, language: "a URDF", root: "robot" };
+    let checked = read_xml(text, expected, &mut warnings, |xml, _| Door::new(xml).check())?;
     let mut urdf = checked?;
     urdf.warnings.splice(0..0, warnings);
     Ok(urdf)
@@ -100,8 +94,7 @@ impl<'d> Door<'d> {
             self.warn(root, "", "the robot has no name");
         }
         let version = format!("{}.{}", self.version.0, self.version.1);
-        self.writer
-            .open("robot", &[("name", name), ("version", &version)]);
+        self.writer.open("robot", &[("name", name), ("version", &version)]);
         let links = self.named(root, "link");
         for (name, link) in &links {
             self.check_link(name, *link);
@@ -120,11 +113,7 @@ impl<'d> Door<'d> {
 
     /// Faults that make all others meaningless: no URDF at all.
     fn check_root(&mut self, root: Node<'d, 'd>) -> Result<(), Fault> {
-        let is_xacro = |n: &Node| {
-            n.tag_name()
-                .namespace()
-                .is_some_and(|uri| uri.contains("xacro"))
-        };
+        let is_xacro = |n: &Node| n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
         if let Some(element) = root.descendants().find(is_xacro) {
             let message = format!(
                 "xacro:{} is still there: this is a xacro file, expand it first with `ros2 run xacro xacro FILE > OUT`",
@@ -141,10 +130,8 @@ impl<'d> Door<'d> {
             Some("1.1") => (1, 1),
             Some("1.2") => (1, 2),
             Some(other) => {
-                let message = format!(
-                    "URDF version '{}' is not known; those are 1.0, 1.1 and 1.2",
-                    shortened(other)
-                );
+                let message =
+                    format!("URDF version '{}' is not known; those are 1.0, 1.1 and 1.2", shortened(other));
                 return Err(self.xml.fault(root, "", message));
             }
         };
@@ -160,8 +147,7 @@ impl<'d> Door<'d> {
             match node.attribute("name").map(str::trim) {
                 None | Some("") => self.fault(node, "", format!("a {kind} has no name")),
                 Some(name) if is_unexpanded(name) => {
-                    let message =
-                        format!("the {kind} name '{}' is unexpanded xacro", shortened(name));
+                    let message = format!("the {kind} name '{}' is unexpanded xacro", shortened(name));
                     self.fault(node, "", message);
                 }
                 Some(name) => {
@@ -182,18 +168,11 @@ impl<'d> Door<'d> {
     }
 
     fn warn(&mut self, node: Node, element: impl Into<String>, message: impl Into<String>) {
-        self.sound
-            .warnings
-            .push(self.xml.warning(node, element, message));
+        self.sound.warnings.push(self.xml.warning(node, element, message));
     }
 
     /// The first child of that name; further ones are told and ignored.
-    fn only_child(
-        &mut self,
-        node: Node<'d, 'd>,
-        name: &str,
-        element: &str,
-    ) -> Option<Node<'d, 'd>> {
+    fn only_child(&mut self, node: Node<'d, 'd>, name: &str, element: &str) -> Option<Node<'d, 'd>> {
         let mut all = children(node, name);
         let first = all.next();
         if let Some(second) = all.next() {

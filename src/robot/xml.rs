@@ -30,9 +30,7 @@ impl<'d> Xml<'d> {
 
     /// Line of the element's start, from 1.
     pub fn line(&self, node: Node) -> u32 {
-        let line = self
-            .line_starts
-            .partition_point(|&start| start <= node.range().start);
+        let line = self.line_starts.partition_point(|&start| start <= node.range().start);
         u32::try_from(line).unwrap_or(u32::MAX)
     }
 
@@ -46,28 +44,12 @@ impl<'d> Xml<'d> {
         }
     }
 
-    pub fn fault(
-        &self,
-        node: Node,
-        element: impl Into<String>,
-        message: impl Into<String>,
-    ) -> Fault {
-        Fault {
-            place: self.place(node, element),
-            message: message.into(),
-        }
+    pub fn fault(&self, node: Node, element: impl Into<String>, message: impl Into<String>) -> Fault {
+        Fault { place: self.place(node, element), message: message.into() }
     }
 
-    pub fn warning(
-        &self,
-        node: Node,
-        element: impl Into<String>,
-        message: impl Into<String>,
-    ) -> Warning {
-        Warning {
-            place: self.place(node, element),
-            message: message.into(),
-        }
+    pub fn warning(&self, node: Node, element: impl Into<String>, message: impl Into<String>) -> Warning {
+        Warning { place: self.place(node, element), message: message.into() }
     }
 }
 
@@ -76,8 +58,7 @@ pub(super) fn children<'d, 'n>(
     node: Node<'d, 'd>,
     name: &'n str,
 ) -> impl Iterator<Item = Node<'d, 'd>> + use<'d, 'n> {
-    node.children()
-        .filter(move |c| c.is_element() && c.tag_name().name() == name)
+    node.children().filter(move |c| c.is_element() && c.tag_name().name() == name)
 }
 
 /// The first child element of that name.
@@ -98,28 +79,18 @@ pub(super) struct Expected<'f> {
 
 impl Expected<'_> {
     fn place(&self, line: Option<u32>) -> Place {
-        Place {
-            file: self.file.map(str::to_owned),
-            line,
-            element: None,
-        }
+        Place { file: self.file.map(str::to_owned), line, element: None }
     }
 
     fn fault(&self, line: Option<u32>, message: impl Into<String>) -> Fault {
-        Fault {
-            place: self.place(line),
-            message: message.into(),
-        }
+        Fault { place: self.place(line), message: message.into() }
     }
 
     /// The text is something else altogether.
     fn wrong_root(&self, found: &str, line: Option<u32>) -> Fault {
         let Self { language, root, .. } = self;
         let found = shortened(found);
-        self.fault(
-            line,
-            format!("the text is <{found}>, but {language} begins with <{root}>"),
-        )
+        self.fault(line, format!("the text is <{found}>, but {language} begins with <{root}>"))
     }
 }
 
@@ -138,18 +109,13 @@ pub(super) fn read_xml<T>(
     read: impl FnOnce(&Xml, &mut Vec<Warning>) -> T,
 ) -> Result<T, Fault> {
     if text.len() > LARGEST_TEXT {
-        let message = format!(
-            "the text has {} bytes, more than the {LARGEST_TEXT} that are read",
-            text.len()
-        );
+        let message =
+            format!("the text has {} bytes, more than the {LARGEST_TEXT} that are read", text.len());
         return Err(expected.fault(None, message));
     }
     let mut text = without_declaration(text, &expected, warnings);
     for _ in 0..=MOST_UNDECLARED_PREFIXES {
-        let options = ParsingOptions {
-            nodes_limit: MOST_NODES,
-            ..ParsingOptions::default()
-        };
+        let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
         match Document::parse_with_options(&text, options) {
             Ok(document) => {
                 let xml = Xml {
@@ -166,22 +132,17 @@ pub(super) fn read_xml<T>(
             Err(Error::UnknownNamespace(prefix, position)) => {
                 warnings.push(Warning {
                     place: expected.place(Some(position.row)),
-                    message: format!(
-                        "the namespace prefix '{prefix}' is not declared; taken as if it were"
-                    ),
+                    message: format!("the namespace prefix '{prefix}' is not declared; taken as if it were"),
                 });
                 let Some(declared) = declare_prefix(&text, &prefix) else {
-                    return Err(
-                        expected.fault(Some(position.row), format!("undeclared prefix '{prefix}'"))
-                    );
+                    return Err(expected.fault(Some(position.row), format!("undeclared prefix '{prefix}'")));
                 };
                 text = Cow::Owned(declared);
             }
             Err(error) => return Err(syntax_fault(&expected, &error, &text)),
         }
     }
-    let message =
-        format!("more than {MOST_UNDECLARED_PREFIXES} namespace prefixes are not declared");
+    let message = format!("more than {MOST_UNDECLARED_PREFIXES} namespace prefixes are not declared");
     Err(expected.fault(None, message))
 }
 
@@ -189,13 +150,10 @@ fn syntax_fault(expected: &Expected, error: &Error, text: &str) -> Fault {
     match error {
         Error::DtdDetected => doctype_fault(expected, text),
         Error::NoRootNode => expected.fault(None, "the text is empty: it has no XML element"),
-        Error::NodesLimitReached => {
-            expected.fault(None, format!("more than {MOST_NODES} XML nodes"))
+        Error::NodesLimitReached => expected.fault(None, format!("more than {MOST_NODES} XML nodes")),
+        Error::UnclosedRootNode => {
+            expected.fault(None, "bad XML: the text is cut, its first element has no end")
         }
-        Error::UnclosedRootNode => expected.fault(
-            None,
-            "bad XML: the text is cut, its first element has no end",
-        ),
         other => expected.fault(Some(other.pos().row), format!("bad XML: {other}")),
     }
 }
@@ -204,9 +162,7 @@ fn syntax_fault(expected: &Expected, error: &Error, text: &str) -> Fault {
 fn doctype_fault(expected: &Expected, text: &str) -> Fault {
     let (before, rest) = text.split_once("<!DOCTYPE").unwrap_or((text, ""));
     let line = u32::try_from(before.matches('\n').count() + 1).ok();
-    let name = rest
-        .split(|c: char| c.is_whitespace() || c == '>')
-        .find(|w| !w.is_empty());
+    let name = rest.split(|c: char| c.is_whitespace() || c == '>').find(|w| !w.is_empty());
     match name {
         Some(name) if name.eq_ignore_ascii_case("html") => expected.wrong_root(name, line),
         _ => expected.fault(
@@ -217,29 +173,17 @@ fn doctype_fault(expected: &Expected, text: &str) -> Fault {
 }
 
 /// The text without byte-order mark and XML declaration; a declaration's line breaks are kept.
-fn without_declaration<'t>(
-    text: &'t str,
-    expected: &Expected,
-    warnings: &mut Vec<Warning>,
-) -> Cow<'t, str> {
+fn without_declaration<'t>(text: &'t str, expected: &Expected, warnings: &mut Vec<Warning>) -> Cow<'t, str> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let Some((declaration, rest)) = text
-        .trim_start()
-        .strip_prefix("<?xml ")
-        .and_then(|t| t.split_once("?>"))
+    let Some((declaration, rest)) = text.trim_start().strip_prefix("<?xml ").and_then(|t| t.split_once("?>"))
     else {
         return Cow::Borrowed(text);
     };
-    let version = declaration
-        .split_once("version")
-        .and_then(|(_, v)| v.split(['"', '\'']).nth(1));
+    let version = declaration.split_once("version").and_then(|(_, v)| v.split(['"', '\'']).nth(1));
     if !matches!(version, Some("1.0" | "1.1")) {
         warnings.push(Warning {
             place: expected.place(Some(1)),
-            message: format!(
-                "XML version '{}' does not exist; read as 1.0",
-                version.unwrap_or_default()
-            ),
+            message: format!("XML version '{}' does not exist; read as 1.0", version.unwrap_or_default()),
         });
     }
     let head = &text[..text.len() - rest.len()];
@@ -267,15 +211,11 @@ fn declare_prefix(text: &str, prefix: &str) -> Option<String> {
     }
     let name_end = at + text[at..].find(|c: char| c.is_whitespace() || c == '>' || c == '/')?;
     let (head, tail) = text.split_at(name_end);
-    Some(format!(
-        "{head} xmlns:{prefix}=\"undeclared:{prefix}\"{tail}"
-    ))
+    Some(format!("{head} xmlns:{prefix}=\"undeclared:{prefix}\"{tail}"))
 }
 
 fn line_starts(text: &str) -> Vec<usize> {
-    std::iter::once(0)
-        .chain(text.match_indices('\n').map(|(i, _)| i + 1))
-        .collect()
+    std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect()
 }
 
 #[cfg(test)]
@@ -284,11 +224,7 @@ mod tests {
 
     fn root_line(text: &str) -> (Result<u32, String>, Vec<String>) {
         let mut warnings = Vec::new();
-        let expected = Expected {
-            file: Some("f.xml"),
-            language: "an A",
-            root: "a",
-        };
+        let expected = Expected { file: Some("f.xml"), language: "an A", root: "a" };
         let result = read_xml(text, expected, &mut warnings, |xml, _| xml.line(xml.root()));
         let warnings = warnings.iter().map(ToString::to_string).collect();
         (result.map_err(|f| f.to_string()), warnings)
@@ -296,8 +232,7 @@ mod tests {
 
     #[test]
     fn lines_survive_mark_and_declaration() {
-        let (result, warnings) =
-            root_line("\u{feff}<?xml version=\"1.0\"\n encoding='utf-8'?>\n\n<a/>");
+        let (result, warnings) = root_line("\u{feff}<?xml version=\"1.0\"\n encoding='utf-8'?>\n\n<a/>");
         assert_eq!(result, Ok(4));
         assert!(warnings.is_empty());
     }
@@ -306,10 +241,7 @@ mod tests {
     fn an_impossible_version_is_a_warning() {
         let (result, warnings) = root_line("<?xml version=\"0.0\" ?><a/>");
         assert!(result.is_ok());
-        assert_eq!(
-            warnings,
-            ["f.xml:1: XML version '0.0' does not exist; read as 1.0"]
-        );
+        assert_eq!(warnings, ["f.xml:1: XML version '0.0' does not exist; read as 1.0"]);
     }
 
     #[test]

@@ -46,9 +46,7 @@ impl World {
             return Err(WorldError::Duplicate(obstacle.name));
         }
         self.obstacles.push(obstacle);
-        Ok(ObstacleId(
-            u32::try_from(self.obstacles.len() - 1).expect("fewer than 2^32 obstacles"),
-        ))
+        Ok(ObstacleId(u32::try_from(self.obstacles.len() - 1).expect("fewer than 2^32 obstacles")))
     }
 
     #[must_use]

@@ -1,10 +1,12 @@
 //! Obstacles from the YAML of a `moveit_msgs/PlanningScene`, or of its `world` alone.
 
-use serde::Deserialize;
-
+use super::scene_text::{
+    FaceText, KindText, MatrixEntries, MeshText, ObjectText, OperationText, PoseText, PrimitiveText,
+    SceneText,
+};
 use super::{Obstacle, ObstacleShape, World};
 use crate::geometry::{Primitive, Shape, TriangleMesh};
-use crate::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
+use crate::math::{Point, Pose, Vector};
 use crate::robot::{LinkPoses, MeshFiles, RobotModel, VirtualJoint};
 
 /// What a scene file holds: obstacles in the robot's root frame, and its allowed collision matrix if it has one.
@@ -14,17 +16,6 @@ pub struct PlanningScene {
     pub allowed: Option<MatrixEntries>,
     /// What was odd but accepted.
     pub warnings: Vec<String>,
-}
-
-/// `moveit_msgs/AllowedCollisionMatrix` as it stands in the file.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(default)]
-pub struct MatrixEntries {
-    pub entry_names: Vec<String>,
-    #[serde(deserialize_with = "rows")]
-    pub entry_values: Vec<Vec<bool>>,
-    pub default_entry_names: Vec<String>,
-    pub default_entry_values: Vec<bool>,
 }
 
 /// A fault in a scene file, with the object and field concerned.
@@ -46,179 +37,6 @@ impl std::fmt::Display for SceneError {
 
 impl std::error::Error for SceneError {}
 
-#[derive(Deserialize)]
-struct SceneText {
-    world: Option<WorldText>,
-    collision_objects: Option<Vec<ObjectText>>,
-    allowed_collision_matrix: Option<MatrixEntries>,
-    robot_state: Option<RobotStateText>,
-    octomap: Option<OctomapText>,
-}
-
-#[derive(Deserialize)]
-struct WorldText {
-    #[serde(default)]
-    collision_objects: Vec<ObjectText>,
-    octomap: Option<OctomapText>,
-}
-
-#[derive(Deserialize)]
-struct OctomapText {
-    octomap: Option<OctomapBody>,
-}
-
-#[derive(Deserialize)]
-struct OctomapBody {
-    #[serde(default)]
-    data: Vec<i8>,
-}
-
-#[derive(Deserialize)]
-struct RobotStateText {
-    #[serde(default)]
-    attached_collision_objects: Vec<serde::de::IgnoredAny>,
-}
-
-#[derive(Deserialize)]
-#[serde(default)]
-#[derive(Default)]
-struct ObjectText {
-    id: String,
-    header: HeaderText,
-    pose: Option<PoseText>,
-    primitives: Vec<PrimitiveText>,
-    primitive_poses: Vec<PoseText>,
-    meshes: Vec<MeshText>,
-    mesh_poses: Vec<PoseText>,
-    planes: Vec<serde::de::IgnoredAny>,
-    operation: Option<OperationText>,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct HeaderText {
-    frame_id: String,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum OperationText {
-    Number(i64),
-    Name(String),
-}
-
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct PoseText {
-    position: XyzText,
-    orientation: QuaternionText,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(untagged)]
-enum XyzText {
-    List([f64; 3]),
-    Map { x: f64, y: f64, z: f64 },
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(untagged)]
-enum QuaternionText {
-    List([f64; 4]),
-    Map { x: f64, y: f64, z: f64, w: f64 },
-}
-
-#[derive(Deserialize)]
-struct PrimitiveText {
-    #[serde(rename = "type")]
-    kind: KindText,
-    dimensions: Vec<f64>,
-}
-
-#[derive(Clone, Deserialize)]
-#[serde(untagged)]
-enum KindText {
-    Number(i64),
-    Name(String),
-}
-
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct MeshText {
-    triangles: Vec<FaceText>,
-    vertices: Vec<XyzText>,
-    /// A mesh file by URI, as MotionBenchMaker writes it.
-    resource: Option<String>,
-    /// Scale of a resource along its axes.
-    dimensions: Option<[f64; 3]>,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum FaceText {
-    List([u32; 3]),
-    Map { vertex_indices: [u32; 3] },
-}
-
-impl Default for XyzText {
-    fn default() -> Self {
-        Self::List([0.0; 3])
-    }
-}
-
-impl Default for QuaternionText {
-    fn default() -> Self {
-        Self::List([0.0, 0.0, 0.0, 1.0])
-    }
-}
-
-impl XyzText {
-    fn numbers(self) -> [f64; 3] {
-        match self {
-            Self::List(list) => list,
-            Self::Map { x, y, z } => [x, y, z],
-        }
-    }
-}
-
-impl QuaternionText {
-    fn numbers(self) -> [f64; 4] {
-        match self {
-            Self::List(list) => list,
-            Self::Map { x, y, z, w } => [x, y, z, w],
-        }
-    }
-}
-
-impl PoseText {
-    /// A quaternion of zeros is the identity, as in ROS messages that leave it out.
-    fn pose(&self, field: &str) -> Result<Pose, String> {
-        let quaternion = match self.orientation.numbers() {
-            [0.0, 0.0, 0.0, 0.0] => [0.0, 0.0, 0.0, 1.0],
-            given => given,
-        };
-        pose_from_xyz_quaternion(self.position.numbers(), quaternion).ok_or_else(|| {
-            format!("{field}: position and orientation must be finite and the quaternion not zero")
-        })
-    }
-}
-
-/// Rows as `[true, false]` or as `moveit_msgs/AllowedCollisionEntry` with the field `enabled`.
-fn rows<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<bool>>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged)]
-    enum Row {
-        List(Vec<bool>),
-        Map { enabled: Vec<bool> },
-    }
-    let rows = Vec::<Row>::deserialize(deserializer)?;
-    Ok((rows.into_iter())
-        .map(|row| match row {
-            Row::List(values) | Row::Map { enabled: values } => values,
-        })
-        .collect())
-}
-
 impl PlanningScene {
     /// Reads a scene. Frames are the root link, links fixed to it, and the parent frame of a fixed virtual joint; mesh
     /// resources are looked up by `files`.
@@ -228,21 +46,14 @@ impl PlanningScene {
         robot: &RobotModel,
         files: &MeshFiles,
     ) -> Result<Self, SceneError> {
-        let fault = |object: Option<String>, message: String| SceneError {
-            file: file.to_owned(),
-            object,
-            message,
-        };
-        let scene: SceneText =
-            serde_saphyr::from_str_with_options(text, yaml_limits())
+        let fault =
+            |object: Option<String>, message: String| SceneError { file: file.to_owned(), object, message };
+        let scene: SceneText = serde_saphyr::from_str_with_options(text, yaml_limits())
             .map_err(|e| fault(None, e.to_string()))?;
         refuse_unsupported(&scene).map_err(|message| fault(None, message))?;
         let found = scene.world.is_some() || scene.collision_objects.is_some();
         if !found && scene.allowed_collision_matrix.is_none() {
-            return Err(fault(
-                None,
-                "no planning scene: expected 'world' or 'collision_objects'".to_owned(),
-            ));
+            return Err(fault(None, "no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }
         let mut read = Self {
             allowed: (scene.allowed_collision_matrix).filter(|m| *m != MatrixEntries::default()),
@@ -285,8 +96,8 @@ fn yaml_limits() -> serde_saphyr::Options {
 
 /// What a scene may hold that is not checked yet must not be dropped in silence.
 fn refuse_unsupported(scene: &SceneText) -> Result<(), String> {
-    let attached = (scene.robot_state.as_ref())
-        .is_some_and(|state| !state.attached_collision_objects.is_empty());
+    let attached =
+        (scene.robot_state.as_ref()).is_some_and(|state| !state.attached_collision_objects.is_empty());
     if attached {
         return Err("robot_state.attached_collision_objects are not supported: \
                     give them as collision_objects, or remove them"
@@ -343,9 +154,7 @@ impl<'r> Frames<'r> {
     /// The kind of the SRDF's virtual joint that ties the root to `frame`.
     fn virtual_joint_from(&self, frame: &str) -> Option<&str> {
         let mut joints = self.robot.srdf()?.virtual_joints.iter();
-        let ties = |j: &&VirtualJoint| {
-            j.parent_frame == frame && j.child_link == self.robot.root()
-        };
+        let ties = |j: &&VirtualJoint| j.parent_frame == frame && j.child_link == self.robot.root();
         joints.find(ties).map(|j| j.kind.as_str())
     }
 }
@@ -365,26 +174,18 @@ fn obstacle(
         let pose_os = placed(&object.primitive_poses, i, "primitive_poses")?;
         shapes.push(ObstacleShape {
             pose_rs: pose_ro * pose_os,
-            shape: Shape::Primitive(
-                solid(primitive).map_err(|e| format!("primitives[{i}]: {e}"))?,
-            ),
+            shape: Shape::Primitive(solid(primitive).map_err(|e| format!("primitives[{i}]: {e}"))?),
         });
     }
     for (i, mesh) in object.meshes.iter().enumerate() {
         let pose_os = placed(&object.mesh_poses, i, "mesh_poses")?;
         let shape = surface(mesh, files, warnings).map_err(|e| format!("meshes[{i}]: {e}"))?;
-        shapes.push(ObstacleShape {
-            pose_rs: pose_ro * pose_os,
-            shape,
-        });
+        shapes.push(ObstacleShape { pose_rs: pose_ro * pose_os, shape });
     }
     if shapes.is_empty() {
         return Err("no shapes: give primitives or meshes".to_owned());
     }
-    Ok(Obstacle {
-        name: object.id,
-        shapes,
-    })
+    Ok(Obstacle { name: object.id, shapes })
 }
 
 fn refuse_unusable(object: &ObjectText, robot: &RobotModel) -> Result<(), String> {
@@ -392,10 +193,7 @@ fn refuse_unusable(object: &ObjectText, robot: &RobotModel) -> Result<(), String
         return Err("id is missing or empty".to_owned());
     }
     if robot.link_by_name(&object.id).is_some() {
-        return Err(format!(
-            "id: the robot has a link '{}'; give the object another name",
-            object.id
-        ));
+        return Err(format!("id: the robot has a link '{}'; give the object another name", object.id));
     }
     if !object.planes.is_empty() {
         return Err("planes are not supported: use a large box".to_owned());
@@ -407,8 +205,7 @@ fn refuse_unusable(object: &ObjectText, robot: &RobotModel) -> Result<(), String
     };
     let same = |shapes: usize, poses: usize, field: &str| {
         let one_pose_each = poses == shapes || poses == 0;
-        (one_pose_each.then_some(()))
-            .ok_or_else(|| format!("{field}: {poses} poses for {shapes} shapes"))
+        (one_pose_each.then_some(())).ok_or_else(|| format!("{field}: {poses} poses for {shapes} shapes"))
     };
     same(object.primitives.len(), object.primitive_poses.len(), "primitive_poses")?;
     same(object.meshes.len(), object.mesh_poses.len(), "mesh_poses")?;
@@ -417,9 +214,7 @@ fn refuse_unusable(object: &ObjectText, robot: &RobotModel) -> Result<(), String
 
 /// The pose of shape `i` in the object; the object's own when none are given.
 fn placed(poses: &[PoseText], i: usize, field: &str) -> Result<Pose, String> {
-    poses.get(i).map_or(Ok(Pose::identity()), |p| {
-        p.pose(&format!("{field}[{i}]"))
-    })
+    poses.get(i).map_or(Ok(Pose::identity()), |p| p.pose(&format!("{field}[{i}]")))
 }
 
 /// A `shape_msgs/SolidPrimitive`: by name, or by its constants BOX 1, SPHERE 2, CYLINDER 3, CONE 4.
@@ -444,9 +239,7 @@ fn solid(text: &PrimitiveText) -> Result<Primitive, String> {
             ));
         }
         _ => {
-            return Err(format!(
-                "type '{name}' is not supported: box, sphere and cylinder are"
-            ));
+            return Err(format!("type '{name}' is not supported: box, sphere and cylinder are"));
         }
     };
     made.map_err(|e| format!("dimensions: {e}"))
@@ -469,10 +262,7 @@ fn surface(mesh: &MeshText, files: &MeshFiles, warnings: &mut Vec<String>) -> Re
     }
     let vertices = (mesh.vertices.iter()).map(|v| Point::from(v.numbers()));
     let triangles = mesh.triangles.iter().map(|face| match face {
-        FaceText::List(corners)
-        | FaceText::Map {
-            vertex_indices: corners,
-        } => *corners,
+        FaceText::List(corners) | FaceText::Map { vertex_indices: corners } => *corners,
     });
     TriangleMesh::new(vertices.collect(), triangles.collect())
         .map(|m| Shape::Mesh(m.into()))

@@ -17,9 +17,8 @@ fn least(a: &CollisionBody, b: &CollisionBody, pose_ab: &Pose) -> f64 {
 
 /// Every pair of triangles, no tree.
 fn brute_force(a: &TriangleMesh, b: &TriangleMesh, pose_ab: &Pose) -> f64 {
-    let triangles = |m: &TriangleMesh| -> Vec<Triangle> {
-        (0..m.triangles().len()).map(|i| m.triangle(i)).collect()
-    };
+    let triangles =
+        |m: &TriangleMesh| -> Vec<Triangle> { (0..m.triangles().len()).map(|i| m.triangle(i)).collect() };
     let theirs: Vec<_> = triangles(b).iter().map(|t| t.transformed(pose_ab)).collect();
     let mut least = f64::INFINITY;
     for s in triangles(a) {
@@ -163,9 +162,8 @@ fn holds<B: BoundingVolume>(random: &mut Random) {
         let spread = random.vector(1.0);
         let pose = random.pose(2.0);
         let count = 1 + random.below(30);
-        let points: Vec<Point> = (0..count)
-            .map(|_| pose * Point::from(random.vector(1.0).component_mul(&spread)))
-            .collect();
+        let points: Vec<Point> =
+            (0..count).map(|_| pose * Point::from(random.vector(1.0).component_mul(&spread))).collect();
         let volume = B::fit(&points);
         for p in &points {
             let at = Pose::translation(p.x, p.y, p.z);

@@ -62,10 +62,8 @@ fn any_distance(a: &Posed, b: &Posed) -> (f64, [Point; 2]) {
 }
 
 fn pair_disagreements(case: &Value, meshes: &MeshFiles) -> Vec<String> {
-    let read = |side: &str| Posed {
-        shape: shape(&case[side]["shape"], meshes),
-        pose_w: pose(&case[side]["pose"]),
-    };
+    let read =
+        |side: &str| Posed { shape: shape(&case[side]["shape"], meshes), pose_w: pose(&case[side]["pose"]) };
     let (a, b) = (read("a"), read("b"));
     let expect = &case["expect"];
     let tolerance = expect["tolerance"].as_f64().unwrap_or(1e-6);

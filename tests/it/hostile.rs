@@ -21,10 +21,7 @@ const ANSWER: &str = "HOSTILE-ANSWER ";
 /// Cases that may be accepted without a word, and why.
 const NOTHING_ODD: [(&str, &str); 3] = [
     ("tree-chain-10k", "long, but a tree like any other"),
-    (
-        "real-assimp-obj-regression-3429812",
-        "a sound OBJ, which only crashed a certain program",
-    ),
+    ("real-assimp-obj-regression-3429812", "a sound OBJ, which only crashed a certain program"),
     (
         "real-coal-illformed-dae",
         "sound by COLLADA; seven of its triangles have no area, and are kept as such",
@@ -35,10 +32,7 @@ const NOTHING_ODD: [(&str, &str); 3] = [
 fn every_case_gets_its_answer() {
     let mut table = Vec::new();
     let mut failures = Vec::new();
-    for case in shared_json("cases/hostile/hostile.json")
-        .as_array()
-        .unwrap()
-    {
+    for case in shared_json("cases/hostile/hostile.json").as_array().unwrap() {
         // inputs to a running checker are another test's matter
         if case["class"] == "request" {
             continue;
@@ -54,19 +48,10 @@ fn every_case_gets_its_answer() {
             run.megabytes(),
             first_line(&run)
         ));
-        failures.extend(
-            faults
-                .iter()
-                .map(|f| format!("{}: {f}\n    {:?}", case["id"], run.answer)),
-        );
+        failures.extend(faults.iter().map(|f| format!("{}: {f}\n    {:?}", case["id"], run.answer)));
     }
     println!("{}\n{} cases", table.join("\n"), table.len());
-    assert!(
-        failures.is_empty(),
-        "{} failures:\n{}",
-        failures.len(),
-        failures.join("\n")
-    );
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
 
 /// What came of a case.
@@ -87,10 +72,7 @@ impl Run {
     }
 
     fn megabytes(&self) -> f64 {
-        self.answer
-            .as_ref()
-            .and_then(|a| a["peak_mb"].as_f64())
-            .unwrap_or(f64::NAN)
+        self.answer.as_ref().and_then(|a| a["peak_mb"].as_f64()).unwrap_or(f64::NAN)
     }
 
     /// The error, or all warnings.
@@ -109,14 +91,7 @@ impl Run {
 fn first_line(run: &Run) -> String {
     let words = run.words();
     let folder = format!("{}/", shared().join("cases/hostile").display());
-    words
-        .lines()
-        .next()
-        .unwrap_or_default()
-        .replace(&folder, "")
-        .chars()
-        .take(150)
-        .collect()
+    words.lines().next().unwrap_or_default().replace(&folder, "").chars().take(150).collect()
 }
 
 fn run(case: &Value) -> Run {
@@ -133,17 +108,13 @@ fn run(case: &Value) -> Run {
     let answer = (output.lines())
         .filter_map(|line| line.split_once(ANSWER))
         .find_map(|(_, json)| serde_json::from_str(json).ok());
-    Run {
-        answer,
-        seconds: start.elapsed().as_secs_f64(),
-    }
+    Run { answer, seconds: start.elapsed().as_secs_f64() }
 }
 
 /// What a process prints before it ends, or before it is killed.
 fn output_within(mut child: Child, limit: Duration) -> String {
     let mut stdout = child.stdout.take().unwrap();
-    let reader =
-        std::thread::spawn(move || std::io::read_to_string(&mut stdout).unwrap_or_default());
+    let reader = std::thread::spawn(move || std::io::read_to_string(&mut stdout).unwrap_or_default());
     let deadline = Instant::now() + limit;
     while Instant::now() < deadline && !reader.is_finished() {
         std::thread::sleep(Duration::from_millis(2));
@@ -175,11 +146,7 @@ fn judge(case: &Value, run: &Run) -> Vec<String> {
     for name in case["message_should_name"].as_array().into_iter().flatten() {
         let name = name.as_str().unwrap();
         // a name of one letter must stand in quotes to count
-        let sought = if name.len() == 1 {
-            format!("'{name}'")
-        } else {
-            name.to_lowercase()
-        };
+        let sought = if name.len() == 1 { format!("'{name}'") } else { name.to_lowercase() };
         if expected != "accept" && !words.contains(&sought) && !(silent && may_be_silent) {
             faults.push(format!("the message does not name '{name}'"));
         }
@@ -238,9 +205,7 @@ fn agree(a: &Value, b: &Value) -> bool {
             let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
             (a - b).abs() <= 1e-6 * a.abs().max(1.0)
         }
-        (Value::Array(a), Value::Array(b)) => {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| agree(a, b))
-        }
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| agree(a, b)),
         _ => a == b,
     }
 }
@@ -316,15 +281,9 @@ fn checked_pairs(model: &RobotModel) -> Vec<[&str; 2]> {
     let Some(srdf) = model.srdf() else {
         return Vec::new();
     };
-    let disabled: BTreeMap<(LinkId, LinkId), &str> = srdf
-        .disabled_pairs
-        .iter()
-        .map(|p| ((p.a, p.b), p.reason.as_str()))
-        .collect();
-    let solid: Vec<LinkId> = model
-        .link_ids()
-        .filter(|&l| !model.link(l).collisions.is_empty())
-        .collect();
+    let disabled: BTreeMap<(LinkId, LinkId), &str> =
+        srdf.disabled_pairs.iter().map(|p| ((p.a, p.b), p.reason.as_str())).collect();
+    let solid: Vec<LinkId> = model.link_ids().filter(|&l| !model.link(l).collisions.is_empty()).collect();
     let mut pairs = Vec::new();
     for (i, &a) in solid.iter().enumerate() {
         for &b in &solid[i + 1..] {

@@ -1,10 +1,15 @@
 //! Tests of the library from outside, one binary with a module for each subject.
 
 mod bodies;
+mod checker;
 mod cases;
+mod command_line;
 mod hostile;
+mod hostile_requests;
+mod layers;
 mod random;
 mod robots;
+mod snapshots;
 mod support;
 mod tally;
 mod triangles;

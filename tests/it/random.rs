@@ -53,11 +53,7 @@ impl Random {
     }
 
     pub fn primitive(&mut self) -> Primitive {
-        let (x, y, z) = (
-            self.within(0.05, 0.5),
-            self.within(0.05, 0.5),
-            self.within(0.05, 0.5),
-        );
+        let (x, y, z) = (self.within(0.05, 0.5), self.within(0.05, 0.5), self.within(0.05, 0.5));
         match self.below(4) {
             0 => Primitive::cuboid([x, y, z]),
             1 => Primitive::sphere(x),
@@ -78,11 +74,7 @@ impl Random {
                 let pole = i == 0 || i == rings;
                 let radius = if pole { size } else { size * self.within(0.7, 1.0) };
                 let across = if pole { 0.0 } else { radius * polar.sin() };
-                vertices.push(Point::new(
-                    across * around.cos(),
-                    across * around.sin(),
-                    radius * polar.cos(),
-                ));
+                vertices.push(Point::new(across * around.cos(), across * around.sin(), radius * polar.cos()));
             }
         }
         let mut triangles = vec![];

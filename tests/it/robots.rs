@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clearance::geometry::Shape;
-use clearance::math::{Pose, pose_from_xyz_quaternion};
-use clearance::robot::{JointKind, LinkPoses, RobotModel};
+use clearance::math::{Pose, Vector, pose_from_xyz_quaternion};
+use clearance::robot::{JointKind, LinkPoses, MeshFiles, RobotModel};
 use serde_json::Value;
 
 use crate::support::{shared, shared_json};
@@ -26,11 +26,7 @@ fn load(entry: &Value) -> RobotModel {
         &[path_of(entry, "package_root")],
     )
     .unwrap_or_else(|e| panic!("{e}"));
-    println!(
-        "{}: loaded in {:.1} ms",
-        entry["name"],
-        start.elapsed().as_secs_f64() * 1e3
-    );
+    println!("{}: loaded in {:.1} ms", entry["name"], start.elapsed().as_secs_f64() * 1e3);
     model
 }
 
@@ -55,13 +51,7 @@ fn counted<'a>(names: impl Iterator<Item = &'a str>) -> Value {
 
 /// The facts of `robots.json` as this library sees them.
 fn facts(model: &RobotModel) -> Value {
-    let shapes = || {
-        model
-            .links()
-            .iter()
-            .flat_map(|l| &l.collisions)
-            .map(|c| &c.shape)
-    };
+    let shapes = || model.links().iter().flat_map(|l| &l.collisions).map(|c| &c.shape);
     let triangles: usize = shapes()
         .map(|s| match s {
             Shape::Mesh(mesh) => mesh.triangles().len(),
@@ -109,32 +99,21 @@ fn link_poses_agree_with_the_shared_states() {
     let robots = shared_json("robots/robots.json");
     for truth in shared_json("robots/states.json").as_array().unwrap() {
         let name = truth["robot"].as_str().unwrap();
-        let entry = robots
-            .as_array()
-            .unwrap()
-            .iter()
-            .find(|r| r["name"] == name)
-            .unwrap();
+        let entry = robots.as_array().unwrap().iter().find(|r| r["name"] == name).unwrap();
         let model = load(entry);
         let mut poses = LinkPoses::new(&model);
         let mut compared = 0;
         let mut worst: f64 = 0.0;
         for state in truth["states"].as_array().unwrap() {
             let joints = state["joints"].as_object().unwrap();
-            let named = joints
-                .iter()
-                .map(|(n, v)| (n.as_str(), v.as_f64().unwrap()));
+            let named = joints.iter().map(|(n, v)| (n.as_str(), v.as_f64().unwrap()));
             let q = model.configuration_from_names(named).unwrap();
             model.forward_kinematics(&q, &mut poses);
             for (link, pose) in state["link_poses"].as_object().into_iter().flatten() {
-                let expected =
-                    pose_from_xyz_quaternion(numbers(&pose[0]), numbers(&pose[1])).unwrap();
+                let expected = pose_from_xyz_quaternion(numbers(&pose[0]), numbers(&pose[1])).unwrap();
                 let found = poses.pose(model.link_by_name(link).unwrap());
                 let difference = difference(found, &expected);
-                assert!(
-                    difference < ROUNDING,
-                    "{name} {link}: {found} instead of {expected}: {difference}"
-                );
+                assert!(difference < ROUNDING, "{name} {link}: {found} instead of {expected}: {difference}");
                 worst = worst.max(difference);
                 compared += 1;
             }
@@ -149,13 +128,28 @@ fn the_truth_robots_load() {
     for robot in ["ur5", "panda"] {
         let folder = shared().join("truth").join(robot);
         let srdf = folder.join("robot.srdf");
-        let model = RobotModel::load(
-            &folder.join("robot.urdf"),
-            srdf.exists().then_some(&*srdf),
-            &[folder],
-        )
-        .unwrap_or_else(|e| panic!("{e}"));
+        let model = RobotModel::load(&folder.join("robot.urdf"), srdf.exists().then_some(&*srdf), &[folder])
+            .unwrap_or_else(|e| panic!("{e}"));
         println!("{robot}: {} warnings", model.warnings().len());
         assert!(model.degrees_of_freedom() >= 6);
+    }
+}
+
+#[test]
+fn the_meshes_of_the_shared_pairs_have_the_published_triangles() {
+    let files = MeshFiles::under(shared().join("cases"));
+    let truth = shared_json("cases/mesh_pairs.json");
+    for mesh in truth["pairs"].as_array().unwrap().iter().flat_map(|p| [&p["a"], &p["b"]]) {
+        let scale = match &mesh["scale"] {
+            Value::Array(_) => Vector::from(numbers::<3>(&mesh["scale"])),
+            Value::Number(factor) => Vector::from_element(factor.as_f64().unwrap()),
+            _ => Vector::from_element(1.0),
+        };
+        let name = mesh["file"].as_str().unwrap();
+        let loaded = files.load(name, scale).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(Value::from(loaded.mesh.triangles().len()), mesh["triangles"], "{name}");
+        if name.ends_with("fcl_rob.obj") {
+            assert!(!loaded.remarks.is_empty(), "its first line is no OBJ");
+        }
     }
 }

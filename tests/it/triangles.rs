@@ -164,11 +164,7 @@ fn sliver_through(random: &mut Random, point: Point) -> Triangle {
     let t = random.within(0.1, 0.9);
     let tip = point + along * t;
     let tail = point - along * (1.0 - t);
-    Triangle {
-        a: tip,
-        b: tail + across,
-        c: tail - across,
-    }
+    Triangle { a: tip, b: tail + across, c: tail - across }
 }
 
 /// Two triangles with integer corners touch iff they share a point: decided without rounding. A segment meets a
@@ -187,11 +183,7 @@ mod exact {
     }
 
     fn cross(a: P, b: P) -> P {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     }
 
     fn dot(a: P, b: P) -> i64 {
@@ -201,9 +193,7 @@ mod exact {
     fn segment_meets(e: &[P; 2], t: &[P; 3]) -> bool {
         let n = cross(sub(t[1], t[0]), sub(t[2], t[0]));
         if n == [0; 3] {
-            return [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
-                .iter()
-                .any(|f| segments_meet(e, f));
+            return [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].iter().any(|f| segments_meet(e, f));
         }
         let (hp, hq) = (dot(n, sub(e[0], t[0])), dot(n, sub(e[1], t[0])));
         if hp.signum() * hq.signum() > 0 {

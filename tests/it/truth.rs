@@ -22,12 +22,8 @@ fn robot(robots: &Path, name: &str, use_srdf: bool) -> RobotModel {
     let entry = (list.as_array().unwrap().iter()).find(|r| r["name"] == name).unwrap();
     let path = |field: &str| robots.join(entry[field].as_str().unwrap());
     let srdf = path("srdf");
-    RobotModel::load(
-        &path("urdf"),
-        use_srdf.then_some(srdf.as_path()),
-        &[path("package_root")],
-    )
-    .unwrap_or_else(|e| panic!("{name}: {e}"))
+    RobotModel::load(&path("urdf"), use_srdf.then_some(srdf.as_path()), &[path("package_root")])
+        .unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 fn named(value: &Value) -> Vec<(&str, f64)> {
@@ -156,7 +152,8 @@ fn robot_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
     let report = checker.check(&q, Question::Distance { limit }, &mut checker.workspace());
     let expect = &case["expect"];
     let mut wrong = vec![];
-    for (field, found) in [("self_collide", report.self_collision), ("world_collide", report.world_collision)] {
+    for (field, found) in [("self_collide", report.self_collision), ("world_collide", report.world_collision)]
+    {
         if expect[field].as_bool().is_some_and(|wanted| wanted != found) {
             wrong.push(format!("{field} {found}"));
         }
@@ -187,11 +184,7 @@ fn links_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
     let pose_ab = pose(&a["pose"]).inv_mul(&pose(&b["pose"]));
     let mut work = clearance::query::Work::default();
     let hit = clearance::query::collide(&body(a), &body(b), &pose_ab, &mut work).is_some();
-    if hit == case["expect"]["collide"].as_bool().unwrap() {
-        vec![]
-    } else {
-        vec![format!("collide {hit}")]
-    }
+    if hit == case["expect"]["collide"].as_bool().unwrap() { vec![] } else { vec![format!("collide {hit}")] }
 }
 
 #[test]
@@ -212,7 +205,13 @@ fn path_samples_of_the_scenes() {
     tally.finish(500);
 }
 
-fn scene_problem(scene: &Value, problem: &Value, robot: &Arc<RobotModel>, meshes: &MeshFiles, tally: &mut Tally) {
+fn scene_problem(
+    scene: &Value,
+    problem: &Value,
+    robot: &Arc<RobotModel>,
+    meshes: &MeshFiles,
+    tally: &mut Tally,
+) {
     let list = |v: Option<&Value>| v.and_then(Value::as_array).cloned().unwrap_or_default();
     let mut obstacles = list(scene.get("shared_obstacles"));
     obstacles.extend(list(problem.get("obstacles")));
@@ -259,7 +258,8 @@ fn sample_disagreements(
     let near = checker.check(q, Question::PairDistances { limit }, workspace);
     for (scope, wanted) in ["self", "world"].into_iter().zip(wanted) {
         let Some(wanted) = wanted else { continue };
-        let of_scope = near.pair_distances.iter().filter(|p| matches!(p.b, Body::Obstacle(_)) == (scope == "world"));
+        let of_scope =
+            near.pair_distances.iter().filter(|p| matches!(p.b, Body::Obstacle(_)) == (scope == "world"));
         let found = of_scope.map(|p| p.distance).fold(f64::INFINITY, f64::min);
         if (found - wanted).abs() > COAL_ACCURACY {
             wrong.push(format!("{scope} distance {found} instead of {wanted}"));
@@ -297,7 +297,11 @@ fn truth_robot(folder: &Path) -> TruthRobot {
     ours.sort();
     theirs.sort();
     assert_eq!(ours, theirs, "the pairs that the SRDF leaves");
-    TruthRobot { joint_order: strings(&json(&folder.join("states.json"))["joint_order"]), checker, link_pairs }
+    TruthRobot {
+        joint_order: strings(&json(&folder.join("states.json"))["joint_order"]),
+        checker,
+        link_pairs,
+    }
 }
 
 fn configurations(robot: &TruthRobot, file: &Path) -> Vec<clearance::Configuration> {
@@ -414,7 +418,8 @@ fn robots_against_primitives_and_a_mesh_world() {
         let qs = configurations(&robot, &folder.join("states.json"));
         for (env, states) in [("prim_10", 2000), ("prim_100", 300), ("prim_1000", 100), ("mesh", 200)] {
             let answers = json(&folder.join(format!("truth_env_{env}.json")));
-            let objects = json(&folder.join(format!("env_{env}.json")))["objects"].as_array().unwrap().clone();
+            let objects =
+                json(&folder.join(format!("env_{env}.json")))["objects"].as_array().unwrap().clone();
             let settings = Settings { check_self: false, ..Settings::default() };
             let world = env_world(&objects, &folder);
             let checker = CollisionChecker::new(robot.checker.robot().clone(), &world, settings).unwrap();

@@ -8,8 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-from clearance_msgs.msg import CollisionState
-
 from cell import Cell
 from peer import Peer
 
@@ -39,10 +37,10 @@ def main(domain_id, *of_node):
 
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     environment = {"ROS_AUTOMATIC_DISCOVERY_RANGE": None} | of_node
-    with Peer(int(domain_id)) as peer, Cell(peer, environment=environment) as cell:
-        assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
-        seen = len(cell.states.messages)
-        peer.wait_for(lambda: len(cell.states.messages) >= seen + 100, "100 more states")
+    # Without a driver: Fast DDS sends joint states by multicast to a RustDDS subscriber, and on every interface
+    # whatever its own discovery range is, so they would be counted as the node's.
+    with Peer(int(domain_id)) as peer, Cell(peer, environment=environment, driving=False) as cell:
+        peer.wait_for(lambda: len(cell.states.messages) >= 100, "100 states")
         print(packets_sent("out"))
 
 

@@ -39,10 +39,7 @@ fn packages_are_found_in_all_the_places() {
     let files = MeshFiles::default()
         .with_package_path(at("given"))
         .beside_urdf(&at("ws/q/urdf"))
-        .with_ros_paths(
-            at("install").as_os_str(),
-            &std::env::join_paths([at("old/s"), at("old")]).unwrap(),
-        );
+        .with_ros_paths(at("install").as_os_str(), &std::env::join_paths([at("old/s"), at("old")]).unwrap());
     for uri in [
         "package://p/m/a.stl",
         "package://q/urdf/b.stl",
@@ -57,13 +54,9 @@ fn packages_are_found_in_all_the_places() {
         assert!(opens(&files, uri), "{uri}: {}", message(&files, uri));
     }
     let missing = message(&files, "package://p/none.stl");
-    for place in [
-        "given/p/none.stl",
-        "ws/p/none.stl",
-        "install/share/p/none.stl",
-        "old/p/none.stl",
-        "--package-path",
-    ] {
+    for place in
+        ["given/p/none.stl", "ws/p/none.stl", "install/share/p/none.stl", "old/p/none.stl", "--package-path"]
+    {
         assert!(missing.contains(place), "{missing}");
     }
 }
@@ -71,30 +64,19 @@ fn packages_are_found_in_all_the_places() {
 #[test]
 fn relative_folders_are_as_good_as_absolute_ones() {
     assert!(anchored(Path::new(".")).is_absolute());
-    let folder = tempfile::tempdir_in("target")
-        .or_else(|_| tempfile::tempdir_in("."))
-        .unwrap();
+    let folder = tempfile::tempdir_in("target").or_else(|_| tempfile::tempdir_in(".")).unwrap();
     std::fs::create_dir(folder.path().join("p")).unwrap();
     std::fs::write(folder.path().join("p/a.stl"), TRIANGLE).unwrap();
     let relative = Path::new("src/..").join(folder.path());
-    let relative = relative
-        .strip_prefix(std::env::current_dir().unwrap())
-        .unwrap_or(&relative);
-    assert!(opens(
-        &MeshFiles::default().with_package_path(relative),
-        "package://p/a.stl"
-    ));
-    assert!(opens(
-        &MeshFiles::default().beside_urdf(&relative.join("p")),
-        "a.stl"
-    ));
+    let relative = relative.strip_prefix(std::env::current_dir().unwrap()).unwrap_or(&relative);
+    assert!(opens(&MeshFiles::default().with_package_path(relative), "package://p/a.stl"));
+    assert!(opens(&MeshFiles::default().beside_urdf(&relative.join("p")), "a.stl"));
 }
 
 #[test]
 fn the_first_place_wins() {
     let folder = folder(&["one/p/a.stl", "two/p/a.stl"]);
-    let files =
-        MeshFiles::under(folder.path().join("two")).with_package_path(folder.path().join("one"));
+    let files = MeshFiles::under(folder.path().join("two")).with_package_path(folder.path().join("one"));
     let Ok(Found::File(file)) = files.find("package://p/a.stl") else {
         panic!("not found");
     };
@@ -119,10 +101,7 @@ fn nothing_outside_is_opened() {
     // the same, allowed
     let inside = folder.path().join("in/p/a.stl").display().to_string();
     assert!(opens(&files, &inside) && opens(&files, &format!("file://{inside}")));
-    assert!(opens(
-        &files.with_package_path(folder.path().join("out")),
-        "../out/secret.stl"
-    ));
+    assert!(opens(&files.with_package_path(folder.path().join("out")), "../out/secret.stl"));
 }
 
 #[cfg(unix)]
@@ -132,8 +111,7 @@ fn links_may_lead_out_of_installed_packages_only() {
     let at = |name: &str| folder.path().join(name);
     for package in ["in/p", "prefix/share/p"] {
         std::os::unix::fs::symlink(at("src/a.stl"), at(package).join("link.stl")).unwrap();
-        std::os::unix::fs::symlink(at(package).join("own.stl"), at(package).join("inside.stl"))
-            .unwrap();
+        std::os::unix::fs::symlink(at(package).join("own.stl"), at(package).join("inside.stl")).unwrap();
     }
     let given = MeshFiles::under(at("in"));
     assert!(opens(&given, "package://p/inside.stl"));
@@ -167,10 +145,7 @@ fn embedded_meshes_need_no_disk() {
 fn scale_and_mirror() {
     let folder = folder(&["t.stl"]);
     let files = MeshFiles::under(folder.path());
-    let mirrored = files
-        .load("t.stl", Vector::new(1.0, -2.0, 1.0))
-        .unwrap()
-        .mesh;
+    let mirrored = files.load("t.stl", Vector::new(1.0, -2.0, 1.0)).unwrap().mesh;
     assert_eq!(mirrored.bounds().0, crate::math::Point::new(0.0, -2.0, 0.0));
     // winding turned with the mirror: the face still looks up
     assert!(mirrored.triangle(0).normal().z > 0.0);

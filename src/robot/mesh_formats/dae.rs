@@ -28,14 +28,8 @@ const MOST_TRIANGLES: usize = 20_000_000;
 /// When the file is no COLLADA, contradicts itself, or shows no triangles; with the line.
 pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     let mut warnings = Vec::new();
-    let expected = Expected {
-        file: None,
-        language: "a COLLADA file",
-        root: "COLLADA",
-    };
-    let read = read_xml(text, expected, &mut warnings, |xml, _| {
-        Collada::new(xml).read()
-    });
+    let expected = Expected { file: None, language: "a COLLADA file", root: "COLLADA" };
+    let read = read_xml(text, expected, &mut warnings, |xml, _| Collada::new(xml).read());
     let mut read = read.map_err(|fault| fault.to_string())??;
     let warned = warnings.iter().map(ToString::to_string);
     read.remarks.splice(0..0, warned);
@@ -53,16 +47,9 @@ struct Collada<'d> {
 
 impl<'d> Collada<'d> {
     fn new(xml: &'d Xml<'d>) -> Self {
-        let elements = (xml.root().descendants())
-            .filter_map(|node| Some((node.attribute("id")?, node)))
-            .collect();
-        Self {
-            xml,
-            elements,
-            vertices: Vec::new(),
-            triangles: Vec::new(),
-            remarks: Vec::new(),
-        }
+        let elements =
+            (xml.root().descendants()).filter_map(|node| Some((node.attribute("id")?, node))).collect();
+        Self { xml, elements, vertices: Vec::new(), triangles: Vec::new(), remarks: Vec::new() }
     }
 
     fn read(mut self) -> Result<ReadMesh, String> {
@@ -76,10 +63,7 @@ impl<'d> Collada<'d> {
         }
         let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|e| e.to_string())?;
         self.remarks.dedup();
-        Ok(ReadMesh {
-            mesh,
-            remarks: self.remarks,
-        })
+        Ok(ReadMesh { mesh, remarks: self.remarks })
     }
 
     /// Metres in one unit of the file.
@@ -98,14 +82,10 @@ impl<'d> Collada<'d> {
 
     fn note_up_axis(&mut self) {
         let asset = child(self.xml.root(), "asset");
-        let up = asset
-            .and_then(|a| child(a, "up_axis"))
-            .and_then(|u| u.text())
-            .map(str::trim);
+        let up = asset.and_then(|a| child(a, "up_axis")).and_then(|u| u.text()).map(str::trim);
         if let Some(up @ ("X_UP" | "Y_UP")) = up {
-            self.remarks.push(format!(
-                "says {up}; its axes are taken as they stand in the file, as RViz shows them"
-            ));
+            self.remarks
+                .push(format!("says {up}; its axes are taken as they stand in the file, as RViz shows them"));
         }
     }
 
@@ -113,22 +93,15 @@ impl<'d> Collada<'d> {
     fn referenced(&self, node: Node, attribute: &str) -> Result<Node<'d, 'd>, String> {
         let url = node.attribute(attribute).unwrap_or_default();
         let Some(id) = url.strip_prefix('#') else {
-            return Err(self.at(
-                node,
-                format!("{attribute} '{url}' is no '#id' of this file, and no other is opened"),
-            ));
+            return Err(self
+                .at(node, format!("{attribute} '{url}' is no '#id' of this file, and no other is opened")));
         };
-        (self.elements.get(id).copied())
-            .ok_or_else(|| self.at(node, format!("nothing has the id '{id}'")))
+        (self.elements.get(id).copied()).ok_or_else(|| self.at(node, format!("nothing has the id '{id}'")))
     }
 
     /// A message with the line of `node`.
     fn at(&self, node: Node, message: impl std::fmt::Display) -> String {
-        format!(
-            "line {}: <{}>: {message}",
-            self.xml.line(node),
-            node.tag_name().name()
-        )
+        format!("line {}: <{}>: {message}", self.xml.line(node), node.tag_name().name())
     }
 
     fn numbers<const N: usize>(&self, node: Node) -> Result<[f64; N], String> {

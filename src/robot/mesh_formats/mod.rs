@@ -16,10 +16,7 @@ pub(super) struct ReadMesh {
 
 impl From<TriangleMesh> for ReadMesh {
     fn from(mesh: TriangleMesh) -> Self {
-        Self {
-            mesh,
-            remarks: Vec::new(),
-        }
+        Self { mesh, remarks: Vec::new() }
     }
 }
 
@@ -58,27 +55,17 @@ pub(super) fn read(bytes: Vec<u8>, extension: &str) -> Result<ReadMesh, String> 
 
 fn recognise(bytes: &[u8], extension: &str) -> Result<Format, String> {
     let start = bytes.trim_ascii_start();
-    let start = start
-        .strip_prefix(b"\xef\xbb\xbf")
-        .unwrap_or(start)
-        .trim_ascii_start();
+    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start();
     if bytes.is_empty() {
         return Err("the file is empty".to_owned());
     }
     if stl::has_binary_length(bytes) {
         return Ok(Format::BinaryStl);
     }
-    if [&b"\xff\xfe"[..], b"\xfe\xff"]
-        .iter()
-        .any(|mark| bytes.starts_with(mark))
-        || is_utf16(bytes)
-    {
+    if [&b"\xff\xfe"[..], b"\xfe\xff"].iter().any(|mark| bytes.starts_with(mark)) || is_utf16(bytes) {
         return Err("the file is UTF-16 text; save it as UTF-8".to_owned());
     }
-    if [&b"\x1f\x8b"[..], b"PK\x03\x04"]
-        .iter()
-        .any(|mark| bytes.starts_with(mark))
-    {
+    if [&b"\x1f\x8b"[..], b"PK\x03\x04"].iter().any(|mark| bytes.starts_with(mark)) {
         return Err("the file is compressed; unpack it".to_owned());
     }
     if start.starts_with(b"<") {
@@ -91,18 +78,14 @@ fn recognise(bytes: &[u8], extension: &str) -> Result<Format, String> {
         "stl" => Ok(Format::BinaryStl),
         "obj" => Ok(Format::Obj),
         "dae" => Ok(Format::Dae),
-        other => Err(format!(
-            "'.{other}' is no mesh format that is read; those are STL, OBJ and DAE"
-        )),
+        other => Err(format!("'.{other}' is no mesh format that is read; those are STL, OBJ and DAE")),
     }
 }
 
 fn starts_with_word(bytes: &[u8], word: &[u8]) -> bool {
-    bytes
-        .split_at_checked(word.len())
-        .is_some_and(|(head, rest)| {
-            head.eq_ignore_ascii_case(word) && rest.first().is_none_or(u8::is_ascii_whitespace)
-        })
+    bytes.split_at_checked(word.len()).is_some_and(|(head, rest)| {
+        head.eq_ignore_ascii_case(word) && rest.first().is_none_or(u8::is_ascii_whitespace)
+    })
 }
 
 /// ASCII characters with a zero byte between them.
@@ -110,10 +93,7 @@ fn is_utf16(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(64) & !1];
     let zeros = |odd: usize| head.iter().skip(odd).step_by(2).all(|&b| b == 0);
     let letters = |odd: usize| {
-        head.iter()
-            .skip(odd)
-            .step_by(2)
-            .all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace())
+        head.iter().skip(odd).step_by(2).all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace())
     };
     head.len() >= 8 && ((zeros(0) && letters(1)) || (zeros(1) && letters(0)))
 }
@@ -129,8 +109,7 @@ mod tests {
 
     #[test]
     fn the_content_decides() {
-        let ascii =
-            b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+        let ascii = b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
             endloop\nendfacet\nendsolid s";
         let mesh = read(ascii.to_vec(), "obj").unwrap();
         assert_eq!(mesh.mesh.triangles().len(), 1);

@@ -63,20 +63,11 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     let mut triangles = Vec::new();
     for model in &models {
         let first = vertices.len();
-        vertices.extend(
-            model
-                .mesh
-                .positions
-                .chunks_exact(3)
-                .map(|p| Point::new(p[0], p[1], p[2])),
-        );
+        vertices.extend(model.mesh.positions.chunks_exact(3).map(|p| Point::new(p[0], p[1], p[2])));
         append_faces(&model.mesh, &vertices[first..], first, &mut triangles)?;
     }
     // tobj keeps only the vertices that faces name
-    if let (Some(line), true) = (
-        surface.unreadable.first(),
-        vertices.iter().any(|v| v.x.is_nan()),
-    ) {
+    if let (Some(line), true) = (surface.unreadable.first(), vertices.iter().any(|v| v.x.is_nan())) {
         return Err(format!(
             "bad OBJ: a face names a vertex that cannot be read; the first such is at line {line}"
         ));
@@ -85,10 +76,7 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
         MeshError::NoTriangles => "the file has no faces".to_owned(),
         other => other.to_string(),
     })?;
-    Ok(ReadMesh {
-        mesh,
-        remarks: surface.remarks(),
-    })
+    Ok(ReadMesh { mesh, remarks: surface.remarks() })
 }
 
 /// The statements that make the surface, line for line as in the file; other lines are empty.
@@ -167,10 +155,7 @@ impl Surface {
     fn remarks(&self) -> Vec<String> {
         let remark = |lines: &[usize], what: &str| {
             let first = lines.first()?;
-            Some(format!(
-                "{} lines {what}, the first of them line {first}; skipped",
-                lines.len()
-            ))
+            Some(format!("{} lines {what}, the first of them line {first}; skipped", lines.len()))
         };
         [
             remark(&self.unknown, "are no OBJ statements"),
@@ -200,9 +185,8 @@ fn append_faces(
             return Err("bad OBJ: a face is cut".to_owned());
         };
         rest = others;
-        let points: Option<Vec<Point>> = (corners.iter())
-            .map(|&c| vertices.get(c as usize).copied())
-            .collect();
+        let points: Option<Vec<Point>> =
+            (corners.iter()).map(|&c| vertices.get(c as usize).copied()).collect();
         let points = points.ok_or("bad OBJ: a face names a vertex that the file does not have")?;
         for triple in polygon::triangulate(&points)? {
             let global = |k: usize| u32::try_from(first + corners[k] as usize);
@@ -224,10 +208,7 @@ struct CountedLines<'t> {
 
 impl<'t> CountedLines<'t> {
     fn new(text: &'t [u8]) -> Self {
-        Self {
-            rest: text,
-            count: 0,
-        }
+        Self { rest: text, count: 0 }
     }
 }
 
@@ -255,7 +236,8 @@ mod tests {
 
     use super::*;
 
-    const SQUARE: &str = "mtllib /etc/passwd\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\no s\nusemtl x\n";
+    const SQUARE: &str =
+        "mtllib /etc/passwd\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\no s\nusemtl x\n";
 
     fn triangles(text: &str) -> usize {
         read(text).unwrap().mesh.triangles().len()
@@ -264,12 +246,7 @@ mod tests {
     #[test]
     fn faces_of_all_kinds() {
         assert_eq!(triangles(&format!("{SQUARE}f 1 2 3 4")), 2);
-        assert_eq!(
-            triangles(&format!(
-                "{SQUARE}f 1/1/1 2/1/1 3//1\nf -1 -2 -4\nl 1 2\np 1"
-            )),
-            2
-        );
+        assert_eq!(triangles(&format!("{SQUARE}f 1/1/1 2/1/1 3//1\nf -1 -2 -4\nl 1 2\np 1")), 2);
         assert_eq!(triangles(&format!("{SQUARE}f 1 2 \\\n 3 4\nf 1 2 3")), 3);
     }
 
@@ -282,46 +259,20 @@ mod tests {
 
     #[test]
     fn indices_that_would_wrap_are_harmless() {
-        for corner in [
-            "1/1/-9",
-            "1//-9223372036854775808",
-            "1/9223372036854775807/1",
-        ] {
+        for corner in ["1/1/-9", "1//-9223372036854775808", "1/9223372036854775807/1"] {
             assert_eq!(triangles(&format!("{SQUARE}f {corner} 2 3")), 1);
         }
-        for corner in [
-            "0",
-            "-9",
-            "5",
-            "9223372036854775807",
-            "-9223372036854775808",
-            "1.5",
-            "/1",
-        ] {
-            assert!(
-                read(&format!("{SQUARE}f {corner} 2 3")).is_err(),
-                "{corner}"
-            );
+        for corner in ["0", "-9", "5", "9223372036854775807", "-9223372036854775808", "1.5", "/1"] {
+            assert!(read(&format!("{SQUARE}f {corner} 2 3")).is_err(), "{corner}");
         }
     }
 
     #[test]
     fn faults_name_the_line() {
-        assert!(
-            read("v 0 0 0\nv 1 2\nf 1 2 1")
-                .unwrap_err()
-                .contains("line 2")
-        );
+        assert!(read("v 0 0 0\nv 1 2\nf 1 2 1").unwrap_err().contains("line 2"));
         assert!(read("v 0 0 0\n\nf 1 x 1\n").unwrap_err().contains("line 3"));
-        assert_eq!(
-            read("v 0 0 0\nv 1 0 0").unwrap_err(),
-            "the file has no faces"
-        );
-        assert!(
-            read(&format!("{SQUARE}f 1 2"))
-                .unwrap_err()
-                .contains("fewer than three")
-        );
+        assert_eq!(read("v 0 0 0\nv 1 0 0").unwrap_err(), "the file has no faces");
+        assert!(read(&format!("{SQUARE}f 1 2")).unwrap_err().contains("fewer than three"));
     }
 
     #[test]

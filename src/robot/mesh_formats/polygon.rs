@@ -2,8 +2,8 @@
 
 use crate::math::{Point, Vector};
 
-/// Most corners of a polygon that is not convex: ear clipping takes quadratic time.
-const MOST_CONCAVE_CORNERS: usize = 10_000;
+/// Most corners of a polygon that is not convex: ear clipping takes quadratic time, and cubic time at worst.
+const MOST_CONCAVE_CORNERS: usize = 2_000;
 
 /// The corners as triangles, by their place in `corners`: a fan when the polygon is convex, ear clipping when it is not
 /// (Meisters 1975), so that no triangle leaves the polygon. `n` corners give `n - 2` triangles.
@@ -23,7 +23,7 @@ pub(super) fn triangulate(corners: &[Point]) -> Result<Vec<[usize; 3]>, &'static
             if is_convex(&flat) {
                 Ok(fan(&order).collect())
             } else if count > MOST_CONCAVE_CORNERS {
-                Err("a polygon that is not convex has more than 10000 corners")
+                Err("a polygon that is not convex has more than 2000 corners")
             } else {
                 Ok(clip_ears(&flat, order))
             }
@@ -32,10 +32,7 @@ pub(super) fn triangulate(corners: &[Point]) -> Result<Vec<[usize; 3]>, &'static
 }
 
 fn fan(order: &[usize]) -> impl Iterator<Item = [usize; 3]> {
-    order
-        .windows(2)
-        .skip(1)
-        .map(|pair| [order[0], pair[0], pair[1]])
+    order.windows(2).skip(1).map(|pair| [order[0], pair[0], pair[1]])
 }
 
 /// The corners in the plane of the two axes that Newell's normal is farthest from, so turned that they go round
@@ -72,10 +69,7 @@ fn clip_ears(flat: &[[f64; 2]], mut order: Vec<usize>) -> Vec<[usize; 3]> {
     while order.len() > 3 {
         let n = order.len();
         // search on from the last ear, so that ears are cut all round and not as slivers at one corner
-        let Some(ear) = (0..n)
-            .map(|i| (start + i) % n)
-            .find(|&i| is_ear(flat, &order, i))
-        else {
+        let Some(ear) = (0..n).map(|i| (start + i) % n).find(|&i| is_ear(flat, &order, i)) else {
             break;
         };
         triangles.push([order[(ear + n - 1) % n], order[ear], order[(ear + 1) % n]]);
@@ -90,12 +84,7 @@ fn is_ear(flat: &[[f64; 2]], order: &[usize], i: usize) -> bool {
     let n = order.len();
     let [a, b, c] = [order[(i + n - 1) % n], order[i], order[(i + 1) % n]].map(|k| flat[k]);
     let inside = |p: [f64; 2]| {
-        p != a
-            && p != b
-            && p != c
-            && turn(a, b, p) >= 0.0
-            && turn(b, c, p) >= 0.0
-            && turn(c, a, p) >= 0.0
+        p != a && p != b && p != c && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
     };
     turn(a, b, c) >= 0.0 && !order.iter().any(|&k| inside(flat[k]))
 }
@@ -108,26 +97,16 @@ mod tests {
 
     fn area(corners: &[Point], triangles: &[[usize; 3]]) -> f64 {
         let size = |&[a, b, c]: &[usize; 3]| {
-            (corners[b] - corners[a])
-                .cross(&(corners[c] - corners[a]))
-                .norm()
-                / 2.0
+            (corners[b] - corners[a]).cross(&(corners[c] - corners[a])).norm() / 2.0
         };
         triangles.iter().map(size).sum()
     }
 
     /// An L of area 3 whose notch a fan from corner 0 would fill.
     fn l_shape() -> Vec<Point> {
-        [
-            [2.0, 0.0],
-            [2.0, 1.0],
-            [1.0, 1.0],
-            [1.0, 2.0],
-            [0.0, 2.0],
-            [0.0, 0.0],
-        ]
-        .map(|[x, y]| Point::new(0.5, x, y))
-        .to_vec()
+        [[2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0], [0.0, 0.0]]
+            .map(|[x, y]| Point::new(0.5, x, y))
+            .to_vec()
     }
 
     #[test]
@@ -150,12 +129,7 @@ mod tests {
     fn the_winding_is_kept() {
         let corners = l_shape();
         for [a, b, c] in triangulate(&corners).unwrap() {
-            assert!(
-                (corners[b] - corners[a])
-                    .cross(&(corners[c] - corners[a]))
-                    .x
-                    >= 0.0
-            );
+            assert!((corners[b] - corners[a]).cross(&(corners[c] - corners[a])).x >= 0.0);
         }
     }
 

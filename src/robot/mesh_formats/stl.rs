@@ -38,10 +38,7 @@ fn expected_length(count: usize) -> usize {
 /// When the length does not fit the triangle count: a cut file, or no STL at all.
 pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     let Some(count) = triangle_count(&bytes) else {
-        return Err(format!(
-            "{} bytes are too few for an STL, which has a header of {HEADER}",
-            bytes.len()
-        ));
+        return Err(format!("{} bytes are too few for an STL, which has a header of {HEADER}", bytes.len()));
     };
     let expected = expected_length(count);
     // a few bytes of padding are met in the wild; a whole triangle is none
@@ -56,8 +53,7 @@ pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     bytes[..80].fill(0);
     let mut read = indexed(&bytes)?;
     if surplus > 0 {
-        read.remarks
-            .push(format!("{surplus} bytes follow the last triangle"));
+        read.remarks.push(format!("{surplus} bytes follow the last triangle"));
     }
     Ok(read)
 }
@@ -95,9 +91,7 @@ fn one_plain_solid(text: &str) -> String {
 
 fn indexed(bytes: &[u8]) -> Result<ReadMesh, String> {
     let stl = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|e| format!("bad STL: {e}"))?;
-    let vertices = (stl.vertices.iter())
-        .map(|v| Point::from(v.0.map(f64::from)))
-        .collect();
+    let vertices = (stl.vertices.iter()).map(|v| Point::from(v.0.map(f64::from))).collect();
     let triangles = (stl.faces.iter())
         .map(|f| index_triple(f.vertices))
         .collect::<Option<Vec<_>>>()
@@ -125,9 +119,7 @@ mod tests {
         bytes[..header.len()].copy_from_slice(header);
         bytes.extend(count.to_le_bytes());
         for i in 0..u8::try_from(triangles).unwrap() {
-            let corners = [
-                0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, i as f32,
-            ];
+            let corners = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, i as f32];
             bytes.extend(corners.iter().flat_map(|c| c.to_le_bytes()));
             bytes.extend([0, 0]);
         }
@@ -136,10 +128,7 @@ mod tests {
 
     #[test]
     fn several_solids_in_any_case_all_count() {
-        let text = format!(
-            "SOLID\n{FACET}endsolid\nsolid b\n{}EndSolid b",
-            FACET.to_uppercase()
-        );
+        let text = format!("SOLID\n{FACET}endsolid\nsolid b\n{}EndSolid b", FACET.to_uppercase());
         assert_eq!(read_ascii(&text).unwrap().mesh.triangles().len(), 2);
     }
 
@@ -148,10 +137,7 @@ mod tests {
         for text in [
             format!("solid a\n{FACET}"),
             format!("solid a\n{}endsolid", FACET.replace("1e0", "1,5")),
-            format!(
-                "solid a\n{}endsolid",
-                FACET.replace("endloop", "vertex 1 1 1\nendloop")
-            ),
+            format!("solid a\n{}endsolid", FACET.replace("endloop", "vertex 1 1 1\nendloop")),
             format!("solid a\n{}endsolid", FACET.replace("1e0", "inf")),
             "solid a\nendsolid a".to_owned(),
         ] {
@@ -168,16 +154,8 @@ mod tests {
 
     #[test]
     fn counts_must_fit() {
-        assert!(
-            read_binary(binary(b"", 3, 2))
-                .unwrap_err()
-                .contains("3 triangles")
-        );
-        assert!(
-            read_binary(binary(b"", 2, 3))
-                .unwrap_err()
-                .contains("2 triangles")
-        );
+        assert!(read_binary(binary(b"", 3, 2)).unwrap_err().contains("3 triangles"));
+        assert!(read_binary(binary(b"", 2, 3)).unwrap_err().contains("2 triangles"));
         assert!(read_binary(binary(b"", u32::MAX, 3)).is_err());
         let mut padded = binary(b"", 2, 2);
         padded.push(0);

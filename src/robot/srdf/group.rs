@@ -43,11 +43,8 @@ impl<'d> Reader<'d> {
         for node in children(root, "group") {
             let name = node.attribute("name").unwrap_or_default();
             if name.is_empty() || index_of.contains_key(name) {
-                let message = if name.is_empty() {
-                    "has no name; ignored"
-                } else {
-                    "is there twice; ignored"
-                };
+                let message =
+                    if name.is_empty() { "has no name; ignored" } else { "is there twice; ignored" };
                 self.warn(node, format!("group '{name}'"), message);
                 continue;
             }
@@ -71,13 +68,8 @@ impl<'d> Reader<'d> {
 
     fn draft(&mut self, name: &'d str, node: Node<'d, 'd>) -> Draft<'d> {
         let element = format!("group '{name}'");
-        let mut draft = Draft {
-            name,
-            node,
-            joints: BTreeSet::new(),
-            links: BTreeSet::new(),
-            subgroups: Vec::new(),
-        };
+        let mut draft =
+            Draft { name, node, joints: BTreeSet::new(), links: BTreeSet::new(), subgroups: Vec::new() };
         for part in node.children().filter(Node::is_element) {
             match part.tag_name().name() {
                 "joint" => draft.joints.extend(self.joint(part, "name", &element)),
@@ -97,9 +89,7 @@ impl<'d> Reader<'d> {
                 _ => {}
             }
         }
-        draft
-            .links
-            .extend(draft.joints.iter().map(|&j| self.model.joint(j).child));
+        draft.links.extend(draft.joints.iter().map(|&j| self.model.joint(j).child));
         draft
     }
 
@@ -116,8 +106,7 @@ impl<'d> Reader<'d> {
 
     fn contains_itself(&self, draft: &Draft<'d>) -> Fault {
         let element = format!("group '{}'", draft.name);
-        self.xml
-            .fault(draft.node, element, "contains itself through its subgroups")
+        self.xml.fault(draft.node, element, "contains itself through its subgroups")
     }
 }
 

@@ -4,7 +4,8 @@ use super::*;
 use crate::robot::{MeshFiles, ModelError, RobotText};
 
 /// A chain a - b - c - d, with e on b.
-const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/><link name='e'/>
+const URDF: &str =
+    "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/><link name='e'/>
 <joint name='ab' type='continuous'><parent link='a'/><child link='b'/></joint>
 <joint name='bc' type='continuous'><parent link='b'/><child link='c'/></joint>
 <joint name='cd' type='fixed'><parent link='c'/><child link='d'/></joint>
@@ -12,12 +13,7 @@ const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='
 
 fn load(elements: &str) -> Result<RobotModel, ModelError> {
     let srdf = format!("<robot name='r'>\n{elements}\n</robot>");
-    let text = RobotText {
-        urdf: URDF,
-        srdf: Some(&srdf),
-        srdf_name: Some("r.srdf"),
-        ..RobotText::default()
-    };
+    let text = RobotText { urdf: URDF, srdf: Some(&srdf), srdf_name: Some("r.srdf"), ..RobotText::default() };
     RobotModel::from_text(&text, &MeshFiles::default())
 }
 
@@ -59,10 +55,7 @@ fn unknown_links_are_told_once_with_their_first_line() {
     );
     assert!(pairs(&srdf).is_empty());
     assert_eq!(warnings.len(), 3, "{warnings:?}");
-    assert!(
-        warnings[0].starts_with("r.srdf:2: ") && warnings[0].contains("'x'"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].starts_with("r.srdf:2: ") && warnings[0].contains("'x'"), "{warnings:?}");
     assert!(warnings[0].ends_with("1 more places"), "{warnings:?}");
     assert!(warnings[1].contains("with itself"), "{warnings:?}");
     assert!(warnings[2].contains("no link2"), "{warnings:?}");
@@ -95,9 +88,7 @@ fn groups_are_resolved_to_joints_and_links() {
 
 #[test]
 fn a_group_in_itself_is_a_fault() {
-    let error = load(
-        "<group name='g'><group name='h'/></group>\n<group name='h'><group name='g'/></group>",
-    );
+    let error = load("<group name='g'><group name='h'/></group>\n<group name='h'><group name='g'/></group>");
     let message = error.unwrap_err().to_string();
     assert!(message.starts_with("r.srdf:2: group 'g'"), "{message}");
     assert!(load("<group name='g'><group name='g'/></group>").is_err());
@@ -105,9 +96,8 @@ fn a_group_in_itself_is_a_fault() {
 
 #[test]
 fn odd_groups_are_told() {
-    let (srdf, warnings) = srdf(
-        "<group name='g'><group name='x'/><joint name='y'/></group>\n<group name='g'/>\n<group/>",
-    );
+    let (srdf, warnings) =
+        srdf("<group name='g'><group name='x'/><joint name='y'/></group>\n<group name='g'/>\n<group/>");
     assert_eq!(srdf.groups.len(), 1);
     assert_eq!(warnings.len(), 4, "{warnings:?}");
 }
@@ -128,13 +118,8 @@ fn foreign_elements_and_text_are_no_fault() {
 
 #[test]
 fn another_robots_srdf_is_told_and_a_urdf_refused() {
-    let text = |srdf| RobotText {
-        urdf: URDF,
-        srdf: Some(srdf),
-        ..RobotText::default()
-    };
-    let other =
-        RobotModel::from_text(&text("<robot name='other'/>"), &MeshFiles::default()).unwrap();
+    let text = |srdf| RobotText { urdf: URDF, srdf: Some(srdf), ..RobotText::default() };
+    let other = RobotModel::from_text(&text("<robot name='other'/>"), &MeshFiles::default()).unwrap();
     assert!(other.warnings()[0].to_string().contains("'other'"));
     let error = RobotModel::from_text(&text(URDF), &MeshFiles::default()).unwrap_err();
     assert!(error.to_string().contains("URDF"), "{error}");

@@ -9,14 +9,7 @@ use crate::constants::AXIS_LENGTH_SLACK;
 use crate::math::Vector;
 use crate::robot::numbers::shortened;
 
-const TYPES: [&str; 6] = [
-    "fixed",
-    "revolute",
-    "continuous",
-    "prismatic",
-    "floating",
-    "planar",
-];
+const TYPES: [&str; 6] = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"];
 
 impl<'d> Door<'d> {
     pub(super) fn check_joint(&mut self, name: &str, joint: Node<'d, 'd>, links: &HashSet<&str>) {
@@ -37,11 +30,7 @@ impl<'d> Door<'d> {
         };
         self.check_mimic(joint, &element, kind);
         self.writer.close("joint");
-        self.sound.joints.push(JointNotes {
-            place: self.xml.place(joint, element),
-            rotation,
-            limited,
-        });
+        self.sound.joints.push(JointNotes { place: self.xml.place(joint, element), rotation, limited });
     }
 
     fn check_type(&mut self, joint: Node<'d, 'd>, element: &str) -> &'static str {
@@ -52,24 +41,14 @@ impl<'d> Door<'d> {
         let message = match given {
             None => format!("has no type; the types are {}", TYPES.join(", ")),
             Some(other) => {
-                format!(
-                    "type '{}' is not known; the types are {}",
-                    shortened(other),
-                    TYPES.join(", ")
-                )
+                format!("type '{}' is not known; the types are {}", shortened(other), TYPES.join(", "))
             }
         };
         self.fault(joint, element, message);
         "fixed"
     }
 
-    fn check_end(
-        &mut self,
-        joint: Node<'d, 'd>,
-        element: &str,
-        end: &str,
-        links: &HashSet<&str>,
-    ) -> &'d str {
+    fn check_end(&mut self, joint: Node<'d, 'd>, element: &str, end: &str, links: &HashSet<&str>) -> &'d str {
         let Some(node) = self.only_child(joint, end, element) else {
             self.fault(joint, element, format!("has no <{end}>"));
             return "";
@@ -97,10 +76,7 @@ impl<'d> Door<'d> {
             let message = format!("axis '{}' has no usable length", shortened(xyz));
             self.fault(axis, element, message);
         } else if (length - 1.0).abs() > AXIS_LENGTH_SLACK {
-            let message = format!(
-                "axis '{}' has length {length}; only its direction counts",
-                shortened(xyz)
-            );
+            let message = format!("axis '{}' has length {length}; only its direction counts", shortened(xyz));
             self.warn(axis, element, message);
         }
         self.writer.element("axis", &[("xyz", xyz)]);
@@ -108,36 +84,13 @@ impl<'d> Door<'d> {
 
     /// Checks `<limit>` as urdfdom does; `true` when it bounds the joint.
     fn check_limit(&mut self, joint: Node<'d, 'd>, element: &str, kind: &str) -> bool {
+        const NAMES: [&str; 5] = ["lower", "upper", "effort", "velocity", "acceleration"];
         let Some(limit) = self.only_child(joint, "limit", element) else {
             self.fault(joint, element, format!("is {kind} and has no <limit>"));
             return false;
         };
-        let mut values: Vec<(&str, Option<f64>)> = Vec::new();
-        for name in ["lower", "upper", "effort", "velocity", "acceleration"] {
-            let given = limit.attribute(name);
-            let value = given
-                .and_then(|text| self.numbers::<1>(limit, element, &format!("limit {name}"), text));
-            values.push((name, value.map(|[v]| v)));
-        }
-        let [
-            (_, lower),
-            (_, upper),
-            (_, effort),
-            (_, velocity),
-            (_, acceleration),
-        ] = values[..]
-        else {
-            return false;
-        };
-        for (name, value) in [
-            ("effort", effort),
-            ("velocity", velocity),
-            ("acceleration", acceleration),
-        ] {
-            if value.is_some_and(|v| v < 0.0) {
-                self.fault(limit, element, format!("limit {name} is negative"));
-            }
-        }
+        let values = NAMES.map(|name| self.limit_value(limit, element, name));
+        let [lower, upper, _, velocity, _] = values;
         let unbounded = self.version >= (1, 2) && (lower.is_none() || upper.is_none());
         if unbounded && (lower.is_some() || upper.is_some()) {
             self.warn(
@@ -148,24 +101,28 @@ impl<'d> Door<'d> {
         } else if !unbounded {
             self.check_bounds(limit, element, lower, upper);
         }
-        let attributes: Vec<(&str, &str)> = (values.iter())
-            .filter_map(|&(name, value)| value.and(Some((name, limit.attribute(name)?))))
+        // urdf-rs insists on a velocity
+        let attributes: Vec<(&str, &str)> = (NAMES.iter().zip(values))
+            .filter_map(|(name, value)| value.and(Some((*name, limit.attribute(*name)?))))
             .chain(velocity.is_none().then_some(("velocity", "inf")))
             .collect();
         self.writer.element("limit", &attributes);
         !unbounded
     }
 
-    fn check_bounds(
-        &mut self,
-        limit: Node<'d, 'd>,
-        element: &str,
-        lower: Option<f64>,
-        upper: Option<f64>,
-    ) {
+    /// A number of `<limit>`; only positions may be negative.
+    fn limit_value(&mut self, limit: Node<'d, 'd>, element: &str, name: &str) -> Option<f64> {
+        let text = limit.attribute(name)?;
+        let [value] = self.numbers(limit, element, &format!("limit {name}"), text)?;
+        if value < 0.0 && !matches!(name, "lower" | "upper") {
+            self.fault(limit, element, format!("limit {name} is negative"));
+        }
+        Some(value)
+    }
+
+    fn check_bounds(&mut self, limit: Node<'d, 'd>, element: &str, lower: Option<f64>, upper: Option<f64>) {
         if lower.is_none() && upper.is_none() {
-            let message =
-                "limit has neither lower nor upper, which URDF takes as 0: the joint cannot move";
+            let message = "limit has neither lower nor upper, which URDF takes as 0: the joint cannot move";
             self.warn(limit, element, message);
         }
         let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
@@ -181,18 +138,10 @@ impl<'d> Door<'d> {
         };
         match kind {
             "fixed" => {
-                return self.warn(
-                    mimic,
-                    element,
-                    "a fixed joint mimics none: <mimic> is ignored",
-                );
+                return self.warn(mimic, element, "a fixed joint mimics none: <mimic> is ignored");
             }
             "floating" | "planar" => {
-                return self.fault(
-                    mimic,
-                    element,
-                    format!("a {kind} joint cannot mimic another"),
-                );
+                return self.fault(mimic, element, format!("a {kind} joint cannot mimic another"));
             }
             _ => {}
         }
@@ -204,13 +153,6 @@ impl<'d> Door<'d> {
         let offset = mimic.attribute("offset").unwrap_or("0");
         self.numbers::<1>(mimic, element, "mimic multiplier", multiplier);
         self.numbers::<1>(mimic, element, "mimic offset", offset);
-        self.writer.element(
-            "mimic",
-            &[
-                ("joint", leader),
-                ("multiplier", multiplier),
-                ("offset", offset),
-            ],
-        );
+        self.writer.element("mimic", &[("joint", leader), ("multiplier", multiplier), ("offset", offset)]);
     }
 }

@@ -14,10 +14,8 @@ const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
 impl<'d> Door<'d> {
     pub(super) fn check_link(&mut self, name: &str, link: Node<'d, 'd>) {
         self.writer.open("link", &[("name", name)]);
-        let mut notes = LinkNotes {
-            place: self.xml.place(link, format!("link '{name}'")),
-            collisions: Vec::new(),
-        };
+        let mut notes =
+            LinkNotes { place: self.xml.place(link, format!("link '{name}'")), collisions: Vec::new() };
         for (collision, number) in children(link, "collision").zip(1..) {
             let element = match collision.attribute("name").unwrap_or_default() {
                 "" => format!("link '{name}' collision {number}"),
@@ -48,7 +46,8 @@ impl<'d> Door<'d> {
         self.writer.element("origin", &[("xyz", xyz), ("rpy", rpy)]);
         let quaternion = origin.attribute("quat_xyzw")?;
         if self.version < (1, 1) {
-            let message = "origin quat_xyzw is ignored, since only URDF 1.1 knows it: write <robot version=\"1.1\">";
+            let message =
+                "origin quat_xyzw is ignored, since only URDF 1.1 knows it: write <robot version=\"1.1\">";
             self.warn(origin, element, message);
             return None;
         }
@@ -71,10 +70,8 @@ impl<'d> Door<'d> {
             return;
         };
         let known = |n: &Node| SHAPES.contains(&n.tag_name().name());
-        let (shapes, others): (Vec<Node>, Vec<Node>) = geometry
-            .children()
-            .filter(Node::is_element)
-            .partition(known);
+        let (shapes, others): (Vec<Node>, Vec<Node>) =
+            geometry.children().filter(Node::is_element).partition(known);
         match (&shapes[..], others.first()) {
             ([shape], _) => {
                 self.writer.open("geometry", &[]);
@@ -88,10 +85,7 @@ impl<'d> Door<'d> {
             ([], None) => self.fault(geometry, element, "<geometry> is empty"),
             ([], Some(other)) => {
                 let found = other.tag_name().name();
-                let message = format!(
-                    "<geometry> has <{found}>, but must have one of {}",
-                    SHAPES.join(", ")
-                );
+                let message = format!("<geometry> has <{found}>, but must have one of {}", SHAPES.join(", "));
                 self.fault(*other, element, message);
             }
         }
@@ -112,8 +106,7 @@ impl<'d> Door<'d> {
             _ => {
                 let radius = self.dimensions::<1>(shape, element, "radius");
                 let length = self.dimensions::<1>(shape, element, "length");
-                self.writer
-                    .element(tag, &[("radius", radius), ("length", length)]);
+                self.writer.element(tag, &[("radius", radius), ("length", length)]);
             }
         }
     }
@@ -123,10 +116,7 @@ impl<'d> Door<'d> {
         if filename.trim().is_empty() {
             self.fault(mesh, element, "mesh has no filename");
         } else if is_unexpanded(filename) {
-            let message = format!(
-                "mesh filename '{}' is unexpanded xacro",
-                shortened(filename)
-            );
+            let message = format!("mesh filename '{}' is unexpanded xacro", shortened(filename));
             self.fault(mesh, element, message);
         }
         let scale = mesh.attribute("scale").unwrap_or("1 1 1");
@@ -136,17 +126,11 @@ impl<'d> Door<'d> {
             let message = format!("mesh scale '{}' makes the mesh flat", shortened(scale));
             self.fault(mesh, element, message);
         }
-        self.writer
-            .element("mesh", &[("filename", filename), ("scale", scale)]);
+        self.writer.element("mesh", &[("filename", filename), ("scale", scale)]);
     }
 
     /// The text of a dimension, checked: `N` lengths, none negative.
-    fn dimensions<const N: usize>(
-        &mut self,
-        shape: Node<'d, 'd>,
-        element: &str,
-        name: &str,
-    ) -> &'d str {
+    fn dimensions<const N: usize>(&mut self, shape: Node<'d, 'd>, element: &str, name: &str) -> &'d str {
         let what = format!("{} {name}", shape.tag_name().name());
         let Some(text) = shape.attribute(name) else {
             self.fault(shape, element, format!("{what} is missing"));
@@ -156,17 +140,9 @@ impl<'d> Door<'d> {
             return text;
         };
         if values.iter().any(|v| *v < 0.0) {
-            self.fault(
-                shape,
-                element,
-                format!("{what} '{}' is negative", shortened(text)),
-            );
+            self.fault(shape, element, format!("{what} '{}' is negative", shortened(text)));
         } else if values.contains(&0.0) && self.version >= (1, 2) {
-            self.fault(
-                shape,
-                element,
-                format!("{what} is 0, which URDF 1.2 forbids"),
-            );
+            self.fault(shape, element, format!("{what} is 0, which URDF 1.2 forbids"));
         } else if values.contains(&0.0) {
             self.warn(shape, element, format!("{what} is 0"));
         }
@@ -183,10 +159,7 @@ impl<'d> Door<'d> {
     ) -> Option<[f64; N]> {
         let values = self.numbers::<N>(node, element, what, text)?;
         if values.iter().any(|v| v.abs() > LARGEST_COORDINATE) {
-            let message = format!(
-                "{what} '{}' is larger than {LARGEST_COORDINATE} m",
-                shortened(text)
-            );
+            let message = format!("{what} '{}' is larger than {LARGEST_COORDINATE} m", shortened(text));
             self.fault(node, element, message);
             return None;
         }
@@ -204,11 +177,7 @@ impl<'d> Door<'d> {
         match decimals(text) {
             Ok(values) => Some(values),
             Err(reason) => {
-                let xacro = if is_unexpanded(text) {
-                    ": this is unexpanded xacro"
-                } else {
-                    ""
-                };
+                let xacro = if is_unexpanded(text) { ": this is unexpanded xacro" } else { "" };
                 self.fault(node, element, format!("{what}: {reason}{xacro}"));
                 None
             }

@@ -13,11 +13,7 @@ fn urdf(collision: &str, kind: &str, joint: &str) -> String {
 const LIMIT: &str = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
 
 fn collision(geometry: &str) -> String {
-    urdf(
-        &format!("<collision><geometry>{geometry}</geometry></collision>"),
-        "fixed",
-        "",
-    )
+    urdf(&format!("<collision><geometry>{geometry}</geometry></collision>"), "fixed", "")
 }
 
 fn revolute(more: &str) -> String {
@@ -45,10 +41,7 @@ fn warned(text: &str, words: &[&str]) -> RobotModel {
     let warnings: Vec<String> = model.warnings().iter().map(ToString::to_string).collect();
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     for word in words {
-        assert!(
-            warnings[0].contains(word),
-            "'{word}' is missing in: {warnings:?}"
-        );
+        assert!(warnings[0].contains(word), "'{word}' is missing in: {warnings:?}");
     }
     model
 }
@@ -69,17 +62,11 @@ fn every_shape_is_read() {
 #[test]
 fn bad_shapes_are_refused_by_link_shape_and_dimension() {
     for (geometry, words) in [
-        (
-            "<box size='1 2'/>",
-            &["link 'b'", "box size", "2 numbers"][..],
-        ),
+        ("<box size='1 2'/>", &["link 'b'", "box size", "2 numbers"][..]),
         ("<box/>", &["box size is missing"]),
         ("<sphere radius='-1'/>", &["sphere radius", "negative"]),
         ("<sphere radius='1e9'/>", &["sphere radius", "larger"]),
-        (
-            "<capsule radius='1' length='nan'/>",
-            &["capsule length", "not finite"],
-        ),
+        ("<capsule radius='1' length='nan'/>", &["capsule length", "not finite"]),
         ("<box size='${x} 1 1'/>", &["xacro"]),
         ("<mesh/>", &["mesh has no filename"]),
         ("<mesh filename='$(find p)/a.stl'/>", &["xacro"]),
@@ -87,10 +74,7 @@ fn bad_shapes_are_refused_by_link_shape_and_dimension() {
         ("<mesh filename='a.stl'/>", &["a.stl", "--package-path"]),
         ("<plane/>", &["<plane>", "box"]),
         ("", &["<geometry> is empty"]),
-        (
-            "<box size='1 1 1'/><sphere radius='1'/>",
-            &["more than one shape"],
-        ),
+        ("<box size='1 1 1'/><sphere radius='1'/>", &["more than one shape"]),
     ] {
         refused(&collision(geometry), words);
     }
@@ -112,32 +96,18 @@ fn what_collisions_do_not_need_is_not_looked_at() {
     let visual = "<visual><geometry><mesh filename='nowhere.stl' scale='x'/></geometry></visual>\
         <inertial><mass/></inertial>";
     accepted(&urdf(visual, "fixed", ""));
-    let gazebo = "<gazebo><link name=''/><joint/></gazebo><transmission><joint name='j'/></transmission></robot>";
+    let gazebo =
+        "<gazebo><link name=''/><joint/></gazebo><transmission><joint name='j'/></transmission></robot>";
     accepted(&urdf("", "fixed", "").replace("</robot>", gazebo));
 }
 
 #[test]
 fn joints_need_type_and_two_known_links() {
-    refused(
-        &urdf("", "hinge", ""),
-        &["joint 'j'", "'hinge'", "revolute"],
-    );
-    refused(
-        &urdf("", "fixed", "").replace("type='fixed'", ""),
-        &["has no type"],
-    );
-    refused(
-        &urdf("", "fixed", "").replace("<child link='b'/>", ""),
-        &["no <child>"],
-    );
-    refused(
-        &urdf("", "fixed", "").replace("<child link='b'/>", "<child/>"),
-        &["<child> names no link"],
-    );
-    refused(
-        &urdf("", "fixed", "").replace("parent link='a'", "parent link='x'"),
-        &["parent link 'x'"],
-    );
+    refused(&urdf("", "hinge", ""), &["joint 'j'", "'hinge'", "revolute"]);
+    refused(&urdf("", "fixed", "").replace("type='fixed'", ""), &["has no type"]);
+    refused(&urdf("", "fixed", "").replace("<child link='b'/>", ""), &["no <child>"]);
+    refused(&urdf("", "fixed", "").replace("<child link='b'/>", "<child/>"), &["<child> names no link"]);
+    refused(&urdf("", "fixed", "").replace("parent link='a'", "parent link='x'"), &["parent link 'x'"]);
     let second_root = urdf("", "fixed", "").replace("</robot>", "<link name='c'/></robot>");
     refused(&second_root, &["2 links have no parent", "'a'", "'c'"]);
 }
@@ -162,66 +132,32 @@ fn names_must_be_there_and_differ() {
         &urdf("", "fixed", "").replace("link name='b'", "link name='a'"),
         &["line 4: ", "link 'a'", "line 3"],
     );
-    refused(
-        &urdf("", "fixed", "").replace("link name='b'", "link name='${p}b'"),
-        &["xacro"],
-    );
-    warned(
-        &urdf("", "fixed", "").replace("robot name='r'", "robot"),
-        &["no name"],
-    );
+    refused(&urdf("", "fixed", "").replace("link name='b'", "link name='${p}b'"), &["xacro"]);
+    warned(&urdf("", "fixed", "").replace("robot name='r'", "robot"), &["no name"]);
 }
 
 #[test]
 fn an_axis_needs_a_direction_only() {
     refused(&revolute("<axis xyz='0 0 0'/>"), &["joint 'j'", "axis"]);
-    let model = warned(
-        &revolute("<axis xyz='0 0 10'/>"),
-        &["joint 'j'", "axis", "length 10"],
-    );
-    assert_eq!(
-        model.joints()[0].kind,
-        JointKind::Revolute(crate::math::Vector::z_axis())
-    );
+    let model = warned(&revolute("<axis xyz='0 0 10'/>"), &["joint 'j'", "axis", "length 10"]);
+    assert_eq!(model.joints()[0].kind, JointKind::Revolute(crate::math::Vector::z_axis()));
     accepted(&revolute("<axis xyz='0 0.7071 0.7071'/>"));
-    assert_eq!(
-        accepted(&revolute("")).joints()[0].kind,
-        JointKind::Revolute(crate::math::Vector::x_axis())
-    );
+    assert_eq!(accepted(&revolute("")).joints()[0].kind, JointKind::Revolute(crate::math::Vector::x_axis()));
 }
 
 #[test]
 fn limits_are_as_urdfdom_takes_them() {
     refused(&urdf("", "revolute", ""), &["joint 'j'", "no <limit>"]);
-    refused(
-        &urdf("", "prismatic", "<limit lower='1' upper='0' velocity='1'/>"),
-        &["lower 1", "upper 0"],
-    );
-    refused(
-        &urdf("", "revolute", "<limit lower='-inf' upper='1'/>"),
-        &["limit lower", "not finite"],
-    );
-    refused(
-        &urdf("", "revolute", "<limit velocity='-1' lower='0' upper='1'/>"),
-        &["velocity is negative"],
-    );
-    let still = warned(
-        &urdf("", "revolute", "<limit effort='1' velocity='2'/>"),
-        &["'j'", "limit"],
-    );
+    refused(&urdf("", "prismatic", "<limit lower='1' upper='0' velocity='1'/>"), &["lower 1", "upper 0"]);
+    refused(&urdf("", "revolute", "<limit lower='-inf' upper='1'/>"), &["limit lower", "not finite"]);
+    refused(&urdf("", "revolute", "<limit velocity='-1' lower='0' upper='1'/>"), &["velocity is negative"]);
+    let still = warned(&urdf("", "revolute", "<limit effort='1' velocity='2'/>"), &["'j'", "limit"]);
     let limits = still.joints()[0].limits.unwrap();
-    assert_eq!(
-        (limits.lower, limits.upper, limits.velocity),
-        (0.0, 0.0, 2.0)
-    );
+    assert_eq!((limits.lower, limits.upper, limits.velocity), (0.0, 0.0, 2.0));
     // URDF 1.2 changed the meaning of what is not said
-    let free =
-        accepted(&urdf("", "revolute", "<limit effort='1' velocity='2'/>").replace("1.1", "1.2"));
+    let free = accepted(&urdf("", "revolute", "<limit effort='1' velocity='2'/>").replace("1.1", "1.2"));
     assert_eq!(free.joints()[0].limits, None);
-    assert_eq!(
-        accepted(&urdf("", "continuous", LIMIT)).joints()[0].limits,
-        None
-    );
+    assert_eq!(accepted(&urdf("", "continuous", LIMIT)).joints()[0].limits, None);
 }
 
 #[test]
@@ -229,27 +165,14 @@ fn mimics_are_checked() {
     refused(&revolute("<mimic joint='x'/>"), &["joint 'j'", "'x'"]);
     refused(&revolute("<mimic/>"), &["names no joint"]);
     refused(&revolute("<mimic joint='j'/>"), &["'j' mimics 'j'"]);
-    refused(
-        &revolute("<mimic joint='j' offset='inf'/>"),
-        &["mimic offset"],
-    );
-    refused(
-        &urdf("", "planar", "<mimic joint='j'/>"),
-        &["planar joint cannot mimic"],
-    );
-    warned(
-        &urdf("", "fixed", "<mimic joint='nobody'/>"),
-        &["fixed", "ignored"],
-    );
+    refused(&revolute("<mimic joint='j' offset='inf'/>"), &["mimic offset"]);
+    refused(&urdf("", "planar", "<mimic joint='j'/>"), &["planar joint cannot mimic"]);
+    warned(&urdf("", "fixed", "<mimic joint='nobody'/>"), &["fixed", "ignored"]);
 }
 
 #[test]
 fn a_quaternion_is_a_rotation_from_1_1_on() {
-    let text = urdf(
-        "",
-        "fixed",
-        "<origin xyz='1 2 3' quat_xyzw='0 0.70710678118 0 0.70710678119'/>",
-    );
+    let text = urdf("", "fixed", "<origin xyz='1 2 3' quat_xyzw='0 0.70710678118 0 0.70710678119'/>");
     let turned = accepted(&text).joints()[0].pose_pj;
     // the angles of urdf-rs would be wrong by milliradians near this pitch
     assert!((turned.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-10);
@@ -257,20 +180,12 @@ fn a_quaternion_is_a_rotation_from_1_1_on() {
     warned(&text.replace("1.1", "1.0"), &["quat_xyzw is ignored"]);
     refused(&text.replace("xyz='1 2 3'", "rpy='0 0 0'"), &["both"]);
     refused(&text.replace("0.70710678119", "nan"), &["quat_xyzw"]);
-    refused(
-        &text
-            .replace("0.70710678118", "0")
-            .replace("0.70710678119", "0"),
-        &["no length"],
-    );
+    refused(&text.replace("0.70710678118", "0").replace("0.70710678119", "0"), &["no length"]);
 }
 
 #[test]
 fn repeated_elements_are_told() {
-    warned(
-        &urdf("", "fixed", "<origin xyz='1 0 0'/><origin xyz='2 0 0'/>"),
-        &["second <origin>"],
-    );
+    warned(&urdf("", "fixed", "<origin xyz='1 0 0'/><origin xyz='2 0 0'/>"), &["second <origin>"]);
 }
 
 #[test]
@@ -284,19 +199,10 @@ fn no_urdf_at_all() {
     refused("", &["empty"]);
     refused("<sdf/>", &["<sdf>", "<robot>"]);
     refused("<robot name='r'/>", &["no <link>"]);
-    refused(
-        "<robot version='2.0'><link name='a'/></robot>",
-        &["version '2.0'"],
-    );
+    refused("<robot version='2.0'><link name='a'/></robot>", &["version '2.0'"]);
     refused("<robot name='r'><xacro:macro/></robot>", &["xacro"]);
-    refused(
-        &("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)),
-        &["XML"],
-    );
-    warned(
-        "<robot name='r' version='1'><link name='a'/></robot>",
-        &["version '1'"],
-    );
+    refused(&("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)), &["XML"]);
+    warned("<robot name='r' version='1'><link name='a'/></robot>", &["version '1'"]);
 }
 
 proptest! {

@@ -12,11 +12,7 @@ type Polygons = Vec<Vec<usize>>;
 
 impl<'d> Collada<'d> {
     /// Adds the triangles of `geometry`, moved by `to_file`.
-    pub(super) fn append(
-        &mut self,
-        geometry: Node<'d, 'd>,
-        to_file: &Matrix4<f64>,
-    ) -> Result<(), String> {
+    pub(super) fn append(&mut self, geometry: Node<'d, 'd>, to_file: &Matrix4<f64>) -> Result<(), String> {
         let Some(mesh) = child(geometry, "mesh").or_else(|| child(geometry, "convex_mesh")) else {
             return Err(self.at(geometry, "has no <mesh>"));
         };
@@ -30,8 +26,7 @@ impl<'d> Collada<'d> {
             if known.as_ref().is_none_or(|(node, _, _)| *node != vertices) {
                 let positions = self.positions(vertices)?;
                 let first = self.vertices.len();
-                self.vertices
-                    .extend(positions.iter().map(|p| to_file.transform_point(p)));
+                self.vertices.extend(positions.iter().map(|p| to_file.transform_point(p)));
                 known = Some((vertices, first, positions));
             }
             let Some((_, first, positions)) = &known else {
@@ -55,24 +50,17 @@ impl<'d> Collada<'d> {
         let corner = |&index: &usize| {
             (positions.get(index).copied()).ok_or_else(|| {
                 let count = positions.len();
-                self.at(
-                    primitive,
-                    format!("names vertex {index}, but there are {count}"),
-                )
+                self.at(primitive, format!("names vertex {index}, but there are {count}"))
             })
         };
         let corners: Vec<Point> = polygon.iter().map(corner).collect::<Result<_, _>>()?;
-        let triangles =
-            polygon::triangulate(&corners).map_err(|reason| self.at(primitive, reason))?;
+        let triangles = polygon::triangulate(&corners).map_err(|reason| self.at(primitive, reason))?;
         if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
-            return Err(format!(
-                "the scene shows more than {MOST_TRIANGLES} triangles"
-            ));
+            return Err(format!("the scene shows more than {MOST_TRIANGLES} triangles"));
         }
         for triple in triangles {
             let [a, b, c] = triple.map(|k| u32::try_from(first + polygon[k]).unwrap_or(u32::MAX));
-            self.triangles
-                .push(if mirrored { [a, c, b] } else { [a, b, c] });
+            self.triangles.push(if mirrored { [a, c, b] } else { [a, b, c] });
         }
         Ok(())
     }
@@ -97,10 +85,7 @@ impl<'d> Collada<'d> {
         let stride = self.whole(accessor, "stride", Some(1))?;
         let offset = self.whole(accessor, "offset", Some(0))?;
         if stride < 3 {
-            return Err(self.at(
-                accessor,
-                format!("positions have 3 numbers, but the stride is {stride}"),
-            ));
+            return Err(self.at(accessor, format!("positions have 3 numbers, but the stride is {stride}")));
         }
         let positions: Vec<Point> = (numbers.get(offset..).unwrap_or_default())
             .chunks(stride)
@@ -108,27 +93,16 @@ impl<'d> Collada<'d> {
             .filter_map(|p| Some(Point::new(*p.first()?, *p.get(1)?, *p.get(2)?)))
             .collect();
         if positions.len() != count {
-            return Err(self.at(
-                accessor,
-                format!(
-                    "the count is {count}, but {} positions are there",
-                    positions.len()
-                ),
-            ));
+            return Err(self
+                .at(accessor, format!("the count is {count}, but {} positions are there", positions.len())));
         }
         Ok(positions)
     }
 
     /// The polygons of a primitive element and the `<vertices>` they index; `None` for lines and other elements.
-    fn polygons(
-        &mut self,
-        primitive: Node<'d, 'd>,
-    ) -> Result<Option<(Node<'d, 'd>, Polygons)>, String> {
+    fn polygons(&mut self, primitive: Node<'d, 'd>) -> Result<Option<(Node<'d, 'd>, Polygons)>, String> {
         let kind = primitive.tag_name().name();
-        if !matches!(
-            kind,
-            "triangles" | "polylist" | "polygons" | "trifans" | "tristrips"
-        ) {
+        if !matches!(kind, "triangles" | "polylist" | "polygons" | "trifans" | "tristrips") {
             return Ok(None);
         }
         if child(primitive, "ph").is_some() {
@@ -143,18 +117,14 @@ impl<'d> Collada<'d> {
                 vertex_input = Some((input, offset));
             }
         }
-        let lists: Vec<Vec<usize>> = children(primitive, "p")
-            .map(|p| self.indices(p))
-            .collect::<Result<_, _>>()?;
+        let lists: Vec<Vec<usize>> =
+            children(primitive, "p").map(|p| self.indices(p)).collect::<Result<_, _>>()?;
         let Some((input, offset)) = vertex_input else {
             return Err(self.at(primitive, "has no input VERTEX"));
         };
         let corners = |list: &Vec<usize>| -> Result<Vec<usize>, String> {
             if !list.len().is_multiple_of(stride) {
-                return Err(self.at(
-                    primitive,
-                    format!("{} indices are no multiple of {stride}", list.len()),
-                ));
+                return Err(self.at(primitive, format!("{} indices are no multiple of {stride}", list.len())));
             }
             Ok(list.iter().skip(offset).step_by(stride).copied().collect())
         };
@@ -172,19 +142,12 @@ impl<'d> Collada<'d> {
 
     fn equal_polygons(&self, primitive: Node, corners: &[usize]) -> Result<Polygons, String> {
         if !corners.len().is_multiple_of(3) {
-            return Err(self.at(
-                primitive,
-                format!("{} corners are no triangles", corners.len()),
-            ));
+            return Err(self.at(primitive, format!("{} corners are no triangles", corners.len())));
         }
         Ok(corners.chunks(3).map(<[usize]>::to_vec).collect())
     }
 
-    fn counted_polygons(
-        &self,
-        primitive: Node<'d, 'd>,
-        corners: &[usize],
-    ) -> Result<Polygons, String> {
+    fn counted_polygons(&self, primitive: Node<'d, 'd>, corners: &[usize]) -> Result<Polygons, String> {
         let counts = match child(primitive, "vcount") {
             Some(vcount) => self.indices(vcount)?,
             None => Vec::new(),
@@ -201,47 +164,33 @@ impl<'d> Collada<'d> {
         if rest.is_empty() {
             Ok(polygons)
         } else {
-            Err(self.at(
-                primitive,
-                format!("vcount leaves {} corners of <p> over", rest.len()),
-            ))
+            Err(self.at(primitive, format!("vcount leaves {} corners of <p> over", rest.len())))
         }
     }
 
     /// The attribute `count` binds nobody, but a wrong one is told.
     fn compare_count(&mut self, primitive: Node, kind: &str, polygons: usize) {
-        let said = primitive
-            .attribute("count")
-            .and_then(|c| c.trim().parse::<usize>().ok());
+        let said = primitive.attribute("count").and_then(|c| c.trim().parse::<usize>().ok());
         // fans and strips count lists, not triangles
         if !matches!(kind, "trifans" | "tristrips") && said.is_some_and(|said| said != polygons) {
             let said = said.unwrap_or_default();
-            let remark = self.at(
-                primitive,
-                format!("the count is {said}, but {polygons} are there"),
-            );
+            let remark = self.at(primitive, format!("the count is {said}, but {polygons} are there"));
             self.remarks.push(remark);
         }
     }
 
     fn indices(&self, node: Node) -> Result<Vec<usize>, String> {
         (node.text().unwrap_or_default().split_whitespace())
-            .map(|word| {
-                word.parse()
-                    .map_err(|_| self.at(node, "holds something that is no index"))
-            })
+            .map(|word| word.parse().map_err(|_| self.at(node, "holds something that is no index")))
             .collect()
     }
 
     /// A whole number from an attribute.
     fn whole(&self, node: Node, attribute: &str, missing: Option<usize>) -> Result<usize, String> {
         match (node.attribute(attribute).map(str::trim), missing) {
-            (Some(text), _) => text.parse().map_err(|_| {
-                self.at(
-                    node,
-                    format!("the attribute {attribute} is no whole number"),
-                )
-            }),
+            (Some(text), _) => text
+                .parse()
+                .map_err(|_| self.at(node, format!("the attribute {attribute} is no whole number"))),
             (None, Some(value)) => Ok(value),
             (None, None) => Err(self.at(node, format!("has no attribute {attribute}"))),
         }
@@ -252,9 +201,7 @@ fn fan(list: &[usize]) -> Polygons {
     let Some((&first, rest)) = list.split_first() else {
         return Vec::new();
     };
-    rest.windows(2)
-        .map(|pair| vec![first, pair[0], pair[1]])
-        .collect()
+    rest.windows(2).map(|pair| vec![first, pair[0], pair[1]]).collect()
 }
 
 /// Every second triangle of a strip is wound the other way.

@@ -20,10 +20,7 @@ pub(super) struct Shown<'d> {
 
 impl<'d> Collada<'d> {
     /// The geometries under the scene, with all node transforms; `base` comes last.
-    pub(super) fn shown_geometries(
-        &mut self,
-        base: Matrix4<f64>,
-    ) -> Result<Vec<Shown<'d>>, String> {
+    pub(super) fn shown_geometries(&mut self, base: Matrix4<f64>) -> Result<Vec<Shown<'d>>, String> {
         let mut shown = Vec::new();
         let mut pending: Vec<(Node, Matrix4<f64>, usize)> = self
             .visual_scene()?
@@ -45,13 +42,11 @@ impl<'d> Collada<'d> {
                     "instance_node" => {
                         pending.push((self.referenced(part, "url")?, to_file, level + 1));
                     }
-                    "instance_geometry" => shown.push(Shown {
-                        geometry: self.referenced(part, "url")?,
-                        to_file,
-                    }),
+                    "instance_geometry" => {
+                        shown.push(Shown { geometry: self.referenced(part, "url")?, to_file })
+                    }
                     "instance_controller" => {
-                        let remark =
-                            "instances a controller; skinned and morphed meshes are left out";
+                        let remark = "instances a controller; skinned and morphed meshes are left out";
                         self.remarks.push(self.at(node, remark));
                     }
                     _ => {}
@@ -64,8 +59,7 @@ impl<'d> Collada<'d> {
 
     /// The scene that the file instances, or its only one.
     fn visual_scene(&self) -> Result<Option<Node<'d, 'd>>, String> {
-        let instance =
-            child(self.xml.root(), "scene").and_then(|s| child(s, "instance_visual_scene"));
+        let instance = child(self.xml.root(), "scene").and_then(|s| child(s, "instance_visual_scene"));
         if let Some(instance) = instance {
             return self.referenced(instance, "url").map(Some);
         }

@@ -36,12 +36,7 @@ fn fault(text: &str) -> String {
 
 #[test]
 fn the_unit_counts_and_the_up_axis_is_told() {
-    let read = read(&file(
-        r#"<unit meter="0.0254"/><up_axis>Y_UP</up_axis>"#,
-        TRIANGLES,
-        NODE,
-    ))
-    .unwrap();
+    let read = read(&file(r#"<unit meter="0.0254"/><up_axis>Y_UP</up_axis>"#, TRIANGLES, NODE)).unwrap();
     assert!((extent(&read) - Vector::new(0.0254, 0.0254, 0.0)).norm() < 1e-15);
     assert!(read.remarks[0].contains("Y_UP"), "{:?}", read.remarks);
 }
@@ -58,7 +53,8 @@ fn node_transforms_apply_inside_out() {
 
 #[test]
 fn a_matrix_that_mirrors_turns_the_winding() {
-    let node = r##"<node><matrix>-1 0 0 3  0 1 0 0  0 0 1 0  0 0 0 1</matrix><instance_geometry url="#g"/></node>"##;
+    let node =
+        r##"<node><matrix>-1 0 0 3  0 1 0 0  0 0 1 0  0 0 0 1</matrix><instance_geometry url="#g"/></node>"##;
     let read = read(&file("", TRIANGLES, node)).unwrap();
     assert!(read.mesh.triangle(0).normal().z > 0.0);
     assert!((read.mesh.bounds().0.x - 2.5).abs() < 1e-15);
@@ -101,11 +97,8 @@ fn faults_are_named() {
     assert!(fault(&good.replace("2 3</p>", "2</p>")).contains("no triangles"));
     assert!(fault(&good.replace("#v\"", "#w\"")).contains("'w'"));
     assert!(
-        fault(&good.replace(
-            "accessor source=\"#a\" count=\"4\"",
-            "accessor source=\"#a\" count=\"5\""
-        ))
-        .contains("count is 5")
+        fault(&good.replace("accessor source=\"#a\" count=\"4\"", "accessor source=\"#a\" count=\"5\""))
+            .contains("count is 5")
     );
     assert!(fault(&good.replace(".5 .5 0 -.5", ".5 nan 0 -.5")).contains("not finite"));
     assert!(fault(&file("", TRIANGLES, "")).contains("no triangles"));
@@ -115,18 +108,11 @@ fn faults_are_named() {
 
 #[test]
 fn endless_instances_end() {
-    let looped = file(
-        "",
-        TRIANGLES,
-        r##"<node id="n"><instance_node url="#n"/></node>"##,
-    );
+    let looped = file("", TRIANGLES, r##"<node id="n"><instance_node url="#n"/></node>"##);
     assert!(fault(&looped).contains("without end"));
     let laughing: String = (0..30)
         .map(|i| {
-            format!(
-                "<node id='n{i}'>{}</node>",
-                format!("<instance_node url='#n{}'/>", i + 1).repeat(10)
-            )
+            format!("<node id='n{i}'>{}</node>", format!("<instance_node url='#n{}'/>", i + 1).repeat(10))
         })
         .collect();
     let laughing = laughing + "<node id='n30'><instance_geometry url='#g'/></node>";

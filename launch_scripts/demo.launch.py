@@ -1,0 +1,47 @@
+"""A robot that moves by itself, watched by the node `clearance`: something to look at in RViz.
+
+    ros2 launch demo.launch.py                                  the demo arm of this repository
+    ros2 launch demo.launch.py urdf:=ur5e.urdf world:=cell.yaml any other robot, each joint to and fro
+
+The demo arm in its own world plays a motion of its own when the program is started without arguments: `clearance`.
+"""
+
+from pathlib import Path
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+ROOT = Path(__file__).resolve().parents[1]
+
+ARGUMENTS = {
+    "urdf": (str(ROOT / "urdf/demo_arm/demo_arm.urdf"), "the robot"),
+    "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene"),
+    "executable": ("clearance", "the program, if it is not on the PATH"),
+}
+
+
+def start(context):
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    world = ["--world", given["world"]] if given["world"] else []
+    watch = Node(
+        executable=given["executable"],
+        name="clearance",
+        arguments=["node", "--urdf", given["urdf"], *world, "--demo-motion"],
+        output="screen",
+    )
+    show = Node(
+        package="robot_state_publisher",
+        executable="robot_state_publisher",
+        parameters=[{"robot_description": Path(given["urdf"]).read_text()}],
+    )
+    return [watch, show]
+
+
+def generate_launch_description():
+    declarations = [
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declarations, OpaqueFunction(function=start)])

@@ -1,0 +1,202 @@
+//! The live table of the demo: what the node says, for eyes.
+
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use clearance::monitor::Judgement;
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Time between two looks at a table in a terminal.
+const REFRESH: Duration = Duration::from_millis(100);
+
+/// The last judgement, and how many there were.
+#[derive(Clone, Default)]
+pub struct Latest(Arc<Mutex<Seen>>);
+
+#[derive(Clone, Default)]
+struct Seen {
+    judgement: Option<Judgement>,
+    /// Checks since the start, and the time they took.
+    checks: u32,
+    compute_time: Duration,
+}
+
+impl Latest {
+    pub fn note(&self, judgement: &Judgement) {
+        let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let stamp = |judgement: &Judgement| judgement.stamp;
+        if let Some(evidence) = &judgement.evidence
+            && seen.judgement.as_ref().and_then(stamp) != judgement.stamp
+        {
+            seen.checks += 1;
+            seen.compute_time += evidence.compute_time;
+        }
+        seen.judgement = Some(judgement.clone());
+    }
+
+    fn read(&self) -> Seen {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// What one look at the node shows.
+struct Row {
+    status: &'static str,
+    /// Why the status is UNKNOWN.
+    reason: String,
+    nearest: String,
+    distance: String,
+    /// Joint states judged per second.
+    rate: f64,
+    /// Mean time of a check (µs).
+    microseconds: f64,
+    pairs: usize,
+}
+
+impl Row {
+    /// What changed from `before` to `now` in `interval`.
+    fn new(before: &Seen, now: &Seen, interval: Duration) -> Self {
+        let checks = f64::from(now.checks.wrapping_sub(before.checks));
+        let compute_time = now.compute_time.saturating_sub(before.compute_time);
+        let judgement = now.judgement.as_ref();
+        let revision = judgement.and_then(|j| j.revision.as_ref());
+        let nearest = judgement.and_then(|j| j.evidence.as_ref()?.report.nearest);
+        let (nearest, distance) = match (nearest, revision) {
+            (Some(nearest), Some(revision)) => {
+                let name = |body| revision.checker.body_name(body);
+                let pair = format!("{} and {}", name(nearest.a), name(nearest.b));
+                (pair, format!("{:.4} m", nearest.distance))
+            }
+            _ => ("-".to_owned(), "-".to_owned()),
+        };
+        Self {
+            status: judgement.map_or("UNKNOWN", |j| j.status.word()),
+            reason: (judgement.and_then(|j| j.status.reason())).map_or_else(String::new, ToString::to_string),
+            nearest,
+            distance,
+            rate: checks / interval.as_secs_f64().max(1e-3),
+            microseconds: compute_time.as_secs_f64() * 1e6 / checks.max(1.0),
+            pairs: revision.map_or(0, |r| r.checker.pairs().len()),
+        }
+    }
+}
+
+/// The thread that draws.
+pub struct Table(JoinHandle<()>);
+
+impl Table {
+    pub fn start(latest: Latest, ended: Arc<AtomicBool>, domain: u16) -> Self {
+        Self(thread::spawn(move || {
+            let hints = hints(domain);
+            if std::io::stdout().is_terminal() {
+                draw(&latest, &ended, &hints);
+            } else {
+                print_lines(&latest, &ended, &hints);
+            }
+        }))
+    }
+
+    /// Waits until the last line is written.
+    pub fn finish(self) {
+        // a table that failed took nothing with it
+        let _ = self.0.join();
+    }
+}
+
+fn hints(domain: u16) -> Vec<String> {
+    let mut hints = vec![
+        "The demo arm in its world, on this machine only. From another terminal:".to_owned(),
+        "  ros2 topic echo /clearance/is_free        true only when proven".to_owned(),
+        "  ros2 topic echo /clearance/distance       the least distance, in metres".to_owned(),
+        "  ros2 topic echo /clearance/state          everything (needs clearance_msgs)".to_owned(),
+        "  rviz2                                     /clearance/markers, fixed frame base".to_owned(),
+        "Your own robot: clearance node --urdf robot.urdf. Ctrl-C ends.".to_owned(),
+    ];
+    if domain != 0 {
+        hints.push(format!("ROS_DOMAIN_ID is {domain}; it must be so there too."));
+    }
+    hints
+}
+
+/// The last second of the node, as rates need some time to be counted.
+struct Window {
+    begin: (Instant, Seen),
+    next: (Instant, Seen),
+}
+
+impl Window {
+    const LENGTH: Duration = Duration::from_secs(1);
+
+    fn new(seen: Seen) -> Self {
+        let now = (Instant::now(), seen);
+        Self { begin: now.clone(), next: now }
+    }
+
+    fn row(&mut self, seen: Seen) -> Row {
+        if self.next.0.elapsed() > Self::LENGTH {
+            self.begin = std::mem::replace(&mut self.next, (Instant::now(), seen.clone()));
+        }
+        Row::new(&self.begin.1, &seen, self.begin.0.elapsed())
+    }
+}
+
+fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
+    let table = MultiProgress::with_draw_target(ProgressDrawTarget::stdout());
+    let line = |template: &str| {
+        let line = table.add(ProgressBar::no_length());
+        line.set_style(style(template));
+        line
+    };
+    let labelled = |label: &'static str| line("{prefix:>9.dim}  {msg}").with_prefix(label);
+    for hint in hints {
+        line("{msg}").set_message(hint.clone());
+    }
+    line("{msg}").set_message(" ");
+    let status = line("{prefix:>9.dim}  {msg}").with_prefix("status");
+    let [nearest, distance, rate, check] = ["nearest", "distance", "rate", "a check"].map(labelled);
+    let mut window = Window::new(latest.read());
+    while !ended.load(Ordering::Relaxed) {
+        let row = window.row(latest.read());
+        let colour = match row.status {
+            "FREE" => "green",
+            "COLLIDING" => "red",
+            _ => "yellow",
+        };
+        status.set_style(style(&format!("{{prefix:>9.dim}}  {{msg:.{colour}.bold}}")));
+        status.set_message(format!("{} {}", row.status, row.reason).trim_end().to_owned());
+        nearest.set_message(row.nearest);
+        distance.set_message(row.distance);
+        rate.set_message(format!("{:.0} joint states per second", row.rate));
+        check.set_message(format!("{:.0} µs, {} pairs", row.microseconds, row.pairs));
+        thread::sleep(REFRESH);
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    // the templates stand above; one that did not parse would show the plain message
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
+
+fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
+    let mut out = std::io::stdout();
+    // whoever reads may stop reading; the node goes on
+    let mut say = |line: &str| drop(writeln!(out, "{line}").and_then(|()| out.flush()));
+    hints.iter().for_each(|hint| say(hint));
+    let mut before = (Instant::now(), latest.read());
+    while !ended.load(Ordering::Relaxed) {
+        thread::sleep(REFRESH);
+        if before.0.elapsed() < Duration::from_secs(1) {
+            continue;
+        }
+        let seen = latest.read();
+        let row = Row::new(&before.1, &seen, before.0.elapsed());
+        before = (Instant::now(), seen);
+        say(&format!(
+            "{:9} nearest: {}, {}; {:.0} joint states per second, {:.0} µs a check, {} pairs {}",
+            row.status, row.nearest, row.distance, row.rate, row.microseconds, row.pairs, row.reason
+        ));
+    }
+}

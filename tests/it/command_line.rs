@@ -1,0 +1,215 @@
+//! The program from outside: exit codes, JSON, messages.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const ARM: [&str; 4] = ["--urdf", "urdf/demo_arm/demo_arm.urdf", "--srdf", "urdf/demo_arm/demo_arm.srdf"];
+const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
+
+fn clearance(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_clearance"))
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn check(model: &[&str], arguments: &[&str]) -> Output {
+    clearance(&[&["check"], model, arguments].concat())
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"))
+}
+
+/// Exit code 2, one message that names `words`, and nothing on stdout.
+fn assert_bad_input(output: &Output, words: &[&str]) {
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(output.stdout.is_empty());
+    for word in words {
+        assert!(message.contains(word), "{message} does not name {word}");
+    }
+}
+
+#[test]
+fn exit_codes_say_free_or_not() {
+    let free = check(&TWO_LINK, &["--state", ""]);
+    assert_eq!(free.status.code(), Some(0), "{free:?}");
+    let folded = check(&TWO_LINK, &["--state", "joint2=3.141592653589793"]);
+    assert_eq!(folded.status.code(), Some(1), "{folded:?}");
+    assert!(String::from_utf8_lossy(&folded.stdout).contains("COLLIDING with itself"));
+}
+
+#[test]
+fn json_of_every_query() {
+    let folded = ["--state", "joint2=3.141592653589793", "--format", "json", "--query"];
+    let answer = json(&check(&TWO_LINK, &[&folded[..], &["pairs"]].concat()));
+    let result = &answer["results"][0];
+    assert_eq!(result["free"], false);
+    assert_eq!(result["self_collision"], true);
+    assert_eq!(result["world_collision"], false);
+    assert_eq!(result["pairs"], serde_json::json!([["base", "tip"]]));
+    assert_eq!(answer["joints"], serde_json::json!(["joint1", "joint2"]));
+    assert_eq!(answer["pairs_checked"], 1);
+    assert!(answer["load_seconds"].as_f64().unwrap() > 0.0);
+    assert!(answer["stats"]["primitive_tests"].as_u64().unwrap() > 0);
+    assert!(answer.get("timing").is_none());
+
+    let straight = ["--state", "", "--format", "json", "--query"];
+    let answer = json(&check(&TWO_LINK, &[&straight[..], &["distance"]].concat()));
+    let result = &answer["results"][0];
+    assert!((result["distance"].as_f64().unwrap() - 0.7).abs() < 1e-9, "{result}");
+    assert_eq!(result["nearest"], serde_json::json!(["base", "tip"]));
+    assert_eq!(result["witness_points"].as_array().unwrap().len(), 2);
+
+    let limited = json(&check(&TWO_LINK, &[&straight[..], &["distance", "--limit", "0.5"]].concat()));
+    let result = &limited["results"][0];
+    assert!(result["distance"].is_null() && result["nearest"].is_null() && result["free"] == true);
+
+    let answer = json(&check(&TWO_LINK, &[&straight[..], &["pair-distances", "--repeat", "3"]].concat()));
+    assert_eq!(answer["results"][0]["pair_distances"][0][1], "tip");
+    assert_eq!(answer["timing"]["passes"], 3);
+    assert!(answer["timing"]["us_min"].as_f64().unwrap() <= answer["timing"]["us_median"].as_f64().unwrap());
+}
+
+#[test]
+fn states_from_json_and_csv_are_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let from_json =
+        write("q.json", r#"{"joints": ["joint2", "joint1"], "states": [[3.1, 0], [0, 0.5], [2.0, 0]]}"#);
+    let from_csv = write("q.csv", "joint2, joint1\n3.1, 0\n0, 0.5\n2.0, 0\n");
+    let results = |file: &str, threads: &str| {
+        let format = ["--states", file, "--format", "json", "--query", "distance", "--threads", threads];
+        json(&check(&TWO_LINK, &format))["results"].clone()
+    };
+    let one = results(&from_json, "1");
+    assert_eq!(one.as_array().unwrap().len(), 3);
+    assert_eq!(one, results(&from_csv, "1"));
+    assert_eq!(one, results(&from_json, "3"), "the same bits for any number of threads");
+
+    let bad = write("bad.json", r#"{"joints": ["joint1", "elbow"], "states": [[0, 0]]}"#);
+    assert_bad_input(&check(&TWO_LINK, &["--states", &bad]), &["bad.json", "state 0", "elbow", "joint2"]);
+    let short = write("short.json", r#"{"joints": ["joint1", "joint2"], "states": [[0, 0], [0]]}"#);
+    assert_bad_input(&check(&TWO_LINK, &["--states", &short]), &["state 1", "1 positions for 2 joints"]);
+    let nan = write("nan.csv", "joint1\nnan\n");
+    assert_bad_input(&check(&TWO_LINK, &["--states", &nan]), &["state 0", "joint1", "not finite"]);
+    let word = write("word.csv", "joint1\n0\nfar\n");
+    assert_bad_input(&check(&TWO_LINK, &["--states", &word]), &["line 3", "far"]);
+}
+
+#[test]
+fn bad_input_is_named() {
+    assert_bad_input(&check(&[], &["--state", ""]), &["--urdf"]);
+    assert_bad_input(&check(&["--urdf", "no/such.urdf"], &["--state", ""]), &["no/such.urdf"]);
+    assert_bad_input(&check(&TWO_LINK, &[]), &["--states"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "joint1"]), &["joint1", "JOINT=NUMBER"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "joint1=1 joint1=2"]), &["joint1", "twice"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "elbow=1"]), &["elbow", "joint1"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "", "--limit", "-1"]), &["--limit"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "", "--padding", "-1"]), &["padding"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "", "--world", "none.yaml"]), &["none.yaml"]);
+    assert_bad_input(&clearance(&["no-such-command"]), &["no-such-command"]);
+}
+
+#[test]
+fn scene_faults_name_object_and_field() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = [
+        (
+            "world: {collision_objects: [{id: o, primitives: [{type: box, dimensions: [1, 2]}]}]}",
+            vec!["'o'", "primitives[0]", "dimensions"],
+        ),
+        (
+            "world: {collision_objects: [{id: o, primitives: [{type: cone, dimensions: [1, 2]}]}]}",
+            vec!["'o'", "cone"],
+        ),
+        ("world: {collision_objects: [{id: o, planes: [{coef: [0, 0, 1, 0]}]}]}", vec!["'o'", "planes"]),
+        (
+            "world: {collision_objects: [{id: o, header: {frame_id: odom}, primitives: [{type: sphere, dimensions: [1]}]}]}",
+            vec!["'o'", "odom", "base"],
+        ),
+        (
+            "world: {collision_objects: [{id: o, primitives: [{type: sphere, dimensions: [-1]}]}]}",
+            vec!["'o'", "radius", "-1"],
+        ),
+        (
+            "world: {collision_objects: [{id: o, primitives: [{type: sphere, dimensions: [.nan]}]}]}",
+            vec!["'o'", "radius"],
+        ),
+        ("world: {collision_objects: [{id: o, operation: remove}]}", vec!["'o'", "operation"]),
+        (
+            "world: {collision_objects: [{id: o, meshes: [{resource: 'http://x/y.stl'}]}]}",
+            vec!["'o'", "http"],
+        ),
+        ("world: {collision_objects: [{id: o}, {id: o}]}", vec!["'o'", "no shapes"]),
+        ("robot_state: {attached_collision_objects: [{}]}\nworld: {}", vec!["attached"]),
+        ("colour: blue", vec!["collision_objects"]),
+        ("world: [", vec!["world.yaml"]),
+    ];
+    for (text, words) in cases {
+        let path = folder.path().join("world.yaml");
+        std::fs::write(&path, text).unwrap();
+        let world = path.display().to_string();
+        assert_bad_input(&check(&TWO_LINK, &["--state", "", "--world", &world]), &words);
+    }
+}
+
+#[test]
+fn the_demo_arm_meets_its_world() {
+    let world = ["--world", "config/demo_world.yaml", "--format", "json"];
+    let home = json(&check(&ARM, &[&world[..], &["--state", "", "--query", "distance"]].concat()));
+    assert_eq!(home["results"][0]["free"], true);
+    let reaching = "joint1=-0.427 joint2=0.236 joint4=-1.944 joint6=2.18 finger_joint1=0.02";
+    let hit = json(&check(&ARM, &[&world[..], &["--state", reaching, "--query", "pairs"]].concat()));
+    assert_eq!(hit["results"][0]["world_collision"], true, "{hit}");
+    let alone = json(&check(&ARM, &[&world[..], &["--state", reaching, "--no-world"]].concat()));
+    assert_eq!(alone["results"][0]["world_collision"], false);
+    let padded = [&world[..], &["--state", "", "--padding", "0.5"]].concat();
+    assert_eq!(json(&check(&ARM, &padded))["results"][0]["world_collision"], true);
+    assert_eq!(
+        json(&check(&ARM, &padded))["results"][0]["self_collision"],
+        false,
+        "padding counts against the world"
+    );
+}
+
+#[test]
+fn dual_arm_finds_its_packages_beside_it() {
+    let output = check(
+        &["--urdf", "urdf/dual_arm/dual_arm.urdf", "--srdf", "urdf/dual_arm/dual_arm.srdf"],
+        &["--state", "", "--format", "json"],
+    );
+    assert_eq!(json(&output)["results"][0]["free"], true, "{output:?}");
+}
+
+/// The native scenes of MoveIt load as they are.
+#[test]
+fn native_moveit_scenes_load() {
+    let Some(scenes) = crate::tally::shared_folder("scenes/native") else { return };
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/robots");
+    let at = |name: &str| robots.join(name).display().to_string();
+    let (urdf, srdf) = (
+        at("moveit_resources_panda_description/urdf/panda.urdf"),
+        at("moveit_resources_panda_description/srdf/panda.srdf"),
+    );
+    let mut tried = 0;
+    for entry in std::fs::read_dir(scenes).unwrap() {
+        let path = entry.unwrap().path().display().to_string();
+        if !path.contains("-scene") {
+            continue;
+        }
+        let model = ["--urdf", &urdf, "--srdf", &srdf, "--package-path", &at("")];
+        let output = check(&model, &["--state", "", "--world", &path, "--format", "json"]);
+        assert!(json(&output)["pairs_checked"].as_u64().unwrap() > 30, "{output:?}");
+        tried += 1;
+    }
+    assert_eq!(tried, 3);
+}

@@ -1,0 +1,74 @@
+//! Whole reports and work counters of the bundled robots: a slow-down or a change of answer shows in a diff.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clearance::checker::{CollisionChecker, Question, Settings};
+use clearance::robot::{MeshFiles, RobotModel};
+use clearance::world::PlanningScene;
+
+use crate::random::Random;
+
+fn checker(urdf: &str, srdf: Option<&str>, world: Option<&str>) -> CollisionChecker {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let srdf = srdf.map(|s| root.join(s));
+    let robot = RobotModel::load(&root.join(urdf), srdf.as_deref(), &[]).unwrap();
+    let scene = world.map(|w| {
+        let text = std::fs::read_to_string(root.join(w)).unwrap();
+        PlanningScene::from_yaml(&text, w, &robot, &MeshFiles::default()).unwrap()
+    });
+    let world = scene.unwrap_or_default().into_world().unwrap();
+    CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap()
+}
+
+/// Twelve states within the limits: what each question answers, and the work that all states took.
+fn summary(checker: &CollisionChecker) -> String {
+    let robot = checker.robot();
+    let mut random = Random::new(2026);
+    let mut workspace = checker.workspace();
+    let mut lines = vec![format!("{} pairs", checker.pairs().len())];
+    lines.extend(checker.pairs().skipped().map(|(reason, count)| format!("skipped: {count} {reason}")));
+    for state in 0..12 {
+        let positions: Vec<f64> = (robot.joint_ids())
+            .filter(|j| robot.first_position(*j).is_some())
+            .map(|j| robot.joint(j).limits.map_or(0.0, |l| random.within(l.lower, l.upper)))
+            .collect();
+        let q = robot.configuration(&positions).unwrap();
+        let mut work = clearance::query::Work::default();
+        let questions = [Question::Free, Question::Pairs, Question::Distance { limit: f64::INFINITY }];
+        let [_, pairs, distance] = questions.map(|question| {
+            let report = checker.check(&q, question, &mut workspace);
+            work += report.work;
+            report
+        });
+        let nearest = distance.nearest.unwrap();
+        lines.push(format!(
+            "state {state}: {} colliding, {:.6} m {} – {}; {} volume tests, {} primitive tests",
+            pairs.colliding_pairs.len(),
+            nearest.distance,
+            checker.body_name(nearest.a),
+            checker.body_name(nearest.b),
+            work.volume_tests,
+            work.primitive_tests,
+        ));
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn two_link() {
+    insta::assert_snapshot!(summary(&checker("urdf/two_link/two_link.urdf", None, None)));
+}
+
+#[test]
+fn demo_arm_in_its_world() {
+    let srdf = Some("urdf/demo_arm/demo_arm.srdf");
+    let world = Some("config/demo_world.yaml");
+    insta::assert_snapshot!(summary(&checker("urdf/demo_arm/demo_arm.urdf", srdf, world)));
+}
+
+#[test]
+fn dual_arm() {
+    let srdf = Some("urdf/dual_arm/dual_arm.srdf");
+    insta::assert_snapshot!(summary(&checker("urdf/dual_arm/dual_arm.urdf", srdf, None)));
+}
