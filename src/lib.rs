@@ -36,3 +36,8 @@ pub mod node;
 pub use checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 pub use robot::{Configuration, MeshFiles, RobotModel};
 pub use world::World;
+
+/// The examples of the README compile and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -2,7 +2,7 @@
 
 use super::{BoundingVolume, principal_axes};
 use crate::constants::{CONTACT_DISTANCE, FIT_SLACK, SEPARATION_SLACK};
-use crate::geometry::{Primitive, nearest_on_segments};
+use crate::geometry::{PointPair, Primitive, nearest_on_segments, separated_across};
 use crate::math::{Point, Pose, RotationMatrix, Vector};
 
 /// A rectangle and a radius around it.
@@ -36,6 +36,13 @@ impl Rss {
         Vector::new(beyond(0), beyond(1), local[2]).norm_squared()
     }
 
+    /// The point of the rectangle nearest to a point in the rectangle's own frame.
+    fn nearest_on_rectangle(&self, local: &Vector) -> Point {
+        let [u, v] = self.half_lengths;
+        let inside = Vector::new(local.x.clamp(-u, u), local.y.clamp(-v, v), 0.0);
+        self.centre + self.axes * inside
+    }
+
     /// Whether a segment passes through the rectangle.
     fn pierced_by(&self, p: &Vector, q: &Vector) -> bool {
         p.z * q.z < 0.0 && {
@@ -59,17 +66,20 @@ fn rectangle_distance(a: &Rss, corners_a: &[Point; 4], b: &Rss, corners_b: &[Poi
     if pierced(a, &b_in_a) || pierced(b, &a_in_b) {
         return 0.0;
     }
-    let corner_face = |r: &Rss, corners: &[Vector; 4]| {
-        (corners.iter()).map(|p| r.squared_distance_from_rectangle(p)).fold(f64::INFINITY, f64::min)
-    };
-    let mut least = corner_face(a, &b_in_a).min(corner_face(b, &a_in_b));
-    for e in &sides(corners_a) {
-        for f in &sides(corners_b) {
-            let [p, q] = nearest_on_segments(e, f);
-            least = least.min(nalgebra::distance_squared(&p, &q));
+    let of_b = corners_b.iter().zip(&b_in_a).map(|(q, local)| [a.nearest_on_rectangle(local), *q]);
+    let of_a = corners_a.iter().zip(&a_in_b).map(|(p, local)| [*p, b.nearest_on_rectangle(local)]);
+    let squared = |pair: &PointPair| nalgebra::distance_squared(&pair[0], &pair[1]);
+    let nearer = |x: PointPair, y: PointPair| if squared(&y) < squared(&x) { y } else { x };
+    let start = [corners_a[0], corners_b[0]];
+    let mut best = of_b.chain(of_a).fold(start, nearer);
+    if !separated_across(&best, corners_a, corners_b) {
+        for e in &sides(corners_a) {
+            for f in &sides(corners_b) {
+                best = nearer(best, nearest_on_segments(e, f));
+            }
         }
     }
-    least.sqrt()
+    squared(&best).sqrt()
 }
 
 impl BoundingVolume for Rss {

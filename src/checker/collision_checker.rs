@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::report::{Body, CollisionReport, PairDistance, Question};
+use super::pair::Pair;
+use super::report::{Body, CollisionReport, Question};
 use super::settings::{MeshModel, Settings};
 use super::{AllowedCollisionMatrix, PairList, Workspace};
-use crate::bounding_volume::BoundingVolume;
 use crate::math::Pose;
-use crate::query::{self, CollisionBody, Separation, Work};
+use crate::query::{CollisionBody, Work};
 use crate::robot::{Configuration, LinkPoses, RobotModel};
 use crate::world::World;
 
@@ -32,15 +32,6 @@ pub enum SettingsError {
     UnknownLink(String),
     #[error("padding{of} is {value}, but must be a finite number of metres, zero or more")]
     BadPadding { of: String, value: f64 },
-}
-
-/// One pair, ready to be asked about.
-struct Pair<'c> {
-    ids: (Body, Body),
-    bodies: (&'c CollisionBody, &'c CollisionBody),
-    /// Pose of each body in the root frame.
-    poses: (Pose, Pose),
-    padding: f64,
 }
 
 impl CollisionChecker {
@@ -115,7 +106,7 @@ impl CollisionChecker {
     pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
         self.robot.forward_kinematics(q, &mut workspace.poses);
         let mut work = Work::default();
-        !(0..self.pairs.len()).any(|i| self.touches(&self.pair(i, &workspace.poses), &mut work))
+        !(0..self.pairs.len()).any(|i| self.pair(i, &workspace.poses).touches(&mut work))
     }
 
     /// Answers `question` about the state `q`.
@@ -147,7 +138,7 @@ impl CollisionChecker {
         for scope in [0..self_count, self_count..self.pairs.len()] {
             for i in scope {
                 let pair = self.pair(i, &workspace.poses);
-                if self.touches(&pair, &mut report.work) {
+                if pair.touches(&mut report.work) {
                     report.add_hit(pair.ids);
                     break;
                 }
@@ -158,7 +149,7 @@ impl CollisionChecker {
     fn all_hits(&self, workspace: &Workspace, report: &mut CollisionReport) {
         for i in 0..self.pairs.len() {
             let pair = self.pair(i, &workspace.poses);
-            if self.touches(&pair, &mut report.work) {
+            if pair.touches(&mut report.work) {
                 report.add_hit(pair.ids);
             }
         }
@@ -169,7 +160,7 @@ impl CollisionChecker {
         let Workspace { poses, queue } = workspace;
         queue.clear();
         for i in 0..self.pairs.len() {
-            let lower = self.sphere_bound(&self.pair(i, poses), &mut report.work);
+            let lower = self.pair(i, poses).lower_bound(&mut report.work);
             queue.push((lower, i));
         }
         queue.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
@@ -179,7 +170,7 @@ impl CollisionChecker {
                 break;
             }
             let pair = self.pair(i, poses);
-            if let Some(found) = self.pair_distance(&pair, bound, &mut report.work)
+            if let Some(found) = pair.distance(bound, &mut report.work)
                 && report.nearest.is_none_or(|n| found.distance < n.distance)
             {
                 bound = found.distance;
@@ -192,10 +183,10 @@ impl CollisionChecker {
     fn distances(&self, limit: f64, workspace: &Workspace, report: &mut CollisionReport) {
         for i in 0..self.pairs.len() {
             let pair = self.pair(i, &workspace.poses);
-            if self.sphere_bound(&pair, &mut report.work) > limit {
+            if pair.lower_bound(&mut report.work) > limit {
                 continue;
             }
-            let Some(found) = self.pair_distance(&pair, limit, &mut report.work) else {
+            let Some(found) = pair.distance(limit, &mut report.work) else {
                 continue;
             };
             if found.distance == 0.0 {
@@ -235,43 +226,6 @@ impl CollisionChecker {
             ),
             poses: (*poses.pose(link), Pose::identity()),
             padding: self.link_padding[link.index()],
-        }
-    }
-
-    /// A number never larger than the pair's padded distance.
-    fn sphere_bound(&self, pair: &Pair, work: &mut Work) -> f64 {
-        work.volume_tests += 1;
-        let (a, b) = pair.bodies;
-        let lower = (a.bounding_sphere()).lower_bound(b.bounding_sphere(), &pair.pose_ab());
-        (lower - pair.padding).max(0.0)
-    }
-
-    fn touches(&self, pair: &Pair, work: &mut Work) -> bool {
-        self.sphere_bound(pair, work) <= crate::constants::CONTACT_DISTANCE && {
-            let (a, b) = pair.bodies;
-            query::within_margin(a, b, &pair.pose_ab(), pair.padding, work).is_some()
-        }
-    }
-
-    fn pair_distance(&self, pair: &Pair, limit: f64, work: &mut Work) -> Option<PairDistance> {
-        let (a, b) = pair.bodies;
-        let raw = query::distance(a, b, &pair.pose_ab(), limit + pair.padding, work)?;
-        Some(pair.padded(&raw))
-    }
-}
-
-impl Pair<'_> {
-    fn pose_ab(&self) -> Pose {
-        self.poses.0.inv_mul(&self.poses.1)
-    }
-
-    /// A separation in the frame of a, with the padding taken off and the points in the root frame.
-    fn padded(&self, raw: &Separation) -> PairDistance {
-        PairDistance {
-            a: self.ids.0,
-            b: self.ids.1,
-            distance: (raw.distance - self.padding).max(0.0),
-            witness_points: raw.witness_points.map(|p| self.poses.0 * p),
         }
     }
 }

@@ -8,6 +8,7 @@
 mod allowed;
 mod collision_checker;
 mod mesh_lint;
+mod pair;
 mod pairs;
 mod report;
 mod settings;

@@ -145,18 +145,19 @@ impl Window {
 
 fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let table = MultiProgress::with_draw_target(ProgressDrawTarget::stdout());
-    let line = |template: &str| {
+    let labelled = |label: &'static str| {
         let line = table.add(ProgressBar::no_length());
-        line.set_style(style(template));
-        line
+        line.set_style(style("{prefix:>9.dim}  {msg}"));
+        line.with_prefix(label)
     };
-    let labelled = |label: &'static str| line("{prefix:>9.dim}  {msg}").with_prefix(label);
     for hint in hints {
-        line("{msg}").set_message(hint.clone());
+        // a terminal that can not be written to is no reason to end
+        drop(table.println(hint));
     }
-    line("{msg}").set_message(" ");
-    let status = line("{prefix:>9.dim}  {msg}").with_prefix("status");
-    let [nearest, distance, rate, check] = ["nearest", "distance", "rate", "a check"].map(labelled);
+    drop(table.println(""));
+    let labels = ["status", "nearest", "distance", "rate", "a check"];
+    let lines = labels.map(labelled);
+    let [status, nearest, distance, rate, check] = &lines;
     let mut window = Window::new(latest.read());
     while !ended.load(Ordering::Relaxed) {
         let row = window.row(latest.read());
@@ -173,6 +174,8 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         check.set_message(format!("{:.0} µs, {} pairs", row.microseconds, row.pairs));
         thread::sleep(REFRESH);
     }
+    // the last state stays on the screen
+    lines.iter().for_each(ProgressBar::abandon);
 }
 
 fn style(template: &str) -> ProgressStyle {

@@ -21,16 +21,16 @@
 
 mod input;
 mod judgement;
-#[expect(
-    clippy::module_inception,
-    reason = "the monitor is the one thing that this module makes"
-)]
+#[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
 mod settings;
 mod stamp_order;
 mod status;
 mod time;
 mod tracker;
+
+#[cfg(test)]
+mod tests;
 
 pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Judgement, Revision};

@@ -5,9 +5,7 @@ use std::time::Duration;
 
 use super::stamp_order::StampOrder;
 use super::tracker::{Reading, Tracker};
-use super::{
-    Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time,
-};
+use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
 use crate::checker::{Question, Workspace};
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -56,11 +54,7 @@ struct Verdict {
 
 impl Verdict {
     fn unknown(reason: Reason) -> Self {
-        Self {
-            status: Status::Unknown(reason),
-            evidence: None,
-            warnings: Vec::new(),
-        }
+        Self { status: Status::Unknown(reason), evidence: None, warnings: Vec::new() }
     }
 }
 
@@ -110,27 +104,18 @@ impl Monitor {
             (Time::ZERO, Some(now)) => now,
             (stamp, _) => stamp,
         };
-        let newest = self
-            .order
-            .newest(input.source)
-            .filter(|_| input.stamp != Time::ZERO);
-        let behind = newest
-            .map(|newest| newest.seconds_since(stamp))
-            .filter(|&behind| behind > 0.0);
-        self.heard = Some(Heard {
-            input,
-            stamp,
-            at: now.steady,
-            behind,
-        });
+        let newest = self.order.newest(input.source).filter(|_| input.stamp != Time::ZERO);
+        let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
+        self.heard = Some(Heard { input, stamp, at: now.steady, behind });
         self.judge(now);
         self.say(now)
     }
 
-    /// Says the last judgement again, or that it is stale; judges anew when the model or a setting changed.
+    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed.
     pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
         self.note_clock(now);
-        if self.outdated {
+        let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
+        if self.outdated || waits_for_clock {
             self.judge(now);
         }
         self.say(now)
@@ -171,14 +156,9 @@ impl Monitor {
             return Err(Reason::OutOfOrder { behind });
         }
         let checker = &subject.revision.checker;
-        let Reading {
-            configuration,
-            mut warnings,
-        } = subject.tracker.read(checker.robot(), &heard.input)?;
+        let Reading { configuration, mut warnings } = subject.tracker.read(checker.robot(), &heard.input)?;
         if heard.input.stamp == Time::ZERO {
-            warnings.push(
-                "the joint state has no stamp: it counts as measured when it came".to_owned(),
-            );
+            warnings.push("the joint state has no stamp: it counts as measured when it came".to_owned());
         }
         // checking what is stale already would be wasted
         heard.freshness(now, &self.settings)?;
@@ -193,22 +173,10 @@ impl Monitor {
         if heard.input.stamp != Time::ZERO {
             self.order.note(heard.input.source, heard.stamp);
         }
-        let status = if report.is_free() {
-            Status::Free
-        } else {
-            Status::Colliding
-        };
+        let status = if report.is_free() { Status::Free } else { Status::Colliding };
         let poses = checker.link_poses(&subject.workspace).clone();
-        let evidence = Some(Arc::new(Evidence {
-            report,
-            poses,
-            compute_time,
-        }));
-        Ok(Verdict {
-            status,
-            evidence,
-            warnings,
-        })
+        let evidence = Some(Arc::new(Evidence { report, poses, compute_time }));
+        Ok(Verdict { status, evidence, warnings })
     }
 
     /// The verdict as it holds now: what was right when it was judged may have become stale.
@@ -234,17 +202,10 @@ impl Monitor {
     /// A stale joint state that could not be judged when it was fresh has two faults.
     fn with_other_fault(&self, reason: Reason) -> Reason {
         match (reason, self.verdict.status.reason()) {
-            (
-                Reason::Stale {
-                    age, stale_after, ..
-                },
-                Some(other),
-            ) if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) => {
-                Reason::Stale {
-                    age,
-                    stale_after,
-                    also: Some(Box::new(other.clone())),
-                }
+            (Reason::Stale { age, stale_after, .. }, Some(other))
+                if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) =>
+            {
+                Reason::Stale { age, stale_after, also: Some(Box::new(other.clone())) }
             }
             (reason, _) => reason,
         }
@@ -271,11 +232,7 @@ impl Heard {
         let age = now.ros.ok_or(Reason::NoClock)?.seconds_since(self.stamp);
         let older = age.max(self.silence(now));
         if older > stale_after {
-            Err(Reason::Stale {
-                age: older,
-                stale_after,
-                also: None,
-            })
+            Err(Reason::Stale { age: older, stale_after, also: None })
         } else if -age > stale_after {
             Err(Reason::FutureStamp { ahead: -age })
         } else {

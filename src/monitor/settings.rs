@@ -17,12 +17,7 @@ pub struct MonitorSettings {
 
 impl Default for MonitorSettings {
     fn default() -> Self {
-        Self {
-            heartbeat_rate: 10.0,
-            stale_after: 0.5,
-            influence_distance: 0.1,
-            distance_limit: 1.0,
-        }
+        Self { heartbeat_rate: 10.0, stale_after: 0.5, influence_distance: 0.1, distance_limit: 1.0 }
     }
 }
 

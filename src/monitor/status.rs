@@ -87,6 +87,11 @@ impl Reason {
             Self::Partial { .. } => "partial",
         }
     }
+
+    /// Whether the joint state itself may be right, and only the clock is against it.
+    pub(super) fn is_about_time(&self) -> bool {
+        matches!(self, Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. })
+    }
 }
 
 impl fmt::Display for Reason {

@@ -25,10 +25,7 @@ impl Time {
     pub fn seconds_since(self, earlier: Self) -> f64 {
         // a difference of two i64 needs 65 bits; f64 keeps the microsecond over 285 years
         let nanoseconds = i128::from(self.0) - i128::from(earlier.0);
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "rounds to less than a microsecond"
-        )]
+        #[expect(clippy::cast_precision_loss, reason = "rounds to less than a microsecond")]
         let nanoseconds = nanoseconds as f64;
         nanoseconds * 1e-9
     }

@@ -36,9 +36,8 @@ pub(super) struct Reading {
 
 impl Tracker {
     pub fn new(robot: &RobotModel) -> Self {
-        let mut slots: HashMap<String, Slot> = (robot.joints().iter())
-            .map(|joint| (joint.name.clone(), Slot::Follows))
-            .collect();
+        let mut slots: HashMap<String, Slot> =
+            (robot.joints().iter()).map(|joint| (joint.name.clone(), Slot::Follows)).collect();
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
@@ -76,10 +75,7 @@ impl Tracker {
         if !unknown.is_empty() {
             warnings.push(format!("the robot has no joint {}", quoted_list(&unknown)));
         }
-        Ok(Reading {
-            configuration,
-            warnings,
-        })
+        Ok(Reading { configuration, warnings })
     }
 
     fn limit_warnings(&self, robot: &RobotModel, configuration: &Configuration) -> Vec<String> {
@@ -98,22 +94,13 @@ impl Tracker {
 
 fn fill(slot: &mut Option<f64>, name: &str, value: f64) -> Result<(), Reason> {
     if slot.is_some() {
-        return Err(Reason::Malformed(format!(
-            "joint {} stands in it twice",
-            quoted(name)
-        )));
+        return Err(Reason::Malformed(format!("joint {} stands in it twice", quoted(name))));
     }
     if !value.is_finite() {
-        return Err(Reason::NonFinite {
-            joint: name.to_owned(),
-            value,
-        });
+        return Err(Reason::NonFinite { joint: name.to_owned(), value });
     }
     if value.abs() > LARGEST_COORDINATE {
-        return Err(Reason::Malformed(format!(
-            "joint {} is at {value:e}",
-            quoted(name)
-        )));
+        return Err(Reason::Malformed(format!("joint {} is at {value:e}", quoted(name))));
     }
     *slot = Some(value);
     Ok(())

@@ -27,11 +27,7 @@ pub enum ParameterSource {
     /// `--params-file FILE`
     File(PathBuf),
     /// `-p name:=value`, for every node or for the one called `node`.
-    Single {
-        node: Option<String>,
-        name: String,
-        value: Value,
-    },
+    Single { node: Option<String>, name: String, value: Value },
 }
 
 /// An argument that can not be followed.
@@ -42,11 +38,7 @@ pub enum ArgumentError {
     #[error("--ros-args: '{flag}' is followed by nothing, but it needs {needs}")]
     Missing { flag: String, needs: &'static str },
     #[error("--ros-args: '{argument}' after '{flag}' is wrong: {why}")]
-    Malformed {
-        flag: String,
-        argument: String,
-        why: String,
-    },
+    Malformed { flag: String, argument: String, why: String },
 }
 
 impl RosArguments {
@@ -55,12 +47,8 @@ impl RosArguments {
         let mut arguments = Self::default();
         let mut words = words.iter().map(AsRef::as_ref);
         while let Some(flag) = words.next() {
-            let mut argument = |needs| {
-                words.next().ok_or(ArgumentError::Missing {
-                    flag: flag.to_owned(),
-                    needs,
-                })
-            };
+            let mut argument =
+                |needs| words.next().ok_or(ArgumentError::Missing { flag: flag.to_owned(), needs });
             match flag {
                 "--ros-args" | "--" => {}
                 "-r" | "--remap" => {
@@ -97,18 +85,12 @@ impl RosArguments {
 
 /// `--enable-rosout-logs`, `--disable-stdout-logs` and so on.
 fn is_log_switch(flag: &str) -> bool {
-    (flag
-        .strip_prefix("--enable-")
-        .or_else(|| flag.strip_prefix("--disable-")))
-    .is_some_and(|what| ["rosout-logs", "stdout-logs", "external-lib-logs"].contains(&what))
+    (flag.strip_prefix("--enable-").or_else(|| flag.strip_prefix("--disable-")))
+        .is_some_and(|what| ["rosout-logs", "stdout-logs", "external-lib-logs"].contains(&what))
 }
 
 fn malformed(flag: &str, argument: &str, why: impl Into<String>) -> ArgumentError {
-    ArgumentError::Malformed {
-        flag: flag.to_owned(),
-        argument: argument.to_owned(),
-        why: why.into(),
-    }
+    ArgumentError::Malformed { flag: flag.to_owned(), argument: argument.to_owned(), why: why.into() }
 }
 
 fn remap(flag: &str, text: &str) -> Result<Remap, ArgumentError> {
@@ -116,11 +98,7 @@ fn remap(flag: &str, text: &str) -> Result<Remap, ArgumentError> {
         .filter(|(from, to)| !from.is_empty() && !to.is_empty())
         .ok_or_else(|| malformed(flag, text, "it must be from:=to"))?;
     let (node, from) = node_qualifier(from);
-    Ok(Remap {
-        node,
-        from: from.to_owned(),
-        to: to.to_owned(),
-    })
+    Ok(Remap { node, from: from.to_owned(), to: to.to_owned() })
 }
 
 fn parameter(flag: &str, text: &str) -> Result<ParameterSource, ArgumentError> {
@@ -129,11 +107,7 @@ fn parameter(flag: &str, text: &str) -> Result<ParameterSource, ArgumentError> {
         .ok_or_else(|| malformed(flag, text, "it must be name:=value"))?;
     let (node, name) = node_qualifier(name);
     let value = parameter_value::from_yaml(value).map_err(|why| malformed(flag, text, why))?;
-    Ok(ParameterSource::Single {
-        node,
-        name: name.to_owned(),
-        value,
-    })
+    Ok(ParameterSource::Single { node, name: name.to_owned(), value })
 }
 
 /// `node:name` names a node; `name` does not.
@@ -182,11 +156,7 @@ mod tests {
         assert_eq!(
             arguments.parameters,
             [
-                ParameterSource::Single {
-                    node: None,
-                    name: "padding".into(),
-                    value: Value::Double(0.02)
-                },
+                ParameterSource::Single { node: None, name: "padding".into(), value: Value::Double(0.02) },
                 ParameterSource::Single {
                     node: Some("other".into()),
                     name: "pad_self".into(),

@@ -144,11 +144,7 @@ mod tests {
     fn constants_have_the_values_of_the_msg_files() {
         assert_eq!(
             constants_in_msg(msg!("BodyPair")),
-            [
-                ("LINK", BodyPair::LINK),
-                ("OBSTACLE", BodyPair::OBSTACLE),
-                ("ATTACHED", BodyPair::ATTACHED),
-            ]
+            [("LINK", BodyPair::LINK), ("OBSTACLE", BodyPair::OBSTACLE), ("ATTACHED", BodyPair::ATTACHED),]
         );
         assert_eq!(
             constants_in_msg(msg!("CollisionState")),

@@ -50,10 +50,7 @@ impl RosClock {
     /// All clocks.
     #[must_use]
     pub fn read(&self) -> Now {
-        Now {
-            ros: self.now(),
-            steady: self.steady(),
-        }
+        Now { ros: self.now(), steady: self.steady() }
     }
 
     /// Time since the node started, which never jumps.
@@ -65,8 +62,6 @@ impl RosClock {
 
 fn system_time() -> Time {
     // before 1970 and after 2262 no robot runs
-    let since_epoch = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
+    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Time::from_nanoseconds(i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX))
 }

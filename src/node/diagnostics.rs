@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{
-    DiagnosticArray, DiagnosticStatus, KeyValue,
-};
+use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use super::messages::stamp_message;
@@ -54,14 +52,8 @@ pub fn diagnostics(
             .map_or_else(String::new, |r| r.checker.robot().name().to_owned()),
         values: values(judgement, activity, interval, model_fault),
     };
-    let header = Header {
-        stamp: stamp_message(now),
-        frame_id: String::new(),
-    };
-    DiagnosticArray {
-        header,
-        status: vec![status],
-    }
+    let header = Header { stamp: stamp_message(now), frame_id: String::new() };
+    DiagnosticArray { header, status: vec![status] }
 }
 
 fn level(judgement: &Judgement, model_fault: Option<&str>) -> u8 {
@@ -70,9 +62,7 @@ fn level(judgement: &Judgement, model_fault: Option<&str>) -> u8 {
             DiagnosticStatus::STALE
         }
         Status::Unknown(_) | Status::Colliding => DiagnosticStatus::ERROR,
-        Status::Free if judgement.warnings.is_empty() && model_fault.is_none() => {
-            DiagnosticStatus::OK
-        }
+        Status::Free if judgement.warnings.is_empty() && model_fault.is_none() => DiagnosticStatus::OK,
         Status::Free => DiagnosticStatus::WARN,
     }
 }
@@ -109,11 +99,8 @@ fn colliding(judgement: &Judgement) -> String {
     };
     let pairs = &evidence.report.colliding_pairs;
     let name = |body| revision.checker.body_name(body);
-    let mut named: Vec<String> = pairs
-        .iter()
-        .take(NAMED)
-        .map(|&(a, b)| format!("{} and {}", name(a), name(b)))
-        .collect();
+    let mut named: Vec<String> =
+        pairs.iter().take(NAMED).map(|&(a, b)| format!("{} and {}", name(a), name(b))).collect();
     if pairs.len() > NAMED {
         named.push(format!("{} more pairs", pairs.len() - NAMED));
     }
@@ -127,12 +114,7 @@ fn values(
     model_fault: Option<&str>,
 ) -> Vec<KeyValue> {
     let mut values = Vec::new();
-    let mut tell = |key: &str, value: String| {
-        values.push(KeyValue {
-            key: key.to_owned(),
-            value,
-        })
-    };
+    let mut tell = |key: &str, value: String| values.push(KeyValue { key: key.to_owned(), value });
     tell("status", judgement.status.word().to_owned());
     if let Some(reason) = judgement.status.reason() {
         tell("reason", reason.code().to_owned());
@@ -141,17 +123,9 @@ fn values(
         tell("model", revision.checker.robot().name().to_owned());
         tell("model revision", revision.model.to_string());
         tell("world revision", revision.world.to_string());
-        tell(
-            "obstacles",
-            revision.checker.world().obstacles().len().to_string(),
-        );
+        tell("obstacles", revision.checker.world().obstacles().len().to_string());
         tell("pairs checked", revision.checker.pairs().len().to_string());
-        let skipped: usize = revision
-            .checker
-            .pairs()
-            .skipped()
-            .map(|(_, count)| count)
-            .sum();
+        let skipped: usize = revision.checker.pairs().skipped().map(|(_, count)| count).sum();
         tell("pairs skipped", skipped.to_string());
     }
     if let Some(age) = judgement.age {
@@ -162,10 +136,7 @@ fn values(
     tell("joint states per second", format!("{rate:.1}"));
     let mean = activity.compute_time / activity.checks.max(1);
     tell("mean compute time (ms)", milliseconds(mean));
-    tell(
-        "longest compute time (ms)",
-        milliseconds(activity.longest_compute_time),
-    );
+    tell("longest compute time (ms)", milliseconds(activity.longest_compute_time));
     tell("joint states passed over", activity.passed_over.to_string());
     tell("messages dropped", activity.dropped.to_string());
     for warning in judgement.warnings.iter() {

@@ -39,13 +39,13 @@ impl Environment {
         let get = |name| variable(name).filter(|value| !value.is_empty());
         let domain = match get("ROS_DOMAIN_ID") {
             None => 0,
-            Some(value) => (value.trim().parse().ok())
-                .filter(|id| *id <= LARGEST_DOMAIN)
-                .ok_or(EnvironmentError {
+            Some(value) => {
+                (value.trim().parse().ok()).filter(|id| *id <= LARGEST_DOMAIN).ok_or(EnvironmentError {
                     name: "ROS_DOMAIN_ID",
                     value,
                     expected: "a whole number from 0 to 232",
-                })?,
+                })?
+            }
         };
         let localhost_only = match get("ROS_LOCALHOST_ONLY").as_deref() {
             None | Some("0") => false,
@@ -74,11 +74,7 @@ impl Environment {
             },
         };
         // as in rmw, the older variable wins when it is set
-        let reach = if localhost_only {
-            Reach::Localhost
-        } else {
-            range
-        };
+        let reach = if localhost_only { Reach::Localhost } else { range };
         Ok(Self { domain, reach })
     }
 }
@@ -88,24 +84,14 @@ mod tests {
     use super::*;
 
     fn read(variables: &[(&str, &str)]) -> Result<Environment, EnvironmentError> {
-        Environment::read(|name| {
-            variables
-                .iter()
-                .find_map(|&(n, v)| (n == name).then(|| v.to_owned()))
-        })
+        Environment::read(|name| variables.iter().find_map(|&(n, v)| (n == name).then(|| v.to_owned())))
     }
 
     #[test]
     fn the_default_is_domain_0_on_the_subnet() {
-        let default = Environment {
-            domain: 0,
-            reach: Reach::Subnet,
-        };
+        let default = Environment { domain: 0, reach: Reach::Subnet };
         assert_eq!(read(&[]), Ok(default));
-        assert_eq!(
-            read(&[("ROS_DOMAIN_ID", ""), ("ROS_LOCALHOST_ONLY", "")]),
-            Ok(default)
-        );
+        assert_eq!(read(&[("ROS_DOMAIN_ID", ""), ("ROS_LOCALHOST_ONLY", "")]), Ok(default));
     }
 
     #[test]
@@ -113,10 +99,7 @@ mod tests {
         assert_eq!(read(&[("ROS_DOMAIN_ID", "232")]).unwrap().domain, 232);
         for bad in ["233", "-1", "x", "1.5", "70000"] {
             let message = read(&[("ROS_DOMAIN_ID", bad)]).unwrap_err().to_string();
-            assert!(
-                message.contains("ROS_DOMAIN_ID") && message.contains(bad),
-                "{message}"
-            );
+            assert!(message.contains("ROS_DOMAIN_ID") && message.contains(bad), "{message}");
         }
     }
 
@@ -125,18 +108,9 @@ mod tests {
         let reach = |name, value| read(&[(name, value)]).unwrap().reach;
         assert_eq!(reach("ROS_LOCALHOST_ONLY", "1"), Reach::Localhost);
         assert_eq!(reach("ROS_LOCALHOST_ONLY", "0"), Reach::Subnet);
-        assert_eq!(
-            reach("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
-            Reach::Localhost
-        );
-        assert_eq!(
-            reach("ROS_AUTOMATIC_DISCOVERY_RANGE", "off"),
-            Reach::Localhost
-        );
-        assert_eq!(
-            reach("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"),
-            Reach::Subnet
-        );
+        assert_eq!(reach("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"), Reach::Localhost);
+        assert_eq!(reach("ROS_AUTOMATIC_DISCOVERY_RANGE", "off"), Reach::Localhost);
+        assert_eq!(reach("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"), Reach::Subnet);
         assert!(read(&[("ROS_LOCALHOST_ONLY", "yes")]).is_err());
         assert!(read(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", "FAR")]).is_err());
     }

@@ -168,11 +168,7 @@ impl Loader {
             log::warn!("{warning}");
         }
         let (world, allowed) = (self.surroundings)(&robot)?;
-        let subject = Subject {
-            robot: Arc::new(robot),
-            world,
-            allowed,
-        };
+        let subject = Subject { robot: Arc::new(robot), world, allowed };
         let revision = self.build(&subject, self.model_revision + 1)?;
         log::info!(
             "robot '{}': {} links, {} positions, {} pairs to check",
@@ -182,8 +178,7 @@ impl Loader {
             revision.checker.pairs().len(),
         );
         self.model_revision = revision.model;
-        *self.current.lock().unwrap_or_else(PoisonError::into_inner) =
-            Some(Arc::clone(&subject.robot));
+        *self.current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&subject.robot));
         self.subject = Some(subject);
         Ok(revision)
     }
@@ -197,20 +192,12 @@ impl Loader {
             ..Settings::default()
         };
         let robot = Arc::clone(&subject.robot);
-        let checker = CollisionChecker::with_matrix(
-            robot,
-            &subject.world,
-            settings,
-            subject.allowed.as_ref(),
-        )
-        .map_err(|error| error.to_string())?;
+        let checker =
+            CollisionChecker::with_matrix(robot, &subject.world, settings, subject.allowed.as_ref())
+                .map_err(|error| error.to_string())?;
         // the world comes from files once, or is empty for ever
         let world = u64::from(!subject.world.obstacles().is_empty());
-        Ok(Arc::new(Revision {
-            checker,
-            model,
-            world,
-        }))
+        Ok(Arc::new(Revision { checker, model, world }))
     }
 }
 
@@ -219,9 +206,6 @@ const SEMANTIC: &str = "robot_description_semantic";
 
 /// A description is a stranger's text: what it breaks must not take the node with it.
 fn guarded<T>(build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(build)).unwrap_or_else(|_| {
-        Err(format!(
-            "{DESCRIPTION}: reading it failed inside the program"
-        ))
-    })
+    catch_unwind(AssertUnwindSafe(build))
+        .unwrap_or_else(|_| Err(format!("{DESCRIPTION}: reading it failed inside the program")))
 }

@@ -80,12 +80,7 @@ impl Scene {
             sec: i32::try_from(lifetime.as_secs()).unwrap_or(i32::MAX),
             nanosec: lifetime.subsec_nanos(),
         };
-        Self {
-            header,
-            lifetime,
-            markers: Vec::new(),
-            triangles_left: TRIANGLES_SHOWN,
-        }
+        Self { header, lifetime, markers: Vec::new(), triangles_left: TRIANGLES_SHOWN }
     }
 
     fn add_colliding_links(&mut self, revision: &Revision, evidence: &Evidence) {
@@ -116,8 +111,7 @@ impl Scene {
 
     fn add_primitive(&mut self, id: usize, pose_rs: &Pose, primitive: &Primitive) {
         let ball = |radius: f64| Vector::repeat(2.0 * radius);
-        let round =
-            |radius, half_length: f64| Vector::new(2.0 * radius, 2.0 * radius, 2.0 * half_length);
+        let round = |radius, half_length: f64| Vector::new(2.0 * radius, 2.0 * radius, 2.0 * half_length);
         match *primitive {
             Primitive::Box { half_extents } => {
                 self.add_solid(id, Marker::CUBE, pose_rs, 2.0 * Vector::from(half_extents));
@@ -125,16 +119,10 @@ impl Scene {
             Primitive::Sphere { radius } => {
                 self.add_solid(id, Marker::SPHERE, pose_rs, ball(radius));
             }
-            Primitive::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Primitive::Cylinder { radius, half_length } => {
                 self.add_solid(id, Marker::CYLINDER, pose_rs, round(radius, half_length));
             }
-            Primitive::Capsule {
-                radius,
-                half_length,
-            } => {
+            Primitive::Capsule { radius, half_length } => {
                 self.add_solid(id, Marker::CYLINDER, pose_rs, round(radius, half_length));
                 for (end, z) in [(1, half_length), (2, -half_length)] {
                     let pose = pose_rs * Pose::translation(0.0, 0.0, z);
@@ -177,9 +165,8 @@ impl Scene {
         let near = (report.pair_distances.iter().take(LINES_SHOWN))
             .chain(nearest.filter(|n| !report.pair_distances.contains(n)))
             .filter(|pair| pair.distance > 0.0);
-        let ends: Vec<PointMessage> = near
-            .flat_map(|pair| pair.witness_points.each_ref().map(point_message))
-            .collect();
+        let ends: Vec<PointMessage> =
+            near.flat_map(|pair| pair.witness_points.each_ref().map(point_message)).collect();
         if !ends.is_empty() {
             self.add(WITNESS_LINES, 0, Marker::LINE_LIST, YELLOW, |marker| {
                 marker.scale.x = LINE_WIDTH;
@@ -194,21 +181,11 @@ impl Scene {
     fn add_text(&mut self, nearest: &PairDistance) {
         let [a, b] = nearest.witness_points;
         let middle: Point = nalgebra::center(&a, &b);
-        self.add(
-            LEAST_DISTANCE,
-            0,
-            Marker::TEXT_VIEW_FACING,
-            WHITE,
-            |marker| {
-                marker.pose = pose_message(&Pose::translation(
-                    middle.x,
-                    middle.y,
-                    middle.z + TEXT_HEIGHT,
-                ));
-                marker.scale.z = TEXT_HEIGHT;
-                marker.text = format!("{:.3} m", nearest.distance);
-            },
-        );
+        self.add(LEAST_DISTANCE, 0, Marker::TEXT_VIEW_FACING, WHITE, |marker| {
+            marker.pose = pose_message(&Pose::translation(middle.x, middle.y, middle.z + TEXT_HEIGHT));
+            marker.scale.z = TEXT_HEIGHT;
+            marker.text = format!("{:.3} m", nearest.distance);
+        });
     }
 
     fn add(
@@ -250,27 +227,14 @@ impl Scene {
 }
 
 fn vector_message(vector: &Vector) -> Vector3 {
-    Vector3 {
-        x: vector.x,
-        y: vector.y,
-        z: vector.z,
-    }
+    Vector3 { x: vector.x, y: vector.y, z: vector.z }
 }
 
 fn pose_message(pose: &Pose) -> PoseMessage {
     let position = pose.translation.vector;
     let q = pose.rotation.quaternion();
     PoseMessage {
-        position: PointMessage {
-            x: position.x,
-            y: position.y,
-            z: position.z,
-        },
-        orientation: Quaternion {
-            x: q.i,
-            y: q.j,
-            z: q.k,
-            w: q.w,
-        },
+        position: PointMessage { x: position.x, y: position.y, z: position.z },
+        orientation: Quaternion { x: q.i, y: q.j, z: q.k, w: q.w },
     }
 }

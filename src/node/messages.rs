@@ -37,11 +37,7 @@ pub fn time_of(stamp: &StampMessage) -> Time {
 
 #[must_use]
 pub fn point_message(point: &Point) -> PointMessage {
-    PointMessage {
-        x: point.x,
-        y: point.y,
-        z: point.z,
-    }
+    PointMessage { x: point.x, y: point.y, z: point.z }
 }
 
 #[must_use]
@@ -57,14 +53,8 @@ pub fn joint_state_input(message: JointState, source: SourceId) -> JointStateInp
 /// The header of everything that is said about one joint state.
 #[must_use]
 pub fn header(judgement: &Judgement) -> Header {
-    let frame = judgement
-        .revision
-        .as_ref()
-        .map(|revision| revision.frame().to_owned());
-    Header {
-        stamp: stamp_message(judgement.stamp.unwrap_or_default()),
-        frame_id: frame.unwrap_or_default(),
-    }
+    let frame = judgement.revision.as_ref().map(|revision| revision.frame().to_owned());
+    Header { stamp: stamp_message(judgement.stamp.unwrap_or_default()), frame_id: frame.unwrap_or_default() }
 }
 
 /// `~/state`: everything.
@@ -103,10 +93,7 @@ pub fn collision_state(judgement: &Judgement) -> CollisionState {
 fn add_skipped(message: &mut CollisionState, checker: &CollisionChecker) {
     message.skipped = (checker.pairs().skipped())
         .filter(|(_, count)| *count > 0)
-        .map(|(reason, pairs)| SkippedPairs {
-            reason: reason.to_string(),
-            count: count(pairs),
-        })
+        .map(|(reason, pairs)| SkippedPairs { reason: reason.to_string(), count: count(pairs) })
         .collect();
     message.pairs_skipped = message.skipped.iter().map(|s| s.count).sum();
 }
@@ -116,20 +103,14 @@ fn add_findings(
     checker: &CollisionChecker,
     report: &crate::checker::CollisionReport,
 ) {
-    message.colliding_pairs = (report.colliding_pairs.iter().take(PAIRS_TOLD))
-        .map(|&(a, b)| pair_message(checker, a, b))
-        .collect();
-    message.pair_distances = (report.pair_distances.iter().take(PAIRS_TOLD))
-        .map(|pair| distance_message(checker, pair))
-        .collect();
-    for (what, pairs) in [
-        ("colliding", report.colliding_pairs.len()),
-        ("near", report.pair_distances.len()),
-    ] {
+    message.colliding_pairs =
+        (report.colliding_pairs.iter().take(PAIRS_TOLD)).map(|&(a, b)| pair_message(checker, a, b)).collect();
+    message.pair_distances =
+        (report.pair_distances.iter().take(PAIRS_TOLD)).map(|pair| distance_message(checker, pair)).collect();
+    for (what, pairs) in [("colliding", report.colliding_pairs.len()), ("near", report.pair_distances.len())]
+    {
         if pairs > PAIRS_TOLD {
-            message.warnings.push(format!(
-                "only {PAIRS_TOLD} of {pairs} {what} pairs are listed"
-            ));
+            message.warnings.push(format!("only {PAIRS_TOLD} of {pairs} {what} pairs are listed"));
         }
     }
     if let Some(nearest) = &report.nearest {
@@ -151,10 +132,7 @@ fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
     }
 }
 
-fn distance_message(
-    checker: &CollisionChecker,
-    pair: &PairDistance,
-) -> clearance_msgs::PairDistance {
+fn distance_message(checker: &CollisionChecker, pair: &PairDistance) -> clearance_msgs::PairDistance {
     clearance_msgs::PairDistance {
         pair: pair_message(checker, pair.a, pair.b),
         distance: pair.distance,
@@ -172,23 +150,13 @@ mod tests {
 
     #[test]
     fn stamps_go_both_ways() {
-        for nanoseconds in [
-            0,
-            1,
-            -1,
-            1_500_000_000,
-            -1_500_000_000,
-            1_700_000_000_123_456_789,
-        ] {
+        for nanoseconds in [0, 1, -1, 1_500_000_000, -1_500_000_000, 1_700_000_000_123_456_789] {
             let time = Time::from_nanoseconds(nanoseconds);
             let message = stamp_message(time);
             assert!(i64::from(message.nanosec) < NANOSECONDS);
             assert_eq!(time_of(&message), time);
         }
-        assert_eq!(
-            stamp_message(Time::from_nanoseconds(i64::MAX)).sec,
-            i32::MAX
-        );
+        assert_eq!(stamp_message(Time::from_nanoseconds(i64::MAX)).sec, i32::MAX);
     }
 
     #[test]

@@ -30,8 +30,8 @@ pub type Observer = Box<dyn FnMut(&Judgement) + Send>;
 /// Time between two diagnostics while the status stays.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// A joint state that waited longer than this is passed over if a newer one is there.
-const LONGEST_WAIT: Duration = Duration::from_millis(50);
+/// When a joint state waited longer than this, checks take longer than joint states come: only the newest counts then.
+const LONGEST_WAIT: Duration = Duration::from_millis(20);
 
 /// Everything that the monitor's thread holds.
 pub struct MonitorLoop {
@@ -112,11 +112,11 @@ impl MonitorLoop {
     }
 
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
-        while origin.waited() > LONGEST_WAIT
-            && let Some(newer) = self.joint_states.try_next()
-        {
-            self.report.activity.passed_over += 1;
-            (message, origin) = newer;
+        if origin.waited() > LONGEST_WAIT {
+            while let Some(newer) = self.joint_states.try_next() {
+                self.report.activity.passed_over += 1;
+                (message, origin) = newer;
+            }
         }
         let input = joint_state_input(message, origin.publisher);
         let judgement = self.monitor.on_joint_state(input, self.clock.read());
@@ -138,10 +138,7 @@ impl MonitorLoop {
         let status = judgement.status.word();
         let since = |at: Duration| steady.saturating_sub(at);
         let report = &mut self.report;
-        if report
-            .last
-            .is_some_and(|(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD)
-        {
+        if report.last.is_some_and(|(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD) {
             return;
         }
         let interval = report.last.map_or(steady, |(_, at)| since(at));

@@ -57,14 +57,8 @@ impl Trajectory {
     pub fn from_yaml(text: &str) -> Result<Self, String> {
         let trajectory: Self = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
         let width = trajectory.joint_names.len();
-        if let Some(point) = trajectory
-            .points
-            .iter()
-            .position(|p| p.positions.len() != width)
-        {
-            return Err(format!(
-                "point {point} has not one position for each of {width} joints"
-            ));
+        if let Some(point) = trajectory.points.iter().position(|p| p.positions.len() != width) {
+            return Err(format!("point {point} has not one position for each of {width} joints"));
         }
         let time = |point: &Point| point.time_from_start.seconds();
         if !trajectory.points.is_sorted_by(|a, b| time(a) < time(b)) {
@@ -84,31 +78,18 @@ impl Trajectory {
         let next = (0..=last).find(|&index| at(index) > time).unwrap_or(last);
         let (from, to) = (&self.points[next.saturating_sub(1)], &self.points[next]);
         let span = to.time_from_start.seconds() - from.time_from_start.seconds();
-        let part = if span > 0.0 {
-            (time - from.time_from_start.seconds()) / span
-        } else {
-            0.0
-        };
+        let part = if span > 0.0 { (time - from.time_from_start.seconds()) / span } else { 0.0 };
         let blend = |(a, b): (&f64, &f64)| a + part * (b - a);
-        from.positions
-            .iter()
-            .zip(&to.positions)
-            .map(blend)
-            .collect()
+        from.positions.iter().zip(&to.positions).map(blend).collect()
     }
 }
 
 impl Motion {
     fn joint_state(&self, robot: &CurrentRobot, time: f64) -> Option<(Vec<String>, Vec<f64>)> {
         match self {
-            Self::Trajectory(trajectory) => {
-                Some((trajectory.joint_names.clone(), trajectory.sample(time)))
-            }
+            Self::Trajectory(trajectory) => Some((trajectory.joint_names.clone(), trajectory.sample(time))),
             Self::Sweep => {
-                let robot = robot
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .clone()?;
+                let robot = robot.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
                 Some((robot.position_names().to_vec(), sweep(&robot, time)))
             }
         }
@@ -123,9 +104,7 @@ fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
     const PART: f64 = 0.8;
     const SHORTEST_PERIOD: f64 = 20.0;
     let mut positions = robot.default_configuration().positions().to_vec();
-    let joints = robot
-        .joint_ids()
-        .filter_map(|id| Some((id, robot.first_position(id)?)));
+    let joints = robot.joint_ids().filter_map(|id| Some((id, robot.first_position(id)?)));
     for (number, (id, index)) in joints.enumerate() {
         let joint = robot.joint(id);
         if joint.kind.position_suffixes().len() != 1 {
@@ -137,10 +116,7 @@ fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
             }
             _ => (positions[index], FREE_SWING),
         };
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "robots have fewer than 2^52 joints"
-        )]
+        #[expect(clippy::cast_precision_loss, reason = "robots have fewer than 2^52 joints")]
         let period = SHORTEST_PERIOD * (1.0 + 0.13 * number as f64);
         positions[index] = middle + swing * (TAU * time / period).sin();
     }
@@ -159,15 +135,11 @@ pub async fn play(
     loop {
         futures_lite::StreamExt::next(&mut ticks).await;
         let time = clock.steady().saturating_sub(start).as_secs_f64();
-        let (Some((name, position)), Some(now)) = (motion.joint_state(robot, time), clock.now())
-        else {
+        let (Some((name, position)), Some(now)) = (motion.joint_state(robot, time), clock.now()) else {
             continue;
         };
         joint_states.publish(JointState {
-            header: Header {
-                stamp: stamp_message(now),
-                frame_id: String::new(),
-            },
+            header: Header { stamp: stamp_message(now), frame_id: String::new() },
             name,
             position,
             velocity: Vec::new(),

@@ -57,20 +57,13 @@ impl Names {
             (applicable.iter().find(|r| names.contains(&r.from.as_str()))).map(|r| r.to.as_str())
         };
         let node = special(&["__node", "__name"]).unwrap_or(default_node);
-        check_token(node).map_err(|why| NameError {
-            name: node.to_owned(),
-            kind: "node name",
-            why,
-        })?;
+        check_token(node).map_err(|why| NameError { name: node.to_owned(), kind: "node name", why })?;
         let namespace = special(&["__ns"]).unwrap_or("/");
         check_namespace(namespace)?;
         Ok(Self {
             node: node.to_owned(),
             namespace: namespace.to_owned(),
-            remaps: applicable
-                .into_iter()
-                .filter(|r| !r.from.starts_with("__"))
-                .collect(),
+            remaps: applicable.into_iter().filter(|r| !r.from.starts_with("__")).collect(),
         })
     }
 
@@ -103,11 +96,7 @@ impl Names {
 
     /// The full name of a topic or service before remaps.
     fn expand(&self, name: &str) -> Result<FullName, NameError> {
-        let error = |why| NameError {
-            name: name.to_owned(),
-            kind: "topic or service name",
-            why,
-        };
+        let error = |why| NameError { name: name.to_owned(), kind: "topic or service name", why };
         let name = (name.replace("{node}", &self.node))
             .replace("{ns}", self.namespace.trim_end_matches('/'))
             .replace("{namespace}", self.namespace.trim_end_matches('/'));
@@ -133,19 +122,12 @@ fn join(namespace: &str, name: &str) -> String {
 }
 
 fn check_namespace(namespace: &str) -> Result<(), NameError> {
-    let error = |why| NameError {
-        name: namespace.to_owned(),
-        kind: "namespace",
-        why,
-    };
-    let rest = namespace
-        .strip_prefix('/')
-        .ok_or(error("it must begin with a slash"))?;
+    let error = |why| NameError { name: namespace.to_owned(), kind: "namespace", why };
+    let rest = namespace.strip_prefix('/').ok_or(error("it must begin with a slash"))?;
     if rest.is_empty() {
         return Ok(());
     }
-    rest.split('/')
-        .try_for_each(|token| check_token(token).map_err(error))
+    rest.split('/').try_for_each(|token| check_token(token).map_err(error))
 }
 
 fn check_token(token: &str) -> Result<(), &'static str> {
@@ -167,11 +149,7 @@ mod tests {
     use super::*;
 
     fn remap(node: Option<&str>, from: &str, to: &str) -> Remap {
-        Remap {
-            node: node.map(str::to_owned),
-            from: from.to_owned(),
-            to: to.to_owned(),
-        }
+        Remap { node: node.map(str::to_owned), from: from.to_owned(), to: to.to_owned() }
     }
 
     fn resolved(names: &Names, name: &str) -> String {

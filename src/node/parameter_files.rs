@@ -29,10 +29,7 @@ pub fn initial(
     let mut passed_over = Vec::new();
     for source in sources {
         if let ParameterSource::File(file) = source {
-            let fault = |why| ParameterFault::File {
-                file: file.clone(),
-                why,
-            };
+            let fault = |why| ParameterFault::File { file: file.clone(), why };
             let text = std::fs::read_to_string(file).map_err(|e| fault(e.to_string()))?;
             apply_text(&mut parameters, &text, file, names, &mut passed_over).map_err(fault)?;
         }
@@ -41,10 +38,8 @@ pub fn initial(
         if let ParameterSource::Single { node, name, value } = source
             && node.as_deref().is_none_or(|node| is_this_node(node, names))
         {
-            (parameters.set(name, value)).map_err(|why| ParameterFault::Single {
-                name: name.clone(),
-                why,
-            })?;
+            (parameters.set(name, value))
+                .map_err(|why| ParameterFault::Single { name: name.clone(), why })?;
         }
     }
     Ok((parameters, passed_over))
@@ -74,11 +69,7 @@ fn apply_text(
     for section in sections {
         for (name, value) in &section.values {
             if section.is_wildcard() && declaration(name).is_none() {
-                passed_over.push(format!(
-                    "{name} of {} in {}",
-                    section.pattern,
-                    file.display()
-                ));
+                passed_over.push(format!("{name} of {} in {}", section.pattern, file.display()));
                 continue;
             }
             (parameters.set(name, value)).map_err(|why| format!("{}: {why}", section.pattern))?;
@@ -108,17 +99,12 @@ fn collect_sections(
 ) -> Result<(), String> {
     for (key, value) in map {
         let Yaml::Object(inner) = value else {
-            return Err(format!(
-                "'{key}' must hold ros__parameters, or node names that do"
-            ));
+            return Err(format!("'{key}' must hold ros__parameters, or node names that do"));
         };
         if key == "ros__parameters" {
             let mut values = Vec::new();
             flatten(inner, "", &mut values);
-            sections.push(Section {
-                pattern: prefix.clone(),
-                values,
-            });
+            sections.push(Section { pattern: prefix.clone(), values });
         } else {
             let pattern = format!("{prefix}/{}", key.trim_matches('/'));
             collect_sections(inner, pattern, sections)?;
@@ -141,21 +127,14 @@ fn matches(pattern: &str, full_name: &str) -> bool {
     fn parts_match(pattern: &[&str], name: &[&str]) -> bool {
         match (pattern, name) {
             ([], []) => true,
-            (["**", rest @ ..], _) => {
-                (0..=name.len()).any(|skipped| parts_match(rest, &name[skipped..]))
-            }
+            (["**", rest @ ..], _) => (0..=name.len()).any(|skipped| parts_match(rest, &name[skipped..])),
             ([first, pattern @ ..], [part, name @ ..]) => {
                 (*first == "*" || first == part) && parts_match(pattern, name)
             }
             _ => false,
         }
     }
-    let parts = |text: &str| {
-        text.split('/')
-            .filter(|p| !p.is_empty())
-            .map(str::to_owned)
-            .collect()
-    };
+    let parts = |text: &str| text.split('/').filter(|p| !p.is_empty()).map(str::to_owned).collect();
     let (pattern, name): (Vec<String>, Vec<String>) = (parts(pattern), parts(full_name));
     let pattern: Vec<&str> = pattern.iter().map(String::as_str).collect();
     let name: Vec<&str> = name.iter().map(String::as_str).collect();
@@ -168,11 +147,7 @@ mod tests {
     use crate::node::names::Remap;
 
     fn names(namespace: &str) -> Names {
-        let remap = |from: &str, to: &str| Remap {
-            node: None,
-            from: from.into(),
-            to: to.into(),
-        };
+        let remap = |from: &str, to: &str| Remap { node: None, from: from.into(), to: to.into() };
         Names::new("clearance", &[remap("__ns", namespace)]).unwrap()
     }
 
@@ -180,19 +155,13 @@ mod tests {
         let mut parameters = Parameters::default();
         let mut passed_over = Vec::new();
         let file = Path::new("p.yaml");
-        apply_text(
-            &mut parameters,
-            text,
-            file,
-            &names(namespace),
-            &mut passed_over,
-        )?;
+        apply_text(&mut parameters, text, file, &names(namespace), &mut passed_over)?;
         Ok((parameters, passed_over))
     }
 
     #[test]
     fn sections_match_by_name_namespace_and_wildcard() {
-        let padding = |text, ns| apply(text, ns).unwrap().0.padding;
+        let padding = |text: &str, ns: &str| apply(text, ns).unwrap().0.padding;
         for (key, root, cell) in [
             ("/**", 0.5, 0.5),
             ("clearance", 0.5, 0.0),
@@ -242,11 +211,7 @@ mod tests {
     fn single_parameters_win_over_files() {
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("p.yaml");
-        std::fs::write(
-            &file,
-            "/**: {ros__parameters: {padding: 0.5, stale_after: 2}}",
-        )
-        .unwrap();
+        std::fs::write(&file, "/**: {ros__parameters: {padding: 0.5, stale_after: 2}}").unwrap();
         let single = |node: Option<&str>, name: &str, value| ParameterSource::Single {
             node: node.map(str::to_owned),
             name: name.to_owned(),

@@ -11,15 +11,13 @@ use ros2_client::parameters::raw;
 use ros2_client::rcl_interfaces::{
     DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
     GetParameterTypesResponse, GetParametersRequest, GetParametersResponse, ListParametersRequest,
-    ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse,
-    SetParametersRequest, SetParametersResponse,
+    ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse, SetParametersRequest,
+    SetParametersResponse,
 };
 use serde::{Deserialize, Serialize};
 
 use super::clock::RosClock;
-use super::middleware::{
-    Message, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Server,
-};
+use super::middleware::{Message, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Server};
 use super::names::Names;
 use super::parameter_value::{Value, not_set};
 use super::parameters::{DECLARATIONS, Declaration, Parameters, Range, declaration};
@@ -37,18 +35,12 @@ pub struct ParameterStore {
 impl ParameterStore {
     #[must_use]
     pub fn new(initial: Parameters, on_change: OnChange) -> Self {
-        Self {
-            values: Arc::new(Mutex::new(initial)),
-            on_change: Arc::new(on_change),
-        }
+        Self { values: Arc::new(Mutex::new(initial)), on_change: Arc::new(on_change) }
     }
 
     #[must_use]
     pub fn get(&self) -> Parameters {
-        self.values
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        self.values.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Makes all changes or none; the new values come into force together.
@@ -69,10 +61,7 @@ impl ParameterStore {
     fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
-        let results = changes
-            .iter()
-            .map(|(name, value)| changed.set(name, value))
-            .collect::<Vec<_>>();
+        let results = changes.iter().map(|(name, value)| changed.set(name, value)).collect::<Vec<_>>();
         if *values != changed {
             *values = changed;
             (self.on_change)(&values);
@@ -129,19 +118,9 @@ impl ParameterServices {
             clock,
             events: middleware.publisher(&events, event_kind, Quality::Reliable)?,
             get: server(middleware, names, "get_parameters", "GetParameters")?,
-            get_types: server(
-                middleware,
-                names,
-                "get_parameter_types",
-                "GetParameterTypes",
-            )?,
+            get_types: server(middleware, names, "get_parameter_types", "GetParameterTypes")?,
             list: server(middleware, names, "list_parameters", "ListParameters")?,
-            describe: server(
-                middleware,
-                names,
-                "describe_parameters",
-                "DescribeParameters",
-            )?,
+            describe: server(middleware, names, "describe_parameters", "DescribeParameters")?,
             set: server(middleware, names, "set_parameters", "SetParameters")?,
             set_atomically: server(
                 middleware,
@@ -158,14 +137,8 @@ impl ParameterServices {
     /// Answers requests for ever.
     pub async fn serve(&self) {
         let reading = future::zip(
-            future::zip(
-                answer(&self.get, |r| self.values(&r)),
-                answer(&self.get_types, |r| self.types(&r)),
-            ),
-            future::zip(
-                answer(&self.list, list),
-                answer(&self.describe, |r| describe(&r)),
-            ),
+            future::zip(answer(&self.get, |r| self.values(&r)), answer(&self.get_types, |r| self.types(&r))),
+            future::zip(answer(&self.list, list), answer(&self.describe, |r| describe(&r))),
         );
         let writing = future::zip(
             answer(&self.set, |r| self.change_each(&r)),
@@ -176,51 +149,33 @@ impl ParameterServices {
 
     fn values(&self, request: &GetParametersRequest) -> GetParametersResponse {
         let parameters = self.store.get();
-        let value = |name: &String| {
-            declaration(name).map_or_else(not_set, |d| d.get(&parameters).to_message())
-        };
-        GetParametersResponse {
-            values: request.names.iter().map(value).collect(),
-        }
+        let value =
+            |name: &String| declaration(name).map_or_else(not_set, |d| d.get(&parameters).to_message());
+        GetParametersResponse { values: request.names.iter().map(value).collect() }
     }
 
     fn types(&self, request: &GetParameterTypesRequest) -> GetParameterTypesResponse {
-        let values = self
-            .values(&GetParametersRequest {
-                names: request.names.clone(),
-            })
-            .values;
-        GetParameterTypesResponse {
-            values: values.iter().map(|value| value.ptype).collect(),
-        }
+        let values = self.values(&GetParametersRequest { names: request.names.clone() }).values;
+        GetParameterTypesResponse { values: values.iter().map(|value| value.ptype).collect() }
     }
 
     fn change_each(&self, request: &SetParametersRequest) -> SetParametersResponse {
         let changes = changes(request);
         let results = self.store.set_each(&changes);
-        let made = (changes.iter().zip(&results))
-            .filter(|(_, r)| r.is_ok())
-            .map(|((n, _), _)| n);
+        let made = (changes.iter().zip(&results)).filter(|(_, r)| r.is_ok()).map(|((n, _), _)| n);
         let made: Vec<&Declaration> = made.filter_map(|name| declaration(name)).collect();
         self.announce(&[], &made);
-        SetParametersResponse {
-            results: results.into_iter().map(result_message).collect(),
-        }
+        SetParametersResponse { results: results.into_iter().map(result_message).collect() }
     }
 
     fn change_together(&self, request: &SetParametersRequest) -> SetParametersAtomicallyResponse {
         let changes = changes(request);
         let result = self.store.set_together(&changes);
         if result.is_ok() {
-            let made: Vec<_> = changes
-                .iter()
-                .filter_map(|(name, _)| declaration(name))
-                .collect();
+            let made: Vec<_> = changes.iter().filter_map(|(name, _)| declaration(name)).collect();
             self.announce(&[], &made);
         }
-        SetParametersAtomicallyResponse {
-            result: result_message(result),
-        }
+        SetParametersAtomicallyResponse { result: result_message(result) }
     }
 
     /// Tells who listens to `/parameter_events`.
@@ -247,10 +202,8 @@ impl ParameterServices {
     }
 }
 
-async fn answer<Request, Response>(
-    server: &Server<Request, Response>,
-    respond: impl Fn(Request) -> Response,
-) where
+async fn answer<Request, Response>(server: &Server<Request, Response>, respond: impl Fn(Request) -> Response)
+where
     Request: Message + 'static,
     Response: Message + 'static,
 {
@@ -276,42 +229,25 @@ fn result_message(result: Result<(), String>) -> raw::SetParametersResult {
 /// As rclcpp lists them: all, or those that are a prefix or lie below one. No name here has a dot.
 #[expect(clippy::needless_pass_by_value, reason = "a request is answered once")]
 fn list(request: ListParametersRequest) -> ListParametersResponse {
-    let wanted =
-        |name: &str| request.prefixes.is_empty() || request.prefixes.iter().any(|p| p == name);
-    let names = DECLARATIONS
-        .iter()
-        .map(|d| d.name)
-        .filter(|name| wanted(name))
-        .map(str::to_owned);
-    let result = ListParametersResult {
-        names: names.collect(),
-        prefixes: Vec::new(),
-    };
+    let wanted = |name: &str| request.prefixes.is_empty() || request.prefixes.iter().any(|p| p == name);
+    let names = DECLARATIONS.iter().map(|d| d.name).filter(|name| wanted(name)).map(str::to_owned);
+    let result = ListParametersResult { names: names.collect(), prefixes: Vec::new() };
     ListParametersResponse { result }
 }
 
 fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
     let describe = |name: &String| match declaration(name) {
         Some(declaration) => descriptor(declaration),
-        None => raw::ParameterDescriptor {
-            name: name.clone(),
-            ..blank_descriptor()
-        },
+        None => raw::ParameterDescriptor { name: name.clone(), ..blank_descriptor() },
     };
-    DescribeParametersResponse {
-        values: request.names.iter().map(describe).collect(),
-    }
+    DescribeParametersResponse { values: request.names.iter().map(describe).collect() }
 }
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
         Range::Bool => Vec::new(),
         Range::Double { from, to } => {
-            vec![raw::FloatingPointRange {
-                from_value: from,
-                to_value: to,
-                step: 0.0,
-            }]
+            vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
     };
     let unit = match declaration.unit {

@@ -103,9 +103,7 @@ pub fn from_node(yaml: &Yaml) -> Value {
             (None, Some(double)) => Value::Double(double),
             (None, None) => Value::Other("a number too large"),
         },
-        Yaml::String(text) => {
-            special_number(text).map_or_else(|| Value::Text(text.clone()), Value::Double)
-        }
+        Yaml::String(text) => special_number(text).map_or_else(|| Value::Text(text.clone()), Value::Double),
         Yaml::Array(_) => Value::Other("a list"),
         Yaml::Object(_) => Value::Other("a map"),
         Yaml::Null => Value::Other("nothing, or not a number"),
@@ -141,12 +139,7 @@ mod tests {
     #[test]
     fn messages_go_both_ways() {
         let text = Value::Text("x".into());
-        for value in [
-            Value::Bool(true),
-            Value::Integer(-3),
-            Value::Double(0.5),
-            text,
-        ] {
+        for value in [Value::Bool(true), Value::Integer(-3), Value::Double(0.5), text] {
             assert_eq!(Value::from_message(&value.to_message()), value);
         }
         assert!(matches!(Value::from_message(&not_set()), Value::Other(_)));

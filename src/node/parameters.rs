@@ -49,8 +49,7 @@ impl Parameters {
 
     /// Sets one parameter, or says why not.
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
-        let declaration =
-            declaration(name).ok_or_else(|| format!("this node has no parameter '{name}'"))?;
+        let declaration = declaration(name).ok_or_else(|| format!("this node has no parameter '{name}'"))?;
         declaration.set(self, value)
     }
 }
@@ -94,11 +93,7 @@ impl Declaration {
         match (self.access, self.range) {
             (Access::Bool(field), _) => {
                 let Value::Bool(value) = value else {
-                    return Err(format!(
-                        "{} is a bool, but {} was given",
-                        self.name,
-                        value.kind()
-                    ));
+                    return Err(format!("{} is a bool, but {} was given", self.name, value.kind()));
                 };
                 *field(parameters) = *value;
             }
@@ -108,11 +103,7 @@ impl Declaration {
                     #[expect(clippy::cast_precision_loss, reason = "the range is far below 2^52")]
                     Value::Integer(number) => *number as f64,
                     _ => {
-                        return Err(format!(
-                            "{} is a double, but {} was given",
-                            self.name,
-                            value.kind()
-                        ));
+                        return Err(format!("{} is a double, but {} was given", self.name, value.kind()));
                     }
                 };
                 if let Range::Double { from, to } = range
@@ -180,11 +171,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.padding,
             "Safety distance by which every link counts as larger.",
         ),
-        boolean(
-            "publish_markers",
-            |p| &mut p.publish_markers,
-            "Whether markers are published for RViz.",
-        ),
+        boolean("publish_markers", |p| &mut p.publish_markers, "Whether markers are published for RViz."),
         double(
             "stale_after",
             "s",
@@ -207,13 +194,7 @@ fn double(
     field: fn(&mut Parameters) -> &mut f64,
     description: &'static str,
 ) -> Declaration {
-    Declaration {
-        name,
-        unit,
-        description,
-        range: Range::Double { from, to },
-        access: Access::Double(field),
-    }
+    Declaration { name, unit, description, range: Range::Double { from, to }, access: Access::Double(field) }
 }
 
 fn boolean(
@@ -221,11 +202,5 @@ fn boolean(
     field: fn(&mut Parameters) -> &mut bool,
     description: &'static str,
 ) -> Declaration {
-    Declaration {
-        name,
-        unit: "",
-        description,
-        range: Range::Bool,
-        access: Access::Bool(field),
-    }
+    Declaration { name, unit: "", description, range: Range::Bool, access: Access::Bool(field) }
 }

@@ -41,18 +41,8 @@ impl Publishers {
         let state = MessageKind("clearance_msgs", "CollisionState");
         Ok(Self {
             state: publisher(middleware, names, "~/state", state)?,
-            is_free: publisher(
-                middleware,
-                names,
-                "~/is_free",
-                MessageKind("std_msgs", "Bool"),
-            )?,
-            distance: publisher(
-                middleware,
-                names,
-                "~/distance",
-                MessageKind("std_msgs", "Float64"),
-            )?,
+            is_free: publisher(middleware, names, "~/is_free", MessageKind("std_msgs", "Bool"))?,
+            distance: publisher(middleware, names, "~/distance", MessageKind("std_msgs", "Float64"))?,
             markers: publisher(middleware, names, "~/markers", array)?,
             diagnostics: publisher(middleware, names, "/diagnostics", diagnostic)?,
             display: Display::default(),
@@ -65,13 +55,9 @@ impl Publishers {
         let mut dropped = 0;
         let mut note = |sent: bool| dropped += u32::from(!sent);
         // what stops a robot goes first
-        note(self.is_free.publish(Bool {
-            data: judgement.status.is_free(),
-        }));
+        note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
         note(self.state.publish(collision_state(judgement)));
-        note(self.distance.publish(Float64 {
-            data: judgement.distance(),
-        }));
+        note(self.distance.publish(Float64 { data: judgement.distance() }));
         if let Some(markers) = self.due_markers(judgement, parameters, steady) {
             note(self.markers.publish(markers));
         }
@@ -94,10 +80,7 @@ impl Publishers {
         let status = judgement.status.word();
         let period = Duration::try_from_secs_f64(1.0 / parameters.marker_rate).unwrap_or_default();
         let early = |at: Duration| steady.saturating_sub(at) < period;
-        if self
-            .last_markers
-            .is_some_and(|(last, at)| last == status && early(at))
-        {
+        if self.last_markers.is_some_and(|(last, at)| last == status && early(at)) {
             return None;
         }
         self.last_markers = Some((status, steady));

@@ -84,21 +84,12 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (orders, orders_in) = channel::unbounded();
     let (changes, changes_in) = channel::unbounded();
     let (stop, stopped) = channel::bounded(1);
-    let end = End {
-        events: events.clone(),
-        orders: orders.clone(),
-        stop,
-    };
+    let end = End { events: events.clone(), orders: orders.clone(), stop };
     let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, changes);
     let store = ParameterStore::new(parameters.clone(), on_change);
 
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
-    let mut loader = Loader::new(
-        options.mesh_files,
-        options.surroundings,
-        options.mesh_model,
-        store.clone(),
-    );
+    let mut loader = Loader::new(options.mesh_files, options.surroundings, options.mesh_model, store.clone());
     if let Some(robot) = options.robot {
         monitor.set_checker(loader.take_given(robot).map_err(NodeError::Input)?);
     }
@@ -118,14 +109,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         observer: options.observer,
         report: Report::default(),
     };
-    let services = Services::open(
-        &middleware,
-        &names,
-        store,
-        Arc::clone(&clock),
-        orders,
-        changes_in,
-    )?;
+    let services = Services::open(&middleware, &names, store, Arc::clone(&clock), orders, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || smol::block_on(monitor_loop.run())),
         Part::new("loader", move || loader.follow(&orders_in, &events)),
@@ -138,15 +122,10 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             smol::block_on(until(&stopped, play));
         }));
     }
-    parts.push(Part::new("services", move || {
-        smol::block_on(until(&stopped, services.serve()))
-    }));
+    parts.push(Part::new("services", move || smol::block_on(until(&stopped, services.serve()))));
 
     let node = names.full_node_name();
-    log::info!(
-        "{node} listens to {joint_states} in domain {}",
-        options.environment.domain
-    );
+    log::info!("{node} listens to {joint_states} in domain {}", options.environment.domain);
     run_together(parts, &end).map_err(NodeError::Internal)?;
     log::info!("{node} has ended");
     Ok(())
@@ -194,12 +173,7 @@ impl Services {
         Ok(Self {
             descriptions: latched("robot_description")?,
             semantics: latched("robot_description_semantic")?,
-            parameters: ParameterServices::offer(
-                middleware,
-                names,
-                store.clone(),
-                Arc::clone(&clock),
-            )?,
+            parameters: ParameterServices::offer(middleware, names, store.clone(), Arc::clone(&clock))?,
             clock_topic: names.resolve("/clock")?,
             middleware: middleware.clone(),
             store,
@@ -211,14 +185,7 @@ impl Services {
 
     async fn serve(self) {
         let follow_clock = async {
-            let Self {
-                middleware,
-                clock_topic,
-                clock,
-                store,
-                changes,
-                ..
-            } = &self;
+            let Self { middleware, clock_topic, clock, store, changes, .. } = &self;
             let followed = simulation_clock::follow(middleware, clock_topic, clock, store, changes);
             if let Err(error) = followed.await {
                 log::error!("simulated time can not be followed: {error}");
@@ -227,20 +194,13 @@ impl Services {
         let descriptions = forward(&self.descriptions, &self.orders, Order::Description);
         let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
-        let serve = future::zip(
-            self.parameters.serve(),
-            self.middleware.watch_for_mismatches(),
-        );
+        let serve = future::zip(self.parameters.serve(), self.middleware.meet_peers());
         future::zip(listen, serve).await;
     }
 }
 
 /// Turns descriptions on a topic into orders.
-async fn forward(
-    topic: &Subscription<StringMessage>,
-    orders: &Sender<Order>,
-    order: fn(String) -> Order,
-) {
+async fn forward(topic: &Subscription<StringMessage>, orders: &Sender<Order>, order: fn(String) -> Order) {
     loop {
         let (message, _) = topic.next().await;
         if orders.send(order(message.data)).await.is_err() {

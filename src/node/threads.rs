@@ -16,10 +16,7 @@ pub struct Part {
 
 impl Part {
     pub fn new(name: &'static str, work: impl FnOnce() + Send + 'static) -> Self {
-        Self {
-            name,
-            work: Box::new(work),
-        }
+        Self { name, work: Box::new(work) }
     }
 }
 

@@ -86,6 +86,8 @@ impl PlanningScene {
 fn yaml_limits() -> serde_saphyr::Options {
     const LARGEST_COUNT: usize = 20_000_000;
     serde_saphyr::options! {
+        // else the keys y and n of a position or a normal are booleans
+        strict_booleans: true,
         budget: serde_saphyr::budget! {
             max_events: LARGEST_COUNT,
             max_nodes: LARGEST_COUNT,

@@ -190,6 +190,40 @@ fn dual_arm_finds_its_packages_beside_it() {
     assert_eq!(json(&output)["results"][0]["free"], true, "{output:?}");
 }
 
+/// The long form of messages in YAML, as `ros2 topic echo` prints it.
+#[test]
+fn scenes_in_the_long_form_of_messages_load() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("world.yaml");
+    let text = "
+name: ''
+world:
+  collision_objects:
+  - header: {stamp: {sec: 0, nanosec: 0}, frame_id: base}
+    pose: {position: {x: 1.0, y: 0.0, z: 0.0}, orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}}
+    id: ball
+    primitives:
+    - {type: 2, dimensions: [0.1], polygon: {points: []}}
+    primitive_poses:
+    - position: {x: 1.0, y: 0.5, z: 0.0}
+      orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}
+    meshes:
+    - triangles: [{vertex_indices: [0, 1, 2]}]
+      vertices: [{x: 9.0, y: 0.0, z: 0.0}, {x: 9.0, y: 1.0, z: 0.0}, {x: 9.0, y: 0.0, z: 1.0}]
+    mesh_poses:
+    - position: {x: 0.0, y: 0.0, z: 0.0}
+      orientation: {x: 0.0, y: 0.0, z: 0.0, w: 0.0}
+    operation: 0
+";
+    std::fs::write(&path, text).unwrap();
+    let world = path.display().to_string();
+    let arguments = ["--state", "", "--world", &world, "--format", "json", "--query", "distance"];
+    let answer = json(&check(&TWO_LINK, &arguments));
+    // the tip's ball at (2, 0, 0) has radius 0.1, the obstacle at (2, 0.5, 0) too
+    let distance = answer["results"][0]["distance"].as_f64().unwrap();
+    assert!((distance - 0.3).abs() < 1e-9, "{answer}");
+}
+
 /// The native scenes of MoveIt load as they are.
 #[test]
 fn native_moveit_scenes_load() {

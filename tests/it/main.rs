@@ -10,7 +10,6 @@ mod layers;
 mod random;
 mod robots;
 mod snapshots;
-mod support;
 mod tally;
 mod triangles;
 mod truth;

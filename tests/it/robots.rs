@@ -9,13 +9,13 @@ use clearance::math::{Pose, Vector, pose_from_xyz_quaternion};
 use clearance::robot::{JointKind, LinkPoses, MeshFiles, RobotModel};
 use serde_json::Value;
 
-use crate::support::{shared, shared_json};
+use crate::tally::{json, shared_folder};
 
 /// `states.json` holds poses rounded to seven decimals.
 const ROUNDING: f64 = 6e-8;
 
 fn path_of(entry: &Value, key: &str) -> PathBuf {
-    shared().join("robots").join(entry[key].as_str().unwrap())
+    shared_folder("robots").unwrap_or_default().join(entry[key].as_str().unwrap())
 }
 
 fn load(entry: &Value) -> RobotModel {
@@ -70,7 +70,8 @@ fn facts(model: &RobotModel) -> Value {
 
 #[test]
 fn every_shared_robot_has_the_published_parts() {
-    for entry in shared_json("robots/robots.json").as_array().unwrap() {
+    let Some(folder) = shared_folder("robots") else { return };
+    for entry in json(&folder.join("robots.json")).as_array().unwrap() {
         let model = load(entry);
         for (key, value) in facts(&model).as_object().unwrap() {
             assert_eq!(value, &entry[key], "{}: {key}", entry["name"]);
@@ -96,8 +97,9 @@ fn numbers<const N: usize>(value: &Value) -> [f64; N] {
 
 #[test]
 fn link_poses_agree_with_the_shared_states() {
-    let robots = shared_json("robots/robots.json");
-    for truth in shared_json("robots/states.json").as_array().unwrap() {
+    let Some(folder) = shared_folder("robots") else { return };
+    let robots = json(&folder.join("robots.json"));
+    for truth in json(&folder.join("states.json")).as_array().unwrap() {
         let name = truth["robot"].as_str().unwrap();
         let entry = robots.as_array().unwrap().iter().find(|r| r["name"] == name).unwrap();
         let model = load(entry);
@@ -125,8 +127,9 @@ fn link_poses_agree_with_the_shared_states() {
 
 #[test]
 fn the_truth_robots_load() {
+    let Some(truth) = shared_folder("truth") else { return };
     for robot in ["ur5", "panda"] {
-        let folder = shared().join("truth").join(robot);
+        let folder = truth.join(robot);
         let srdf = folder.join("robot.srdf");
         let model = RobotModel::load(&folder.join("robot.urdf"), srdf.exists().then_some(&*srdf), &[folder])
             .unwrap_or_else(|e| panic!("{e}"));
@@ -137,8 +140,9 @@ fn the_truth_robots_load() {
 
 #[test]
 fn the_meshes_of_the_shared_pairs_have_the_published_triangles() {
-    let files = MeshFiles::under(shared().join("cases"));
-    let truth = shared_json("cases/mesh_pairs.json");
+    let Some(folder) = shared_folder("cases") else { return };
+    let files = MeshFiles::under(&folder);
+    let truth = json(&folder.join("mesh_pairs.json"));
     for mesh in truth["pairs"].as_array().unwrap().iter().flat_map(|p| [&p["a"], &p["b"]]) {
         let scale = match &mesh["scale"] {
             Value::Array(_) => Vector::from(numbers::<3>(&mesh["scale"])),

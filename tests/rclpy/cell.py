@@ -10,7 +10,8 @@ from node_process import NodeProcess
 from parameters import Parameters
 
 # Short enough for a test to see staleness soon, long enough not to see it by accident on a loaded machine.
-QUICK = {"heartbeat_rate": 20.0, "stale_after": 0.5}
+STALE_AFTER = 1.0  # [s]
+QUICK = {"heartbeat_rate": 20.0, "stale_after": STALE_AFTER}
 
 _numbers = itertools.count(1)
 

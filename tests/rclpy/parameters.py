@@ -18,8 +18,12 @@ class Parameters:
     def describe(self, *names):
         return self._answer(self._client.describe_parameters(list(names))).descriptors
 
+    def ask(self, *names):
+        """Like `get`, but gives the future of the answer."""
+        return self._client.get_parameters(list(names))
+
     def get(self, *names):
-        values = self._answer(self._client.get_parameters(list(names))).values
+        values = self._answer(self.ask(*names)).values
         return [parameter_value_to_python(value) for value in values]
 
     def set(self, **values):

@@ -1,5 +1,6 @@
 """The parameters: by file, by command line, and live through the standard services."""
 
+from contextlib import ExitStack
 from math import inf, pi
 
 import pytest
@@ -9,8 +10,10 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType
 from std_msgs.msg import Float64
 
 import two_link
+from cell import STALE_AFTER
 from node_process import ROOT, NodeProcess
 from parameters import Parameters
+from peer import Peer
 
 NAMES = {"heartbeat_rate", "stale_after", "influence_distance", "distance_limit", "padding", "publish_markers"}
 
@@ -23,7 +26,7 @@ def test_every_parameter_is_listed_described_and_of_its_type(cell):
         assert descriptor.name == name
         assert descriptor.type in (ParameterType.PARAMETER_BOOL, ParameterType.PARAMETER_DOUBLE)
         assert descriptor.description
-    assert cell.parameters.get("heartbeat_rate", "stale_after", "publish_markers") == [20.0, 0.5, True]
+    assert cell.parameters.get("heartbeat_rate", "stale_after", "publish_markers") == [20.0, STALE_AFTER, True]
 
 
 def test_the_influence_distance_changes_live(start):
@@ -53,10 +56,10 @@ def test_staleness_changes_live(cell):
     cell.parameters.succeed(stale_after=3600.0)
     cell.judged(joint1=0, joint2=0)
     cell.driver.pause()
-    old = cell.states.wait_for(lambda state: state.age > 1.0, "a joint state over a second old")
+    old = cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "an old joint state")
     assert old.status == CollisionState.FREE
 
-    cell.parameters.succeed(stale_after=0.5)
+    cell.parameters.succeed(stale_after=STALE_AFTER)
     cell.unknown("stale")
 
 
@@ -98,3 +101,14 @@ def test_the_manual_holds_every_parameter_with_its_default(peer):
         parameters = Parameters(peer, node)
         assert parameters.names() == set(manual)
         assert dict(zip(manual, parameters.get(*manual), strict=True)) == manual
+
+
+def test_requests_sent_as_soon_as_the_services_are_seen_are_answered(cell):
+    """As `ros2 param` does: every call comes from a process that met the node a moment ago."""
+    with ExitStack() as peers:
+        asked = []
+        for _ in range(5):
+            peer = peers.enter_context(Peer(cell.peer.domain_id))
+            asked.append((peer, Parameters(peer, cell.node).ask("stale_after")))
+        for peer, future in asked:
+            assert peer.result(future).values[0].double_value == STALE_AFTER

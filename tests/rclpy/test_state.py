@@ -5,10 +5,11 @@ from math import pi
 import pytest
 from clearance_msgs.msg import BodyPair, CollisionState
 from rclpy.time import Time
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
 import two_link
-from cell import Cell
+from cell import STALE_AFTER, Cell
 
 ACCURACY = 1e-9  # [m] the answers are exact but for rounding; GJK on curved primitives comes this near
 
@@ -31,6 +32,15 @@ def witness_points(pair_distance):
     """By the name of the body that each lies on."""
     on_a, on_b = ((point.x, point.y, point.z) for point in pair_distance.witness_points)
     return {pair_distance.pair.body_a: on_a, pair_distance.pair.body_b: on_b}
+
+
+def stamps(messages, first):
+    """The different stamps of messages, from that of the first on."""
+    return {stamp for message in messages if (stamp := stamp_of(message)) >= stamp_of(first)}
+
+
+def stamp_of(message):
+    return Time.from_msg(message.header.stamp).nanoseconds
 
 
 @pytest.mark.parametrize("answer", two_link.FREE, ids=str)
@@ -89,7 +99,7 @@ def test_a_state_says_what_was_judged_and_how(cell):
     # base - upper and upper - tip are adjacent.
     assert state.pairs_skipped == sum(skipped.count for skipped in state.skipped) == 2
     assert all(skipped.reason for skipped in state.skipped)
-    assert 0 <= state.age < 0.5
+    assert 0 <= state.age < STALE_AFTER
     assert 0 < state.compute_time < 1
     assert state.fidelity == "mesh"
 
@@ -101,25 +111,23 @@ def test_the_stamp_is_that_of_the_judged_joint_state(cell):
 
     def judged():
         cell.driver.publish({"joint1": 0, "joint2": pi}, stamp)
-        return any(Time.from_msg(state.header.stamp) == stamp for state in cell.states.messages)
+        return next((state for state in cell.states.messages if stamp_of(state) == stamp.nanoseconds), None)
 
-    cell.peer.wait_for(judged, f"a judgement of the joint state stamped {stamp}")
-    judgement = next(state for state in cell.states.messages if Time.from_msg(state.header.stamp) == stamp)
+    judgement = cell.peer.wait_for(judged, f"a judgement of the joint state stamped {stamp}")
     cell.driver.resume()
     assert judgement.status == CollisionState.COLLIDING
 
 
 def test_every_joint_state_is_judged(cell):
+    published = cell.peer.record(JointState, cell.node.relative("joint_states"))
     cell.judged(joint1=0, joint2=0)
-    seen = len(cell.states.messages)
+    first = cell.states.next()
+    cell.peer.wait_for(lambda: len(stamps(cell.states.messages, first)) >= 50, "50 judged joint states")
 
-    def fifty_stamps():
-        return len({(s.header.stamp.sec, s.header.stamp.nanosec) for s in cell.states.messages[seen:]}) >= 50
-
-    start = cell.peer.now()
-    cell.peer.wait_for(fifty_stamps, "50 judged joint states")
-    # 50 at 50 Hz take one second; the heartbeat alone, at 20 Hz, would take two and a half.
-    assert (cell.peer.now() - start).nanoseconds < 2e9
+    judged = stamps(cell.states.messages, first)
+    reported = [stamp for stamp in stamps(published.messages, first) if stamp <= max(judged)]
+    # The subscription is best effort: a datagram may be lost.
+    assert len(judged) >= 0.9 * len(reported)
 
 
 def test_the_standard_types_say_the_same(cell):

@@ -2,19 +2,19 @@
 //!
 //! Another release of ros2-client, or another middleware, is a change here.
 
-use std::collections::{HashMap, HashSet};
+mod first_request;
+mod peers;
+
 use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use futures_lite::StreamExt;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
-use ros2_client::{
-    Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping,
-};
+use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping};
 use ros2_client::{RmwRequestId, ServiceTypeName};
-use rustdds::{DomainParticipantBuilder, DomainParticipantStatusEvent, GUID, StatusEvented};
+use rustdds::DomainParticipantBuilder;
 
+use self::peers::Peers;
 use super::environment::{Environment, Reach};
 use super::names::{FullName, NameError};
 use crate::monitor::SourceId;
@@ -30,18 +30,12 @@ pub struct MiddlewareError {
 }
 
 fn refused<E: std::fmt::Display>(what: impl Into<String>) -> impl FnOnce(E) -> MiddlewareError {
-    move |why| MiddlewareError {
-        what: what.into(),
-        why: why.to_string(),
-    }
+    move |why| MiddlewareError { what: what.into(), why: why.to_string() }
 }
 
 impl From<NameError> for MiddlewareError {
     fn from(error: NameError) -> Self {
-        Self {
-            what: "a name is wrong".to_owned(),
-            why: error.to_string(),
-        }
+        Self { what: "a name is wrong".to_owned(), why: error.to_string() }
     }
 }
 
@@ -62,15 +56,11 @@ impl Quality {
 
     fn profile(self) -> QosProfile {
         // a subscriber that has stopped reading must never hold up the monitor: its samples are dropped instead
-        let reliable = Reliability::Reliable {
-            when_full: WhenFull::Fail,
-        };
+        let reliable = Reliability::Reliable { when_full: WhenFull::Fail };
         let base = QosProfile::subscription_default();
         match self {
             Self::BestEffort => base.history(History::KeepLast { depth: Self::DEPTH }),
-            Self::Reliable => base
-                .reliability(reliable)
-                .history(History::KeepLast { depth: Self::DEPTH }),
+            Self::Reliable => base.reliability(reliable).history(History::KeepLast { depth: Self::DEPTH }),
             Self::Latched => (base.reliability(reliable))
                 .durability(Durability::TransientLocal)
                 .history(History::KeepLast { depth: 1 }),
@@ -83,15 +73,7 @@ impl Quality {
 pub struct Middleware {
     node: Arc<Mutex<ros2_client::Node>>,
     context: Context,
-    endpoints: Arc<Mutex<HashMap<GUID, Endpoint>>>,
-}
-
-/// A topic or service of ours, to be named in complaints.
-#[derive(Clone, Debug)]
-struct Endpoint {
-    dds_topic: String,
-    dds_type: String,
-    name: String,
+    peers: Arc<Peers>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -101,32 +83,21 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Middleware {
     /// Joins the network under a node name.
-    pub fn join(
-        environment: &Environment,
-        namespace: &str,
-        node: &str,
-    ) -> Result<Self, MiddlewareError> {
+    pub fn join(environment: &Environment, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
         let mut participant = DomainParticipantBuilder::new(environment.domain);
         if environment.reach == Reach::Localhost {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
-        let participant = participant
-            .build()
-            .map_err(refused("cannot join the ROS network"))?;
-        let context = Context::from_domain_participant(participant)
-            .map_err(refused("cannot join the ROS network"))?;
-        let name = NodeName::new(namespace, node).map_err(refused(format!(
-            "'{namespace}' and '{node}' make no node name"
-        )))?;
+        let participant = participant.build().map_err(refused("cannot join the ROS network"))?;
+        let context =
+            Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
+        let name = NodeName::new(namespace, node)
+            .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
         // the library's own parameter services know no descriptions or ranges; see `parameter_services`
         let options = NodeOptions::new().start_parameter_services(false);
-        let node =
-            (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
-        Ok(Self {
-            node: Arc::new(Mutex::new(node)),
-            context,
-            endpoints: Arc::default(),
-        })
+        let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
+        let peers = Arc::new(Peers::new(environment.reach));
+        Ok(Self { node: Arc::new(Mutex::new(node)), context, peers })
     }
 
     /// Publishes messages of `kind`, such as `std_msgs/Bool`, under a full name.
@@ -144,11 +115,8 @@ impl Middleware {
         let inner = node
             .create_publisher(&topic, Some(profile))
             .map_err(refused(format!("cannot publish {name}")))?;
-        self.note(inner.guid(), "rt", name, &kind.type_name().dds_msg_type());
-        Ok(Publisher {
-            inner,
-            name: name.clone(),
-        })
+        self.peers.note(inner.guid(), name, &kind.type_name().dds_msg_type());
+        Ok(Publisher { inner, name: name.clone() })
     }
 
     /// Hears messages of `kind` under a full name.
@@ -166,11 +134,11 @@ impl Middleware {
         let inner = node
             .create_subscription(&topic, Some(profile))
             .map_err(refused(format!("cannot subscribe to {name}")))?;
-        self.note(inner.guid(), "rt", name, &kind.type_name().dds_msg_type());
-        Ok(Subscription {
-            inner,
-            name: name.clone(),
-        })
+        self.peers.note(inner.guid(), name, &kind.type_name().dds_msg_type());
+        if quality != Quality::BestEffort {
+            self.peers.note_reliably_read(format!("rt{name}"));
+        }
+        Ok(Subscription { inner, name: name.clone() })
     }
 
     /// Serves requests of the service type `package/kind` under a full name.
@@ -188,95 +156,19 @@ impl Middleware {
                 ServiceMapping::Enhanced,
                 &name_of(name)?,
                 &ServiceTypeName::new(package, kind),
-                // what a client sends before it is known here arrives late, but a best-effort reader would lose it
+                // a best-effort reader would lose what a client sends before it is known here
                 Quality::Reliable.profile(),
                 Quality::Reliable.profile(),
             )
             .map_err(refused(format!("cannot serve {name}")))?;
-        Ok(Server {
-            inner,
-            name: name.clone(),
-        })
+        self.peers.note_reliably_read(format!("rq{name}Request"));
+        Ok(Server { inner, name: name.clone() })
     }
 
-    fn note(&self, guid: GUID, prefix: &str, name: &FullName, dds_type: &str) {
-        let endpoint = Endpoint {
-            dds_topic: format!("{prefix}{name}"),
-            dds_type: dds_type.to_owned(),
-            name: name.to_string(),
-        };
-        lock(&self.endpoints).insert(guid, endpoint);
+    /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.
+    pub async fn meet_peers(&self) {
+        self.peers.meet(&self.context.domain_participant()).await;
     }
-
-    /// Says in the log which peers can never be heard, and why: DDS itself keeps quiet about it. Never ends.
-    pub async fn watch_for_mismatches(&self) {
-        let listener = self.context.domain_participant().status_listener();
-        let mut events = listener.as_async_status_stream();
-        let mut told = HashSet::new();
-        while let Some(event) = events.next().await {
-            if let Some(complaint) = self.mismatch(&event)
-                && told.len() < 1000
-                && told.insert(complaint.clone())
-            {
-                log::warn!("{complaint}");
-            }
-        }
-    }
-
-    fn mismatch(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
-        let endpoints = lock(&self.endpoints);
-        let name = |guid: &GUID| endpoints.get(guid).map(|e| e.name.clone());
-        match event {
-            DomainParticipantStatusEvent::RemoteReaderQosIncompatible {
-                local_writer,
-                requested_qos,
-                offered_qos,
-                ..
-            } => Some(format!(
-                "a subscription of {} can not hear this node: it requests {}, but {} is offered",
-                name(local_writer)?,
-                quality_in_words(requested_qos),
-                quality_in_words(offered_qos),
-            )),
-            DomainParticipantStatusEvent::RemoteWriterQosIncompatible {
-                local_reader,
-                requested_qos,
-                offered_qos,
-                ..
-            } => Some(format!(
-                "a publisher of {} can not be heard: it offers {}, but this node requests {}",
-                name(local_reader)?,
-                quality_in_words(offered_qos),
-                quality_in_words(requested_qos),
-            )),
-            DomainParticipantStatusEvent::ReaderDetected { reader: peer }
-            | DomainParticipantStatusEvent::WriterDetected { writer: peer } => {
-                let ours = endpoints
-                    .values()
-                    .find(|e| e.dds_topic == peer.topic_name)?;
-                (ours.dds_type != peer.type_name).then(|| {
-                    format!(
-                        "{} has the type {} elsewhere, but {} here: they can not talk",
-                        ours.name, peer.type_name, ours.dds_type
-                    )
-                })
-            }
-            _ => None,
-        }
-    }
-}
-
-fn quality_in_words(qos: &rustdds::QosPolicies) -> String {
-    use rustdds::policy::{Durability, Reliability};
-    let reliability = match qos.reliability() {
-        Some(Reliability::Reliable { .. }) => "reliable",
-        Some(Reliability::BestEffort) | None => "best effort",
-    };
-    let durability = match qos.durability() {
-        Some(Durability::Volatile) | None => "volatile",
-        Some(_) => "transient local",
-    };
-    format!("{reliability}, {durability}")
 }
 
 fn name_of(name: &FullName) -> Result<Name, MiddlewareError> {
@@ -361,9 +253,7 @@ impl<M: Message + 'static> Subscription<M> {
 }
 
 fn origin(info: &ros2_client::MessageInfo) -> Origin {
-    let since_epoch = info
-        .received_timestamp()
-        .and_then(|t| u64::try_from(t.to_nanos()).ok());
+    let since_epoch = info.received_timestamp().and_then(|t| u64::try_from(t.to_nanos()).ok());
     Origin {
         publisher: SourceId(info.publisher_gid().to_bytes16()),
         received: since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds)),

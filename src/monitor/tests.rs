@@ -1,0 +1,355 @@
+//! Every rule of the monitor, without a network.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::checker::{CollisionChecker, Settings};
+use crate::robot::{MeshFiles, RobotModel};
+use crate::world::World;
+
+/// Two arms of one metre that fold: apart at zero, the second on the base at pi; `follower` mimics the elbow.
+const URDF: &str = r#"<robot name="folder">
+  <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
+  <link name="upper"/>
+  <link name="ball"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="flag"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="-3.2" upper="3.2" effort="1" velocity="1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <parent link="upper"/><child link="ball"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-3.2" upper="3.2" effort="1" velocity="1"/>
+  </joint>
+  <joint name="follower" type="revolute">
+    <parent link="ball"/><child link="flag"/><axis xyz="0 0 1"/><mimic joint="elbow"/>
+    <limit lower="-3.2" upper="3.2" effort="1" velocity="1"/>
+  </joint>
+</robot>"#;
+
+const FREE: [f64; 2] = [0.0, 0.0];
+const COLLIDING: [f64; 2] = [0.0, std::f64::consts::PI];
+
+fn revision(model: u64) -> Arc<Revision> {
+    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    Arc::new(Revision { checker, model, world: 0 })
+}
+
+fn stopwatch() -> Duration {
+    Duration::ZERO
+}
+
+/// A monitor of the folding robot; FREE up to 5 m, stale after half a second.
+fn monitor() -> Monitor {
+    let settings = MonitorSettings { distance_limit: 5.0, ..MonitorSettings::default() };
+    let mut monitor = Monitor::new(settings, stopwatch);
+    monitor.set_checker(revision(1));
+    monitor
+}
+
+const SECOND: f64 = 1e9;
+const START: f64 = 1000.0;
+
+fn time(seconds: f64) -> Time {
+    #[expect(clippy::cast_possible_truncation, reason = "tests take minutes")]
+    Time::from_nanoseconds((seconds * SECOND).round() as i64)
+}
+
+/// Both clocks `seconds` after the start.
+fn at(seconds: f64) -> Now {
+    Now { ros: Some(time(START + seconds)), steady: Duration::from_secs_f64(seconds) }
+}
+
+/// A whole joint state stamped `seconds` after the start.
+fn state(seconds: f64, [shoulder, elbow]: [f64; 2]) -> JointStateInput {
+    input(seconds, &[("shoulder", shoulder), ("elbow", elbow)])
+}
+
+fn input(seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
+    JointStateInput {
+        source: SourceId([1; 16]),
+        stamp: time(START + seconds),
+        names: joints.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        positions: joints.iter().map(|(_, position)| *position).collect(),
+    }
+}
+
+fn code(judgement: &Judgement) -> &'static str {
+    judgement.status.reason().map_or(judgement.status.word(), Reason::code)
+}
+
+#[test]
+fn what_is_right_is_judged() {
+    let mut monitor = monitor();
+    let free = monitor.on_joint_state(state(0.0, FREE), at(0.01));
+    assert_eq!(code(&free), "FREE");
+    assert!((free.distance() - 1.7).abs() < 1e-9, "{}", free.distance());
+    assert!((free.age.unwrap() - 0.01).abs() < 1e-9);
+    assert_eq!(free.stamp, Some(time(START)));
+
+    let colliding = monitor.on_joint_state(state(0.1, COLLIDING), at(0.1));
+    assert_eq!(code(&colliding), "COLLIDING");
+    assert_eq!(colliding.distance(), 0.0);
+}
+
+#[test]
+fn what_is_wrong_is_unknown_and_named() {
+    let whole = [("shoulder", 0.0), ("elbow", 0.0)];
+    let with = |name, value| [whole[0], whole[1], (name, value)];
+    let cut = JointStateInput { positions: vec![0.0], ..state(0.0, FREE) };
+    for (input, expected, named) in [
+        (input(0.0, &[]), "partial", "'shoulder' and 'elbow'"),
+        (input(0.0, &whole[..1]), "partial", "'elbow'"),
+        (input(0.0, &[("other", 0.0)]), "partial", "'shoulder'"),
+        (state(0.0, [0.0, f64::NAN]), "non_finite", "'elbow'"),
+        (state(0.0, [f64::INFINITY, 0.0]), "non_finite", "'shoulder'"),
+        (state(0.0, [f64::NEG_INFINITY, f64::NAN]), "non_finite", "'shoulder'"),
+        (state(0.0, [0.0, 1e300]), "malformed", "'elbow'"),
+        (input(0.0, &with("elbow", 0.0)), "malformed", "'elbow'"),
+        (cut, "malformed", "2 names and 1 positions"),
+        (state(-0.6, FREE), "stale", "0.600 s"),
+        (state(0.6, FREE), "future_stamp", "0.600 s"),
+    ] {
+        let judgement = monitor().on_joint_state(input.clone(), at(0.0));
+        assert_eq!(code(&judgement), expected, "{input:?}");
+        let reason = judgement.status.reason().unwrap().to_string();
+        assert!(reason.contains(named), "{reason}");
+        assert!(judgement.evidence.is_none() && judgement.distance().is_nan());
+    }
+}
+
+#[test]
+fn what_is_odd_is_judged_with_a_warning() {
+    let whole = [("shoulder", 0.0), ("elbow", 0.0)];
+    let with = |name, value| [whole[0], whole[1], (name, value)];
+    let unstamped = JointStateInput { stamp: Time::ZERO, ..state(0.0, FREE) };
+    for (input, warned) in [
+        (input(0.0, &with("follower", f64::NAN)), None),
+        (input(0.0, &with("gripper", f64::NAN)), Some("'gripper'")),
+        (state(0.0, [0.0, 3.2 + 1e-4]), None),
+        (state(0.0, [3.3, 0.0]), Some("joint 'shoulder' is at 3.3, outside its limits")),
+        (unstamped, Some("stamp")),
+    ] {
+        let judgement = monitor().on_joint_state(input.clone(), at(0.0));
+        assert!(judgement.evidence.is_some(), "{input:?}: {}", code(&judgement));
+        assert_eq!(judgement.warnings.len(), usize::from(warned.is_some()), "{input:?}");
+        assert!(judgement.warnings.iter().all(|w| w.contains(warned.unwrap_or_default())));
+    }
+}
+
+#[test]
+fn nothing_is_known_before_there_is_a_model_a_joint_state_and_a_clock() {
+    let mut monitor = Monitor::new(MonitorSettings::default(), stopwatch);
+    assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "no_model");
+    assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), at(0.0))), "no_model");
+    monitor.note_model_fault("line 3: no such link".to_owned());
+    let refused = monitor.on_heartbeat(at(0.1));
+    assert!(refused.status.reason().unwrap().to_string().contains("line 3"));
+
+    // the joint state that came before the model is judged when the model is there
+    monitor.set_checker(revision(1));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.2))), "FREE");
+
+    let mut monitor = self::monitor();
+    assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "no_joint_state");
+    let no_clock = Now { ros: None, ..at(0.0) };
+    assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), no_clock)), "no_clock");
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "FREE");
+}
+
+#[test]
+fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    for (seconds, expected) in [(0.1, "FREE"), (0.5, "FREE"), (0.51, "stale"), (9.0, "stale")] {
+        let judgement = monitor.on_heartbeat(at(seconds));
+        assert_eq!(code(&judgement), expected, "after {seconds} s");
+        assert!((judgement.age.unwrap() - seconds).abs() < 1e-9);
+    }
+    assert_eq!(code(&monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+}
+
+#[test]
+fn a_stale_joint_state_that_was_also_broken_says_both() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(input(0.0, &[("elbow", 0.0)]), at(0.0));
+    let reason = monitor.on_heartbeat(at(1.0)).status.reason().unwrap().to_string();
+    assert!(reason.contains("1.000 s old") && reason.contains("'shoulder'"), "{reason}");
+}
+
+#[test]
+fn silence_is_noticed_when_time_stands_still_or_jumps_back() {
+    for ros in [0.0, -100.0] {
+        let mut monitor = monitor();
+        monitor.on_joint_state(state(0.0, FREE), at(0.0));
+        let later = Now { ros: Some(time(START + ros)), steady: Duration::from_secs(1) };
+        assert!(!monitor.on_heartbeat(later).status.is_free(), "ROS time {ros}");
+    }
+}
+
+#[test]
+fn a_stamp_before_the_last_judged_one_of_its_publisher_is_out_of_order() {
+    let mut monitor = monitor();
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(state(0.05, FREE), at(0.12))), "out_of_order");
+    assert_eq!(code(&monitor.on_heartbeat(at(0.15))), "out_of_order");
+    // the same stamp again, and another publisher's, are in order
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.16))), "FREE");
+    let other = JointStateInput { source: SourceId([2; 16]), ..state(0.05, FREE) };
+    assert_eq!(code(&monitor.on_joint_state(other, at(0.17))), "FREE");
+    // what was not judged orders nothing
+    monitor.on_joint_state(state(0.3, [f64::NAN, 0.0]), at(0.3));
+    assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.31))), "FREE");
+}
+
+#[test]
+fn a_clock_that_was_set_back_orders_anew() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(100.0, FREE), at(100.0));
+    let restarted = Now { ros: at(0.0).ros, steady: at(100.1).steady };
+    assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), restarted)), "FREE");
+}
+
+#[test]
+fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
+    let mut monitor = monitor();
+    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(judgement.revision.unwrap().model, 1);
+    assert!(monitor.time_to_heartbeat(at(0.0)) > Duration::ZERO);
+
+    monitor.set_checker(revision(2));
+    assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
+    assert_eq!(monitor.on_heartbeat(at(0.1)).revision.unwrap().model, 2);
+
+    monitor.set_settings(MonitorSettings { distance_limit: 1.0, ..MonitorSettings::default() });
+    let judgement = monitor.on_heartbeat(at(0.2));
+    assert_eq!((code(&judgement), judgement.distance()), ("FREE", f64::INFINITY));
+
+    // a model that was refused changes nothing
+    monitor.note_model_fault("not XML".to_owned());
+    assert_eq!(code(&monitor.on_heartbeat(at(0.3))), "FREE");
+}
+
+#[test]
+fn the_next_heartbeat_is_due_after_its_period_or_when_the_judgement_turns_stale() {
+    let mut monitor = monitor();
+    assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(monitor.time_to_heartbeat(at(0.02)), Duration::from_millis(80));
+    monitor.on_heartbeat(at(0.45));
+    let due = monitor.time_to_heartbeat(at(0.45));
+    assert!((0.05..0.06).contains(&due.as_secs_f64()), "{due:?}");
+    assert_eq!(code(&monitor.on_heartbeat(at(0.45 + due.as_secs_f64()))), "stale");
+}
+
+#[test]
+fn hostile_names_make_no_long_message() {
+    let long = "x".repeat(1 << 20);
+    let names: Vec<String> = (0..1000).map(|i| format!("{long}{i}")).collect();
+    let positions = vec![0.0; names.len()];
+    let hostile = JointStateInput { names, positions, ..state(0.0, FREE) };
+    let judgement = monitor().on_joint_state(hostile, at(0.0));
+    assert_eq!(code(&judgement), "partial");
+    assert!(judgement.status.reason().unwrap().to_string().len() < 1000);
+
+    let twice = input(0.0, &[("elbow", 0.0), ("elbow", 1.0), (&long, 0.0)]);
+    let judgement = monitor().on_joint_state(twice, at(0.0));
+    assert!(judgement.warnings.iter().all(|warning| warning.len() < 1000));
+}
+
+/// What may happen to a monitor.
+#[derive(Clone, Debug)]
+enum Happening {
+    JointState(JointStateInput),
+    Heartbeat,
+    Model,
+}
+
+fn position() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -4.0..4.0f64,
+        1 => prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -0.0]),
+    ]
+}
+
+fn happening() -> impl Strategy<Value = Happening> {
+    let name = prop::sample::select(vec!["shoulder", "elbow", "follower", "other", ""]);
+    let whole = (position(), position())
+        .prop_map(|(a, b)| (vec!["shoulder".to_owned(), "elbow".to_owned()], vec![a, b]));
+    let any =
+        (prop::collection::vec(name.prop_map(str::to_owned), 0..4), prop::collection::vec(position(), 0..4));
+    let stamp = prop_oneof![
+        6 => (-1.0..1.0f64).prop_map(|s| time(START + s)),
+        1 => prop::sample::select(vec![i64::MIN, -1, 0, 1, i64::MAX]).prop_map(Time::from_nanoseconds),
+    ];
+    let source = prop::sample::select(vec![SourceId([1; 16]), SourceId([2; 16])]);
+    let joint_state =
+        (prop_oneof![whole, any], stamp, source).prop_map(|((names, positions), stamp, source)| {
+            Happening::JointState(JointStateInput { source, stamp, names, positions })
+        });
+    prop_oneof![6 => joint_state, 3 => Just(Happening::Heartbeat), 1 => Just(Happening::Model)]
+}
+
+fn now() -> impl Strategy<Value = Now> {
+    let ros = prop_oneof![
+        8 => (-1.0..1.0f64).prop_map(|s| Some(time(START + s))),
+        1 => Just(None),
+        1 => prop::sample::select(vec![i64::MIN, i64::MAX]).prop_map(|n| Some(Time::from_nanoseconds(n))),
+    ];
+    (ros, 0..2000u64).prop_map(|(ros, ms)| Now { ros, steady: Duration::from_millis(ms) })
+}
+
+/// Whether FREE may be said about `input`, which came at `came`, at `now`.
+fn may_be_free(input: &JointStateInput, came: Now, now: Now) -> bool {
+    let Some(ros) = now.ros else { return false };
+    let position = |name: &str| {
+        let mut found = input.names.iter().zip(&input.positions).filter(|(n, _)| *n == name);
+        match (found.next(), found.next()) {
+            (Some((_, value)), None) => value.is_finite(),
+            _ => false,
+        }
+    };
+    let fresh = match input.stamp {
+        Time::ZERO => true,
+        stamp => ros.seconds_since(stamp).abs() <= 0.5,
+    };
+    let silence = now.steady.saturating_sub(came.steady);
+    input.names.len() == input.positions.len()
+        && ["shoulder", "elbow"].into_iter().all(position)
+        && fresh
+        && silence <= Duration::from_millis(500)
+}
+
+proptest! {
+    #[test]
+    fn nothing_panics_and_free_is_never_said_without_a_whole_fresh_joint_state(
+        happenings in prop::collection::vec((happening(), now()), 0..30)
+    ) {
+        let mut monitor = monitor();
+        let mut last: Option<(JointStateInput, Now)> = None;
+        for (happening, now) in happenings {
+            let judgement = match happening {
+                Happening::JointState(input) => {
+                    last = Some((input.clone(), now));
+                    monitor.on_joint_state(input, now)
+                }
+                Happening::Heartbeat => monitor.on_heartbeat(now),
+                Happening::Model => {
+                    monitor.set_checker(revision(2));
+                    monitor.on_heartbeat(now)
+                }
+            };
+            let _ = monitor.time_to_heartbeat(now);
+            let allowed = last.as_ref().is_some_and(|(input, came)| may_be_free(input, *came, now));
+            prop_assert!(!judgement.status.is_free() || allowed, "{:?}", judgement.status);
+            prop_assert_eq!(
+                judgement.evidence.is_some(),
+                !matches!(judgement.status, Status::Unknown(_))
+            );
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Other nodes: how they are met, and who of them can never be heard.
+
+use std::collections::{HashMap, HashSet};
+use std::net::SocketAddr;
+use std::sync::Mutex;
+
+use futures_lite::StreamExt;
+use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
+
+use super::first_request::FirstRequest;
+use super::lock;
+use crate::node::environment::Reach;
+use crate::node::names::FullName;
+
+/// Complaints made at most, so that a hostile network can not fill the memory.
+const COMPLAINTS: usize = 1000;
+
+/// What is ours, to be compared with what others offer and request.
+pub struct Peers {
+    endpoints: Mutex<HashMap<GUID, Endpoint>>,
+    /// DDS topics of which nothing may be lost here.
+    reliably_read: Mutex<HashSet<String>>,
+    first_request: Option<FirstRequest>,
+}
+
+/// A topic of ours.
+struct Endpoint {
+    name: String,
+    dds_type: String,
+}
+
+impl Peers {
+    pub fn new(reach: Reach) -> Self {
+        Self {
+            endpoints: Mutex::default(),
+            reliably_read: Mutex::default(),
+            first_request: FirstRequest::new(reach),
+        }
+    }
+
+    /// This publisher or subscription is ours.
+    pub fn note(&self, guid: GUID, name: &FullName, dds_type: &str) {
+        let endpoint = Endpoint { name: name.to_string(), dds_type: dds_type.to_owned() };
+        lock(&self.endpoints).insert(guid, endpoint);
+    }
+
+    /// Something of ours reads this DDS topic reliably.
+    pub fn note_reliably_read(&self, dds_topic: String) {
+        lock(&self.reliably_read).insert(dds_topic);
+    }
+
+    /// Meets peers for ever.
+    pub async fn meet(&self, participant: &DomainParticipant) {
+        let listener = participant.status_listener();
+        let mut events = listener.as_async_status_stream();
+        let mut told = HashSet::new();
+        while let Some(event) = events.next().await {
+            if let DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } = event {
+                self.ask_for_the_past(participant, local_reader, remote_writer);
+            }
+            // DDS itself keeps quiet about mismatches
+            if let Some(complaint) = self.mismatch(&event)
+                && told.len() < COMPLAINTS
+                && told.insert(complaint.clone())
+            {
+                log::warn!("{complaint}");
+            }
+        }
+    }
+
+    fn ask_for_the_past(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
+        let Some(first_request) = &self.first_request else {
+            return;
+        };
+        let known = participant.discovered_writers();
+        let Some(peer) = known.iter().find(|w| w.writer_proxy.remote_writer_guid == writer) else {
+            return;
+        };
+        if lock(&self.reliably_read).contains(&peer.publication_topic_data.topic_name) {
+            // shared memory and other transports stand among them
+            let addresses = (peer.writer_proxy.unicast_locator_list.iter())
+                .filter(|locator| locator.is_udp())
+                .map(|locator| SocketAddr::from(*locator))
+                .filter(SocketAddr::is_ipv4);
+            first_request.send(reader, writer, addresses);
+        }
+    }
+
+    fn mismatch(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
+        let endpoints = lock(&self.endpoints);
+        let name = |guid: &GUID| endpoints.get(guid).map(|e| e.name.clone());
+        match event {
+            DomainParticipantStatusEvent::RemoteReaderQosIncompatible {
+                local_writer,
+                requested_qos,
+                offered_qos,
+                ..
+            } => Some(format!(
+                "a subscription of {} can not hear this node: it requests {}, but {} is offered",
+                name(local_writer)?,
+                in_words(requested_qos),
+                in_words(offered_qos),
+            )),
+            DomainParticipantStatusEvent::RemoteWriterQosIncompatible {
+                local_reader,
+                requested_qos,
+                offered_qos,
+                ..
+            } => Some(format!(
+                "a publisher of {} can not be heard: it offers {}, but this node requests {}",
+                name(local_reader)?,
+                in_words(offered_qos),
+                in_words(requested_qos),
+            )),
+            DomainParticipantStatusEvent::ReaderDetected { reader: peer }
+            | DomainParticipantStatusEvent::WriterDetected { writer: peer } => {
+                let name = peer.topic_name.strip_prefix("rt")?;
+                let ours = endpoints.values().find(|e| e.name == name)?;
+                (ours.dds_type != peer.type_name).then(|| {
+                    format!(
+                        "{name} has the type {} elsewhere, but {} here: they can not talk",
+                        peer.type_name, ours.dds_type
+                    )
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+fn in_words(qos: &QosPolicies) -> String {
+    use rustdds::policy::{Durability, Reliability};
+    let reliability = match qos.reliability() {
+        Some(Reliability::Reliable { .. }) => "reliable",
+        Some(Reliability::BestEffort) | None => "best effort",
+    };
+    let durability = match qos.durability() {
+        Some(Durability::Volatile) | None => "volatile",
+        Some(_) => "transient local",
+    };
+    format!("{reliability}, {durability}")
+}
