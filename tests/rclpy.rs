@@ -39,11 +39,7 @@ fn announce(text: &str) {
 fn passed_tests(stdout: &str) -> usize {
     let summary = stdout.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();
     let words: Vec<_> = summary.split([' ', ',']).collect();
-    words
-        .windows(2)
-        .find(|pair| pair[1] == "passed")
-        .and_then(|pair| pair[0].parse().ok())
-        .unwrap_or(0)
+    words.windows(2).find(|pair| pair[1] == "passed").and_then(|pair| pair[0].parse().ok()).unwrap_or(0)
 }
 
 #[test]

@@ -135,11 +135,11 @@ impl Window {
         Self { begin: now.clone(), next: now }
     }
 
-    fn row(&mut self, seen: Seen) -> Row {
+    fn row(&mut self, seen: &Seen) -> Row {
         if self.next.0.elapsed() > Self::LENGTH {
             self.begin = std::mem::replace(&mut self.next, (Instant::now(), seen.clone()));
         }
-        Row::new(&self.begin.1, &seen, self.begin.0.elapsed())
+        Row::new(&self.begin.1, seen, self.begin.0.elapsed())
     }
 }
 
@@ -160,7 +160,7 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let [status, nearest, distance, rate, check] = &lines;
     let mut window = Window::new(latest.read());
     while !ended.load(Ordering::Relaxed) {
-        let row = window.row(latest.read());
+        let row = window.row(&latest.read());
         let colour = match row.status {
             "FREE" => "green",
             "COLLIDING" => "red",
@@ -175,7 +175,9 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         thread::sleep(REFRESH);
     }
     // the last state stays on the screen
-    lines.iter().for_each(ProgressBar::abandon);
+    for line in &lines {
+        line.abandon();
+    }
 }
 
 fn style(template: &str) -> ProgressStyle {
@@ -187,7 +189,9 @@ fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let mut out = std::io::stdout();
     // whoever reads may stop reading; the node goes on
     let mut say = |line: &str| drop(writeln!(out, "{line}").and_then(|()| out.flush()));
-    hints.iter().for_each(|hint| say(hint));
+    for hint in hints {
+        say(hint);
+    }
     let mut before = (Instant::now(), latest.read());
     while !ended.load(Ordering::Relaxed) {
         thread::sleep(REFRESH);

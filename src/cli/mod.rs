@@ -18,6 +18,7 @@ mod timing;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use log::LevelFilter;
 
 use failure::Failure;
 
@@ -27,9 +28,9 @@ use failure::Failure;
 #[derive(Parser)]
 #[command(version, about, long_about, max_term_width = 100)]
 struct Arguments {
-    /// What is logged on stderr: off, error, warn, info, debug or trace
-    #[arg(long, global = true, value_name = "LEVEL", default_value = "warn")]
-    log_level: log::LevelFilter,
+    /// What is logged on stderr: off, error, warn, info, debug or trace [default: info for the node, else warn]
+    #[arg(long, global = true, value_name = "LEVEL")]
+    log_level: Option<LevelFilter>,
 
     #[command(subcommand)]
     command: Option<Command>,
@@ -59,18 +60,18 @@ pub fn run() -> ExitCode {
 fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
     match arguments.command {
         Some(Command::Check(args)) => {
-            log_to_stderr(arguments.log_level);
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             check::run(&args)
         }
         #[cfg(feature = "ros")]
-        Some(Command::Node(args)) => node::run(&args, arguments.log_level),
+        Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),
         #[cfg(feature = "ros")]
-        None => demo::run(arguments.log_level),
+        None => demo::run(arguments.log_level.unwrap_or(LevelFilter::Warn)),
         #[cfg(not(feature = "ros"))]
         None => Err(Failure::Input("this build has no ROS 2 node: name a command (see --help)".to_owned())),
     }
 }
 
-fn log_to_stderr(level: log::LevelFilter) {
+fn log_to_stderr(level: LevelFilter) {
     env_logger::Builder::new().filter_level(level).format_timestamp(None).format_target(false).init();
 }

@@ -13,7 +13,7 @@ use log::LevelFilter;
 use super::failure::Failure;
 use super::model::{ModelArgs, WorldArgs};
 
-/// Without --urdf the robot is awaited on the topic robot_description.
+/// Without --urdf the robot is awaited on the topic `robot_description`.
 #[derive(Args)]
 pub struct NodeArgs {
     #[command(flatten)]
@@ -26,7 +26,7 @@ pub struct NodeArgs {
     #[arg(long, value_name = "FILE")]
     params_file: Vec<PathBuf>,
 
-    /// Also move the robot: publish a slow motion of every joint on joint_states
+    /// Also move the robot: publish a slow motion of every joint on `joint_states`
     #[arg(long)]
     demo_motion: bool,
 

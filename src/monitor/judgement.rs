@@ -8,6 +8,7 @@ use crate::checker::{CollisionChecker, CollisionReport};
 use crate::robot::LinkPoses;
 
 /// A checker, and which one it is.
+#[derive(Debug)]
 pub struct Revision {
     pub checker: CollisionChecker,
     /// Counts the robot models taken since the start; the first is 1.
@@ -36,7 +37,7 @@ pub struct Evidence {
 }
 
 /// What is known about the robot now. Cheap to clone.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Judgement {
     pub status: Status,
     /// Stamp of the joint state that this is about, if there was one.

@@ -12,6 +12,7 @@ use crate::checker::{Question, Workspace};
 pub type Stopwatch = fn() -> Duration;
 
 /// Decides what is known about one robot.
+#[derive(Debug)]
 pub struct Monitor {
     settings: MonitorSettings,
     stopwatch: Stopwatch,
@@ -28,6 +29,7 @@ pub struct Monitor {
 }
 
 /// The robot and world to check, and what checking them needs.
+#[derive(Debug)]
 struct Subject {
     revision: Arc<Revision>,
     tracker: Tracker,
@@ -35,6 +37,7 @@ struct Subject {
 }
 
 /// The last joint state.
+#[derive(Debug)]
 struct Heard {
     input: JointStateInput,
     /// The stamp that counts: its own, or when it came if it has none.
@@ -46,6 +49,7 @@ struct Heard {
 }
 
 /// A judgement but for its age.
+#[derive(Debug)]
 struct Verdict {
     status: Status,
     evidence: Option<Arc<Evidence>>,

@@ -1,5 +1,7 @@
 //! Every rule of the monitor, without a network.
 
+#![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
+
 use std::sync::Arc;
 use std::time::Duration;
 

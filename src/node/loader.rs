@@ -150,8 +150,8 @@ impl Loader {
             srdf: self.semantic.as_deref(),
             srdf_name: Some(SEMANTIC),
         };
-        let robot = RobotModel::from_text(&text, &self.mesh_files)
-            .map_err(|error| format!("{DESCRIPTION}: {error}"))?;
+        let robot =
+            RobotModel::from_text(&text, &self.mesh_files).map_err(|error| named(&error.to_string()))?;
         self.take(robot).map(Some)
     }
 
@@ -203,6 +203,11 @@ impl Loader {
 
 const DESCRIPTION: &str = "robot_description";
 const SEMANTIC: &str = "robot_description_semantic";
+
+/// A fault that names the topic, if its place in the text does not.
+fn named(fault: &str) -> String {
+    if fault.starts_with(DESCRIPTION) { fault.to_owned() } else { format!("{DESCRIPTION}: {fault}") }
+}
 
 /// A description is a stranger's text: what it breaks must not take the node with it.
 fn guarded<T>(build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {

@@ -1,4 +1,4 @@
-//! What RViz shows: colliding links, and lines between near bodies.
+//! What `RViz` shows: colliding links, and lines between near bodies.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use crate::checker::{Body, PairDistance};
 use crate::geometry::{Primitive, Shape, TriangleMesh};
 use crate::math::{Point, Pose, Vector};
 use crate::monitor::{Evidence, Judgement, Revision};
-use crate::robot::{Collision, LinkId};
+use crate::robot::{Collision, LinkId, MeshSource};
 
 const COLLIDING_LINKS: &str = "colliding_links";
 const WITNESS_LINES: &str = "witness_lines";
@@ -29,7 +29,7 @@ const WHITE: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 const LINE_WIDTH: f64 = 0.004;
 /// Height of a letter (m).
 const TEXT_HEIGHT: f64 = 0.04;
-/// Triangles in one message at most (72 bytes each): RustDDS loses messages of more than about 250 kB.
+/// Triangles in one message at most (72 bytes each): `RustDDS` loses messages of more than about 250 kB.
 const TRIANGLES_SHOWN: usize = 2000;
 const LINES_SHOWN: usize = 1000;
 
@@ -105,7 +105,10 @@ impl Scene {
     fn add_collision(&mut self, first_id: usize, pose_rs: &Pose, collision: &Collision) {
         match &collision.shape {
             Shape::Primitive(primitive) => self.add_primitive(first_id, pose_rs, primitive),
-            Shape::Mesh(mesh) => self.add_mesh(first_id, pose_rs, mesh),
+            Shape::Mesh(mesh) => match collision.mesh_source.as_ref().and_then(resource) {
+                Some((uri, scale)) => self.add_mesh_resource(first_id, pose_rs, uri, &scale),
+                None => self.add_mesh(first_id, pose_rs, mesh),
+            },
         }
     }
 
@@ -136,6 +139,15 @@ impl Scene {
         self.add(COLLIDING_LINKS, id, kind, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             marker.scale = vector_message(&size);
+        });
+    }
+
+    /// A mesh by its name, for `RViz` to load.
+    fn add_mesh_resource(&mut self, id: usize, pose_rs: &Pose, uri: String, scale: &Vector) {
+        self.add(COLLIDING_LINKS, id, Marker::MESH_RESOURCE, RED, |marker| {
+            marker.pose = pose_message(pose_rs);
+            marker.scale = vector_message(scale);
+            marker.mesh_resource = uri;
         });
     }
 
@@ -224,6 +236,16 @@ impl Scene {
         markers.extend(self.markers.into_iter().map(|(_, marker)| marker));
         MarkerArray { markers }
     }
+}
+
+/// The name by which others find a mesh, and its scale; names relative to the URDF mean nothing to them.
+fn resource(source: &MeshSource) -> Option<(String, Vector)> {
+    let uri = match &source.uri {
+        uri if uri.starts_with("package://") || uri.starts_with("file://") => uri.clone(),
+        path if path.starts_with('/') => format!("file://{path}"),
+        _ => return None,
+    };
+    Some((uri, source.scale))
 }
 
 fn vector_message(vector: &Vector) -> Vector3 {

@@ -10,7 +10,7 @@ use crate::checker::{Body, CollisionChecker, PairDistance};
 use crate::math::Point;
 use crate::monitor::{JointStateInput, Judgement, SourceId, Status, Time};
 
-/// Pairs in one message at most: RustDDS loses messages of more than about 250 kB.
+/// Pairs in one message at most: `RustDDS` loses messages of more than about 250 kB.
 pub const PAIRS_TOLD: usize = 1000;
 
 /// What geometry is checked.

@@ -61,7 +61,7 @@ fn apply_text(
         return Err("it must map node names to ros__parameters".to_owned());
     };
     let mut sections = Vec::new();
-    collect_sections(&document, String::new(), &mut sections)?;
+    collect_sections(&document, "", &mut sections)?;
     let full_name = names.full_node_name();
     sections.retain(|section| matches(&section.pattern, &full_name));
     // what names this node wins over wildcards
@@ -94,7 +94,7 @@ impl Section {
 /// Node names may be nested: `/cell: {left: {ros__parameters: ...}}` is `/cell/left`.
 fn collect_sections(
     map: &Map<String, Yaml>,
-    prefix: String,
+    prefix: &str,
     sections: &mut Vec<Section>,
 ) -> Result<(), String> {
     for (key, value) in map {
@@ -104,10 +104,10 @@ fn collect_sections(
         if key == "ros__parameters" {
             let mut values = Vec::new();
             flatten(inner, "", &mut values);
-            sections.push(Section { pattern: prefix.clone(), values });
+            sections.push(Section { pattern: prefix.to_owned(), values });
         } else {
             let pattern = format!("{prefix}/{}", key.trim_matches('/'));
-            collect_sections(inner, pattern, sections)?;
+            collect_sections(inner, &pattern, sections)?;
         }
     }
     Ok(())
@@ -143,6 +143,8 @@ fn matches(pattern: &str, full_name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "parameters are carried, not computed")]
+
     use super::*;
     use crate::node::names::Remap;
 

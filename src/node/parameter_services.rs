@@ -209,7 +209,7 @@ where
 {
     loop {
         let (id, request) = server.next().await;
-        server.answer(id, respond(request));
+        server.answer(id, respond(request)).await;
     }
 }
 

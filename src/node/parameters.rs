@@ -204,3 +204,58 @@ fn boolean(
 ) -> Declaration {
     Declaration { name, unit: "", description, range: Range::Bool, access: Access::Bool(field) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::node::parameter_value;
+
+    const MANUAL: &str = include_str!("../../config/clearance.yaml");
+
+    /// The comment right above a parameter of the manual.
+    fn comment_above(name: &str) -> String {
+        let lines: Vec<&str> = MANUAL.lines().map(str::trim).collect();
+        let line = lines.iter().position(|line| line.starts_with(&format!("{name}:"))).unwrap();
+        let above = lines[..line].iter().rposition(|line| !line.starts_with('#')).unwrap();
+        lines[above + 1..line].iter().map(|line| line.trim_start_matches('#')).collect()
+    }
+
+    #[test]
+    fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
+        let manual: serde_json::Value = serde_saphyr::from_str(MANUAL).unwrap();
+        let values = manual["/**"]["ros__parameters"].as_object().unwrap();
+        let defaults = Parameters::default();
+        for declaration in DECLARATIONS.iter() {
+            let name = declaration.name;
+            assert_eq!(parameter_value::from_node(&values[name]), declaration.get(&defaults), "{name}");
+            let begins = match declaration.range {
+                Range::Bool => " true or false.".to_owned(),
+                Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
+            };
+            let comment = comment_above(name);
+            assert!(comment.starts_with(&begins), "{name} should begin with '{begins}': {comment}");
+        }
+        assert_eq!(values.len(), DECLARATIONS.len());
+    }
+
+    #[test]
+    fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
+        for (name, value, reason) in [
+            ("padding", Value::Double(-0.1), "from 0 to 1 m, but -0.1"),
+            ("padding", Value::Double(f64::NAN), "NaN"),
+            ("heartbeat_rate", Value::Integer(0), "from 0.1 to 1000 Hz, but 0"),
+            ("stale_after", Value::Text("long".into()), "a string"),
+            ("publish_markers", Value::Integer(1), "an integer"),
+            ("padding", Value::Other("an array"), "an array"),
+            ("speed", Value::Bool(true), "'speed'"),
+        ] {
+            let mut parameters = Parameters::default();
+            let error = parameters.set(name, &value).unwrap_err();
+            assert!(error.contains(name) && error.contains(reason), "{error}");
+            assert_eq!(parameters, Parameters::default());
+        }
+        let mut parameters = Parameters::default();
+        parameters.set("heartbeat_rate", &Value::Integer(20)).unwrap();
+        assert_eq!(declaration("heartbeat_rate").unwrap().get(&parameters), Value::Double(20.0));
+    }
+}

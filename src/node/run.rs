@@ -45,6 +45,16 @@ pub struct NodeOptions {
     pub observer: Option<Observer>,
 }
 
+impl std::fmt::Debug for NodeOptions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("NodeOptions")
+            .field("environment", &self.environment)
+            .field("arguments", &self.arguments)
+            .field("parameters", &self.parameters)
+            .finish_non_exhaustive()
+    }
+}
+
 /// Why a node did not start or did not end well.
 #[derive(Debug, thiserror::Error)]
 pub enum NodeError {
@@ -96,7 +106,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let current_robot = loader.current_robot();
     end_on_signals(end.clone())?;
 
-    let middleware = Middleware::join(&options.environment, names.namespace(), names.node())?;
+    let middleware = Middleware::join(options.environment, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),

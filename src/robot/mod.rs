@@ -26,7 +26,7 @@ pub use joint::{Joint, JointKind, Limits, Mimic};
 pub use kinematics::LinkPoses;
 pub use loaded_mesh::LoadedMesh;
 pub use mesh_files::{MeshFileError, MeshFiles};
-pub use model::{Collision, Link, ModelError, RobotModel};
+pub use model::{Collision, Link, MeshSource, ModelError, RobotModel};
 pub use robot_text::RobotText;
 pub use source::{Fault, Place};
 pub use srdf::{DisabledPair, Group, Srdf, VirtualJoint};

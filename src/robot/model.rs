@@ -4,7 +4,7 @@ use super::joint::{Joint, Mimic};
 use super::srdf::Srdf;
 use super::{Fault, JointId, LinkId, Place, Warning};
 use crate::geometry::Shape;
-use crate::math::Pose;
+use crate::math::{Pose, Vector};
 
 /// A robot as URDF (and SRDF) describe it. Immutable once built; share it behind an `Arc`.
 #[derive(Clone, Debug)]
@@ -39,6 +39,15 @@ pub struct Collision {
     /// Pose of the shape in the link frame.
     pub pose_ls: Pose,
     pub shape: Shape,
+    /// Where a mesh came from.
+    pub mesh_source: Option<MeshSource>,
+}
+
+/// The name of a mesh in the URDF, and the factors by which it was scaled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSource {
+    pub uri: String,
+    pub scale: Vector,
 }
 
 /// Most faults that one error lists.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::joint::{Joint, JointKind, Limits, Mimic};
 use super::loaded_mesh::MeshCache;
 use super::mesh_files::MeshFiles;
-use super::model::{Collision, Link, ModelError, RobotModel};
+use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
 use super::tree::{Tree, TreeError};
 use super::urdf_door::{CollisionNotes, JointNotes, LinkNotes, SoundUrdf};
 use super::{Fault, JointId, LinkId, Place, Warning, mimic};
@@ -185,15 +185,32 @@ fn read_collision(
         urdf_rs::Geometry::Cylinder { radius, length } => primitive(Primitive::cylinder(*radius, *length)),
         urdf_rs::Geometry::Capsule { radius, length } => primitive(Primitive::capsule(*radius, *length)),
         urdf_rs::Geometry::Mesh { filename, scale } => {
-            let scale = scale.map_or(Vector::from_element(1.0), |s| Vector::from(*s));
-            let loaded = meshes.load(filename, scale).map_err(|e| e.to_string())?;
+            let loaded = meshes.load(filename, mesh_scale(*scale)).map_err(|e| e.to_string())?;
             warnings.extend(
                 loaded.remarks.into_iter().map(|message| Warning { place: notes.place.clone(), message }),
             );
             Ok(Shape::Mesh(loaded.mesh))
         }
     }?;
-    Ok(Collision { name: collision.name.clone(), pose_ls: pose(&collision.origin, notes.rotation), shape })
+    Ok(Collision {
+        name: collision.name.clone(),
+        pose_ls: pose(&collision.origin, notes.rotation),
+        shape,
+        mesh_source: mesh_source(&collision.geometry),
+    })
+}
+
+fn mesh_source(geometry: &urdf_rs::Geometry) -> Option<MeshSource> {
+    match geometry {
+        urdf_rs::Geometry::Mesh { filename, scale } => {
+            Some(MeshSource { uri: filename.clone(), scale: mesh_scale(*scale) })
+        }
+        _ => None,
+    }
+}
+
+fn mesh_scale(scale: Option<urdf_rs::Vec3>) -> Vector {
+    scale.map_or(Vector::from_element(1.0), |s| Vector::from(*s))
 }
 
 fn tree_fault(error: TreeError, sound: &SoundUrdf, joints: &[Joint]) -> Fault {

@@ -1,8 +1,8 @@
 //! Tests of the library from outside, one binary with a module for each subject.
 
 mod bodies;
-mod checker;
 mod cases;
+mod checker;
 mod command_line;
 mod hostile;
 mod hostile_requests;

@@ -1,8 +1,8 @@
 //! Asks Fast DDS writers at once for what they sent before they were known here.
 //!
-//! A reliable reader that meets a writer asks it for what it has. RustDDS asks with an ACKNACK of base 1 and count 0;
+//! A reliable reader that meets a writer asks it for what it has. `RustDDS` asks with an ACKNACK of base 1 and count 0;
 //! Fast DDS heeds neither, and comes with its next heartbeat, up to 3 s later. A client calls a service as soon as it
-//! sees it, some 10 ms before RustDDS has met it, so that the first call of every client would take these 3 s (20 of 20
+//! sees it, some 10 ms before `RustDDS` has met it, so that the first call of every client would take these 3 s (20 of 20
 //! measured); a best-effort reader loses such calls altogether (19 of 20). A question of our own, sent beside the
 //! library's, brings the answer in milliseconds.
 
@@ -14,7 +14,7 @@ use crate::node::environment::Reach;
 
 /// The vendor that needs it, as its participants' identifiers begin: eProsima.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
-/// RustDDS, in whose name this is sent.
+/// `RustDDS`, in whose name this is sent.
 const RUST_DDS: [u8; 2] = [0x01, 0x12];
 
 /// Sends the question.
@@ -55,9 +55,9 @@ impl FirstRequest {
     }
 }
 
-/// An RTPS message: header, INFO_DST, and an ACKNACK that asks for sample 1 and wants an answer (no final flag).
+/// An RTPS message: header, `INFO_DST`, and an ACKNACK that asks for sample 1 and wants an answer (no final flag).
 ///
-/// A new client's first request is sample 1. Fast DDS heeds only counts that grow, so it passes over RustDDS's own next
+/// A new client's first request is sample 1. Fast DDS heeds only counts that grow, so it passes over `RustDDS`'s own next
 /// ACKNACK, which has this count too; that costs nothing unless a packet is lost just then.
 fn ask_for_first_sample(reader: &[u8; 16], writer: &[u8; 16]) -> Vec<u8> {
     let (reader_prefix, reader_id) = reader.split_at(12);

@@ -4,14 +4,15 @@
 
 mod first_request;
 mod peers;
+mod server;
 
 use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use ros2_client::ServiceTypeName;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
 use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping};
-use ros2_client::{RmwRequestId, ServiceTypeName};
 use rustdds::DomainParticipantBuilder;
 
 use self::peers::Peers;
@@ -19,6 +20,7 @@ use super::environment::{Environment, Reach};
 use super::names::{FullName, NameError};
 use crate::monitor::SourceId;
 
+pub use self::server::Server;
 pub use ros2_client::Message;
 
 /// Something that the middleware refused, in words.
@@ -83,7 +85,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Middleware {
     /// Joins the network under a node name.
-    pub fn join(environment: &Environment, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
+    pub fn join(environment: Environment, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
         let mut participant = DomainParticipantBuilder::new(environment.domain);
         if environment.reach == Reach::Localhost {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
@@ -138,7 +140,7 @@ impl Middleware {
         if quality != Quality::BestEffort {
             self.peers.note_reliably_read(format!("rt{name}"));
         }
-        Ok(Subscription { inner, name: name.clone() })
+        Ok(Subscription { inner, name: name.clone(), last_complaint: Mutex::default() })
     }
 
     /// Serves requests of the service type `package/kind` under a full name.
@@ -162,7 +164,7 @@ impl Middleware {
             )
             .map_err(refused(format!("cannot serve {name}")))?;
         self.peers.note_reliably_read(format!("rq{name}Request"));
-        Ok(Server { inner, name: name.clone() })
+        Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers)))
     }
 
     /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.
@@ -224,6 +226,7 @@ impl Origin {
 pub struct Subscription<M> {
     inner: ros2_client::Subscription<M>,
     name: FullName,
+    last_complaint: Mutex<Option<Instant>>,
 }
 
 impl<M: Message + 'static> Subscription<M> {
@@ -247,8 +250,14 @@ impl<M: Message + 'static> Subscription<M> {
         }
     }
 
+    /// Says what is wrong, but not for every message of a flood.
     fn complain(&self, error: &ros2_client::ReadError) {
-        log::warn!("a message on {} could not be read: {error}", self.name);
+        const PAUSE: Duration = Duration::from_secs(1);
+        let mut last = lock(&self.last_complaint);
+        if last.is_none_or(|at| at.elapsed() > PAUSE) {
+            *last = Some(Instant::now());
+            log::warn!("a message on {} could not be read: {error}", self.name);
+        }
     }
 }
 
@@ -257,32 +266,5 @@ fn origin(info: &ros2_client::MessageInfo) -> Origin {
     Origin {
         publisher: SourceId(info.publisher_gid().to_bytes16()),
         received: since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds)),
-    }
-}
-
-/// Answers requests of one service.
-pub struct Server<Request: Message, Response: Message> {
-    inner: ros2_client::Server<Request, Response>,
-    name: FullName,
-}
-
-/// Names a request in its answer.
-pub struct RequestId(RmwRequestId);
-
-impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Response> {
-    /// The next request, waiting for it. What can not be decoded is logged and passed over.
-    pub async fn next(&self) -> (RequestId, Request) {
-        loop {
-            match self.inner.async_receive_request().await {
-                Ok((id, request)) => return (RequestId(id), request),
-                Err(error) => log::warn!("a request to {} could not be read: {error}", self.name),
-            }
-        }
-    }
-
-    pub fn answer(&self, RequestId(id): RequestId, response: Response) {
-        if let Err(error) = self.inner.send_response(id, response) {
-            log::warn!("an answer of {} was dropped: {error}", self.name);
-        }
     }
 }

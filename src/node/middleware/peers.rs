@@ -20,6 +20,8 @@ pub struct Peers {
     endpoints: Mutex<HashMap<GUID, Endpoint>>,
     /// DDS topics of which nothing may be lost here.
     reliably_read: Mutex<HashSet<String>>,
+    /// Readers of others that hear something of ours.
+    readers: Mutex<HashSet<GUID>>,
     first_request: Option<FirstRequest>,
 }
 
@@ -34,6 +36,7 @@ impl Peers {
         Self {
             endpoints: Mutex::default(),
             reliably_read: Mutex::default(),
+            readers: Mutex::default(),
             first_request: FirstRequest::new(reach),
         }
     }
@@ -49,15 +52,18 @@ impl Peers {
         lock(&self.reliably_read).insert(dds_topic);
     }
 
+    /// Whether this reader of a peer hears us.
+    pub fn has_reader(&self, reader: GUID) -> bool {
+        lock(&self.readers).contains(&reader)
+    }
+
     /// Meets peers for ever.
     pub async fn meet(&self, participant: &DomainParticipant) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
         let mut told = HashSet::new();
         while let Some(event) = events.next().await {
-            if let DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } = event {
-                self.ask_for_the_past(participant, local_reader, remote_writer);
-            }
+            self.note_event(participant, &event);
             // DDS itself keeps quiet about mismatches
             if let Some(complaint) = self.mismatch(&event)
                 && told.len() < COMPLAINTS
@@ -65,6 +71,21 @@ impl Peers {
             {
                 log::warn!("{complaint}");
             }
+        }
+    }
+
+    fn note_event(&self, participant: &DomainParticipant, event: &DomainParticipantStatusEvent) {
+        match *event {
+            DomainParticipantStatusEvent::RemoteReaderMatched { remote_reader, .. } => {
+                lock(&self.readers).insert(remote_reader);
+            }
+            DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
+                lock(&self.readers).remove(&guid);
+            }
+            DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
+                self.ask_for_the_past(participant, local_reader, remote_writer);
+            }
+            _ => {}
         }
     }
 
