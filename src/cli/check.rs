@@ -319,13 +319,11 @@ fn state_lines(index: usize, result: &StateAnswer) -> Vec<String> {
         (false, true) => "COLLIDING with the world",
         (true, true) => "COLLIDING with itself and the world",
     };
-    let mut first = format!("state {index}: {verdict}");
-    if let Some(d) = &result.distance {
-        first += &match (d.distance, &d.nearest) {
-            (Some(m), Some([a, b])) => format!(", least distance {m:.6} m: {a} – {b}"),
-            _ => ", nothing within the limit".to_owned(),
-        };
-    }
+    let distance = result.distance.as_ref().map_or_else(String::new, |d| match (d.distance, &d.nearest) {
+        (Some(m), Some([a, b])) => format!(", least distance {m:.6} m: {a} – {b}"),
+        _ => ", nothing within the limit".to_owned(),
+    });
+    let first = format!("state {index}: {verdict}{distance}");
     let pairs = result.pairs.iter().flatten();
     let distances = result.pair_distances.iter().flatten();
     (std::iter::once(first))

@@ -6,7 +6,7 @@
 //! parameter services, /clock ──> services ───────┘ settings
 //! ```
 //!
-//! Each box is a thread; they talk through channels. Only [`middleware`] knows the ROS client library's calls.
+//! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
 mod arguments;
 pub mod clearance_msgs;

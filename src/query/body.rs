@@ -24,7 +24,7 @@ impl CollisionBody {
         for (pose, shape) in shapes {
             match shape {
                 Shape::Primitive(primitive) => {
-                    elements.push(Element::Primitive { primitive: *primitive, pose: *pose })
+                    elements.push(Element::Primitive { primitive: *primitive, pose: *pose });
                 }
                 Shape::Mesh(mesh) => elements.extend(
                     (0..mesh.triangles().len())

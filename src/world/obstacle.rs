@@ -34,6 +34,8 @@ pub enum WorldError {
     Duplicate(String),
     #[error("object '{0}' has no shapes")]
     NoShapes(String),
+    #[error("the world has more obstacles than 32 bits can number")]
+    TooMany,
 }
 
 impl World {
@@ -45,8 +47,9 @@ impl World {
         if self.obstacles.iter().any(|o| o.name == obstacle.name) {
             return Err(WorldError::Duplicate(obstacle.name));
         }
+        let id = u32::try_from(self.obstacles.len()).map_err(|_| WorldError::TooMany)?;
         self.obstacles.push(obstacle);
-        Ok(ObstacleId(u32::try_from(self.obstacles.len() - 1).expect("fewer than 2^32 obstacles")))
+        Ok(ObstacleId(id))
     }
 
     #[must_use]

@@ -119,7 +119,7 @@ mod tests {
         bytes[..header.len()].copy_from_slice(header);
         bytes.extend(count.to_le_bytes());
         for i in 0..u8::try_from(triangles).unwrap() {
-            let corners = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, i as f32];
+            let corners = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, f32::from(i)];
             bytes.extend(corners.iter().flat_map(|c| c.to_le_bytes()));
             bytes.extend([0, 0]);
         }

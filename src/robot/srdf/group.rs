@@ -54,12 +54,11 @@ impl<'d> Reader<'d> {
         for draft in &mut drafts {
             for sub in children(draft.node, "group") {
                 let name = sub.attribute("name").unwrap_or_default();
-                match index_of.get(name) {
-                    Some(&index) => draft.subgroups.push(index),
-                    None => {
-                        let element = format!("group '{}'", draft.name);
-                        self.warn(sub, element, format!("there is no group '{name}'; ignored"));
-                    }
+                if let Some(&index) = index_of.get(name) {
+                    draft.subgroups.push(index)
+                } else {
+                    let element = format!("group '{}'", draft.name);
+                    self.warn(sub, element, format!("there is no group '{name}'; ignored"));
                 }
             }
         }

@@ -43,7 +43,7 @@ impl<'d> Collada<'d> {
                         pending.push((self.referenced(part, "url")?, to_file, level + 1));
                     }
                     "instance_geometry" => {
-                        shown.push(Shown { geometry: self.referenced(part, "url")?, to_file })
+                        shown.push(Shown { geometry: self.referenced(part, "url")?, to_file });
                     }
                     "instance_controller" => {
                         let remark = "instances a controller; skinned and morphed meshes are left out";

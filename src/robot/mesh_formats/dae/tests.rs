@@ -110,12 +110,10 @@ fn faults_are_named() {
 fn endless_instances_end() {
     let looped = file("", TRIANGLES, r##"<node id="n"><instance_node url="#n"/></node>"##);
     assert!(fault(&looped).contains("without end"));
-    let laughing: String = (0..30)
-        .map(|i| {
-            format!("<node id='n{i}'>{}</node>", format!("<instance_node url='#n{}'/>", i + 1).repeat(10))
-        })
-        .collect();
-    let laughing = laughing + "<node id='n30'><instance_geometry url='#g'/></node>";
+    let ten_of = |i: usize| format!("<instance_node url='#n{i}'/>").repeat(10);
+    let mut nodes: Vec<_> = (0..30).map(|i| format!("<node id='n{i}'>{}</node>", ten_of(i + 1))).collect();
+    nodes.push("<node id='n30'><instance_geometry url='#g'/></node>".to_owned());
+    let laughing = nodes.concat();
     assert!(fault(&file("", TRIANGLES, &laughing)).contains("without end"));
 }
 
