@@ -55,7 +55,7 @@ impl<'d> Reader<'d> {
             for sub in children(draft.node, "group") {
                 let name = sub.attribute("name").unwrap_or_default();
                 if let Some(&index) = index_of.get(name) {
-                    draft.subgroups.push(index)
+                    draft.subgroups.push(index);
                 } else {
                     let element = format!("group '{}'", draft.name);
                     self.warn(sub, element, format!("there is no group '{name}'; ignored"));
