@@ -51,8 +51,8 @@ pub struct CheckArgs {
     no_world: bool,
 
     /// Threads to check on
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    threads: usize,
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
 
     /// How the answer is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -193,10 +193,13 @@ fn check_all(
     checker: &CollisionChecker,
     states: &[Configuration],
     question: Question,
-    threads: usize,
+    threads: u16,
 ) -> Result<Vec<CollisionReport>, Failure> {
     let progress = Progress::new(states.len());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build().map_err(internal)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads).min(states.len().max(1)))
+        .build()
+        .map_err(internal)?;
     Ok(pool.install(|| {
         (states.par_iter())
             .map_init(
