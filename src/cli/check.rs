@@ -59,8 +59,8 @@ pub struct CheckArgs {
     format: Format,
 
     /// Time this many passes over the states, on one thread
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    repeat: usize,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    repeat: u32,
 }
 
 #[derive(Args)]
@@ -218,7 +218,7 @@ fn time_passes(
     checker: &CollisionChecker,
     states: &[Configuration],
     question: Question,
-    passes: usize,
+    passes: u32,
 ) -> Option<Timing> {
     let mut workspace = checker.workspace();
     timing::measure(passes, states.len(), || {

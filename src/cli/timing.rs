@@ -6,14 +6,14 @@ use serde::Serialize;
 /// Thread CPU time a piece of work, best and median over the passes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timing {
-    pub passes: usize,
+    pub passes: u32,
     pub us_min: f64,
     pub us_median: f64,
 }
 
 /// Runs `pass`, which does `pieces` pieces of work, `passes` times on this thread; `None` for no passes or no work.
 #[allow(clippy::cast_precision_loss)] // counts of work fit 52 bits
-pub fn measure(passes: usize, pieces: usize, mut pass: impl FnMut()) -> Option<Timing> {
+pub fn measure(passes: u32, pieces: usize, mut pass: impl FnMut()) -> Option<Timing> {
     let mut microseconds: Vec<f64> = (0..passes)
         .map(|_| {
             let start = ThreadTime::now();
