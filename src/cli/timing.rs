@@ -23,5 +23,9 @@ pub fn measure(passes: u32, pieces: usize, mut pass: impl FnMut()) -> Option<Tim
         .collect();
     microseconds.sort_by(f64::total_cmp);
     (pieces > 0).then_some(())?;
-    Some(Timing { passes, us_min: *microseconds.first()?, us_median: microseconds[passes / 2] })
+    Some(Timing {
+        passes,
+        us_min: *microseconds.first()?,
+        us_median: *microseconds.get(microseconds.len() / 2)?,
+    })
 }
