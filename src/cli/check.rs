@@ -32,7 +32,7 @@ pub struct CheckArgs {
     #[arg(long, value_enum, default_value_t = Query::Free)]
     query: Query,
 
-    /// Distances beyond this many metres are not told
+    /// Distances beyond this many metres are not told [default: none is too far]
     #[arg(
         long,
         value_name = "M",
@@ -147,6 +147,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         (None, Some(text)) => vec![states::from_text(text, robot)?],
         (None, None) => return Err(Failure::Input("give --states or --state".to_owned())),
     };
+    if checker.pairs().is_empty() {
+        log::warn!("there is no pair to check: every state counts as free");
+    }
     let question = args.question();
     let reports = check_all(&checker, &states, question, args.threads)?;
     let timing = time_passes(&checker, &states, question, args.repeat);

@@ -187,8 +187,12 @@ fn style(template: &str) -> ProgressStyle {
 
 fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let mut out = std::io::stdout();
-    // whoever reads may stop reading; the node goes on
-    let mut say = |line: &str| drop(writeln!(out, "{line}").and_then(|()| out.flush()));
+    let mut say = |line: &str| {
+        if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
+            // whoever read the demo has gone
+            std::process::exit(0);
+        }
+    };
     for hint in hints {
         say(hint);
     }

@@ -150,8 +150,15 @@ impl Loader {
             srdf: self.semantic.as_deref(),
             srdf_name: Some(SEMANTIC),
         };
-        let robot =
-            RobotModel::from_text(&text, &self.mesh_files).map_err(|error| named(&error.to_string()))?;
+        let load = |text: &RobotText| {
+            RobotModel::from_text(text, &self.mesh_files).map_err(|error| named(&error.to_string()))
+        };
+        let mut robot = load(&text)?;
+        if let Some(srdf) = robot.srdf().filter(|srdf| srdf.robot_name != robot.name()) {
+            // left over from the robot that was described before: its pairs would be nonsense here
+            log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
+            robot = load(&RobotText { srdf: None, ..text })?;
+        }
         self.take(robot).map(Some)
     }
 

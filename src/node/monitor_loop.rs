@@ -14,7 +14,7 @@ use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
-use crate::monitor::{Judgement, Monitor, Revision};
+use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
 pub enum Event {
@@ -40,10 +40,17 @@ pub struct MonitorLoop {
     pub parameters: Parameters,
     pub clock: Arc<RosClock>,
     pub joint_states: Subscription<JointState>,
+    pub own_motion: OwnMotion,
     pub events: Receiver<Event>,
     pub publishers: Publishers,
     pub observer: Option<Observer>,
     pub report: Report,
+}
+
+/// Joint states that this program makes itself: they come straight here, and are passed over on the topic.
+pub struct OwnMotion {
+    pub source: Option<SourceId>,
+    pub joint_states: Receiver<JointState>,
 }
 
 /// What the next diagnostics will tell.
@@ -51,6 +58,8 @@ pub struct MonitorLoop {
 pub struct Report {
     activity: Activity,
     model_fault: Option<String>,
+    /// Status and code of the reason that were logged last.
+    logged: Option<(&'static str, Option<&'static str>)>,
     /// Status and steady time of the last diagnostics.
     last: Option<(&'static str, Duration)>,
 }
@@ -82,14 +91,24 @@ impl MonitorLoop {
         let due = self.monitor.time_to_heartbeat(self.clock.read());
         let event = async { Wake::Event(self.events.recv().await.unwrap_or(Event::Stop)) };
         let joint_state = async {
-            let (message, origin) = self.joint_states.next().await;
-            Wake::JointState(message, origin)
+            loop {
+                let (message, origin) = self.joint_states.next().await;
+                if Some(origin.publisher) != self.own_motion.source {
+                    return Wake::JointState(message, origin);
+                }
+            }
+        };
+        let own_joint_state = async {
+            match (self.own_motion.joint_states.recv().await, self.own_motion.source) {
+                (Ok(message), Some(source)) => Wake::JointState(message, Origin::here(source)),
+                _ => future::pending().await,
+            }
         };
         let heartbeat = async {
             Timer::after(due).await;
             Wake::Heartbeat
         };
-        future::or(event, future::or(joint_state, heartbeat)).await
+        future::or(event, future::or(future::or(own_joint_state, joint_state), heartbeat)).await
     }
 
     fn heed(&mut self, event: Event) {
@@ -126,11 +145,25 @@ impl MonitorLoop {
 
     fn say(&mut self, judgement: &Judgement) {
         let steady = self.clock.steady();
+        self.log_change(judgement);
         self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
         if let Some(observe) = &mut self.observer {
             observe(judgement);
         }
         self.say_diagnostics(judgement, steady);
+    }
+
+    /// One line for every change of status or of the reason why it is unknown.
+    fn log_change(&mut self, judgement: &Judgement) {
+        let reason = judgement.status.reason();
+        let now = (judgement.status.word(), reason.map(Reason::code));
+        if self.report.logged.replace(now) == Some(now) {
+            return;
+        }
+        match (judgement.status.word(), reason) {
+            (status, Some(reason)) => log::warn!("{status}: {reason}"),
+            (status, None) => log::info!("{status}"),
+        }
     }
 
     /// Once a second, and at every change of status.

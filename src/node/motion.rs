@@ -8,6 +8,7 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use serde::Deserialize;
 use smol::Timer;
+use smol::channel::Sender;
 
 use super::clock::RosClock;
 use super::loader::CurrentRobot;
@@ -123,12 +124,14 @@ fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
     positions
 }
 
-/// Publishes a motion for ever.
+/// Publishes a motion for ever. The node's own monitor gets it by a shorter way too, the newest only: on a loopback
+/// interface without multicast, as most machines have it, a process cannot hear itself.
 pub async fn play(
     motion: &Motion,
     robot: &CurrentRobot,
     clock: &RosClock,
     joint_states: &Publisher<JointState>,
+    monitor: &Sender<JointState>,
 ) {
     let mut ticks = Timer::interval(PERIOD);
     let start = clock.steady();
@@ -138,13 +141,16 @@ pub async fn play(
         let (Some((name, position)), Some(now)) = (motion.joint_state(robot, time), clock.now()) else {
             continue;
         };
-        joint_states.publish(JointState {
+        let message = JointState {
             header: Header { stamp: stamp_message(now), frame_id: String::new() },
             name,
             position,
             velocity: Vec::new(),
             effort: Vec::new(),
-        });
+        };
+        // a monitor that has ended needs nothing any more
+        let _ = monitor.force_send(message.clone());
+        joint_states.publish(message);
     }
 }
 

@@ -12,7 +12,7 @@ use super::clock::RosClock;
 use super::environment::Environment;
 use super::loader::{Loader, Order, Surroundings};
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
-use super::monitor_loop::{Event, MonitorLoop, Observer, Report};
+use super::monitor_loop::{Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
 use super::names::{FullName, NameError, Names};
 use super::parameter_files;
@@ -108,12 +108,21 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
 
     let middleware = Middleware::join(options.environment, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
+    let motion = (options.motion)
+        .map(|motion| Ok((motion, middleware.publisher(&joint_states, JOINT_STATE, Quality::Reliable)?)))
+        .transpose()
+        .map_err(|error: MiddlewareError| NodeError::from(error))?;
+    let (own_states, own_states_in) = channel::bounded(1);
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
         parameters,
         clock: Arc::clone(&clock),
         joint_states: middleware.subscription(&joint_states, JOINT_STATE, Quality::BestEffort)?,
+        own_motion: OwnMotion {
+            source: motion.as_ref().map(|(_, publisher)| publisher.source()),
+            joint_states: own_states_in,
+        },
         events: events_in,
         publishers: Publishers::open(&middleware, &names)?,
         observer: options.observer,
@@ -124,11 +133,10 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         Part::new("monitor", move || smol::block_on(monitor_loop.run())),
         Part::new("loader", move || loader.follow(&orders_in, &events)),
     ];
-    if let Some(motion) = options.motion {
-        let publisher = middleware.publisher(&joint_states, JOINT_STATE, Quality::Reliable)?;
+    if let Some((motion, publisher)) = motion {
         let stopped = stopped.clone();
         parts.push(Part::new("motion", move || {
-            let play = motion::play(&motion, &current_robot, &clock, &publisher);
+            let play = motion::play(&motion, &current_robot, &clock, &publisher, &own_states);
             smol::block_on(until(&stopped, play));
         }));
     }

@@ -69,6 +69,9 @@ impl PlanningScene {
                 .map_err(|message| fault(name, message))?;
             read.obstacles.push(obstacle);
         }
+        if read.obstacles.is_empty() {
+            read.warnings.push(format!("{file}: the scene has no objects"));
+        }
         Ok(read)
     }
 
@@ -104,6 +107,15 @@ fn refuse_unsupported(scene: &SceneText) -> Result<(), String> {
         return Err("robot_state.attached_collision_objects are not supported: \
                     give them as collision_objects, or remove them"
             .to_owned());
+    }
+    if let Some(padded) = scene.link_padding.iter().find(|l| l.padding != 0.0) {
+        return Err(format!(
+            "link_padding of '{}' is not supported: remove it, and give a padding for all links",
+            padded.link_name
+        ));
+    }
+    if let Some(scaled) = scene.link_scale.iter().find(|l| l.scale != 1.0) {
+        return Err(format!("link_scale of '{}' is not supported: remove it", scaled.link_name));
     }
     let of_world = scene.world.as_ref().and_then(|w| w.octomap.as_ref());
     let octomap = (of_world.or(scene.octomap.as_ref())).and_then(|o| o.octomap.as_ref());

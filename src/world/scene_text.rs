@@ -2,6 +2,7 @@
 //! (lists for vectors, names for shape types).
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::math::{Pose, pose_from_xyz_quaternion};
 
@@ -17,19 +18,49 @@ pub struct MatrixEntries {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct SceneText {
     pub world: Option<WorldText>,
     pub collision_objects: Option<Vec<ObjectText>>,
     pub allowed_collision_matrix: Option<MatrixEntries>,
     pub robot_state: Option<RobotStateText>,
     pub octomap: Option<OctomapText>,
+    #[serde(rename = "name")]
+    pub _name: Option<IgnoredAny>,
+    #[serde(rename = "robot_model_name")]
+    pub _robot_model_name: Option<IgnoredAny>,
+    #[serde(rename = "fixed_frame_transforms")]
+    pub _fixed_frame_transforms: Option<IgnoredAny>,
+    #[serde(rename = "object_colors")]
+    pub _object_colors: Option<IgnoredAny>,
+    #[serde(rename = "is_diff")]
+    pub _is_diff: Option<IgnoredAny>,
+    #[serde(default)]
+    pub link_padding: Vec<LinkPaddingText>,
+    #[serde(default)]
+    pub link_scale: Vec<LinkScaleText>,
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct WorldText {
     #[serde(default)]
     pub collision_objects: Vec<ObjectText>,
     pub octomap: Option<OctomapText>,
+}
+
+/// `moveit_msgs/LinkPadding`
+#[derive(Deserialize)]
+pub(super) struct LinkPaddingText {
+    pub link_name: String,
+    pub padding: f64,
+}
+
+/// `moveit_msgs/LinkScale`
+#[derive(Deserialize)]
+pub(super) struct LinkScaleText {
+    pub link_name: String,
+    pub scale: f64,
 }
 
 #[derive(Deserialize)]
@@ -46,12 +77,13 @@ pub(super) struct OctomapBody {
 #[derive(Deserialize)]
 pub(super) struct RobotStateText {
     #[serde(default)]
-    pub attached_collision_objects: Vec<serde::de::IgnoredAny>,
+    pub attached_collision_objects: Vec<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
 #[serde(default)]
 #[derive(Default)]
+#[serde(deny_unknown_fields)]
 pub(super) struct ObjectText {
     pub id: String,
     pub header: HeaderText,
@@ -60,14 +92,27 @@ pub(super) struct ObjectText {
     pub primitive_poses: Vec<PoseText>,
     pub meshes: Vec<MeshText>,
     pub mesh_poses: Vec<PoseText>,
-    pub planes: Vec<serde::de::IgnoredAny>,
+    pub planes: Vec<IgnoredAny>,
     pub operation: Option<OperationText>,
+    #[serde(rename = "type")]
+    pub _type: Option<IgnoredAny>,
+    #[serde(rename = "plane_poses")]
+    pub _plane_poses: Option<IgnoredAny>,
+    #[serde(rename = "subframe_names")]
+    pub _subframe_names: Option<IgnoredAny>,
+    #[serde(rename = "subframe_poses")]
+    pub _subframe_poses: Option<IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
+#[serde(deny_unknown_fields)]
 pub(super) struct HeaderText {
     pub frame_id: String,
+    #[serde(rename = "stamp")]
+    pub _stamp: Option<IgnoredAny>,
+    #[serde(rename = "seq")]
+    pub _seq: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -79,6 +124,7 @@ pub(super) enum OperationText {
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
+#[serde(deny_unknown_fields)]
 pub(super) struct PoseText {
     pub position: XyzText,
     pub orientation: QuaternionText,
@@ -99,10 +145,13 @@ pub(super) enum QuaternionText {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct PrimitiveText {
     #[serde(rename = "type")]
     pub kind: KindText,
     pub dimensions: Vec<f64>,
+    #[serde(rename = "polygon")]
+    pub _polygon: Option<IgnoredAny>,
 }
 
 #[derive(Clone, Deserialize)]
@@ -114,6 +163,7 @@ pub(super) enum KindText {
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
+#[serde(deny_unknown_fields)]
 pub(super) struct MeshText {
     pub triangles: Vec<FaceText>,
     pub vertices: Vec<XyzText>,

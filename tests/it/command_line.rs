@@ -151,7 +151,10 @@ fn scene_faults_name_object_and_field() {
         ),
         ("world: {collision_objects: [{id: o}, {id: o}]}", vec!["'o'", "no shapes"]),
         ("robot_state: {attached_collision_objects: [{}]}\nworld: {}", vec!["attached"]),
-        ("colour: blue", vec!["collision_objects"]),
+        ("world: {colision_objects: []}", vec!["colision_objects", "collision_objects"]),
+        ("world: {collision_objects: [{id: o, primitive_pose: []}]}", vec!["primitive_pose"]),
+        ("link_padding: [{link_name: tip, padding: 0.1}]\nworld: {}", vec!["link_padding", "tip"]),
+        ("colour: blue", vec!["colour"]),
         ("world: [", vec!["world.yaml"]),
     ];
     for (text, words) in cases {

@@ -194,6 +194,12 @@ pub struct Publisher<M: Message> {
 }
 
 impl<M: Message> Publisher<M> {
+    /// What its messages name as their origin.
+    #[must_use]
+    pub fn source(&self) -> SourceId {
+        SourceId(self.inner.guid().to_bytes())
+    }
+
     /// Sends, or says why not; never waits. `false` when the message was dropped.
     pub fn publish(&self, message: M) -> bool {
         match self.inner.publish(message) {
@@ -215,6 +221,12 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// Of a message that comes from this very program, just now.
+    #[must_use]
+    pub fn here(publisher: SourceId) -> Self {
+        Self { publisher, received: None }
+    }
+
     /// How long it lay here before now.
     #[must_use]
     pub fn waited(&self) -> Duration {
