@@ -3,6 +3,8 @@
 //! A pose of frame B in frame A is `pose_ab`; a point with coordinates in A is `point_a`; inner letters cancel:
 //! `point_a = pose_ab * point_b`, `pose_ac = pose_ab * pose_bc`. The world is `w`, the robot's root `r`, an obstacle `o`.
 
+use crate::constants::LARGEST_COORDINATE;
+
 /// A position, in metres.
 pub type Point = nalgebra::Point3<f64>;
 /// A displacement or direction.
@@ -18,14 +20,14 @@ pub type Pose = nalgebra::Isometry3<f64>;
 
 /// Pose from a position and a quaternion in the order (x, y, z, w), normalised here.
 ///
-/// `None` when a number is not finite or the quaternion has no length.
+/// `None` when a number is not finite, the position lies beyond [`LARGEST_COORDINATE`], or the quaternion has no length.
 #[must_use]
 pub fn pose_from_xyz_quaternion(xyz: [f64; 3], quaternion_xyzw: [f64; 4]) -> Option<Pose> {
     let [x, y, z, w] = quaternion_xyzw;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     let length = quaternion.norm();
-    let finite = xyz.iter().chain(&quaternion_xyzw).all(|v| v.is_finite());
-    (finite && length > 1e-9 && length.is_finite())
+    let near = xyz.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
+    (near && length > 1e-9 && length.is_finite())
         .then(|| Pose::from_parts(nalgebra::Translation3::from(xyz), Rotation::from_quaternion(quaternion)))
 }
 

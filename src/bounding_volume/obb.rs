@@ -119,7 +119,9 @@ impl BoundingVolume for Obb {
 
     fn may_touch(&self, other: &Self, pose_ab: &Pose) -> bool {
         let rel = self.relative(other, pose_ab);
-        self.face_gap(other, &rel) <= CONTACT_DISTANCE && !self.edge_axis_separates(other, &rel)
+        let separated =
+            self.face_gap(other, &rel) > CONTACT_DISTANCE || self.edge_axis_separates(other, &rel);
+        !separated
     }
 
     fn size(&self) -> f64 {

@@ -6,6 +6,7 @@ use super::pair::Pair;
 use super::report::{Body, CollisionReport, Question};
 use super::settings::{MeshModel, Settings};
 use super::{AllowedCollisionMatrix, PairList, Workspace};
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::Pose;
 use crate::query::{CollisionBody, Work};
 use crate::robot::{Configuration, LinkPoses, RobotModel};
@@ -164,7 +165,7 @@ impl CollisionChecker {
             queue.push((lower, i));
         }
         queue.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        let mut bound = limit;
+        let mut bound = limit.max(CONTACT_DISTANCE);
         for &(lower, i) in queue.iter() {
             if lower > bound || report.nearest.is_some_and(|n| n.distance == 0.0) {
                 break;
@@ -177,13 +178,19 @@ impl CollisionChecker {
                 report.nearest = Some(found);
             }
         }
+        // where two methods could differ, the one that saw contact is believed
+        if let Some(touching) = report.nearest.filter(|n| n.distance == 0.0)
+            && !report.hits_like(touching.b)
+        {
+            report.add_hit((touching.a, touching.b));
+        }
     }
 
     /// Every pair's distance up to `limit`.
     fn distances(&self, limit: f64, workspace: &Workspace, report: &mut CollisionReport) {
         for i in 0..self.pairs.len() {
             let pair = self.pair(i, &workspace.poses);
-            if pair.lower_bound(&mut report.work) > limit {
+            if pair.lower_bound(&mut report.work) > limit.max(CONTACT_DISTANCE) {
                 continue;
             }
             let Some(found) = pair.distance(limit, &mut report.work) else {
@@ -231,6 +238,14 @@ impl CollisionChecker {
 }
 
 impl CollisionReport {
+    /// Whether a collision with the same kind of body as `other` is known.
+    fn hits_like(&self, other: Body) -> bool {
+        match other {
+            Body::Link(_) => self.self_collision,
+            Body::Obstacle(_) => self.world_collision,
+        }
+    }
+
     fn add_hit(&mut self, pair: (Body, Body)) {
         match pair.1 {
             Body::Link(_) => self.self_collision = true,

@@ -27,6 +27,9 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     } else {
         serde_json::from_str(&text).map_err(|e| bad(&e))?
     };
+    if states.is_empty() {
+        return Err(bad(&"there are no states"));
+    }
     (states.iter().enumerate())
         .map(|(i, positions)| {
             let of_state = |e: &dyn std::fmt::Display| bad(&format!("state {i}: {e}"));

@@ -1,6 +1,6 @@
 //! Triangles and segments: exact nearest points and intersection, in f64.
 //!
-//! Nearest points follow Ericson, *Real-Time Collision Detection* (2005), 5.1.5 and 5.1.9; two triangles are at their
+//! Nearest points on segments follow Ericson, *Real-Time Collision Detection* (2005), 5.1.9; two triangles are at their
 //! least distance at a vertex of one and the face of the other, at two edges, or they cross (Larsen, Gottschalk, Lin &
 //! Manocha 1999, *Fast proximity queries with swept sphere volumes*, 4.2).
 
@@ -15,11 +15,11 @@ pub struct Triangle {
     pub c: Point,
 }
 
-/// Squared sine of a corner angle below which barycentric coordinates are too rough to stand alone.
-const SLIVER: f64 = 1e-8;
-
 /// Squared sine of an angle below which two segments count as parallel: over a metre they part by 1e-10 m.
 const PARALLEL: f64 = 1e-20;
+
+/// Squared sine of an angle below which the nearest points of two lines are rough along the lines.
+const NARROW: f64 = 1e-6;
 
 /// Two points, one on each of two solids.
 pub type PointPair = [Point; 2];
@@ -46,43 +46,31 @@ impl Triangle {
         (self.b - self.a).cross(&(self.c - self.a)).try_normalize(0.0).unwrap_or_else(Vector::zeros)
     }
 
-    /// The point of the triangle nearest to `p` (Ericson 5.1.5: walk the Voronoi regions of corners, edges, face).
+    /// The point of the triangle nearest to `p`: straight below it if it lies over the face, else on an edge.
+    ///
+    /// The height over the face is measured from the nearest edge, so that slivers keep their accuracy: the normal of a
+    /// sliver is rough, but where `p` is near the sliver it is near an edge.
     #[must_use]
     pub fn nearest_point(&self, p: &Point) -> Point {
-        let (ab, ac, ap) = (self.b - self.a, self.c - self.a, p - self.a);
-        let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
-        if d1 <= 0.0 && d2 <= 0.0 {
-            return self.a;
+        let edges = self.edges();
+        let on_edge = nearest_pair(edges.iter().map(|e| [*p, nearest_on_segment(p, e)]))[1];
+        let normal = (self.b - self.a).cross(&(self.c - self.a));
+        let over_face = edges.iter().all(|[from, to]| normal.cross(&(to - from)).dot(&(p - from)) >= 0.0);
+        let n2 = normal.norm_squared();
+        if !over_face || n2 == 0.0 {
+            return on_edge;
         }
-        let bp = p - self.b;
-        let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
-        if d3 >= 0.0 && d4 <= d3 {
-            return self.b;
-        }
-        let cp = p - self.c;
-        let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
-        if d6 >= 0.0 && d5 <= d6 {
-            return self.c;
-        }
-        let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-        if [va, vb, vc].iter().any(|v| *v <= 0.0) {
-            return nearest_of(p, self.edges().map(|e| nearest_on_segment(p, &e)));
-        }
-        let sum = va + vb + vc;
-        let inside = self.a + ab * (vb / sum) + ac * (vc / sum);
-        if sum > SLIVER * ab.norm_squared() * ac.norm_squared() {
-            return inside;
-        }
-        let on_edge = nearest_of(p, self.edges().map(|e| nearest_on_segment(p, &e)));
-        nearest_pair([[*p, inside], [*p, on_edge]].into_iter())[1]
+        p - normal * (normal.dot(&(p - on_edge)) / n2)
     }
 
     /// Nearest points of two triangles in one frame; the same point twice where they cross.
     #[must_use]
     pub fn nearest_points(&self, other: &Self) -> PointPair {
         let apart = self.plane_separates(other, 0.0) || other.plane_separates(self, 0.0);
-        let crossing = if apart { None } else { self.crossing_point(other) };
-        crossing.map_or_else(|| self.nearest_features(other), |p| [p, p])
+        if apart || !self.crosses(other) {
+            return self.nearest_features(other);
+        }
+        [self.common_point(other); 2]
     }
 
     /// A common point, if the triangles come within [`CONTACT_DISTANCE`].
@@ -92,10 +80,11 @@ impl Triangle {
         if self.plane_separates(other, clear) || other.plane_separates(self, clear) {
             return None;
         }
-        self.crossing_point(other).or_else(|| {
+        let touching = self.crosses(other) || {
             let [p, q] = self.nearest_features(other);
-            (nalgebra::distance(&p, &q) <= CONTACT_DISTANCE).then_some(p)
-        })
+            nalgebra::distance(&p, &q) <= CONTACT_DISTANCE
+        };
+        touching.then(|| self.common_point(other))
     }
 
     /// Whether all of `other` lies more than `clear` (m) and what rounding may hide on one side of this triangle's plane.
@@ -113,28 +102,46 @@ impl Triangle {
         1e-15 * (self.b - self.a).abs().sum() * (self.c - self.a).abs().sum()
     }
 
-    /// A point where an edge of one triangle pierces the other: in general position every crossing has one, and where
-    /// rounding hides it, the edges concerned are nearer than any tolerance.
-    fn crossing_point(&self, other: &Self) -> Option<Point> {
-        let pierced = |t: &Self, by: &Self| by.edges().iter().find_map(|e| t.pierced_by(e));
-        pierced(self, other).or_else(|| pierced(other, self))
+    /// Whether an edge of one triangle pierces the other: in general position every crossing has one.
+    fn crosses(&self, other: &Self) -> bool {
+        let pierced = |t: &Self, by: &Self| by.edges().iter().any(|e| t.piercing_heights(e).is_some());
+        pierced(self, other) || pierced(other, self)
     }
 
-    /// Where the segment passes through the triangle (Ericson 5.3.6, with both ends on opposite sides of the plane).
-    #[must_use]
-    pub fn pierced_by(&self, [p, q]: &[Point; 2]) -> Option<Point> {
-        let (pq, pa, pb, pc) = (q - p, self.a - p, self.b - p, self.c - p);
-        let volume = |u: &Vector, v: &Vector| pq.dot(&u.cross(v));
-        let (u, v, w) = (volume(&pc, &pb), volume(&pa, &pc), volume(&pb, &pa));
-        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        let sum = u + v + w;
-        if !inside || sum == 0.0 {
+    /// A point of both of two touching triangles. Nearly coplanar ones are pierced at points that rounding may move far
+    /// along; their edges meet, or a corner of one lies on the other.
+    fn common_point(&self, other: &Self) -> Point {
+        let on_both = |p: &Point| {
+            let off = |t: &Self| nalgebra::distance(p, &t.nearest_point(p));
+            off(self).max(off(other)) <= CONTACT_DISTANCE
+        };
+        let pierced = |t: &Self, by: &Self| by.edges().iter().filter_map(|e| t.pierced_by(e)).find(on_both);
+        (pierced(self, other).or_else(|| pierced(other, self)))
+            .unwrap_or_else(|| self.nearest_features(other)[0])
+    }
+
+    /// The heights of the segment's ends over the triangle, up to a common factor, if it passes through: decided by exact
+    /// orientation signs (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast robust geometric
+    /// predicates*). A segment in the triangle's plane does not pass through it: what they have in common is found at
+    /// edges and corners.
+    fn piercing_heights(&self, [p, q]: &[Point; 2]) -> Option<(f64, f64)> {
+        let above = |x: &Point| orientation(&self.a, &self.b, &self.c, x);
+        let (height_p, height_q) = (above(p), above(q));
+        let one_side = (height_p > 0.0 && height_q > 0.0) || (height_p < 0.0 && height_q < 0.0);
+        if one_side || (height_p == 0.0 && height_q == 0.0) {
             return None;
         }
-        let normal = (self.b - self.a).cross(&(self.c - self.a));
-        let (height_p, height_q) = (-normal.dot(&pa), normal.dot(&(q - self.a)));
-        (height_p * height_q <= 0.0)
-            .then(|| Point::from((self.a.coords * u + self.b.coords * v + self.c.coords * w) / sum))
+        let sides = self.edges().map(|[from, to]| orientation(p, q, &from, &to));
+        let inside = sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0);
+        inside.then_some((height_p, height_q))
+    }
+
+    /// Where the segment passes through the triangle.
+    fn pierced_by(&self, segment: &[Point; 2]) -> Option<Point> {
+        let (height_p, height_q) = self.piercing_heights(segment)?;
+        let [p, q] = segment;
+        let on_segment = p + (q - p) * (height_p / (height_p - height_q)).clamp(0.0, 1.0);
+        Some(self.nearest_point(&on_segment))
     }
 
     /// Nearest points over vertex–face and edge–edge pairs, until a pair is proven to be the nearest; right unless the
@@ -175,6 +182,12 @@ impl Triangle {
     }
 }
 
+/// Positive, negative or zero as `d` lies below, above or on the plane through the others; the sign is exact.
+fn orientation(a: &Point, b: &Point, c: &Point, d: &Point) -> f64 {
+    let coordinates = |p: &Point| robust::Coord3D { x: p.x, y: p.y, z: p.z };
+    robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(d))
+}
+
 /// Whether the planes through two points, normal to the line between them, have one polygon on each outer side: then no
 /// points of the polygons are nearer (the early exit of PQP's triangle distance, Larsen et al. 1999).
 #[must_use]
@@ -200,37 +213,48 @@ pub fn nearest_on_segment(p: &Point, [a, b]: &[Point; 2]) -> Point {
 /// Nearest points of two segments: inside both, or at an end of one.
 #[must_use]
 pub fn nearest_on_segments(first: &[Point; 2], second: &[Point; 2]) -> PointPair {
-    nearest_inside_segments(first, second).unwrap_or_else(|| {
-        nearest_pair(
-            [
-                [first[0], nearest_on_segment(&first[0], second)],
-                [first[1], nearest_on_segment(&first[1], second)],
-                [nearest_on_segment(&second[0], first), second[0]],
-                [nearest_on_segment(&second[1], first), second[1]],
-            ]
-            .into_iter(),
-        )
-    })
+    let inside = nearest_inside_segments(first, second);
+    if let Some((pair, Angle::Wide)) = inside {
+        return pair;
+    }
+    let ends = [
+        [first[0], nearest_on_segment(&first[0], second)],
+        [first[1], nearest_on_segment(&first[1], second)],
+        [nearest_on_segment(&second[0], first), second[0]],
+        [nearest_on_segment(&second[1], first), second[1]],
+    ];
+    nearest_pair(ends.into_iter().chain(inside.map(|(pair, _)| pair)))
 }
 
-/// Nearest points of the two lines, if they lie inside both segments and the lines are not parallel. The cross product
-/// of the directions keeps its accuracy down to [`PARALLEL`]; below, an end of a segment is as near.
-fn nearest_inside_segments([p, q]: &[Point; 2], [r, s]: &[Point; 2]) -> Option<PointPair> {
+/// How well the crossing of two lines is conditioned.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Angle {
+    Wide,
+    /// The lines are nearly parallel: an end of a segment may be nearer than what was found inside.
+    Narrow,
+}
+
+/// Nearest points of the two lines, if they lie inside both segments and the lines are not parallel. Where they are
+/// found along nearly parallel lines is rough; each is the projection of the other, so that their distance is not.
+fn nearest_inside_segments(first: &[Point; 2], second: &[Point; 2]) -> Option<(PointPair, Angle)> {
+    let ([p, q], [r, s]) = (first, second);
     let (d1, d2, pr) = (q - p, s - r, r - p);
     let n = d1.cross(&d2);
-    let n2 = n.norm_squared();
-    if n2 <= PARALLEL * d1.norm_squared() * d2.norm_squared() {
+    let (n2, lengths) = (n.norm_squared(), d1.norm_squared() * d2.norm_squared());
+    if n2 <= PARALLEL * lengths {
         return None;
     }
     let t1 = pr.cross(&d2).dot(&n) / n2;
     let t2 = pr.cross(&d1).dot(&n) / n2;
-    let inside = (0.0..=1.0).contains(&t1) && (0.0..=1.0).contains(&t2);
-    inside.then(|| [p + d1 * t1, r + d2 * t2])
-}
-
-fn nearest_of(p: &Point, candidates: [Point; 3]) -> Point {
-    let pairs = candidates.map(|c| [*p, c]);
-    nearest_pair(pairs.into_iter())[1]
+    let slack = if n2 > NARROW * lengths { 0.0 } else { 1.0 };
+    let inside = |t: f64| (-slack..=1.0 + slack).contains(&t);
+    (inside(t1) && inside(t2)).then(|| {
+        if slack == 0.0 {
+            return ([p + d1 * t1, r + d2 * t2], Angle::Wide);
+        }
+        let on_second = nearest_on_segment(&(p + d1 * t1.clamp(0.0, 1.0)), second);
+        ([nearest_on_segment(&on_second, first), on_second], Angle::Narrow)
+    })
 }
 
 fn nearest_pair(pairs: impl Iterator<Item = PointPair>) -> PointPair {

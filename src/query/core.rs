@@ -72,8 +72,13 @@ impl Core {
             Self::Cuboid(half) => Point::from(half.zip_map(direction, f64::copysign)),
             Self::Cylinder { radius, half_length } => {
                 let across = direction.x.hypot(direction.y);
-                let scale = if across > 0.0 { radius / across } else { 0.0 };
-                Point::new(direction.x * scale, direction.y * scale, half_length.copysign(direction.z))
+                // a direction so nearly along the axis has no side to it
+                let (x, y) = if across > f64::MIN_POSITIVE {
+                    (direction.x / across, direction.y / across)
+                } else {
+                    (0.0, 0.0)
+                };
+                Point::new(radius * x, radius * y, half_length.copysign(direction.z))
             }
         }
     }

@@ -5,6 +5,7 @@ use super::element_pair::{Separation, element_separation};
 use super::{CollisionBody, Work};
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::Content;
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::Pose;
 
 /// Least distance of two bodies and their nearest points, or `None` if it was proven larger than `limit` (m).
@@ -30,7 +31,9 @@ pub(super) fn nearest_below(
     enough: f64,
     work: &mut Work,
 ) -> Option<Separation> {
-    let mut search = Search { a, b, pose_ab, bound: limit, enough, nearest: None, work };
+    // what touches is within any limit
+    let bound = limit.max(CONTACT_DISTANCE);
+    let mut search = Search { a, b, pose_ab, bound, enough, nearest: None, work };
     let (i, j) = (a.rss.root(), b.rss.root());
     let lower = search.lower_bound(i, j);
     search.nodes(i, j, lower);

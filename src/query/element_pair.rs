@@ -86,7 +86,7 @@ pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPa
         (Core::Triangle(t), Core::Triangle(u)) => t.nearest_points(&triangle_at(u, pose_ab)),
         _ => match narrow_phase::nearest_points(a, b, pose_ab) {
             Some(pair) => proven_points(refine(a, b, pose_ab, pair)),
-            None => [overlap_point(a, b, pose_ab); 2],
+            None => overlap_or_proof(a, b, pose_ab),
         },
     }
 }
@@ -108,17 +108,36 @@ fn triangle_at(t: &Triangle, pose: &Pose) -> Triangle {
     t.transformed(pose)
 }
 
-/// A point of two overlapping cores: projecting on one and the other in turn leads into the common part of two convex
-/// solids (Bregman 1965).
-fn overlap_point(a: &Core, b: &Core, pose_ab: &Pose) -> Point {
+/// A common point twice, for cores that GJK takes for overlapping. It may err for small or barely separate ones: then the
+/// proof that they are apart counts.
+fn overlap_or_proof(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
     let on_b = |p: &Point| pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(p));
-    let mut p = a.nearest_point(&Point::from(pose_ab.translation.vector));
+    let in_both = |p: &Point| {
+        let off = |q: Point| nalgebra::distance(p, &q);
+        off(a.nearest_point(p)).max(off(on_b(p))) <= CONTACT_DISTANCE
+    };
+    let deepest = narrow_phase::penetration(a, b, pose_ab);
+    if let Some(p) = deepest.and_then(|(_, pair)| pair.into_iter().find(in_both)) {
+        return [p, p];
+    }
+    let [p, q] = projections(a, on_b, &Point::from(pose_ab.translation.vector));
+    if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
+        return [q, q];
+    }
+    proven_points(refine(a, b, pose_ab, [p, q]))
+}
+
+/// Projects on one and the other of two convex solids in turn: that leads into their common part, if they have one
+/// (Bregman 1965).
+fn projections(a: &Core, on_b: impl Fn(&Point) -> Point, start: &Point) -> PointPair {
+    let mut p = a.nearest_point(start);
+    let mut q = on_b(&p);
     for _ in 0..MOST_PROJECTIONS {
-        let q = on_b(&p);
         if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
-            return q;
+            break;
         }
         p = a.nearest_point(&q);
+        q = on_b(&p);
     }
-    p
+    [p, q]
 }

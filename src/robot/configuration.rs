@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::joint::JointKind;
 use super::{JointId, RobotModel};
+use crate::constants::LARGEST_COORDINATE;
 
 /// Finite positions of every free joint (rad, m), in the order of [`RobotModel::position_names`].
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,10 @@ pub enum ConfigurationError {
     WrongLength { given: usize, expected: usize, names: String },
     #[error("joint '{joint}' has position {value}, which is not finite")]
     NotFinite { joint: String, value: f64 },
+    #[error(
+        "joint '{joint}' has position {value:e}, farther than the {LARGEST_COORDINATE:e} that can be computed with"
+    )]
+    TooFar { joint: String, value: f64 },
     #[error("floating joint '{joint}' has a quaternion of length {length}, but it must be 1 within 1e-3")]
     NotAQuaternion { joint: String, length: f64 },
     #[error("the robot has no joint '{joint}'{hint}")]
@@ -53,7 +58,20 @@ impl RobotModel {
         }
         let mut positions = positions.to_vec();
         self.normalise_quaternions(&mut positions)?;
-        Ok(Configuration(positions))
+        let q = Configuration(positions);
+        self.check_reach(&q)?;
+        Ok(q)
+    }
+
+    /// No joint, following ones included, may be so far that kinematics overflow.
+    fn check_reach(&self, q: &Configuration) -> Result<(), ConfigurationError> {
+        let named = self.position_names.iter().cloned().zip(q.0.iter().copied());
+        let following = (self.joint_ids().filter(|j| self.joint(*j).mimic.is_some()))
+            .filter_map(|j| Some((self.joint(j).name.clone(), self.joint_position(q, j)?)));
+        match named.chain(following).find(|(_, value)| !(value.abs() <= LARGEST_COORDINATE)) {
+            Some((joint, value)) => Err(ConfigurationError::TooFar { joint, value }),
+            None => Ok(()),
+        }
     }
 
     /// Every joint at zero, or at the middle of limits that exclude zero.
@@ -67,7 +85,7 @@ impl RobotModel {
             match (&self.joint(joint).kind, self.joint(joint).limits) {
                 (JointKind::Floating, _) => positions[first + 6] = 1.0,
                 (_, Some(l)) if !(l.lower..=l.upper).contains(&0.0) => {
-                    positions[first] = 0.5 * (l.lower + l.upper);
+                    positions[first] = l.lower.midpoint(l.upper);
                 }
                 _ => {}
             }

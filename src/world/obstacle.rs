@@ -1,5 +1,7 @@
 //! Obstacles with names, shapes and poses in the robot's root frame.
 
+use std::collections::HashSet;
+
 use crate::geometry::Shape;
 use crate::math::Pose;
 
@@ -26,6 +28,7 @@ pub struct ObstacleShape {
 #[derive(Clone, Debug, Default)]
 pub struct World {
     obstacles: Vec<Obstacle>,
+    names: HashSet<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,10 +47,10 @@ impl World {
         if obstacle.shapes.is_empty() {
             return Err(WorldError::NoShapes(obstacle.name));
         }
-        if self.obstacles.iter().any(|o| o.name == obstacle.name) {
+        let id = u32::try_from(self.obstacles.len()).map_err(|_| WorldError::TooMany)?;
+        if !self.names.insert(obstacle.name.clone()) {
             return Err(WorldError::Duplicate(obstacle.name));
         }
-        let id = u32::try_from(self.obstacles.len()).map_err(|_| WorldError::TooMany)?;
         self.obstacles.push(obstacle);
         Ok(ObstacleId(id))
     }

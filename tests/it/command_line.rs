@@ -227,6 +227,39 @@ world:
     assert!((distance - 0.3).abs() < 1e-9, "{answer}");
 }
 
+/// What touches is within any limit, and what overflows is refused.
+#[test]
+fn limits_of_zero_and_endless_joints() {
+    let touching = ["--state", "joint2=3.141592653589793", "--limit", "0", "--format", "json", "--query"];
+    for query in ["free", "pairs", "distance", "pair-distances"] {
+        let output = check(&TWO_LINK, &[&touching[..], &[query]].concat());
+        assert_eq!(json(&output)["results"][0]["free"], false, "{query}");
+        assert_eq!(output.status.code(), Some(1));
+    }
+    assert_bad_input(&check(&TWO_LINK, &["--state", "joint1=1e300"]), &["joint1", "1e300"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "", "--threads", "100000"]), &["--threads"]);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mimic.urdf");
+    let joint = |name: &str, child: &str, mimic: &str| {
+        format!(
+            "<joint name='{name}' type='continuous'><parent link='base'/><child link='{child}'/>\
+             <axis xyz='0 0 1'/>{mimic}</joint>"
+        )
+    };
+    let urdf = format!(
+        "<robot name='r'><link name='base'/><link name='a'/><link name='b'/>{}{}</robot>",
+        joint("j", "a", ""),
+        joint("k", "b", "<mimic joint='j' multiplier='1e300'/>")
+    );
+    std::fs::write(&path, urdf).unwrap();
+    let model = ["--urdf", path.to_str().unwrap()];
+    assert_bad_input(&check(&model, &["--state", "j=1e5"]), &["'k'"]);
+    let empty = folder.path().join("empty.csv");
+    std::fs::write(&empty, "j\n").unwrap();
+    assert_bad_input(&check(&model, &["--states", empty.to_str().unwrap()]), &["no states"]);
+}
+
 /// The native scenes of MoveIt load as they are.
 #[test]
 fn native_moveit_scenes_load() {

@@ -1,5 +1,6 @@
 //! Tests of the library from outside, one binary with a module for each subject.
 
+mod adversarial;
 mod bodies;
 mod cases;
 mod checker;
