@@ -147,7 +147,8 @@ impl BoundingVolume for Rss {
             ..*other
         };
         let reach = self.centre.coords.abs().sum()
-            + moved.centre.coords.abs().sum()
+            + other.centre.coords.abs().sum()
+            + pose_ab.translation.vector.abs().sum()
             + self.half_lengths.iter().sum::<f64>()
             + other.half_lengths.iter().sum::<f64>();
         let rectangles = rectangle_distance(self, &self.rectangle(), &moved, &moved.rectangle());

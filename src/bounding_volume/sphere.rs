@@ -49,7 +49,9 @@ impl BoundingVolume for Sphere {
 
     fn lower_bound(&self, other: &Self, pose_ab: &Pose) -> f64 {
         let centre = pose_ab * other.centre;
-        let reach = self.centre.coords.abs().sum() + centre.coords.abs().sum();
+        let reach = self.centre.coords.abs().sum()
+            + other.centre.coords.abs().sum()
+            + pose_ab.translation.vector.abs().sum();
         let gap = nalgebra::distance(&self.centre, &centre) - self.radius - other.radius;
         (gap - SEPARATION_SLACK * reach).max(0.0)
     }

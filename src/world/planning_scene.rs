@@ -69,10 +69,22 @@ impl PlanningScene {
                 .map_err(|message| fault(name, message))?;
             read.obstacles.push(obstacle);
         }
+        read.warn_of_strange_names(file, robot);
         if read.obstacles.is_empty() {
             read.warnings.push(format!("{file}: the scene has no objects"));
         }
         Ok(read)
+    }
+
+    /// Names in the matrix that nothing bears: perhaps misspelled, perhaps of objects that come later.
+    fn warn_of_strange_names(&mut self, file: &str, robot: &RobotModel) {
+        let Some(matrix) = &self.allowed else { return };
+        for name in matrix.entry_names.iter().chain(&matrix.default_entry_names) {
+            let known = robot.link_by_name(name).is_some() || self.obstacles.iter().any(|o| o.name == *name);
+            if !known {
+                self.warnings.push(format!("{file}: allowed_collision_matrix: nothing is named '{name}'"));
+            }
+        }
     }
 
     /// The scene's obstacles as a world; names must differ.
@@ -268,6 +280,12 @@ fn dimensions_of(name: &str) -> &'static str {
 }
 
 fn surface(mesh: &MeshText, files: &MeshFiles, warnings: &mut Vec<String>) -> Result<Shape, String> {
+    let inline = !(mesh.triangles.is_empty() && mesh.vertices.is_empty());
+    match (&mesh.resource, inline, mesh.dimensions) {
+        (Some(_), true, _) => return Err("give a resource, or triangles and vertices, not both".to_owned()),
+        (None, _, Some(_)) => return Err("dimensions: only a resource can be scaled".to_owned()),
+        _ => {}
+    }
     if let Some(uri) = &mesh.resource {
         let scale = Vector::from(mesh.dimensions.unwrap_or([1.0; 3]));
         let loaded = files.load(uri, scale).map_err(|e| format!("resource: {e}"))?;

@@ -153,6 +153,14 @@ fn scene_faults_name_object_and_field() {
         ("robot_state: {attached_collision_objects: [{}]}\nworld: {}", vec!["attached"]),
         ("world: {colision_objects: []}", vec!["colision_objects", "collision_objects"]),
         ("world: {collision_objects: [{id: o, primitive_pose: []}]}", vec!["primitive_pose"]),
+        (
+            "world: {collision_objects: [{id: o, meshes: [{resource: a.stl, vertices: [[0, 0, 0]]}]}]}",
+            vec!["'o'", "not both"],
+        ),
+        (
+            "world: {collision_objects: [{id: o, meshes: [{dimensions: [1, 1, 1]}]}]}",
+            vec!["'o'", "dimensions"],
+        ),
         ("link_padding: [{link_name: tip, padding: 0.1}]\nworld: {}", vec!["link_padding", "tip"]),
         ("colour: blue", vec!["colour"]),
         ("world: [", vec!["world.yaml"]),
