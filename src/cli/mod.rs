@@ -28,7 +28,7 @@ use failure::Failure;
 #[derive(Parser)]
 #[command(version, about, long_about, max_term_width = 100)]
 struct Arguments {
-    /// What is logged on stderr: off, error, warn, info, debug or trace [default: info for the node, else warn]
+    /// What is logged on stderr: off, error, warn, info, debug or trace [default: info for the node, error for the demo, else warn]
     #[arg(long, global = true, value_name = "LEVEL")]
     log_level: Option<LevelFilter>,
 
@@ -66,7 +66,7 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),
         #[cfg(feature = "ros")]
-        None => demo::run(arguments.log_level.unwrap_or(LevelFilter::Warn)),
+        None => demo::run(arguments.log_level.unwrap_or(LevelFilter::Error)),
         #[cfg(not(feature = "ros"))]
         None => Err(Failure::Input("this build has no ROS 2 node: name a command (see --help)".to_owned())),
     }
