@@ -68,7 +68,9 @@ impl RobotModel {
         let named = self.position_names.iter().cloned().zip(q.0.iter().copied());
         let following = (self.joint_ids().filter(|j| self.joint(*j).mimic.is_some()))
             .filter_map(|j| Some((self.joint(j).name.clone(), self.joint_position(q, j)?)));
-        match named.chain(following).find(|(_, value)| !(value.abs() <= LARGEST_COORDINATE)) {
+        let near = -LARGEST_COORDINATE..=LARGEST_COORDINATE;
+        // a following joint may have overflowed to no number at all: that is not near either
+        match named.chain(following).find(|(_, value)| !near.contains(value)) {
             Some((joint, value)) => Err(ConfigurationError::TooFar { joint, value }),
             None => Ok(()),
         }

@@ -115,14 +115,12 @@ fn run(case: &Value) -> Run {
 /// What a process prints before it ends, or before it is killed.
 fn output_within(mut child: Child, limit: Duration) -> String {
     let mut stdout = child.stdout.take().unwrap();
-    let reader = std::thread::spawn(move || std::io::read_to_string(&mut stdout).unwrap_or_default());
-    let deadline = Instant::now() + limit;
-    while Instant::now() < deadline && !reader.is_finished() {
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    let (all, all_in) = std::sync::mpsc::channel();
+    std::thread::spawn(move || all.send(std::io::read_to_string(&mut stdout).unwrap_or_default()));
+    let in_time = all_in.recv_timeout(limit);
     let _ = child.kill();
     let _ = child.wait();
-    reader.join().unwrap_or_default()
+    in_time.or_else(|_| all_in.recv()).unwrap_or_default()
 }
 
 /// All that is wrong with an answer.

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use ros2_client::ServiceTypeName;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
-use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping};
+use ros2_client::{Context, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping};
 use rustdds::DomainParticipantBuilder;
 
 use self::peers::Peers;
@@ -73,7 +73,7 @@ impl Quality {
 /// One ROS node on the network.
 #[derive(Clone)]
 pub struct Middleware {
-    node: Arc<Mutex<ros2_client::Node>>,
+    node: Arc<Mutex<Node>>,
     context: Context,
     peers: Arc<Peers>,
 }
@@ -111,9 +111,7 @@ impl Middleware {
     ) -> Result<Publisher<M>, MiddlewareError> {
         let mut node = lock(&self.node);
         let profile = quality.profile();
-        let topic = node
-            .create_topic(&name_of(name)?, kind.type_name(), &profile)
-            .map_err(refused(format!("cannot create topic {name}")))?;
+        let topic = topic(&node, name, kind, &profile)?;
         let inner = node
             .create_publisher(&topic, Some(profile))
             .map_err(refused(format!("cannot publish {name}")))?;
@@ -130,9 +128,7 @@ impl Middleware {
     ) -> Result<Subscription<M>, MiddlewareError> {
         let mut node = lock(&self.node);
         let profile = quality.profile();
-        let topic = node
-            .create_topic(&name_of(name)?, kind.type_name(), &profile)
-            .map_err(refused(format!("cannot create topic {name}")))?;
+        let topic = topic(&node, name, kind, &profile)?;
         let inner = node
             .create_subscription(&topic, Some(profile))
             .map_err(refused(format!("cannot subscribe to {name}")))?;
@@ -171,6 +167,16 @@ impl Middleware {
     pub async fn meet_peers(&self) {
         self.peers.meet(&self.context.domain_participant()).await;
     }
+}
+
+fn topic(
+    node: &Node,
+    name: &FullName,
+    kind: MessageKind,
+    profile: &QosProfile,
+) -> Result<rustdds::Topic, MiddlewareError> {
+    node.create_topic(&name_of(name)?, kind.type_name(), profile)
+        .map_err(refused(format!("cannot create topic {name}")))
 }
 
 fn name_of(name: &FullName) -> Result<Name, MiddlewareError> {
