@@ -25,19 +25,23 @@ class Peer:
         self.node = Node("peer", context=self._context, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        self._leaving = threading.Event()
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
     def _spin(self):
         with suppress(ExternalShutdownException):
-            self._executor.spin()
+            while not self._leaving.is_set():
+                self._executor.spin_once(timeout_sec=0.1)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self._executor.shutdown()
+        # an executor that is shut down while it spins trips over its own destroyed handles
+        self._leaving.set()
         self._thread.join()
+        self._executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self._context)
 
