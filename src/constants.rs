@@ -4,11 +4,15 @@
 /// curved primitives stops near 1e-10 m, and the shared truth files define contact as a distance of at most 1e-9 m.
 pub const CONTACT_DISTANCE: f64 = 1e-9;
 
-/// Slack of a separating-axis test, relative to the coordinates that enter it: a separation must exceed the rounding of
-/// the sums it is made of, else the axis does not count as separating (Ericson, *Real-Time Collision Detection*, 4.4.1).
-pub const SEPARATION_SLACK: f64 = 1e-14;
+/// Slack of a test of two bounding volumes in f32, relative to the coordinates that enter it: 64 units in the last place,
+/// about 4 µm a metre (derived at [`Relative::of_trees`](crate::bounding_volume::Relative::of_trees)).
+pub const VOLUME_SLACK: f64 = 64.0 / 16_777_216.0;
 
-/// Relative slack by which fitted volumes are widened, so that rounding never leaves a vertex outside.
+/// How far an f32 coordinate of a triangle may be from where the triangle is, relative to the coordinates that enter: 16
+/// units in the last place, about 1 µm a metre. What f32 cannot decide within this is decided in f64.
+pub const TRIANGLE_SLACK: f64 = 16.0 / 16_777_216.0;
+
+/// Relative slack by which spheres around bodies are widened, so that f64 rounding never leaves a point outside.
 pub const FIT_SLACK: f64 = 1e-12;
 
 /// Largest coordinate (m) that a model may hold: there f64 still tells 15 nanometres apart, and products of four

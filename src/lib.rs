@@ -16,6 +16,7 @@
 
 pub mod constants;
 pub mod math;
+pub mod simd;
 
 pub mod geometry;
 
@@ -36,6 +37,9 @@ pub mod node;
 pub use checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 pub use robot::{Configuration, MeshFiles, RobotModel};
 pub use world::World;
+
+#[cfg(test)]
+mod testing;
 
 /// The examples of the README compile and run.
 #[cfg(doctest)]

@@ -36,3 +36,70 @@ pub fn pose_from_xyz_quaternion(xyz: [f64; 3], quaternion_xyzw: [f64; 4]) -> Opt
 pub fn pose_from_xyz_rpy(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
     Pose::from_parts(nalgebra::Translation3::from(xyz), Rotation::from_euler_angles(roll, pitch, yaw))
 }
+
+/// A rigid placement with its rotation as a matrix: [`Pose`] is what people write, this is what engines compose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MatrixPose {
+    pub rotation: RotationMatrix,
+    pub translation: Vector,
+}
+
+impl MatrixPose {
+    #[must_use]
+    pub fn identity() -> Self {
+        Self { rotation: RotationMatrix::identity(), translation: Vector::zeros() }
+    }
+
+    /// `pose_ac` of `pose_ab` and `pose_bc`.
+    #[must_use]
+    pub fn compose(&self, next: &Self) -> Self {
+        Self { rotation: self.rotation * next.rotation, translation: self.point(&next.translation) }
+    }
+
+    /// `pose_ab` of `pose_wa` and `pose_wb`.
+    #[must_use]
+    pub fn relative(&self, other: &Self) -> Self {
+        let rotation = self.rotation.tr_mul(&other.rotation);
+        Self { rotation, translation: self.rotation.tr_mul(&(other.translation - self.translation)) }
+    }
+
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+
+    fn point(&self, coordinates: &Vector) -> Vector {
+        self.rotation * coordinates + self.translation
+    }
+}
+
+impl std::ops::Mul<Point> for &MatrixPose {
+    type Output = Point;
+
+    fn mul(self, point: Point) -> Point {
+        Point::from(self.point(&point.coords))
+    }
+}
+
+impl From<&MatrixPose> for MatrixPose {
+    fn from(pose: &MatrixPose) -> Self {
+        *pose
+    }
+}
+
+impl From<&Pose> for MatrixPose {
+    fn from(pose: &Pose) -> Self {
+        Self {
+            rotation: *pose.rotation.to_rotation_matrix().matrix(),
+            translation: pose.translation.vector,
+        }
+    }
+}
+
+impl From<&MatrixPose> for Pose {
+    fn from(pose: &MatrixPose) -> Self {
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(pose.rotation);
+        Self::from_parts(pose.translation.into(), Rotation::from_rotation_matrix(&rotation))
+    }
+}

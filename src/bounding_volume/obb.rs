@@ -1,130 +1,204 @@
-//! Oriented bounding boxes and their separating-axis test (Gottschalk, Lin & Manocha 1996, *OBBTree*, section 5).
+//! Oriented bounding boxes: boxes along the axes of their frame, tested by separating axes (Gottschalk, Lin & Manocha
+//! 1996, *OBBTree*, section 5).
 
-use super::{BoundingVolume, principal_axes};
-use crate::constants::{CONTACT_DISTANCE, FIT_SLACK, SEPARATION_SLACK};
-use crate::geometry::Primitive;
-use crate::math::{Point, Pose, RotationMatrix, Vector};
+use super::{BoundingVolume, Relative, lanes, principal_axes, round, round_up};
+use crate::math::{RotationMatrix, Vector};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd, Vectors, f32x8};
 
-/// A box with its own axes.
-#[derive(Clone, Debug, PartialEq)]
+/// A box along the axes of its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obb {
-    pub centre: Point,
-    /// The box's axes as columns.
-    pub axes: RotationMatrix,
-    /// Half the edge lengths along the axes.
-    pub half_extents: Vector,
+    pub centre: [f32; 3],
+    pub half_extents: [f32; 3],
 }
 
-/// One box seen from another: centre and axes of `b` in the frame of `a`'s own axes.
-struct Relative {
-    t: Vector,
-    r: RotationMatrix,
-    abs_r: RotationMatrix,
-    slack: f64,
+/// Eight boxes of one frame.
+#[derive(Clone, Debug)]
+#[repr(align(32))]
+pub struct ObbPack {
+    centre: [[f32; LANES]; 3],
+    half_extents: [[f32; LANES]; 3],
 }
 
-impl Obb {
-    /// The box around `points` along given axes.
-    #[must_use]
-    pub fn along(axes: RotationMatrix, points: &[Point]) -> Self {
-        let mut lo = Vector::repeat(f64::INFINITY);
-        let mut hi = Vector::repeat(f64::NEG_INFINITY);
-        for p in points {
-            let local = axes.tr_mul(&p.coords);
-            lo = lo.inf(&local);
-            hi = hi.sup(&local);
-        }
-        let middle = (lo + hi) * 0.5;
-        let slack = FIT_SLACK * lo.amax().max(hi.amax());
-        Self {
-            centre: Point::from(axes * middle),
-            axes,
-            half_extents: (hi - lo) * 0.5 + Vector::repeat(slack),
-        }
-    }
+/// Eight boxes seen from another frame, b; their own is a.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub struct SeenObbs {
+    /// Centres along the axes of b.
+    centre: [[f32; LANES]; 3],
+    /// Half the extents along the axes of b.
+    shadow: [[f32; LANES]; 3],
+    /// Centres along the boxes' own axes, from the anchor of b.
+    centre_along_own: [[f32; LANES]; 3],
+    half_extents: [[f32; LANES]; 3],
+}
 
-    #[must_use]
-    pub fn corners(&self) -> [Point; 8] {
-        std::array::from_fn(|i| {
-            let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
-            let h = self.half_extents;
-            self.centre + self.axes * Vector::new(sign(1) * h.x, sign(2) * h.y, sign(4) * h.z)
-        })
-    }
-
-    fn relative(&self, other: &Self, pose_ab: &Pose) -> Relative {
-        let rotation = pose_ab.rotation.to_rotation_matrix();
-        let t = self.axes.tr_mul(&(pose_ab * other.centre - self.centre));
-        let r = self.axes.tr_mul(&(rotation.matrix() * other.axes));
-        let reach = t.abs().sum()
-            + self.centre.coords.abs().sum()
-            + other.centre.coords.abs().sum()
-            + pose_ab.translation.vector.abs().sum()
-            + self.half_extents.sum()
-            + other.half_extents.sum();
-        Relative { t, abs_r: r.abs(), r, slack: SEPARATION_SLACK * reach }
-    }
-
-    /// Gap along each box's face normals: the largest is a lower bound of the distance.
-    fn face_gap(&self, other: &Self, rel: &Relative) -> f64 {
-        let (ea, eb) = (self.half_extents, other.half_extents);
-        let gaps_a = rel.t.abs() - ea - rel.abs_r * eb;
-        let gaps_b = rel.r.tr_mul(&rel.t).abs() - eb - rel.abs_r.tr_mul(&ea);
-        gaps_a.max().max(gaps_b.max()) - rel.slack
-    }
-
-    /// Whether one of the nine axes normal to an edge of each box separates them clearly.
-    fn edge_axis_separates(&self, other: &Self, rel: &Relative) -> bool {
-        let (ea, eb) = (self.half_extents, other.half_extents);
-        let (t, r, q) = (rel.t, &rel.r, &rel.abs_r);
-        (0..3).any(|i| {
-            let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
-            (0..3).any(|j| {
-                let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
-                let reach_a = ea[i1] * q[(i2, j)] + ea[i2] * q[(i1, j)];
-                let reach_b = eb[j1] * q[(i, j2)] + eb[j2] * q[(i, j1)];
-                let apart = (t[i2] * r[(i1, j)] - t[i1] * r[(i2, j)]).abs();
-                // the axis is at most one long, so a clear gap along it is at least that clear a distance
-                apart - reach_a - reach_b > CONTACT_DISTANCE + rel.slack
-            })
-        })
-    }
+/// Eight boxes of b, and the same along the axes of a.
+#[derive(Clone, Copy, Debug)]
+pub struct FacingObbs<S: Simd> {
+    centre: Vectors<S>,
+    half_extents: Vectors<S>,
+    centre_along_a: Vectors<S>,
+    shadow: Vectors<S>,
 }
 
 impl BoundingVolume for Obb {
     const NAME: &'static str = "OBB";
 
-    fn fit(points: &[Point]) -> Self {
-        Self::along(principal_axes(points), points)
+    type Pack = ObbPack;
+    type Seen = SeenObbs;
+    type Facing<S: Simd> = FacingObbs<S>;
+
+    fn axes(points: &[Vector]) -> RotationMatrix {
+        principal_axes(points)
     }
 
-    fn around(primitive: &Primitive, pose: &Pose) -> Self {
-        let half_extents = match *primitive {
-            Primitive::Box { half_extents } => Vector::from(half_extents),
-            Primitive::Sphere { radius } => Vector::repeat(radius),
-            Primitive::Cylinder { radius, half_length } => Vector::new(radius, radius, half_length),
-            Primitive::Capsule { radius, half_length } => Vector::new(radius, radius, half_length + radius),
-        };
-        let slack = FIT_SLACK * (pose.translation.vector.amax() + half_extents.amax());
-        Self {
-            centre: Point::from(pose.translation.vector),
-            axes: *pose.rotation.to_rotation_matrix().matrix(),
-            half_extents: half_extents + Vector::repeat(slack),
+    fn fit(points: &[Vector]) -> Self {
+        let mut lo = Vector::repeat(f64::INFINITY);
+        let mut hi = Vector::repeat(f64::NEG_INFINITY);
+        for p in points {
+            lo = lo.inf(p);
+            hi = hi.sup(p);
+        }
+        let centre: [f32; 3] = std::array::from_fn(|i| round(0.5 * (lo[i] + hi[i])));
+        let half = |i: usize| (hi[i] - f64::from(centre[i])).max(f64::from(centre[i]) - lo[i]);
+        Self { centre, half_extents: std::array::from_fn(|i| round_up(half(i))) }
+    }
+
+    fn pack(volumes: &[Self]) -> ObbPack {
+        ObbPack {
+            centre: std::array::from_fn(|i| lanes(volumes, |v| v.centre[i])),
+            half_extents: std::array::from_fn(|i| lanes(volumes, |v| v.half_extents[i])),
         }
     }
 
-    fn lower_bound(&self, other: &Self, pose_ab: &Pose) -> f64 {
-        self.face_gap(other, &self.relative(other, pose_ab)).max(0.0)
+    #[inline(always)]
+    fn splat(&self) -> ObbPack {
+        let [x, y, z] = self.centre;
+        let [u, v, w] = self.half_extents;
+        ObbPack {
+            centre: [[x; LANES], [y; LANES], [z; LANES]],
+            half_extents: [[u; LANES], [v; LANES], [w; LANES]],
+        }
     }
 
-    fn may_touch(&self, other: &Self, pose_ab: &Pose) -> bool {
-        let rel = self.relative(other, pose_ab);
-        let separated =
-            self.face_gap(other, &rel) > CONTACT_DISTANCE || self.edge_axis_separates(other, &rel);
-        !separated
+    #[inline(always)]
+    fn seen<S: Simd>(simd: S, pack: &ObbPack, relative: &Relative) -> SeenObbs {
+        let centre = Vectors::load(simd, &pack.centre);
+        let half_extents = Vectors::load(simd, &pack.half_extents);
+        let r = &relative.r;
+        let anchor = Vectors::splat(simd, &relative.along_a(&relative.t));
+        let zero = Vectors::splat(simd, &[0.0; 3]);
+        SeenObbs {
+            centre: centre.placed(r, &relative.t).store(),
+            shadow: half_extents.placed(&magnitudes(r), &[0.0; 3]).store(),
+            centre_along_own: centre.minus(zero.minus(anchor)).store(),
+            half_extents: pack.half_extents,
+        }
     }
 
-    fn size(&self) -> f64 {
-        self.half_extents.max()
+    #[inline(always)]
+    fn facing<S: Simd>(simd: S, pack: &ObbPack, relative: &Relative) -> FacingObbs<S> {
+        let centre = Vectors::load(simd, &pack.centre);
+        let half_extents = Vectors::load(simd, &pack.half_extents);
+        FacingObbs {
+            centre,
+            half_extents,
+            centre_along_a: centre.turned_back(&relative.r),
+            shadow: half_extents.turned_back(&magnitudes(&relative.r)),
+        }
     }
+
+    #[inline(always)]
+    fn coarse_bounds<S: Simd>(simd: S, seen: &SeenObbs, other: &Self, relative: &Relative) -> f32x8<S> {
+        let r = magnitudes(&relative.r);
+        let own = relative.along_a(&other.centre);
+        let h = &other.half_extents;
+        let shadow = [
+            r[0][0] * h[0] + r[1][0] * h[1] + r[2][0] * h[2],
+            r[0][1] * h[0] + r[1][1] * h[1] + r[2][1] * h[2],
+            r[0][2] * h[0] + r[1][2] * h[1] + r[2][2] * h[2],
+        ];
+        let along_b = (Vectors::load(simd, &seen.centre).minus(Vectors::splat(simd, &other.centre)).abs())
+            .minus(Vectors::load(simd, &seen.shadow))
+            .minus(Vectors::splat(simd, h));
+        let along_a = (Vectors::load(simd, &seen.centre_along_own).minus(Vectors::splat(simd, &own)).abs())
+            .minus(Vectors::load(simd, &seen.half_extents))
+            .minus(Vectors::splat(simd, &shadow));
+        along_b.max(along_a).largest()
+    }
+
+    #[inline(always)]
+    fn bounds<S: Simd, const SEPARATE: bool>(
+        simd: S,
+        facing: &FacingObbs<S>,
+        seen: &SeenObbs,
+        lane: usize,
+        relative: &Relative,
+    ) -> f32x8<S> {
+        let d = facing.centre.minus(Vectors::splat(simd, &taken(&seen.centre, lane)));
+        let along_b = (d.abs().minus(facing.half_extents)).minus(Vectors::splat(simd, &taken(&seen.shadow, lane)));
+        let own = taken(&seen.half_extents, lane);
+        let along_a = (facing.centre_along_a.minus(Vectors::splat(simd, &taken(&seen.centre_along_own, lane))))
+            .abs()
+            .minus(facing.shadow)
+            .minus(Vectors::splat(simd, &own));
+        let gap = along_b.max(along_a).largest();
+        if SEPARATE {
+            if gap.simd_le(relative.slack).to_bitmask() == 0 {
+                return gap;
+            }
+            return gap.max(edge_gaps(d, facing.half_extents, &own, relative));
+        }
+        let zero = Vectors::splat(simd, &[0.0; 3]);
+        let apart = along_b.max(zero).norm().max(along_a.max(zero).norm());
+        apart.simd_gt(f32x8::splat(simd, 0.0)).select(apart, gap)
+    }
+}
+
+/// The largest gap along the nine axes normal to an edge of each box: one with half extents `own`, and eight at offsets
+/// `d` with half extents `h`. The axes are at most one long, hence so is the gap at most the distance.
+#[inline(always)]
+fn edge_gaps<S: Simd>(d: Vectors<S>, h: Vectors<S>, own: &[f32; 3], relative: &Relative) -> f32x8<S> {
+    let r = &relative.r;
+    let mut gap = edge_gap([d.y, d.z], [h.y, h.z], own, [&r[0], &r[1], &r[2]], 0);
+    gap = gap.max(edge_gap([d.y, d.z], [h.y, h.z], own, [&r[0], &r[1], &r[2]], 1));
+    gap = gap.max(edge_gap([d.y, d.z], [h.y, h.z], own, [&r[0], &r[1], &r[2]], 2));
+    gap = gap.max(edge_gap([d.z, d.x], [h.z, h.x], own, [&r[1], &r[2], &r[0]], 0));
+    gap = gap.max(edge_gap([d.z, d.x], [h.z, h.x], own, [&r[1], &r[2], &r[0]], 1));
+    gap = gap.max(edge_gap([d.z, d.x], [h.z, h.x], own, [&r[1], &r[2], &r[0]], 2));
+    gap = gap.max(edge_gap([d.x, d.y], [h.x, h.y], own, [&r[2], &r[0], &r[1]], 0));
+    gap = gap.max(edge_gap([d.x, d.y], [h.x, h.y], own, [&r[2], &r[0], &r[1]], 1));
+    gap.max(edge_gap([d.x, d.y], [h.x, h.y], own, [&r[2], &r[0], &r[1]], 2))
+}
+
+/// The gap along the axis normal to b's axis 0 and a's axis `j`; offsets and half extents along b's axes 1 and 2, and
+/// `rows` of the rotation, in turn from b's axis 0.
+#[inline(always)]
+fn edge_gap<S: Simd>(
+    d: [f32x8<S>; 2],
+    h: [f32x8<S>; 2],
+    own: &[f32; 3],
+    rows: [&[f32; 3]; 3],
+    j: usize,
+) -> f32x8<S> {
+    let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
+    let (p, q) = (rows[1][j], rows[2][j]);
+    let reach_a = own[j1] * rows[0][j2].abs() + own[j2] * rows[0][j1].abs();
+    (d[1] * p - d[0] * q).abs() - h[0] * q.abs() - h[1] * p.abs() - reach_a
+}
+
+#[inline(always)]
+fn magnitudes(r: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
+    [
+        [r[0][0].abs(), r[0][1].abs(), r[0][2].abs()],
+        [r[1][0].abs(), r[1][1].abs(), r[1][2].abs()],
+        [r[2][0].abs(), r[2][1].abs(), r[2][2].abs()],
+    ]
+}
+
+#[inline(always)]
+fn taken(components: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
+    [components[0][lane & 7], components[1][lane & 7], components[2][lane & 7]]
 }

@@ -1,16 +1,16 @@
 //! The directions in which points spread most.
 
-use crate::math::{Point, RotationMatrix, Vector};
+use crate::math::{RotationMatrix, Vector};
 
 /// Right-handed axes as columns, the direction of largest spread first (eigenvectors of the covariance matrix;
 /// Gottschalk, Lin & Manocha 1996, section 4).
 #[must_use]
-pub fn principal_axes(points: &[Point]) -> RotationMatrix {
+pub fn principal_axes(points: &[Vector]) -> RotationMatrix {
     #[allow(clippy::cast_precision_loss)] // a mean needs no more than 52 bits of the count
     let count = points.len().max(1) as f64;
-    let mean = points.iter().fold(Vector::zeros(), |s, p| s + p.coords) / count;
+    let mean = points.iter().fold(Vector::zeros(), |s, p| s + p) / count;
     let covariance = points.iter().fold(RotationMatrix::zeros(), |s, p| {
-        let d = p.coords - mean;
+        let d = p - mean;
         s + d * d.transpose()
     });
     let scale = covariance.amax();

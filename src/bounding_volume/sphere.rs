@@ -1,66 +1,119 @@
-//! Bounding spheres (Ritter 1990, *An efficient bounding sphere*).
+//! Bounding spheres, or point swept spheres (Ritter 1990, *An efficient bounding sphere*).
 
-use super::BoundingVolume;
-use crate::constants::{CONTACT_DISTANCE, FIT_SLACK, SEPARATION_SLACK};
-use crate::geometry::Primitive;
-use crate::math::{Point, Pose};
+use super::{BoundingVolume, Relative, lanes, round, round_up};
+use crate::math::{RotationMatrix, Vector};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd, Vectors, f32x8};
 
 /// All points within a radius of a centre.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    pub centre: Point,
-    pub radius: f64,
+    pub centre: [f32; 3],
+    pub radius: f32,
+}
+
+#[derive(Clone, Debug)]
+#[repr(align(32))]
+pub struct SpherePack {
+    centre: [[f32; LANES]; 3],
+    radius: [f32; LANES],
+}
+
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub struct SeenSpheres {
+    centre: [[f32; LANES]; 3],
+    radius: [f32; LANES],
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct FacingSpheres<S: Simd> {
+    centre: Vectors<S>,
+    radius: f32x8<S>,
 }
 
 impl BoundingVolume for Sphere {
     const NAME: &'static str = "PSS";
 
-    fn fit(points: &[Point]) -> Self {
-        let farthest = |from: Point| {
-            (points.iter().copied())
-                .max_by(|p, q| {
-                    nalgebra::distance_squared(&from, p).total_cmp(&nalgebra::distance_squared(&from, q))
-                })
-                .unwrap_or(from)
-        };
-        let one_end = farthest(points.first().copied().unwrap_or_else(Point::origin));
-        let other_end = farthest(one_end);
-        let mut centre = nalgebra::center(&one_end, &other_end);
-        let mut radius = 0.5 * nalgebra::distance(&one_end, &other_end);
-        for p in points {
-            let d = nalgebra::distance(&centre, p);
-            if d > radius {
-                let grown = 0.5 * (radius + d);
-                centre += (p - centre) * ((d - grown) / d);
-                radius = grown;
-            }
-        }
-        let exact = (points.iter()).map(|p| nalgebra::distance(&centre, p)).fold(0.0, f64::max);
-        Self { radius: exact + FIT_SLACK * (exact + centre.coords.amax()), centre }
+    type Pack = SpherePack;
+    type Seen = SeenSpheres;
+    type Facing<S: Simd> = FacingSpheres<S>;
+
+    fn axes(_: &[Vector]) -> RotationMatrix {
+        RotationMatrix::identity()
     }
 
-    fn around(primitive: &Primitive, pose: &Pose) -> Self {
-        let radius = primitive.bounding_radius();
-        Self {
-            centre: Point::from(pose.translation.vector),
-            radius: radius + FIT_SLACK * (radius + pose.translation.vector.amax()),
+    fn fit(points: &[Vector]) -> Self {
+        let centre = ritter(points);
+        let centre: [f32; 3] = std::array::from_fn(|i| round(centre[i]));
+        let rounded = Vector::from(centre.map(f64::from));
+        let radius = points.iter().map(|p| (p - rounded).norm()).fold(0.0, f64::max);
+        Self { centre, radius: round_up(radius) }
+    }
+
+    fn pack(volumes: &[Self]) -> SpherePack {
+        SpherePack {
+            centre: std::array::from_fn(|i| lanes(volumes, |v| v.centre[i])),
+            radius: lanes(volumes, |v| v.radius),
         }
     }
 
-    fn lower_bound(&self, other: &Self, pose_ab: &Pose) -> f64 {
-        let centre = pose_ab * other.centre;
-        let reach = self.centre.coords.abs().sum()
-            + other.centre.coords.abs().sum()
-            + pose_ab.translation.vector.abs().sum();
-        let gap = nalgebra::distance(&self.centre, &centre) - self.radius - other.radius;
-        (gap - SEPARATION_SLACK * reach).max(0.0)
+    #[inline(always)]
+    fn splat(&self) -> SpherePack {
+        let [x, y, z] = self.centre;
+        SpherePack { centre: [[x; LANES], [y; LANES], [z; LANES]], radius: [self.radius; LANES] }
     }
 
-    fn may_touch(&self, other: &Self, pose_ab: &Pose) -> bool {
-        self.lower_bound(other, pose_ab) <= CONTACT_DISTANCE
+    #[inline(always)]
+    fn seen<S: Simd>(simd: S, pack: &SpherePack, relative: &Relative) -> SeenSpheres {
+        let centre = Vectors::load(simd, &pack.centre).placed(&relative.r, &relative.t);
+        SeenSpheres { centre: centre.store(), radius: pack.radius }
     }
 
-    fn size(&self) -> f64 {
-        self.radius
+    #[inline(always)]
+    fn facing<S: Simd>(simd: S, pack: &SpherePack, _: &Relative) -> FacingSpheres<S> {
+        FacingSpheres {
+            centre: Vectors::load(simd, &pack.centre),
+            radius: f32x8::from_slice(simd, &pack.radius),
+        }
     }
+
+    #[inline(always)]
+    fn coarse_bounds<S: Simd>(simd: S, seen: &SeenSpheres, other: &Self, _: &Relative) -> f32x8<S> {
+        let off = Vectors::load(simd, &seen.centre).minus(Vectors::splat(simd, &other.centre));
+        off.norm() - f32x8::from_slice(simd, &seen.radius) - other.radius
+    }
+
+    #[inline(always)]
+    fn bounds<S: Simd, const SEPARATE: bool>(
+        simd: S,
+        facing: &FacingSpheres<S>,
+        seen: &SeenSpheres,
+        lane: usize,
+        _: &Relative,
+    ) -> f32x8<S> {
+        let centre = [seen.centre[0][lane], seen.centre[1][lane], seen.centre[2][lane]];
+        facing.centre.minus(Vectors::splat(simd, &centre)).norm() - facing.radius - seen.radius[lane]
+    }
+}
+
+/// The centre of a sphere that grows from the two points far apart to hold one after the other.
+fn ritter(points: &[Vector]) -> Vector {
+    let farthest = |from: Vector| {
+        let nearer = |p: &&Vector, q: &&Vector| (*p - from).norm_squared().total_cmp(&(*q - from).norm_squared());
+        points.iter().max_by(nearer).copied().unwrap_or(from)
+    };
+    let one_end = farthest(points.first().copied().unwrap_or_else(Vector::zeros));
+    let other_end = farthest(one_end);
+    let mut centre = (one_end + other_end) * 0.5;
+    let mut radius = 0.5 * (other_end - one_end).norm();
+    for p in points {
+        let d = (p - centre).norm();
+        if d > radius {
+            let grown = 0.5 * (radius + d);
+            centre += (p - centre) * ((d - grown) / d);
+            radius = grown;
+        }
+    }
+    centre
 }

@@ -1,7 +1,13 @@
-//! A binary tree of bounding volumes over the convex elements of a body.
+//! Wide trees of bounding volumes: eight children to a node, eight primitives to a leaf.
+//!
+//! Every node has a frame of its own, a rotation about the tree's anchor, in which the volumes of its children are
+//! packed. One traversal ([`descend`]) serves all volumes and all questions.
 
-mod element;
+mod build;
+mod descend;
+mod triangle_leaf;
 mod tree;
 
-pub use element::Element;
-pub use tree::{Content, LEAF_TRIANGLES, Node, Tree};
+pub use descend::{Entry, Visitor, descend};
+pub use triangle_leaf::TriangleLeaf;
+pub use tree::{Content, Leaf, Node, NodeRef, Tree};

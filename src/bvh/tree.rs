@@ -1,62 +1,116 @@
-//! Top-down construction: a volume around all, split at the median along the longest principal axis.
+//! What a tree is made of.
 
-use crate::bounding_volume::{BoundingVolume, principal_axes};
-use crate::math::{Point, Vector};
+use crate::bounding_volume::{Axes, BoundingVolume, Relative};
+use crate::math::{MatrixPose, Point, RotationMatrix};
+use crate::simd::LANES;
 
-use super::Element;
-
-/// Most triangles in a leaf. A primitive always has a leaf of its own.
-pub const LEAF_TRIANGLES: usize = 2;
-
-/// A binary tree of volumes over elements; node 0 is the root. Splitting at the median keeps it as shallow as the
-/// logarithm of the count.
+/// A tree of volumes `B` over leaves that hold `L`.
 #[derive(Clone, Debug)]
-pub struct Tree<B> {
-    nodes: Vec<Node<B>>,
-    order: Vec<u32>,
+pub struct Tree<B: BoundingVolume, L> {
+    /// The origin of all frames of the tree, in the frame of the body.
+    pub(super) anchor: Point,
+    /// How far (m, 1-norm) anything in the tree is from the anchor.
+    pub(super) reach: f64,
+    pub(super) root: NodeRef,
+    pub(super) nodes: Vec<Node<B>>,
+    pub(super) leaves: Vec<Leaf<B, L>>,
 }
 
-/// A volume and what it holds.
+/// What leaves hold: a few items that are tested together.
+pub trait Content: Sized {
+    /// What a tree is built over.
+    type Item;
+
+    /// Most items in a leaf.
+    const CAPACITY: usize;
+
+    /// Appends points whose convex hull holds the item.
+    fn corners(item: &Self::Item, corners: &mut Vec<Point>);
+
+    /// Axes, as columns, of a frame that suits a leaf with these items; `None` if its volume may choose.
+    fn axes(items: &[&Self::Item]) -> Option<RotationMatrix>;
+
+    /// A leaf with some items of a tree with this anchor; `first` is the first one's number in the order of the tree, and
+    /// the others follow.
+    fn new(anchor: &Point, first: u32, items: &[&Self::Item]) -> Self;
+}
+
+/// Eight children or fewer.
 #[derive(Clone, Debug)]
-pub struct Node<B> {
+pub struct Node<B: BoundingVolume> {
+    pub axes: Axes,
+    /// Around all children, in this node's frame.
     pub volume: B,
-    pub content: Content,
+    /// Around each child, in this node's frame.
+    pub pack: B::Pack,
+    pub children: [NodeRef; LANES],
+    pub child_count: u32,
 }
 
-/// Two nodes, or a run of elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
-    Children([u32; 2]),
-    /// From and to (exclusive) in the tree's order of elements.
-    Leaf(u32, u32),
+/// What the tree is about.
+#[derive(Clone, Debug)]
+pub struct Leaf<B, L> {
+    pub axes: Axes,
+    /// Around the content, in this leaf's frame.
+    pub volume: B,
+    pub content: L,
 }
 
-impl<B: BoundingVolume> Tree<B> {
+/// The index of a node or of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct NodeRef(u32);
+
+impl NodeRef {
+    const LEAF: u32 = 1 << 31;
+
+    pub(super) fn node(index: usize) -> Self {
+        Self(u32::try_from(index).expect("node count fits 31 bits"))
+    }
+
+    pub(super) fn leaf(index: usize) -> Self {
+        Self(u32::try_from(index).expect("leaf count fits 31 bits") | Self::LEAF)
+    }
+
+    #[must_use]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    fn index(self) -> usize {
+        (self.0 & !Self::LEAF) as usize
+    }
+}
+
+impl<B: BoundingVolume, L> Tree<B, L> {
+    #[must_use]
+    pub fn anchor(&self) -> &Point {
+        &self.anchor
+    }
+
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    #[must_use]
+    pub fn root(&self) -> NodeRef {
+        self.root
+    }
+
     /// # Panics
-    /// When there are no elements, or more than 2³¹ of them.
+    /// When it is a leaf.
+    #[inline(always)]
     #[must_use]
-    pub fn build(elements: &[Element]) -> Self {
-        assert!(!elements.is_empty(), "a tree needs elements");
-        let count = u32::try_from(elements.len()).expect("element count fits 32 bits");
-        let mut builder = Builder {
-            elements,
-            middles: elements.iter().map(Element::middle).collect(),
-            points: Vec::new(),
-            nodes: Vec::new(),
-        };
-        let mut order: Vec<u32> = (0..count).collect();
-        builder.node(&mut order, 0);
-        Self { nodes: builder.nodes, order }
+    pub fn node(&self, node: NodeRef) -> &Node<B> {
+        &self.nodes[node.0 as usize]
     }
 
+    /// # Panics
+    /// When it is no leaf.
+    #[inline(always)]
     #[must_use]
-    pub fn root(&self) -> u32 {
-        0
-    }
-
-    #[must_use]
-    pub fn node(&self, index: u32) -> &Node<B> {
-        &self.nodes[index as usize]
+    pub fn leaf(&self, leaf: NodeRef) -> &Leaf<B, L> {
+        &self.leaves[leaf.index()]
     }
 
     #[must_use]
@@ -64,63 +118,33 @@ impl<B: BoundingVolume> Tree<B> {
         &self.nodes
     }
 
-    /// Numbers of the elements of a leaf.
     #[must_use]
-    pub fn leaf(&self, from: u32, to: u32) -> &[u32] {
-        &self.order[from as usize..to as usize]
+    pub fn leaves(&self) -> &[Leaf<B, L>] {
+        &self.leaves
     }
-}
 
-struct Builder<'a, B> {
-    elements: &'a [Element],
-    middles: Vec<Point>,
-    points: Vec<Point>,
-    nodes: Vec<Node<B>>,
-}
-
-impl<B: BoundingVolume> Builder<'_, B> {
-    /// Builds the node over `order`, which begins at `start` in the whole; returns its index.
-    fn node(&mut self, order: &mut [u32], start: u32) -> u32 {
-        let index = u32::try_from(self.nodes.len()).expect("node count fits 32 bits");
-        let count = u32::try_from(order.len()).expect("element count fits 32 bits");
-        let volume = self.volume(order);
-        self.nodes.push(Node { volume, content: Content::Leaf(start, start + count) });
-        if !self.is_leaf(order) {
-            let half = self.split(order);
-            let (left, right) = order.split_at_mut(half);
-            let middle = start + u32::try_from(half).expect("half of a 32-bit count");
-            let children = [self.node(left, start), self.node(right, middle)];
-            self.nodes[index as usize].content = Content::Children(children);
+    /// The volume around all that lies below, and the frame it is in.
+    #[inline(always)]
+    #[must_use]
+    pub fn volume(&self, of: NodeRef) -> (&B, &Axes) {
+        if of.is_leaf() {
+            let leaf = self.leaf(of);
+            (&leaf.volume, &leaf.axes)
+        } else {
+            let node = self.node(of);
+            (&node.volume, &node.axes)
         }
-        index
     }
 
-    fn volume(&mut self, order: &[u32]) -> B {
-        if let [one] = order
-            && let Element::Primitive { primitive, pose } = &self.elements[*one as usize]
-        {
-            return B::around(primitive, pose);
-        }
-        self.points.clear();
-        for &i in order {
-            self.elements[i as usize].hull_points(&mut self.points);
-        }
-        B::fit(&self.points)
+    /// The frame of this tree in the frame of another, which belongs to body b.
+    #[must_use]
+    pub fn relative<M>(&self, other: &Tree<B, M>, pose_ab: &MatrixPose) -> Relative {
+        Relative::of_trees(pose_ab, (&self.anchor, self.reach), (&other.anchor, other.reach))
     }
 
-    fn is_leaf(&self, order: &[u32]) -> bool {
-        let triangle = |i: &u32| matches!(self.elements[*i as usize], Element::Triangle(_));
-        order.len() == 1 || (order.len() <= LEAF_TRIANGLES && order.iter().all(triangle))
-    }
-
-    /// Sorts the half with smaller middles along the longest axis to the front; returns how many that are.
-    fn split(&mut self, order: &mut [u32]) -> usize {
-        self.points.clear();
-        self.points.extend(order.iter().map(|&i| self.middles[i as usize]));
-        let axis: Vector = principal_axes(&self.points).column(0).into();
-        let half = order.len() / 2;
-        let key = |i: u32| self.middles[i as usize].coords.dot(&axis);
-        order.select_nth_unstable_by(half, |&i, &j| key(i).total_cmp(&key(j)).then(i.cmp(&j)));
-        half
+    /// Memory of nodes and leaves, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node<B>>() + self.leaves.capacity() * size_of::<Leaf<B, L>>()
     }
 }

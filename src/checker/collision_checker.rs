@@ -1,15 +1,20 @@
 //! Questions about states of a robot in a world.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::pair::Pair;
-use super::report::{Body, CollisionReport, Question};
-use super::settings::{MeshModel, Settings};
+use super::bodies::{Rider, link_padding, pair_infos, riders};
+use super::capsules::{CapsulePairs, Segment};
+use super::memory::Memories;
+use super::pair::{Pair, PairInfo};
+use super::report::{Body, CollisionReport, PairDistance, Question};
+use super::settings::Settings;
 use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::Pose;
-use crate::query::{CollisionBody, Work};
-use crate::robot::{Configuration, LinkPoses, RobotModel};
+use crate::math::MatrixPose;
+use crate::query::{Scratch, Work};
+use crate::robot::{Chain, Configuration, Frame, RobotModel};
+use crate::simd::{LANES, dispatch};
 use crate::world::World;
 
 /// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
@@ -19,12 +24,20 @@ pub struct CollisionChecker {
     world: World,
     settings: Settings,
     pairs: PairList,
-    /// By link; `None` without geometry.
-    link_bodies: Vec<Option<CollisionBody>>,
-    /// By obstacle; in the root frame.
-    obstacle_bodies: Vec<Option<CollisionBody>>,
-    link_padding: Vec<f64>,
+    pub(super) chain: Chain,
+    /// By link, then by obstacle; `None` without geometry.
+    riders: Vec<Option<Rider>>,
+    /// In the order of the pair list.
+    pub(super) infos: Vec<PairInfo>,
+    /// A capsule around each body, and the pairs of them in the order of the pair list.
+    pub(super) capsules: CapsulePairs,
+    /// The largest padding (m) of any pair.
+    pub(super) largest_padding: f64,
+    /// No two checkers built in one process have the same.
+    identity: u64,
 }
+
+static BUILT: AtomicU64 = AtomicU64::new(0);
 
 /// A setting that makes no sense for this robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -48,17 +61,18 @@ impl CollisionChecker {
         settings: Settings,
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, SettingsError> {
-        let link_padding = link_padding(&robot, &settings)?;
+        let padding = link_padding(&robot, &settings)?;
         let pairs =
             PairList::new(&robot, world, matrix).restricted(settings.check_self, settings.check_world);
-        let mesh_model = settings.mesh_model;
-        let link_bodies = (robot.links().iter())
-            .map(|l| body(l.collisions.iter().map(|c| (&c.pose_ls, &c.shape)), mesh_model))
-            .collect();
-        let obstacle_bodies = (world.obstacles().iter())
-            .map(|o| body(o.shapes.iter().map(|s| (&s.pose_rs, &s.shape)), mesh_model))
-            .collect();
-        Ok(Self { world: world.clone(), link_bodies, obstacle_bodies, robot, settings, pairs, link_padding })
+        let has_geometry: Vec<bool> = robot.links().iter().map(|l| !l.collisions.is_empty()).collect();
+        let chain = robot.chain(&has_geometry);
+        let riders = riders(&robot, world, &chain, settings.mesh_model);
+        let infos = pair_infos(&pairs, robot.links().len(), &padding, &settings);
+        let capsules = capsule_pairs(&riders, &infos);
+        let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::max);
+        let world = world.clone();
+        let identity = BUILT.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { robot, world, settings, pairs, chain, riders, infos, capsules, largest_padding, identity })
     }
 
     #[must_use]
@@ -93,91 +107,140 @@ impl CollisionChecker {
     /// Scratch memory for one thread.
     #[must_use]
     pub fn workspace(&self) -> Workspace {
-        Workspace { poses: LinkPoses::new(&self.robot), queue: Vec::with_capacity(self.pairs.len()) }
+        self.workspace_with(Scratch::default())
     }
 
-    /// Where the links were in the last check made with this workspace (root frame).
+    /// As [`Self::workspace`], but uses no instructions beyond those of every machine of this kind. Answers are the same,
+    /// bit by bit.
     #[must_use]
-    pub fn link_poses<'w>(&self, workspace: &'w Workspace) -> &'w LinkPoses {
-        &workspace.poses
+    pub fn portable_workspace(&self) -> Workspace {
+        self.workspace_with(Scratch::portable())
+    }
+
+    /// As [`Self::workspace`], for states that follow each other closely: what was found about one is used for the next, and
+    /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took.
+    #[must_use]
+    pub fn streaming_workspace(&self) -> Workspace {
+        let memories = Memories { checker: self.identity, pairs: vec![None; self.infos.len()] };
+        Workspace { memories: Some(memories), ..self.workspace() }
+    }
+
+    fn workspace_with(&self, scratch: Scratch) -> Workspace {
+        let groups = self.capsules.group_count();
+        Workspace {
+            frames: vec![Frame::IDENTITY; self.chain.body_count()],
+            segments: vec![Segment { centre: [0.0; 3], half: [0.0; 3] }; self.capsules.capsule_count()],
+            near: vec![0; groups],
+            bounds: vec![[0.0; LANES]; groups],
+            queue: Vec::with_capacity(self.pairs.len()),
+            scratch,
+            memories: None,
+        }
     }
 
     /// Whether every pair is proven apart; stops at the first that is not.
     #[must_use]
     pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
-        self.robot.forward_kinematics(q, &mut workspace.poses);
-        let mut work = Work::default();
-        !(0..self.pairs.len()).any(|i| self.pair(i, &workspace.poses).touches(&mut work))
+        self.place_and_screen(q, workspace);
+        let Workspace { frames, near, scratch, memories, .. } = workspace;
+        !near_pairs(near).any(|i| self.touches(i, frames, memories, scratch))
     }
 
     /// Answers `question` about the state `q`.
     #[must_use]
     pub fn check(&self, q: &Configuration, question: Question, workspace: &mut Workspace) -> CollisionReport {
-        self.robot.forward_kinematics(q, &mut workspace.poses);
         let mut report = CollisionReport::default();
+        workspace.scratch.work = Work::default();
         match question {
-            Question::Free => self.first_hits(workspace, &mut report),
-            Question::Pairs => self.all_hits(workspace, &mut report),
+            Question::Free => self.first_hits(q, workspace, &mut report),
+            Question::Pairs => self.all_hits(q, workspace, &mut report),
             Question::Distance { limit } => {
-                self.first_hits(workspace, &mut report);
-                self.least_distance(limit, workspace, &mut report);
+                self.first_hits(q, workspace, &mut report);
+                self.least_distance(q, limit, workspace, &mut report);
             }
-            Question::PairDistances { limit } => self.distances(limit, workspace, &mut report),
+            Question::PairDistances { limit } => self.distances(q, limit, workspace, &mut report),
             Question::Survey { influence_distance, limit } => {
-                self.distances(influence_distance, workspace, &mut report);
+                self.distances(q, influence_distance, workspace, &mut report);
                 if report.nearest.is_none() && limit > influence_distance {
-                    self.least_distance(limit, workspace, &mut report);
+                    self.least_distance(q, limit, workspace, &mut report);
                 }
             }
         }
+        report.work = workspace.scratch.work;
         report
     }
 
+    /// Places all bodies, and finds the pairs whose capsules do not prove them apart.
+    fn place_and_screen(&self, q: &Configuration, workspace: &mut Workspace) {
+        let Workspace { frames, segments, near, scratch, .. } = workspace;
+        scratch.work.volume_tests += self.infos.len() as u64;
+        let margin = self.largest_padding + CONTACT_DISTANCE;
+        dispatch!(scratch.level_for_one(), simd => {
+            self.chain.frames_of_one(simd, q.positions(), frames);
+            self.capsules.place(frames, segments);
+            self.capsules.near_one(simd, segments, margin, near);
+        });
+    }
+
+    /// Places all bodies, and bounds the distances of all pairs by their capsules.
+    fn place_and_bound(&self, q: &Configuration, workspace: &mut Workspace) {
+        let Workspace { frames, segments, bounds, scratch, .. } = workspace;
+        scratch.work.volume_tests += self.infos.len() as u64;
+        dispatch!(scratch.level_for_one(), simd => {
+            self.chain.frames_of_one(simd, q.positions(), frames);
+            self.capsules.place(frames, segments);
+            self.capsules.lower_bounds_one(simd, segments, bounds);
+        });
+    }
+
     /// The first colliding pair of links, and the first of a link and an obstacle.
-    fn first_hits(&self, workspace: &Workspace, report: &mut CollisionReport) {
-        let self_count = self.pairs.self_pairs().len();
-        for scope in [0..self_count, self_count..self.pairs.len()] {
-            for i in scope {
-                let pair = self.pair(i, &workspace.poses);
-                if pair.touches(&mut report.work) {
-                    report.add_hit(pair.ids);
-                    break;
-                }
+    fn first_hits(&self, q: &Configuration, workspace: &mut Workspace, report: &mut CollisionReport) {
+        self.place_and_screen(q, workspace);
+        let Workspace { frames, near, scratch, memories, .. } = workspace;
+        for i in near_pairs(near) {
+            let known = if i < self.pairs.self_pairs().len() { report.self_collision } else { report.world_collision };
+            if !known && self.touches(i, frames, memories, scratch) {
+                report.add_hit(self.infos[i].ids);
             }
         }
     }
 
-    fn all_hits(&self, workspace: &Workspace, report: &mut CollisionReport) {
-        for i in 0..self.pairs.len() {
-            let pair = self.pair(i, &workspace.poses);
-            if pair.touches(&mut report.work) {
-                report.add_hit(pair.ids);
+    fn all_hits(&self, q: &Configuration, workspace: &mut Workspace, report: &mut CollisionReport) {
+        self.place_and_screen(q, workspace);
+        let Workspace { frames, near, scratch, memories, .. } = workspace;
+        for i in near_pairs(near) {
+            if self.touches(i, frames, memories, scratch) {
+                report.add_hit(self.infos[i].ids);
             }
         }
     }
 
     /// The least distance of all pairs; pairs that may be nearer are asked first, and each only up to the least so far.
-    fn least_distance(&self, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
-        let Workspace { poses, queue } = workspace;
+    fn least_distance(&self, q: &Configuration, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
+        self.place_and_bound(q, workspace);
+        let Workspace { frames, bounds, queue, scratch, memories, .. } = workspace;
+        let limit = limit.max(CONTACT_DISTANCE);
         queue.clear();
-        for i in 0..self.pairs.len() {
-            let lower = self.pair(i, poses).lower_bound(&mut report.work);
-            queue.push((lower, i));
+        for (i, info) in self.infos.iter().enumerate() {
+            let lower = lower_bound(bounds, i, info);
+            if lower <= limit {
+                queue.push((lower, i));
+            }
         }
         queue.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        let mut bound = limit.max(CONTACT_DISTANCE);
+        let mut nearest: Option<(f64, usize, PairDistance)> = None;
         for &(lower, i) in queue.iter() {
-            if lower > bound || report.nearest.is_some_and(|n| n.distance == 0.0) {
+            let bound = nearest.map_or(limit, |(distance, ..)| distance);
+            if lower > bound || bound == 0.0 {
                 break;
             }
-            let pair = self.pair(i, poses);
-            if let Some(found) = pair.distance(bound, &mut report.work)
-                && report.nearest.is_none_or(|n| found.distance < n.distance)
+            if let Some(found) = self.distance(i, bound, frames, memories, scratch)
+                && nearest.is_none_or(|(distance, index, _)| (found.distance, i) < (distance, index))
             {
-                bound = found.distance;
-                report.nearest = Some(found);
+                nearest = Some((found.distance, i, found));
             }
         }
+        report.nearest = nearest.map(|(.., found)| found);
         // where two methods could differ, the one that saw contact is believed
         if let Some(touching) = report.nearest.filter(|n| n.distance == 0.0)
             && !report.hits_like(touching.b)
@@ -187,17 +250,18 @@ impl CollisionChecker {
     }
 
     /// Every pair's distance up to `limit`.
-    fn distances(&self, limit: f64, workspace: &Workspace, report: &mut CollisionReport) {
-        for i in 0..self.pairs.len() {
-            let pair = self.pair(i, &workspace.poses);
-            if pair.lower_bound(&mut report.work) > limit.max(CONTACT_DISTANCE) {
+    fn distances(&self, q: &Configuration, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
+        self.place_and_bound(q, workspace);
+        let Workspace { frames, bounds, scratch, memories, .. } = workspace;
+        for (i, info) in self.infos.iter().enumerate() {
+            if lower_bound(bounds, i, info) > limit.max(CONTACT_DISTANCE) {
                 continue;
             }
-            let Some(found) = pair.distance(limit, &mut report.work) else {
+            let Some(found) = self.distance(i, limit, frames, memories, scratch) else {
                 continue;
             };
             if found.distance == 0.0 {
-                report.add_hit(pair.ids);
+                report.add_hit(info.ids);
             }
             if report.nearest.is_none_or(|n| found.distance < n.distance) {
                 report.nearest = Some(found);
@@ -206,35 +270,86 @@ impl CollisionChecker {
         }
     }
 
-    /// Pair number `index`: pairs of links first, then of links and obstacles.
-    fn pair(&self, index: usize, poses: &LinkPoses) -> Pair<'_> {
-        let self_pairs = self.pairs.self_pairs();
-        let has_body = "pairs name only bodies with geometry";
-        if let Some(&(a, b)) = self_pairs.get(index) {
-            let padding = if self.settings.pad_self {
-                self.link_padding[a.index()] + self.link_padding[b.index()]
-            } else {
-                0.0
-            };
-            let body = |l: crate::robot::LinkId| self.link_bodies[l.index()].as_ref().expect(has_body);
-            return Pair {
-                ids: (Body::Link(a), Body::Link(b)),
-                bodies: (body(a), body(b)),
-                poses: (*poses.pose(a), *poses.pose(b)),
-                padding,
-            };
-        }
-        let (link, obstacle) = self.pairs.world_pairs()[index - self_pairs.len()];
-        Pair {
-            ids: (Body::Link(link), Body::Obstacle(obstacle)),
-            bodies: (
-                self.link_bodies[link.index()].as_ref().expect(has_body),
-                (self.obstacle_bodies[obstacle.0 as usize].as_ref()).expect(has_body),
-            ),
-            poses: (*poses.pose(link), Pose::identity()),
-            padding: self.link_padding[link.index()],
+    /// Whether a padded pair touches.
+    fn touches(
+        &self,
+        index: usize,
+        frames: &[Frame<f64>],
+        memories: &mut Option<Memories>,
+        scratch: &mut Scratch,
+    ) -> bool {
+        let pair = self.pair(index, frames);
+        match memories.as_mut().and_then(|m| m.of_pair(self.identity, index)) {
+            Some(memory) => pair.touches_remembering(memory, scratch),
+            None => pair.touches(scratch),
         }
     }
+
+    /// A pair's padded distance, unless it is proven larger than `limit`.
+    fn distance(
+        &self,
+        index: usize,
+        limit: f64,
+        frames: &[Frame<f64>],
+        memories: &mut Option<Memories>,
+        scratch: &mut Scratch,
+    ) -> Option<PairDistance> {
+        let pair = self.pair(index, frames);
+        match memories.as_mut().and_then(|m| m.of_pair(self.identity, index)) {
+            Some(memory) => pair.distance_remembering(limit, memory, scratch),
+            None => pair.distance(limit, scratch),
+        }
+    }
+
+    /// Pair number `index` of the pair list.
+    fn pair(&self, index: usize, frames: &[Frame<f64>]) -> Pair<'_> {
+        self.pair_with(index, |body| frames[body])
+    }
+
+    /// As [`Self::pair`], with the frames of the chain's bodies.
+    pub(super) fn pair_with(&self, index: usize, frame: impl Fn(usize) -> Frame<f64>) -> Pair<'_> {
+        let info = &self.infos[index];
+        let (a, b) = (self.rider(info.bodies.0), self.rider(info.bodies.1));
+        let (pose_ra, pose_rb) = (MatrixPose::from(&frame(a.body)), MatrixPose::from(&frame(b.body)));
+        Pair { info, bodies: (&a.solid, &b.solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) }
+    }
+
+    fn rider(&self, index: usize) -> &Rider {
+        self.riders[index].as_ref().expect("pairs name only bodies with geometry")
+    }
+
+    /// Memory of all hierarchies and the triangles in them (bytes), and the number of triangles.
+    #[must_use]
+    pub fn hierarchy_size(&self) -> (usize, usize) {
+        let solids = self.riders.iter().flatten().map(|rider| &rider.solid);
+        solids.fold((0, 0), |(bytes, triangles), s| (bytes + s.bytes(), triangles + s.triangle_count()))
+    }
+}
+
+/// Capsules of the bodies that occur in pairs, and the pairs of them.
+fn capsule_pairs(riders: &[Option<Rider>], infos: &[PairInfo]) -> CapsulePairs {
+    let mut numbers = vec![usize::MAX; riders.len()];
+    let mut capsules = Vec::new();
+    for (i, rider) in riders.iter().enumerate() {
+        if let Some(rider) = rider {
+            numbers[i] = capsules.len();
+            capsules.push((rider.body, rider.capsule));
+        }
+    }
+    let pairs: Vec<_> = infos.iter().map(|p| (numbers[p.bodies.0], numbers[p.bodies.1])).collect();
+    CapsulePairs::new(&capsules, &pairs)
+}
+
+/// The numbers of the pairs whose bits are set.
+fn near_pairs(near: &[u8]) -> impl Iterator<Item = usize> {
+    near.iter().enumerate().flat_map(|(group, &bits)| {
+        (0..LANES).filter(move |lane| bits & (1 << lane) != 0).map(move |lane| group * LANES + lane)
+    })
+}
+
+/// The bound of a pair's padded distance.
+fn lower_bound(bounds: &[[f32; LANES]], index: usize, info: &PairInfo) -> f64 {
+    (f64::from(bounds[index / LANES][index % LANES]) - info.padding).max(0.0)
 }
 
 impl CollisionReport {
@@ -253,31 +368,4 @@ impl CollisionReport {
         }
         self.colliding_pairs.push(pair);
     }
-}
-
-fn body<'a>(
-    shapes: impl Iterator<Item = (&'a Pose, &'a crate::geometry::Shape)> + Clone,
-    mesh_model: MeshModel,
-) -> Option<CollisionBody> {
-    match mesh_model {
-        MeshModel::Surface => CollisionBody::new(shapes),
-        MeshModel::Solid => CollisionBody::with_solid_meshes(shapes),
-    }
-}
-
-fn link_padding(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>, SettingsError> {
-    let usable = |of: &str, value: f64| {
-        if value.is_finite() && value >= 0.0 {
-            Ok(value)
-        } else {
-            Err(SettingsError::BadPadding { of: of.to_owned(), value })
-        }
-    };
-    let default = usable("", settings.padding)?;
-    let mut padding = vec![default; robot.links().len()];
-    for (name, &value) in &settings.link_padding {
-        let link = (robot.link_by_name(name)).ok_or_else(|| SettingsError::UnknownLink(name.clone()))?;
-        padding[link.index()] = usable(&format!(" of link '{name}'"), value)?;
-    }
-    Ok(padding)
 }

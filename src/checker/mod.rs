@@ -4,9 +4,14 @@
 //! |---|---|
 //! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
 //! | what hits, how far is the rest? | [`CollisionChecker::check`] |
+//! | the same of many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
 
 mod allowed;
+mod batch;
+mod bodies;
+mod capsules;
 mod collision_checker;
+mod memory;
 mod mesh_lint;
 mod pair;
 mod pairs;

@@ -1,56 +1,50 @@
 //! One pair of bodies at their poses, ready to be asked about.
 
 use super::report::{Body, PairDistance};
-use crate::bounding_volume::BoundingVolume;
-use crate::constants::CONTACT_DISTANCE;
-use crate::math::Pose;
-use crate::query::{self, CollisionBody, Separation, Work};
+use crate::math::MatrixPose;
+use crate::query::{self, CollisionBody, Scratch, Separation};
 
-pub(super) struct Pair<'c> {
+/// What never changes about a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairInfo {
     pub ids: (Body, Body),
-    pub bodies: (&'c CollisionBody, &'c CollisionBody),
-    /// Pose of each body in the root frame.
-    pub poses: (Pose, Pose),
+    /// Indices of the bodies in the checker.
+    pub bodies: (usize, usize),
     /// Safety distance (m) that is taken off the distance of the bodies.
     pub padding: f64,
 }
 
-impl Pair<'_> {
-    /// A number never larger than the padded distance, from the bounding spheres alone.
-    pub fn lower_bound(&self, work: &mut Work) -> f64 {
-        work.volume_tests += 1;
-        let (a, b) = self.bodies;
-        let lower = a.bounding_sphere().lower_bound(b.bounding_sphere(), &self.pose_ab());
-        (lower - self.padding).max(0.0)
-    }
+/// A pair in one state.
+pub(super) struct Pair<'c> {
+    pub info: &'c PairInfo,
+    pub bodies: (&'c CollisionBody, &'c CollisionBody),
+    /// Pose of a in the root frame.
+    pub pose_ra: MatrixPose,
+    pub pose_ab: MatrixPose,
+}
 
+impl Pair<'_> {
     /// Whether the padded bodies touch; if not, they are proven apart.
-    pub fn touches(&self, work: &mut Work) -> bool {
-        self.lower_bound(work) <= CONTACT_DISTANCE && {
-            let (a, b) = self.bodies;
-            query::within_margin(a, b, &self.pose_ab(), self.padding, work).is_some()
-        }
+    pub fn touches(&self, scratch: &mut Scratch) -> bool {
+        let (a, b) = self.bodies;
+        query::within_margin(a, b, &self.pose_ab, self.info.padding, scratch).is_some()
     }
 
     /// The padded distance, unless it is proven larger than `limit`.
-    pub fn distance(&self, limit: f64, work: &mut Work) -> Option<PairDistance> {
+    pub fn distance(&self, limit: f64, scratch: &mut Scratch) -> Option<PairDistance> {
         let (a, b) = self.bodies;
-        let raw = query::distance(a, b, &self.pose_ab(), limit + self.padding, work)?;
+        let raw = query::distance(a, b, &self.pose_ab, limit + self.info.padding, scratch)?;
         Some(self.padded(&raw))
-    }
-
-    fn pose_ab(&self) -> Pose {
-        self.poses.0.inv_mul(&self.poses.1)
     }
 
     /// A separation in the frame of a, with the padding taken off and the points in the root frame.
     fn padded(&self, raw: &Separation) -> PairDistance {
-        let (a, b) = self.ids;
+        let (a, b) = self.info.ids;
         PairDistance {
             a,
             b,
-            distance: (raw.distance - self.padding).max(0.0),
-            witness_points: raw.witness_points.map(|p| self.poses.0 * p),
+            distance: (raw.distance - self.info.padding).max(0.0),
+            witness_points: raw.witness_points.map(|p| &self.pose_ra * p),
         }
     }
 }

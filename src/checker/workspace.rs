@@ -1,11 +1,25 @@
 //! What changes from query to query, owned by the caller: one per thread.
 
-use crate::robot::LinkPoses;
+use super::capsules::Segment;
+use super::memory::Memories;
+use crate::query::Scratch;
+use crate::robot::Frame;
+use crate::simd::LANES;
 
 /// Scratch memory of one thread's queries. Its contents mean nothing to the next query but save it allocations.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    pub(super) poses: LinkPoses,
+    /// Of the chain's bodies in the root frame.
+    pub(super) frames: Vec<Frame<f64>>,
+    /// Of the capsules around bodies.
+    pub(super) segments: Vec<Segment<f32>>,
+    /// For each group of eight pairs, a bit for each that may be near.
+    pub(super) near: Vec<u8>,
+    /// For each group of eight pairs, numbers (m) never larger than their distances.
+    pub(super) bounds: Vec<[f32; LANES]>,
     /// Pairs in the order in which distances are asked: lower bound (m), index in the pair list.
     pub(super) queue: Vec<(f64, usize)>,
+    pub(super) scratch: Scratch,
+    /// For streams of states.
+    pub(super) memories: Option<Memories>,
 }

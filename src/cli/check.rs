@@ -131,6 +131,7 @@ struct DistanceAnswer {
 #[derive(Serialize)]
 struct Stats {
     volume_tests: u64,
+    screened_pairs: u64,
     primitive_tests: u64,
 }
 
@@ -241,7 +242,11 @@ impl Stats {
         for report in reports {
             total += report.work;
         }
-        Self { volume_tests: total.volume_tests, primitive_tests: total.primitive_tests }
+        Self {
+            volume_tests: total.volume_tests,
+            screened_pairs: total.screened_pairs,
+            primitive_tests: total.primitive_tests,
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Solids with a formula.
 
+use crate::math::Point;
+
 /// A solid primitive, centred on its own origin; cylinders and capsules stand along z. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Primitive {
@@ -66,6 +68,26 @@ impl Primitive {
             Self::Cylinder { radius, half_length } => radius.hypot(half_length),
             Self::Capsule { radius, half_length } => radius + half_length,
         }
+    }
+}
+
+impl Primitive {
+    /// The half extents of the box around the solid, along its own axes.
+    #[must_use]
+    pub fn half_extents(&self) -> [f64; 3] {
+        match *self {
+            Self::Box { half_extents } => half_extents,
+            Self::Sphere { radius } => [radius; 3],
+            Self::Cylinder { radius, half_length } => [radius, radius, half_length],
+            Self::Capsule { radius, half_length } => [radius, radius, half_length + radius],
+        }
+    }
+
+    /// Corners of the box around the solid.
+    pub fn hull_points(&self) -> impl Iterator<Item = Point> + use<> {
+        let [x, y, z] = self.half_extents();
+        let sign = |i: u8, bit: u8| if i & bit == 0 { -1.0 } else { 1.0 };
+        (0..8).map(move |i| Point::new(sign(i, 1) * x, sign(i, 2) * y, sign(i, 4) * z))
     }
 }
 

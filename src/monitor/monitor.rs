@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::stamp_order::StampOrder;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
+use crate::robot::LinkPoses;
 use crate::checker::{Question, Workspace};
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -178,7 +179,8 @@ impl Monitor {
             self.order.note(heard.input.source, heard.stamp);
         }
         let status = if report.is_free() { Status::Free } else { Status::Colliding };
-        let poses = checker.link_poses(&subject.workspace).clone();
+        let mut poses = LinkPoses::new(checker.robot());
+        checker.robot().forward_kinematics(&configuration, &mut poses);
         let evidence = Some(Arc::new(Evidence { report, poses, compute_time }));
         Ok(Verdict { status, evidence, warnings })
     }

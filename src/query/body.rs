@@ -1,44 +1,30 @@
-//! A rigid body ready for questions: its convex elements and the hierarchies over them.
+//! A rigid body ready for questions: its triangles and solids, and the hierarchies over them.
 
+use super::bounding_sphere::BoundingSphere;
 use super::containment::Interior;
-use crate::bounding_volume::{BoundingVolume, Obb, Rss, Sphere};
-use crate::bvh::{Element, Tree};
+use super::solid::{Solid, SolidLeaf};
+use super::surface::Surface;
+use crate::bounding_volume::{BoundingVolume, Obb};
+use crate::bvh::Tree;
 use crate::geometry::Shape;
 use crate::math::{Point, Pose};
 
-/// One body in its own frame: triangles and primitives, an OBB tree for booleans and an RSS tree for distances.
+/// One body in its own frame, with hierarchies of volumes `B`.
 #[derive(Clone, Debug)]
-pub struct CollisionBody {
-    pub(super) elements: Vec<Element>,
-    pub(super) obb: Tree<Obb>,
-    pub(super) rss: Tree<Rss>,
+pub struct CollisionBody<B: BoundingVolume = Obb> {
+    /// All triangles.
+    pub(super) surface: Option<Surface<B>>,
+    /// All primitives.
+    pub(super) solids: Option<Tree<B, SolidLeaf>>,
     pub(super) interior: Option<Interior>,
-    bounding_sphere: Sphere,
+    bounding_sphere: BoundingSphere,
 }
 
 impl CollisionBody {
     /// A body of shapes, each at its pose in the body's frame; `None` without shapes. Meshes are surfaces.
     #[must_use]
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
-        let mut elements = Vec::new();
-        for (pose, shape) in shapes {
-            match shape {
-                Shape::Primitive(primitive) => {
-                    elements.push(Element::Primitive { primitive: *primitive, pose: *pose });
-                }
-                Shape::Mesh(mesh) => elements.extend(
-                    (0..mesh.triangles().len())
-                        .map(|i| Element::Triangle(mesh.triangle(i).transformed(pose))),
-                ),
-            }
-        }
-        (!elements.is_empty()).then(|| Self {
-            obb: Tree::build(&elements),
-            rss: Tree::build(&elements),
-            bounding_sphere: bounding_sphere(&elements),
-            elements,
-            interior: None,
-        })
+        Self::with_volumes(shapes)
     }
 
     /// As [`Self::new`], but what lies wholly inside a closed mesh touches it. Open meshes stay surfaces.
@@ -51,28 +37,47 @@ impl CollisionBody {
         body.interior = Some(Interior::new(shapes));
         Some(body)
     }
+}
+
+impl<B: BoundingVolume> CollisionBody<B> {
+    /// As [`CollisionBody::new`], with hierarchies of any volume.
+    #[must_use]
+    pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
+        let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) = Default::default();
+        for (pose, shape) in shapes {
+            match shape {
+                Shape::Primitive(primitive) => solids.push(Solid { primitive: *primitive, pose: *pose }),
+                Shape::Mesh(mesh) => {
+                    let first = u32::try_from(vertices.len()).expect("vertex count fits 32 bits");
+                    vertices.extend(mesh.vertices().iter().map(|p| pose * p));
+                    faces.extend(mesh.triangles().iter().map(|t| t.map(|v| v + first)));
+                }
+            }
+        }
+        let bounding_sphere = BoundingSphere::around(&vertices, &faces, &solids)?;
+        let solids = (!solids.is_empty()).then(|| Tree::build(&solids).0);
+        Some(Self { surface: Surface::new(vertices, &faces), solids, interior: None, bounding_sphere })
+    }
 
     /// A sphere around the body, in its frame.
     #[must_use]
-    pub fn bounding_sphere(&self) -> &Sphere {
+    pub fn bounding_sphere(&self) -> &BoundingSphere {
         &self.bounding_sphere
     }
 
-    /// Number of convex elements: triangles and primitives.
-    #[must_use]
-    pub fn element_count(&self) -> usize {
-        self.elements.len()
+    pub(super) fn has_solids(&self) -> bool {
+        self.solids.is_some()
     }
-}
 
-/// A single primitive's own sphere, else one around the corners of everything.
-fn bounding_sphere(elements: &[Element]) -> Sphere {
-    if let [Element::Primitive { primitive, pose }] = elements {
-        return Sphere::around(primitive, pose);
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.surface.as_ref().map_or(0, Surface::triangle_count)
     }
-    let mut points: Vec<Point> = Vec::new();
-    for e in elements {
-        e.hull_points(&mut points);
+
+    /// Memory of the hierarchies and of the triangles in them, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes)
     }
-    Sphere::fit(&points)
 }

@@ -45,8 +45,7 @@ impl Interior {
     }
 
     /// A point of one body inside a closed mesh of the other, in the frame of a.
-    pub fn contained_point(a: Option<&Self>, b: Option<&Self>, pose_ab: &Pose) -> Option<Point> {
-        let (a, b) = (a?, b?);
+    pub fn contained_point(a: &Self, b: &Self, pose_ab: &Pose) -> Option<Point> {
         let in_a = || {
             let points = b.part_points.iter().map(|p| pose_ab * p);
             points.into_iter().find(|p| a.contains(p))

@@ -1,7 +1,7 @@
 //! Every convex element as a core swept by a sphere: a sphere is a point, a capsule a segment, the others themselves.
 //! What is round costs no iteration and loses no accuracy.
 
-use crate::bvh::Element;
+use super::element::Element;
 use crate::geometry::{Primitive, Triangle};
 use crate::math::{Point, Pose, Vector};
 

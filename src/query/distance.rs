@@ -1,119 +1,70 @@
 //! How far are two bodies apart?
 
-use super::containment::Interior;
-use super::element_pair::{Separation, element_separation};
-use super::{CollisionBody, Work};
+use std::time::Instant;
+
+use super::body::CollisionBody;
+use super::element_pair::Separation;
+use super::scratch::Scratch;
+use super::search::{Goal, search};
 use crate::bounding_volume::BoundingVolume;
-use crate::bvh::Content;
-use crate::constants::CONTACT_DISTANCE;
-use crate::math::Pose;
+use crate::math::MatrixPose;
 
 /// Least distance of two bodies and their nearest points, or `None` if it was proven larger than `limit` (m).
 ///
-/// Descends both RSS trees at once, the nearer children first (Larsen, Gottschalk, Lin & Manocha 1999).
+/// Descends both trees at once, the nearer children first (Larsen, Gottschalk, Lin & Manocha 1999).
 #[must_use]
-pub fn distance(
-    a: &CollisionBody,
-    b: &CollisionBody,
-    pose_ab: &Pose,
+pub fn distance<B: BoundingVolume>(
+    a: &CollisionBody<B>,
+    b: &CollisionBody<B>,
+    pose_ab: impl Into<MatrixPose>,
     limit: f64,
-    work: &mut Work,
+    scratch: &mut Scratch,
 ) -> Option<Separation> {
-    nearest_below(a, b, pose_ab, limit, 0.0, work)
+    let goal = Goal { limit, ..Goal::EXACT };
+    search::<B, false>((a, b), &pose_ab.into(), goal, scratch).best
 }
 
-/// As [`distance`], but satisfied with any separation of at most `enough`.
-pub(super) fn nearest_below(
-    a: &CollisionBody,
-    b: &CollisionBody,
-    pose_ab: &Pose,
+/// As [`distance`], but satisfied with less than the whole truth: what is certain after some effort.
+#[must_use]
+pub fn distance_bounds<B: BoundingVolume>(
+    a: &CollisionBody<B>,
+    b: &CollisionBody<B>,
+    pose_ab: impl Into<MatrixPose>,
     limit: f64,
-    enough: f64,
-    work: &mut Work,
-) -> Option<Separation> {
-    // what touches is within any limit
-    let bound = limit.max(CONTACT_DISTANCE);
-    let mut search = Search { a, b, pose_ab, bound, enough, nearest: None, work };
-    let (i, j) = (a.rss.root(), b.rss.root());
-    let lower = search.lower_bound(i, j);
-    search.nodes(i, j, lower);
-    let nearest = search.nearest;
-    if nearest.is_some_and(|n| n.distance == 0.0) {
-        return nearest;
-    }
-    Interior::contained_point(a.interior.as_ref(), b.interior.as_ref(), pose_ab)
-        .map(Separation::touching_at)
-        .or(nearest)
+    effort: &Effort,
+    scratch: &mut Scratch,
+) -> DistanceBounds {
+    let goal = Goal { limit, effort: *effort, ..Goal::EXACT };
+    let found = search::<B, false>((a, b), &pose_ab.into(), goal, scratch);
+    let seen = found.best.map_or(limit, |best| effort.lower(best.distance).max(0.0));
+    DistanceBounds { lower: seen.min(found.unseen), upper: found.best, interrupted: found.unseen.is_finite() }
 }
 
-struct Search<'s> {
-    a: &'s CollisionBody,
-    b: &'s CollisionBody,
-    pose_ab: &'s Pose,
-    /// Nothing farther than this matters.
-    bound: f64,
-    /// Nothing nearer than this is looked for.
-    enough: f64,
-    nearest: Option<Separation>,
-    work: &'s mut Work,
+/// How exact a distance has to be, and for how long it may be looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// The answer may be too large by this share of itself.
+    pub relative_tolerance: f64,
+    /// Or by this much (m).
+    pub absolute_tolerance: f64,
+    /// When to stop with what is known so far.
+    pub deadline: Option<Instant>,
 }
 
-impl Search<'_> {
-    fn lower_bound(&mut self, i: u32, j: u32) -> f64 {
-        self.work.volume_tests += 1;
-        let (va, vb) = (&self.a.rss.node(i).volume, &self.b.rss.node(j).volume);
-        va.lower_bound(vb, self.pose_ab)
+impl Effort {
+    /// What a distance may really be when it is told as `upper`.
+    pub(super) fn lower(&self, upper: f64) -> f64 {
+        upper - self.absolute_tolerance.max(self.relative_tolerance * upper)
     }
+}
 
-    /// Whether nothing at distance `lower` or more is of interest any more.
-    fn settled(&self, lower: f64) -> bool {
-        match self.nearest {
-            Some(found) => lower >= found.distance || found.distance <= self.enough,
-            None => lower > self.bound,
-        }
-    }
-
-    fn nodes(&mut self, i: u32, j: u32, lower: f64) {
-        if self.settled(lower) {
-            return;
-        }
-        let (na, nb) = (self.a.rss.node(i), self.b.rss.node(j));
-        match (na.content, nb.content) {
-            (Content::Leaf(fa, ta), Content::Leaf(fb, tb)) => self.leaves((fa, ta), (fb, tb)),
-            (Content::Children([l, r]), Content::Leaf(..)) => self.nearer_first((l, j), (r, j)),
-            (Content::Children([l, r]), _) if na.volume.size() >= nb.volume.size() => {
-                self.nearer_first((l, j), (r, j));
-            }
-            (_, Content::Children([l, r])) => self.nearer_first((i, l), (i, r)),
-        }
-    }
-
-    fn nearer_first(&mut self, first: (u32, u32), second: (u32, u32)) {
-        let lower_first = self.lower_bound(first.0, first.1);
-        let lower_second = self.lower_bound(second.0, second.1);
-        let mut children = [(first, lower_first), (second, lower_second)];
-        if lower_second < lower_first {
-            children.swap(0, 1);
-        }
-        for ((i, j), lower) in children {
-            self.nodes(i, j, lower);
-        }
-    }
-
-    fn leaves(&mut self, in_a: (u32, u32), in_b: (u32, u32)) {
-        for &i in self.a.rss.leaf(in_a.0, in_a.1) {
-            for &j in self.b.rss.leaf(in_b.0, in_b.1) {
-                self.work.primitive_tests += 1;
-                let (ea, eb) = (&self.a.elements[i as usize], &self.b.elements[j as usize]);
-                let found = element_separation(ea, eb, self.pose_ab);
-                let better = match self.nearest {
-                    Some(n) => found.distance < n.distance,
-                    None => found.distance <= self.bound,
-                };
-                if better {
-                    self.nearest = Some(found);
-                }
-            }
-        }
-    }
+/// What is certain about a distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceBounds {
+    /// The distance is not less than this (m); infinite only if the bodies are infinitely apart.
+    pub lower: f64,
+    /// Points of the bodies that are this far apart: the distance is not more. `None` if none within the limit was found.
+    pub upper: Option<Separation>,
+    /// Whether the deadline came before the tolerance was reached.
+    pub interrupted: bool,
 }

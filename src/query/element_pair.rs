@@ -3,7 +3,7 @@
 use super::core::{Core, RoundedCore};
 use super::narrow_phase;
 use super::refine::refine;
-use crate::bvh::Element;
+use super::element::Element;
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::{PointPair, Triangle, nearest_on_segments};
 use crate::math::{Point, Pose};
@@ -31,7 +31,8 @@ impl Separation {
 }
 
 /// A common point of two elements, if they touch.
-pub(super) fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point> {
+#[must_use]
+pub fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point> {
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return a.contact_point(&b.transformed(pose_ab));
     }
@@ -40,7 +41,8 @@ pub(super) fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Optio
 }
 
 /// Distance and nearest points of two elements.
-pub(super) fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separation {
+#[must_use]
+pub fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separation {
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return Separation::of(a.nearest_points(&b.transformed(pose_ab)));
     }

@@ -13,21 +13,36 @@
 //! door (finite poses) queries are total: no error, no panic.
 
 mod body;
+mod bounding_sphere;
 mod collide;
 mod containment;
 mod core;
 mod distance;
+mod element;
 mod element_pair;
+mod incumbent;
 mod narrow_phase;
 mod penetration;
 mod refine;
+mod scratch;
+mod search;
+mod solid;
+mod solid_lanes;
+mod solid_solid;
+mod surface;
+mod surface_solid;
+mod surface_surface;
+mod triangle_lanes;
 mod within_margin;
 mod work;
 
 pub use body::CollisionBody;
+pub use bounding_sphere::BoundingSphere;
 pub use collide::collide;
-pub use distance::distance;
-pub use element_pair::Separation;
+pub use distance::{DistanceBounds, Effort, distance, distance_bounds};
+pub use element::Element;
+pub use element_pair::{Separation, element_contact, element_separation};
 pub use penetration::signed_distance;
+pub use scratch::Scratch;
 pub use within_margin::within_margin;
 pub use work::Work;

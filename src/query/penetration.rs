@@ -3,7 +3,7 @@
 use super::core::{Core, RoundedCore};
 use super::element_pair::{Separation, core_nearest_points};
 use super::narrow_phase;
-use crate::bvh::Element;
+use super::element::Element;
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::Primitive;
 use crate::math::{Point, Pose, Vector};

@@ -1,22 +1,26 @@
 //! Do two bodies come within a margin of each other?
 
-use super::distance::nearest_below;
+use super::body::CollisionBody;
+use super::collide;
 use super::element_pair::Separation;
-use super::{CollisionBody, Work, collide};
-use crate::math::Pose;
+use super::scratch::Scratch;
+use super::search::{Goal, search};
+use crate::bounding_volume::BoundingVolume;
+use crate::math::MatrixPose;
 
 /// A separation of at most `margin` (m, not negative), not always the least; or `None` if the bodies were proven farther
 /// apart.
 #[must_use]
-pub fn within_margin(
-    a: &CollisionBody,
-    b: &CollisionBody,
-    pose_ab: &Pose,
+pub fn within_margin<B: BoundingVolume>(
+    a: &CollisionBody<B>,
+    b: &CollisionBody<B>,
+    pose_ab: impl Into<MatrixPose>,
     margin: f64,
-    work: &mut Work,
+    scratch: &mut Scratch,
 ) -> Option<Separation> {
     if margin <= 0.0 {
-        return collide(a, b, pose_ab, work).map(Separation::touching_at);
+        return collide(a, b, pose_ab, scratch).map(Separation::touching_at);
     }
-    nearest_below(a, b, pose_ab, margin, margin, work)
+    let goal = Goal { limit: margin, enough: margin, ..Goal::EXACT };
+    search::<B, false>((a, b), &pose_ab.into(), goal, scratch).best
 }

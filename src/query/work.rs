@@ -6,13 +6,16 @@
 pub struct Work {
     /// Tests of two bounding volumes.
     pub volume_tests: u64,
-    /// Tests of two triangles, two convex primitives, or one of each.
+    /// Pairs of triangles, or of a triangle and a primitive, that were looked at eight at a time in f32.
+    pub screened_pairs: u64,
+    /// Tests in f64 of two triangles, two convex primitives, or one of each.
     pub primitive_tests: u64,
 }
 
 impl std::ops::AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.volume_tests += other.volume_tests;
+        self.screened_pairs += other.screened_pairs;
         self.primitive_tests += other.primitive_tests;
     }
 }

@@ -1,7 +1,7 @@
 //! One joint: what moves, about which axis, within which limits.
 
 use super::{JointId, LinkId};
-use crate::math::{Pose, Rotation, UnitVector, Vector};
+use crate::math::{Pose, Rotation, RotationMatrix, UnitVector, Vector};
 
 /// A joint between two links.
 #[derive(Clone, Debug)]
@@ -98,6 +98,12 @@ impl JointKind {
             }
         }
     }
+}
+
+/// The axes of a planar joint as columns: two in the plane, and its normal.
+pub(super) fn plane_axes(normal: &UnitVector) -> RotationMatrix {
+    let (u, v) = plane_basis(normal);
+    RotationMatrix::from_columns(&[u, v, normal.into_inner()])
 }
 
 /// Two unit vectors that span the plane normal to `axis`; x and y themselves when the axis is z.

@@ -1,6 +1,8 @@
 //! Forward kinematics: where every link is.
 
-use super::{Configuration, JointId, LinkId, RobotModel};
+use super::chain::{Chain, ChainJoint, Motion, Source};
+use super::joint::plane_axes;
+use super::{Configuration, JointId, JointKind, LinkId, RobotModel};
 use crate::math::Pose;
 
 /// Pose of every link in the root frame, by link.
@@ -34,6 +36,38 @@ impl RobotModel {
             let mut pose_rl = pose_rj * self.joint_motion(q, id);
             pose_rl.rotation.renormalize_fast();
             poses.0[joint.child.index()] = pose_rl;
+        }
+    }
+
+    /// Kinematics of the `needed` links (by link), compiled for speed.
+    #[must_use]
+    pub fn chain(&self, needed: &[bool]) -> Chain {
+        let joints = self.topological_order.iter().map(|&id| {
+            let joint = self.joint(id);
+            ChainJoint {
+                parent: joint.parent.index(),
+                child: joint.child.index(),
+                pose_pj: joint.pose_pj,
+                motion: self.chain_motion(id),
+            }
+        });
+        Chain::compile(self.root.index(), &joints.collect::<Vec<_>>(), needed)
+    }
+
+    fn chain_motion(&self, id: JointId) -> Motion {
+        let joint = self.joint(id);
+        let (driver, multiplier, offset) = match joint.mimic {
+            Some(mimic) => (mimic.joint, mimic.multiplier, mimic.offset),
+            None => (id, 1.0, 0.0),
+        };
+        let Some(index) = self.first_position(driver) else { return Motion::Fixed };
+        let source = Source { index, multiplier, offset };
+        match &joint.kind {
+            JointKind::Fixed => Motion::Fixed,
+            JointKind::Revolute(axis) | JointKind::Continuous(axis) => Motion::Revolute(*axis, source),
+            JointKind::Prismatic(axis) => Motion::Prismatic(*axis, source),
+            JointKind::Planar(axis) => Motion::Planar(plane_axes(axis), index),
+            JointKind::Floating => Motion::Floating(index),
         }
     }
 

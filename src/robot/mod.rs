@@ -1,5 +1,6 @@
 //! Links and joints: what a URDF and an SRDF say, and where the links are for given joint positions.
 
+mod chain;
 mod configuration;
 mod ids;
 mod joint;
@@ -20,6 +21,7 @@ mod urdf_door;
 mod warning;
 mod xml;
 
+pub use chain::{Chain, ChainJoint, Frame, Motion, Seat, Source as PositionSource};
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};

@@ -2,7 +2,7 @@
 
 use clearance::geometry::{Primitive, Shape, Triangle, nearest_on_segments};
 use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Work, collide, distance};
+use clearance::query::{CollisionBody, Scratch, collide, distance};
 
 use crate::random::Random;
 
@@ -171,9 +171,9 @@ fn barely_separate_solids_are_apart_at_every_scale() {
         let aside = n.cross(&random.vector(1.0)) * scale * 0.3;
         let pose_ab = Pose::from_parts((n * along + aside).into(), rotation);
         let (a, b) = (body(&x), body(&y));
-        let mut work = Work::default();
-        assert!(collide(&a, &b, &pose_ab, &mut work).is_none(), "{x:?} {y:?} {pose_ab:?} {width}");
-        let found = distance(&a, &b, &pose_ab, f64::INFINITY, &mut work).unwrap().distance;
+        let mut scratch = Scratch::default();
+        assert!(collide(&a, &b, &pose_ab, &mut scratch).is_none(), "{x:?} {y:?} {pose_ab:?} {width}");
+        let found = distance(&a, &b, &pose_ab, f64::INFINITY, &mut scratch).unwrap().distance;
         assert!(found >= width * (1.0 - 1e-6) - 1e-9, "{x:?} {y:?} {pose_ab:?} {found} {width}");
     }
 }
@@ -192,10 +192,10 @@ fn solids_with_a_common_point_touch_at_every_scale() {
         let rotation = random.rotation();
         let pose_ab = Pose::from_parts((in_x - rotation * in_y).into(), rotation);
         let (a, b) = (body(&x), body(&y));
-        let mut work = Work::default();
-        let found = distance(&a, &b, &pose_ab, 0.0, &mut work);
+        let mut scratch = Scratch::default();
+        let found = distance(&a, &b, &pose_ab, 0.0, &mut scratch);
         assert!(found.is_some_and(|f| f.distance == 0.0), "{x:?} {y:?} {pose_ab:?} {found:?}");
-        assert!(collide(&a, &b, &pose_ab, &mut work).is_some(), "{x:?} {y:?} {pose_ab:?}");
+        assert!(collide(&a, &b, &pose_ab, &mut scratch).is_some(), "{x:?} {y:?} {pose_ab:?}");
     }
 }
 
@@ -207,7 +207,7 @@ fn denormal_turns_do_not_disturb() {
         let turn = nalgebra::Quaternion::new(1.0, tiny, 0.0, 0.0);
         let rotation = clearance::math::Rotation::new_unchecked(turn);
         let pose = Pose::from_parts(Vector::new(-0.27, -0.31, 2.2).into(), rotation);
-        let found = distance(&cuboid, &cylinder, &pose, f64::INFINITY, &mut Work::default()).unwrap();
+        let found = distance(&cuboid, &cylinder, &pose, f64::INFINITY, &mut Scratch::default()).unwrap();
         assert!((found.distance - (2.2 - 0.23 - 0.125)).abs() < 1e-9, "{tiny}: {}", found.distance);
     }
 }

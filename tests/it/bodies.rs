@@ -1,18 +1,21 @@
 //! Bodies against bodies: the hierarchies against brute force over all elements, and the laws of the questions.
 
-use clearance::bounding_volume::{BoundingVolume, Obb, Rss, Sphere};
+use clearance::bounding_volume::{Aabb, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere};
 use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Work, collide, distance, signed_distance, within_margin};
+use clearance::query::{CollisionBody, Effort, Scratch};
+use clearance::query::{collide, distance, distance_bounds, signed_distance, within_margin};
+use clearance::simd::{Level, baseline, dispatch};
 
 use crate::random::Random;
+use crate::reference::{self, ReferenceBody};
 
 fn body(shape: &Shape) -> CollisionBody {
     CollisionBody::new([(&Pose::identity(), shape)]).unwrap()
 }
 
 fn least(a: &CollisionBody, b: &CollisionBody, pose_ab: &Pose) -> f64 {
-    distance(a, b, pose_ab, f64::INFINITY, &mut Work::default()).unwrap().distance
+    distance(a, b, pose_ab, f64::INFINITY, &mut Scratch::default()).unwrap().distance
 }
 
 /// Every pair of triangles, no tree.
@@ -43,12 +46,12 @@ fn trees_agree_with_brute_force() {
         let found = least(&a, &b, &pose);
         let truth = if truth <= 1e-9 { 0.0 } else { truth };
         assert!((found - truth).abs() < 1e-12, "{found} {truth}");
-        let hit = collide(&a, &b, &pose, &mut Work::default()).is_some();
+        let hit = collide(&a, &b, &pose, &mut Scratch::default()).is_some();
         assert_eq!(hit, truth == 0.0);
         for margin in [0.0, 0.01, 0.1, 0.3] {
-            let near = within_margin(&a, &b, &pose, margin, &mut Work::default()).is_some();
+            let near = within_margin(&a, &b, &pose, margin, &mut Scratch::default()).is_some();
             assert_eq!(near, truth <= margin, "margin {margin} distance {truth}");
-            let limited = distance(&a, &b, &pose, margin, &mut Work::default());
+            let limited = distance(&a, &b, &pose, margin, &mut Scratch::default());
             assert_eq!(limited.is_some(), truth <= margin);
         }
         if hit { hits += 1 } else { misses += 1 }
@@ -64,10 +67,10 @@ fn laws_of_distance_for_every_kind_of_shape() {
         let (a, b) = (body(&shape_a), body(&shape_b));
         let pose_ab = random.pose(0.8);
         let names = (shape_a.kind(), shape_b.kind());
-        let mut work = Work::default();
-        let found = distance(&a, &b, &pose_ab, f64::INFINITY, &mut work).unwrap();
+        let mut scratch = Scratch::default();
+        let found = distance(&a, &b, &pose_ab, f64::INFINITY, &mut scratch).unwrap();
         let d = found.distance;
-        assert!(work.volume_tests > 0 && work.primitive_tests > 0);
+        assert!(scratch.work.volume_tests > 0 && scratch.work.primitive_tests > 0);
         // symmetry, rigid invariance
         assert!((d - least(&b, &a, &pose_ab.inverse())).abs() < 1e-6, "{names:?}");
         let moved = random.pose(0.5);
@@ -75,7 +78,7 @@ fn laws_of_distance_for_every_kind_of_shape() {
         let same = least(&a, &turned, &(pose_ab * moved.inverse()));
         assert!((d - same).abs() < 1e-6, "{names:?} {d} {same}");
         // collide iff distance 0
-        let hit = collide(&a, &b, &pose_ab, &mut Work::default());
+        let hit = collide(&a, &b, &pose_ab, &mut Scratch::default());
         assert_eq!(hit.is_some(), d == 0.0, "{names:?} {d}");
         // witness points: as far apart as the distance, and each on its body
         let [p, q] = found.witness_points;
@@ -157,6 +160,53 @@ fn penetration_depth_separates() {
     assert!(deep > 1_000, "{deep}");
 }
 
+/// A bound of the distance of two volumes in frames that are placed at random about their anchors.
+fn bound<B: BoundingVolume>(level: Level, s: &[Point], t: &[Point], pose_ab: &Pose, separate: bool) -> f64 {
+    let vectors = |points: &[Point]| points.iter().map(|p| p.coords).collect::<Vec<_>>();
+    let (s, t) = (vectors(s), vectors(t));
+    let axes = |points: &[Vector]| Axes::from_columns(&B::axes(points));
+    let (axes_a, axes_b) = (axes(&s), axes(&t));
+    let fit = |axes: &Axes, points: &[Vector]| B::fit(&points.iter().map(|p| axes.along(p)).collect::<Vec<_>>());
+    let (a, b) = (fit(&axes_a, &s), fit(&axes_b, &t));
+    let reach = |points: &[Vector]| points.iter().map(|p| p.abs().sum()).fold(0.0, f64::max);
+    let origin = Point::origin();
+    let trees = Relative::of_trees(&pose_ab.into(), (&origin, reach(&s)), (&origin, reach(&t)));
+    let relative = trees.of_nodes(&axes_a, &axes_b);
+    dispatch!(level, simd => {
+        let seen = B::seen(simd, &a.splat(), &relative);
+        let facing = B::facing(simd, &B::pack(&[b]), &relative);
+        let bounds = if separate {
+            B::bounds::<_, true>(simd, &facing, &seen, 3, &relative)
+        } else {
+            B::bounds::<_, false>(simd, &facing, &seen, 3, &relative)
+        };
+        let coarse: [f32; 8] = B::coarse_bounds(simd, &seen, &b, &relative).into();
+        let bounds: [f32; 8] = bounds.into();
+        f64::from(bounds[5].max(coarse[2]) - relative.slack)
+    })
+}
+
+/// Volumes around random points: bounds never exceed the distance, and are the same at every level.
+fn volume_bounds<B: BoundingVolume>(random: &mut Random) {
+    let mut apart = 0;
+    for round in 0..4_000 {
+        let scale = 10f64.powi(round % 7 - 3);
+        let (s, t) = (random.triangle(0.5 * scale), random.triangle(0.5 * scale));
+        let pose_ab = random.pose(scale);
+        let [p, q] = s.nearest_points(&t.transformed(&pose_ab));
+        let d = nalgebra::distance(&p, &q);
+        for separate in [true, false] {
+            let of = |level| bound::<B>(level, &s.corners(), &t.corners(), &pose_ab, separate);
+            let found = of(Level::new());
+            assert!(found <= d, "{}: {found} {d}", B::NAME);
+            assert_eq!(found.to_bits(), of(baseline()).to_bits(), "{}", B::NAME);
+            apart += usize::from(found > 0.0);
+        }
+    }
+    assert!(apart > 200, "{}: only {apart} bounds say anything", B::NAME);
+}
+
+/// A volume holds every point it was fitted to, so nothing bounds their distance from above zero.
 fn holds<B: BoundingVolume>(random: &mut Random) {
     for _ in 0..300 {
         let spread = random.vector(1.0);
@@ -164,29 +214,13 @@ fn holds<B: BoundingVolume>(random: &mut Random) {
         let count = 1 + random.below(30);
         let points: Vec<Point> =
             (0..count).map(|_| pose * Point::from(random.vector(1.0).component_mul(&spread))).collect();
-        let volume = B::fit(&points);
+        let turn = random.pose(0.0);
         for p in &points {
-            let at = Pose::translation(p.x, p.y, p.z);
-            let dot = B::around(&Primitive::sphere(0.0).unwrap(), &at);
-            assert_eq!(volume.lower_bound(&dot, &Pose::identity()), 0.0, "{}", B::NAME);
-            assert!(volume.may_touch(&dot, &Pose::identity()), "{}", B::NAME);
+            let turned = turn.inverse() * p;
+            for separate in [true, false] {
+                assert!(bound::<B>(Level::new(), &points, &[turned], &turn, separate) <= 0.0, "{}", B::NAME);
+            }
         }
-    }
-}
-
-fn bounds<B: BoundingVolume>(random: &mut Random) {
-    for _ in 0..2_000 {
-        let (s, t) = (random.triangle(0.5), random.triangle(0.5));
-        let pose_ab = random.pose(1.0);
-        let [p, q] = s.nearest_points(&t.transformed(&pose_ab));
-        let d = nalgebra::distance(&p, &q);
-        let (a, b) = (B::fit(&s.corners()), B::fit(&t.corners()));
-        assert!(a.lower_bound(&b, &pose_ab) <= d + 1e-12, "{}", B::NAME);
-        assert!(d > 1e-9 || a.may_touch(&b, &pose_ab), "{}", B::NAME);
-        let (x, y) = (random.primitive(), random.primitive());
-        let d = signed_distance(&x, &y, &pose_ab).distance.max(0.0);
-        let (a, b) = (B::around(&x, &Pose::identity()), B::around(&y, &Pose::identity()));
-        assert!(a.lower_bound(&b, &pose_ab) <= d + 1e-9, "{} {x:?} {y:?}", B::NAME);
     }
 }
 
@@ -195,13 +229,81 @@ fn volumes_hold_what_they_were_fitted_to() {
     holds::<Obb>(&mut Random::new(20));
     holds::<Rss>(&mut Random::new(21));
     holds::<Sphere>(&mut Random::new(22));
+    holds::<Capsule>(&mut Random::new(26));
+    holds::<Aabb>(&mut Random::new(27));
 }
 
 #[test]
 fn volume_bounds_never_exceed_the_distance() {
-    bounds::<Obb>(&mut Random::new(23));
-    bounds::<Rss>(&mut Random::new(24));
-    bounds::<Sphere>(&mut Random::new(25));
+    volume_bounds::<Obb>(&mut Random::new(23));
+    volume_bounds::<Rss>(&mut Random::new(24));
+    volume_bounds::<Sphere>(&mut Random::new(25));
+    volume_bounds::<Capsule>(&mut Random::new(28));
+    volume_bounds::<Aabb>(&mut Random::new(29));
+}
+
+/// One traversal for all volumes: each gives the answers of the reference engine, at every level, to the bit the same.
+fn engine_agrees<B: BoundingVolume>(seed: u64) {
+    let mut random = Random::new(seed);
+    for round in 0..60 {
+        let (shape_a, shape_b) = if round % 2 == 0 {
+            (Shape::Mesh(random.blob(14, 0.4).into()), Shape::Mesh(random.soup(300, 0.4, 0.1).into()))
+        } else {
+            (random.shape(), random.shape())
+        };
+        let pose_ab = random.pose(0.9);
+        let id = Pose::identity();
+        let (slow_a, slow_b) = (ReferenceBody::new([(&id, &shape_a)]), ReferenceBody::new([(&id, &shape_b)]));
+        let a = CollisionBody::<B>::with_volumes([(&id, &shape_a)]).unwrap();
+        let b = CollisionBody::<B>::with_volumes([(&id, &shape_b)]).unwrap();
+        let truth = reference::distance(&slow_a, &slow_b, &pose_ab, f64::INFINITY).unwrap().distance;
+        assert_eq!(reference::collide(&slow_a, &slow_b, &pose_ab).is_some(), truth == 0.0);
+        let mut fast = Scratch::default();
+        let mut portable = Scratch::portable();
+        let found = distance(&a, &b, &pose_ab, f64::INFINITY, &mut fast);
+        assert_eq!(found, distance(&a, &b, &pose_ab, f64::INFINITY, &mut portable));
+        // what is proven larger than the limit is so for any limit, and what is not has the same answer
+        let again = distance(&a, &b, &pose_ab, truth * 1.01 + 1e-9, &mut fast);
+        assert_eq!(found, again, "{}: the limit changed the answer", B::NAME);
+        let found = found.unwrap().distance;
+        assert!((found - truth).abs() < 1e-9, "{}: {found} {truth}", B::NAME);
+        assert_eq!(collide(&a, &b, &pose_ab, &mut fast).is_some(), truth == 0.0, "{}", B::NAME);
+        assert_eq!(collide(&a, &b, &pose_ab, &mut portable).is_some(), truth == 0.0, "{}", B::NAME);
+        assert!(distance(&a, &b, &pose_ab, truth * 0.99 - 1e-9, &mut fast).is_none_or(|s| s.distance == 0.0));
+    }
+}
+
+#[test]
+fn every_volume_agrees_with_the_reference_engine() {
+    engine_agrees::<Obb>(40);
+    engine_agrees::<Rss>(41);
+    engine_agrees::<Sphere>(42);
+    engine_agrees::<Capsule>(43);
+    engine_agrees::<Aabb>(44);
+}
+
+/// Less effort: the bounds hold, and a passed deadline still gives bounds that hold.
+#[test]
+fn bounds_of_a_distance_hold() {
+    let mut random = Random::new(45);
+    let mut interrupted = 0;
+    for _ in 0..200 {
+        let a = body(&Shape::Mesh(random.blob(14, 0.4).into()));
+        let b = body(&Shape::Mesh(random.soup(300, 0.4, 0.1).into()));
+        let pose_ab = random.pose(1.2);
+        let truth = least(&a, &b, &pose_ab);
+        let mut scratch = Scratch::default();
+        let rough = Effort { relative_tolerance: 0.25, absolute_tolerance: 0.01, deadline: None };
+        let found = distance_bounds(&a, &b, &pose_ab, f64::INFINITY, &rough, &mut scratch);
+        let upper = found.upper.unwrap().distance;
+        assert!(!found.interrupted && found.lower <= truth && truth <= upper);
+        assert!(upper - found.lower <= (0.25 * upper).max(0.01) + 1e-12);
+        let late = Effort { deadline: Some(std::time::Instant::now()), ..rough };
+        let found = distance_bounds(&a, &b, &pose_ab, f64::INFINITY, &late, &mut scratch);
+        interrupted += usize::from(found.interrupted);
+        assert!(found.lower <= truth && found.upper.is_none_or(|u| truth <= u.distance));
+    }
+    assert_eq!(interrupted, 200);
 }
 
 #[test]
@@ -214,7 +316,7 @@ fn a_body_inside_a_closed_mesh_touches_only_if_meshes_are_solid() {
     let id = Pose::identity();
     let solid = CollisionBody::with_solid_meshes([(&id, &shell)]).unwrap();
     let ball = CollisionBody::with_solid_meshes([(&id, &inside)]).unwrap();
-    let hit = |a: &CollisionBody, x: f64| collide(a, &ball, &place(x), &mut Work::default()).is_some();
+    let hit = |a: &CollisionBody, x: f64| collide(a, &ball, &place(x), &mut Scratch::default()).is_some();
     assert!(!hit(&surface, 0.1) && hit(&solid, 0.1));
     assert!(!hit(&surface, 3.0) && !hit(&solid, 3.0));
     assert_eq!(least(&solid, &ball, &place(0.1)), 0.0);

@@ -1,9 +1,9 @@
 //! Numeric cases from other projects' test-suites: shape against shape and mesh against mesh.
 
-use clearance::bvh::Element;
+
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
 use clearance::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
-use clearance::query::{CollisionBody, Work, collide, distance, signed_distance, within_margin};
+use clearance::query::{CollisionBody, Scratch, collide, distance, signed_distance, within_margin};
 use clearance::robot::MeshFiles;
 use serde_json::Value;
 
@@ -56,7 +56,7 @@ fn any_distance(a: &Posed, b: &Posed) -> (f64, [Point; 2]) {
         signed_distance(x, y, &pose_ab)
     } else {
         let [x, y] = [a, b].map(|p| CollisionBody::new([(&Pose::identity(), &p.shape)]).unwrap());
-        distance(&x, &y, &pose_ab, f64::INFINITY, &mut Work::default()).unwrap()
+        distance(&x, &y, &pose_ab, f64::INFINITY, &mut Scratch::default()).unwrap()
     };
     (found.distance, found.witness_points.map(|p| a.pose_w * p))
 }
@@ -69,7 +69,7 @@ fn pair_disagreements(case: &Value, meshes: &MeshFiles) -> Vec<String> {
     let tolerance = expect["tolerance"].as_f64().unwrap_or(1e-6);
     let [x, y] = [&a, &b].map(|p| CollisionBody::new([(&Pose::identity(), &p.shape)]).unwrap());
     let pose_ab = a.pose_w.inv_mul(&b.pose_w);
-    let hit = collide(&x, &y, &pose_ab, &mut Work::default()).is_some();
+    let hit = collide(&x, &y, &pose_ab, &mut Scratch::default()).is_some();
     let (found, witness) = any_distance(&a, &b);
     let mut wrong = vec![];
     if let Some(wanted) = expect["collide"].as_bool()
@@ -87,7 +87,7 @@ fn pair_disagreements(case: &Value, meshes: &MeshFiles) -> Vec<String> {
         let near = if margin < 0.0 {
             found <= margin
         } else {
-            within_margin(&x, &y, &pose_ab, margin, &mut Work::default()).is_some()
+            within_margin(&x, &y, &pose_ab, margin, &mut Scratch::default()).is_some()
         };
         if near != expect["collide_with_margin"].as_bool().unwrap() {
             wrong.push(format!("within {margin}: {near}"));
@@ -148,11 +148,11 @@ fn mesh_pairs() {
         for (i, query) in pair["queries"].as_array().unwrap().iter().enumerate() {
             let pose_ab = pose(&query["b_pose"]);
             let mut wrong = vec![];
-            let hit = collide(&a, &b, &pose_ab, &mut Work::default()).is_some();
+            let hit = collide(&a, &b, &pose_ab, &mut Scratch::default()).is_some();
             if hit != query["collide"].as_bool().unwrap() {
                 wrong.push(format!("collide {hit}"));
             }
-            let d = distance(&a, &b, &pose_ab, f64::INFINITY, &mut Work::default()).unwrap().distance;
+            let d = distance(&a, &b, &pose_ab, f64::INFINITY, &mut Scratch::default()).unwrap().distance;
             let wanted = query["distance"].as_f64().unwrap_or(0.0);
             if (d - wanted).abs() > 1e-6 * (1.0 + wanted) {
                 wrong.push(format!("distance {d} instead of {wanted}"));
@@ -163,12 +163,3 @@ fn mesh_pairs() {
     tally.finish(48);
 }
 
-/// A single element is what a body of one primitive is made of.
-#[test]
-fn a_primitive_is_one_element() {
-    let primitive = Primitive::sphere(1.0).unwrap();
-    let element = Element::Primitive { primitive, pose: Pose::identity() };
-    assert_eq!(element.middle(), Point::origin());
-    let body = CollisionBody::new([(&Pose::identity(), &Shape::Primitive(primitive))]).unwrap();
-    assert_eq!(body.element_count(), 1);
-}

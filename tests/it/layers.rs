@@ -4,22 +4,24 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// A module and those it may use, as `lib.rs` lists them.
-const LAYERS: [(&str, &[&str]); 11] = [
+const LAYERS: [(&str, &[&str]); 12] = [
     ("constants", &[]),
     ("math", &["constants"]),
+    ("simd", &[]),
     ("geometry", &["constants", "math"]),
-    ("bounding_volume", &["constants", "math", "geometry"]),
-    ("bvh", &["constants", "math", "geometry", "bounding_volume"]),
-    ("query", &["constants", "math", "geometry", "bounding_volume", "bvh"]),
-    ("robot", &["constants", "math", "geometry"]),
+    ("bounding_volume", &["constants", "math", "simd"]),
+    ("bvh", &["constants", "math", "simd", "bounding_volume"]),
+    ("query", &["constants", "math", "simd", "geometry", "bounding_volume", "bvh"]),
+    ("robot", &["constants", "math", "simd", "geometry"]),
     ("world", &["constants", "math", "geometry", "robot"]),
-    ("checker", &["constants", "math", "geometry", "bounding_volume", "query", "robot", "world"]),
+    ("checker", &["constants", "math", "simd", "geometry", "query", "robot", "world"]),
     ("monitor", &["constants", "math", "geometry", "query", "robot", "world", "checker"]),
     ("node", &["constants", "math", "geometry", "query", "robot", "world", "checker", "monitor"]),
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 14] = [
+const HOMES: [(&str, &str); 15] = [
+    ("fearless_simd", "src/simd/"),
     ("parry3d_f64", "src/query/narrow_phase.rs"),
     ("urdf_rs", "src/robot/"),
     ("roxmltree", "src/robot/"),

@@ -9,6 +9,7 @@ mod hostile;
 mod hostile_requests;
 mod layers;
 mod random;
+mod reference;
 mod robots;
 mod snapshots;
 mod tally;

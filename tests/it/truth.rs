@@ -182,8 +182,8 @@ fn links_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
     };
     let (a, b) = (&case["a"], &case["b"]);
     let pose_ab = pose(&a["pose"]).inv_mul(&pose(&b["pose"]));
-    let mut work = clearance::query::Work::default();
-    let hit = clearance::query::collide(&body(a), &body(b), &pose_ab, &mut work).is_some();
+    let mut scratch = clearance::query::Scratch::default();
+    let hit = clearance::query::collide(&body(a), &body(b), &pose_ab, &mut scratch).is_some();
     if hit == case["expect"]["collide"].as_bool().unwrap() { vec![] } else { vec![format!("collide {hit}")] }
 }
 

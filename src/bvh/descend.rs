@@ -1,0 +1,222 @@
+//! The one traversal: two trees at once, both opened at every step, what may be nearest first.
+
+use super::tree::{NodeRef, Tree};
+use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd, f32x8};
+
+/// Two subtrees, and a number never larger than their distance (m); negative where their volumes overlap.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    pub lower: f32,
+    pub a: NodeRef,
+    pub b: NodeRef,
+}
+
+/// A question: what it still cares for, and what it does where two leaves meet.
+pub trait Visitor<LA, LB> {
+    /// Whether volumes only have to be told apart; else their distance counts.
+    const SEPARATE: bool;
+
+    /// Subtrees farther apart than this (m) no longer matter. Negative infinity ends the search.
+    fn threshold(&self) -> f32;
+
+    fn volume_tests(&mut self, count: u32);
+
+    fn leaves<S: Simd>(&mut self, simd: S, a: &LA, b: &LB);
+
+    /// Whether to stop here although something is left.
+    fn interrupted(&mut self) -> bool;
+}
+
+/// Brings all leaves that matter to the visitor. `relative` places the trees; `stack` is scratch.
+///
+/// An interrupted search leaves on the stack what it has not looked at.
+#[inline(always)]
+pub fn descend<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    relative: &Relative,
+    stack: &mut Vec<Entry>,
+    visitor: &mut V,
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    stack.clear();
+    let lower = roots_bound::<S, B, LA, LB, V>(simd, (a, b), relative);
+    visitor.volume_tests(1);
+    stack.push(Entry { lower, a: a.root(), b: b.root() });
+    while let Some(&entry) = stack.last() {
+        let threshold = visitor.threshold();
+        if threshold == f32::NEG_INFINITY {
+            stack.clear();
+            return;
+        }
+        if visitor.interrupted() {
+            return;
+        }
+        stack.pop();
+        if entry.lower > threshold {
+            continue;
+        }
+        let base = stack.len();
+        match (entry.a.is_leaf(), entry.b.is_leaf()) {
+            (true, true) => visitor.leaves(simd, &a.leaf(entry.a).content, &b.leaf(entry.b).content),
+            (false, false) => open_both(simd, (a, b), entry, relative, stack, visitor),
+            (true, false) => open_one(simd, (a, entry.a), (b, entry.b), relative, visitor, |lower, child| {
+                stack.push(Entry { lower, a: entry.a, b: child });
+            }),
+            (false, true) => {
+                open_one(simd, (b, entry.b), (a, entry.a), &relative.inverse(), visitor, |lower, child| {
+                    stack.push(Entry { lower, a: child, b: entry.b });
+                });
+            }
+        }
+        if V::SEPARATE {
+            nearest_to_top(&mut stack[base..]);
+        } else {
+            sort(&mut stack[base..]);
+        }
+    }
+}
+
+/// Swaps the nearest to the end: whether anything touches depends little on the order of the rest.
+#[inline(always)]
+fn nearest_to_top(entries: &mut [Entry]) {
+    let Some(last) = entries.len().checked_sub(1) else { return };
+    let mut nearest = last;
+    for (i, entry) in entries.iter().enumerate() {
+        if entry.lower < entries[nearest].lower {
+            nearest = i;
+        }
+    }
+    entries.swap(nearest, last);
+}
+
+/// Sorts by insertion, the nearest last: entries are few.
+#[inline(always)]
+fn sort(entries: &mut [Entry]) {
+    for i in 1..entries.len() {
+        let entry = entries[i];
+        let mut place = i;
+        while place > 0 && entries[place - 1].lower < entry.lower {
+            entries[place] = entries[place - 1];
+            place -= 1;
+        }
+        entries[place] = entry;
+    }
+}
+
+/// A number never larger than the distance (m) of two whole trees.
+#[inline(always)]
+fn roots_bound<S, B, LA, LB, V>(simd: S, (a, b): (&Tree<B, LA>, &Tree<B, LB>), trees: &Relative) -> f32
+where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    let ((volume_a, axes_a), (volume_b, axes_b)) = (a.volume(a.root()), b.volume(b.root()));
+    let relative = trees.of_nodes(axes_a, axes_b);
+    let seen = B::seen(simd, &volume_a.splat(), &relative);
+    let facing = B::facing(simd, &volume_b.splat(), &relative);
+    let bounds: [f32; LANES] = bounds::<S, B, LA, LB, V>(simd, &facing, &seen, 0, &relative).into();
+    bounds[0] - relative.slack
+}
+
+/// Every child of one node against every child of the other.
+#[inline(always)]
+fn open_both<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    entry: Entry,
+    trees: &Relative,
+    stack: &mut Vec<Entry>,
+    visitor: &mut V,
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    let (node_a, node_b) = (a.node(entry.a), b.node(entry.b));
+    let relative = trees.of_nodes(&node_a.axes, &node_b.axes);
+    let limit = visitor.threshold() + relative.slack;
+    let seen = B::seen(simd, &node_a.pack, &relative);
+    let coarse = B::coarse_bounds(simd, &seen, &node_b.volume, &relative);
+    let mut lanes = coarse.simd_le(limit).to_bitmask() & mask(node_a.child_count);
+    visitor.volume_tests(node_a.child_count + lanes.count_ones() * node_b.child_count);
+    if lanes == 0 {
+        return;
+    }
+    let facing = B::facing(simd, &node_b.pack, &relative);
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes - 1;
+        let bounds = bounds::<S, B, LA, LB, V>(simd, &facing, &seen, lane, &relative);
+        let near = bounds.simd_le(limit).to_bitmask() & mask(node_b.child_count);
+        each_lane(bounds, near, |j, bound| {
+            let lower = bound - relative.slack;
+            stack.push(Entry { lower, a: node_a.children[lane], b: node_b.children[j] });
+        });
+    }
+}
+
+/// One leaf of a against every child of a node of b.
+#[inline(always)]
+fn open_one<S, B, LA, LB, LV, LW, V>(
+    simd: S,
+    (a, leaf): (&Tree<B, LA>, NodeRef),
+    (b, node): (&Tree<B, LB>, NodeRef),
+    trees: &Relative,
+    visitor: &mut V,
+    mut push: impl FnMut(f32, NodeRef),
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LV, LW>,
+{
+    let (volume, axes) = a.volume(leaf);
+    let node = b.node(node);
+    let relative = trees.of_nodes(axes, &node.axes);
+    let limit = visitor.threshold() + relative.slack;
+    visitor.volume_tests(node.child_count);
+    let seen = B::seen(simd, &volume.splat(), &relative);
+    let facing = B::facing(simd, &node.pack, &relative);
+    let bounds = bounds::<S, B, LV, LW, V>(simd, &facing, &seen, 0, &relative);
+    let near = bounds.simd_le(limit).to_bitmask() & mask(node.child_count);
+    each_lane(bounds, near, |j, bound| push(bound - relative.slack, node.children[j]));
+}
+
+#[inline(always)]
+fn bounds<S: Simd, B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+    simd: S,
+    facing: &B::Facing<S>,
+    seen: &B::Seen,
+    lane: usize,
+    relative: &Relative,
+) -> f32x8<S> {
+    if V::SEPARATE {
+        B::bounds::<S, true>(simd, facing, seen, lane, relative)
+    } else {
+        B::bounds::<S, false>(simd, facing, seen, lane, relative)
+    }
+}
+
+#[inline(always)]
+fn each_lane<S: Simd>(numbers: f32x8<S>, mut mask: u64, mut f: impl FnMut(usize, f32)) {
+    if mask == 0 {
+        return;
+    }
+    let numbers: [f32; LANES] = numbers.into();
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        f(lane, numbers[lane & 7]);
+    }
+}
+
+#[inline(always)]
+fn mask(count: u32) -> u64 {
+    (1 << count) - 1
+}

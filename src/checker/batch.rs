@@ -1,0 +1,126 @@
+//! Many states at once: eight in lanes, and blocks of them over threads.
+
+use rayon::prelude::*;
+
+use super::capsules::Segment;
+use super::collision_checker::CollisionChecker;
+use super::report::{CollisionReport, Question};
+use super::workspace::Workspace;
+use crate::constants::CONTACT_DISTANCE;
+use crate::query::Scratch;
+use crate::robot::{Configuration, Frame};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd, dispatch, f32x8, f64x8};
+
+/// States that one thread takes at a time.
+const BLOCK: usize = 256;
+
+impl CollisionChecker {
+    /// Whether each state is free, as [`Self::is_free`] says: the same answers for any number of threads.
+    ///
+    /// Runs on the threads of the rayon pool it is called in.
+    #[must_use]
+    pub fn are_free(&self, states: &[Configuration]) -> Vec<bool> {
+        let mut free = vec![false; states.len()];
+        (free.par_chunks_mut(BLOCK).zip(states.par_chunks(BLOCK))).for_each_init(
+            || self.workspace(),
+            |workspace, (free, states)| self.are_free_with(states, workspace, free),
+        );
+        free
+    }
+
+    /// As [`Self::are_free`], on this thread and with this workspace; writes to `free`, which is as long as `states`.
+    ///
+    /// # Panics
+    /// When `free` is shorter.
+    pub fn are_free_with(&self, states: &[Configuration], workspace: &mut Workspace, free: &mut [bool]) {
+        let scratch = &mut workspace.scratch;
+        let level = scratch.level();
+        dispatch!(level, simd => self.free_eights(simd, states, scratch, free));
+    }
+
+    /// Answers `question` about each state, as [`Self::check`] does: the same reports, in the order of the states, for any
+    /// number of threads.
+    ///
+    /// Runs on the threads of the rayon pool it is called in.
+    #[must_use]
+    pub fn check_states(&self, states: &[Configuration], question: Question) -> Vec<CollisionReport> {
+        (states.par_iter())
+            .with_min_len(16)
+            .map_init(|| self.workspace(), |workspace, q| self.check(q, question, workspace))
+            .collect()
+    }
+
+    /// Level 0 for eight states at once; the pairs that it leaves are asked one by one.
+    #[inline(always)]
+    fn free_eights<S: Simd>(&self, simd: S, states: &[Configuration], scratch: &mut Scratch, free: &mut [bool]) {
+        let mut eight = Eight::new(self, simd);
+        for (states, free) in states.chunks(LANES).zip(free.chunks_mut(LANES)) {
+            self.screen_eight(simd, states, &mut eight);
+            scratch.work.volume_tests += (self.infos.len() * states.len()) as u64;
+            let mut hit = 0u8;
+            for (i, near) in eight.near.iter().enumerate() {
+                let mut near = near & !hit;
+                while near != 0 {
+                    let lane = near.trailing_zeros() as usize;
+                    near &= near - 1;
+                    if lane < states.len() && self.pair_with(i, |body| eight.frame(body, lane)).touches(scratch) {
+                        hit |= 1 << lane;
+                    }
+                }
+            }
+            for (lane, free) in free.iter_mut().enumerate() {
+                *free = hit & (1 << lane) == 0;
+            }
+        }
+    }
+
+    /// Level 0: kinematics and the capsules of all pairs. A short block repeats its last state.
+    #[inline(always)]
+    fn screen_eight<S: Simd>(&self, simd: S, states: &[Configuration], eight: &mut Eight<S>) {
+        for (i, column) in eight.positions.iter_mut().enumerate() {
+            for (lane, number) in column.iter_mut().enumerate() {
+                *number = states[lane.min(states.len() - 1)].positions()[i];
+            }
+        }
+        let positions = &eight.positions;
+        self.chain.frames(
+            simd,
+            #[inline(always)]
+            |i| f64x8::from_slice(simd, &positions[i]),
+            &mut eight.frames,
+        );
+        self.capsules.place(&eight.frames, &mut eight.segments);
+        let margin = self.largest_padding + CONTACT_DISTANCE;
+        self.capsules.near(simd, &eight.segments, margin, &mut eight.near);
+    }
+}
+
+/// Scratch memory of eight states in lanes.
+struct Eight<S: Simd> {
+    positions: Vec<[f64; LANES]>,
+    frames: Vec<Frame<f64x8<S>>>,
+    segments: Vec<Segment<f32x8<S>>>,
+    /// By pair: a bit for each state in which it may be near.
+    near: Vec<u8>,
+}
+
+impl<S: Simd> Eight<S> {
+    fn new(checker: &CollisionChecker, simd: S) -> Self {
+        let zero = f32x8::splat(simd, 0.0);
+        let segment = Segment { centre: [zero; 3], half: [zero; 3] };
+        Self {
+            positions: vec![[0.0; LANES]; checker.robot().position_names().len()],
+            frames: vec![Frame::splat(simd, &Frame::IDENTITY); checker.chain.body_count()],
+            segments: vec![segment; checker.capsules.capsule_count()],
+            near: vec![0; checker.infos.len()],
+        }
+    }
+
+    /// A body's frame in one of the states.
+    fn frame(&self, body: usize, lane: usize) -> Frame<f64> {
+        let Frame { r: [x, y, z], t } = &self.frames[body];
+        let taken = |v: &[f64x8<S>; 3]| [v[0][lane], v[1][lane], v[2][lane]];
+        Frame { r: [taken(x), taken(y), taken(z)], t: taken(t) }
+    }
+}

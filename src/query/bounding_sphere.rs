@@ -1,0 +1,41 @@
+//! A sphere around a whole body, in f64.
+
+use super::solid::Solid;
+use crate::constants::FIT_SLACK;
+use crate::math::{MatrixPose, Point};
+
+/// All points of a body lie within `radius` (m) of `centre`, in its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundingSphere {
+    pub centre: Point,
+    pub radius: f64,
+}
+
+impl BoundingSphere {
+    /// A number never larger than the distance (m) of what two spheres hold.
+    #[must_use]
+    pub fn lower_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
+        let centre = pose_ab * other.centre;
+        let reach = self.centre.coords.abs().sum() + centre.coords.abs().sum() + other.centre.coords.abs().sum();
+        nalgebra::distance(&self.centre, &centre) - self.radius - other.radius - FIT_SLACK * reach
+    }
+
+    /// `None` around nothing. The centre is the middle of the box around everything.
+    pub(super) fn around(vertices: &[Point], faces: &[[u32; 3]], solids: &[Solid]) -> Option<Self> {
+        let corners = || faces.iter().flatten().map(|&v| vertices[v as usize]);
+        let balls = || solids.iter().map(|s| (Point::from(s.pose.translation.vector), s.primitive.bounding_radius()));
+        let mut lo = Point::from([f64::INFINITY; 3]);
+        let mut hi = Point::from([f64::NEG_INFINITY; 3]);
+        for (p, radius) in corners().map(|p| (p, 0.0)).chain(balls()) {
+            lo = lo.inf(&(p - nalgebra::Vector3::repeat(radius)));
+            hi = hi.sup(&(p + nalgebra::Vector3::repeat(radius)));
+        }
+        if lo.x > hi.x {
+            return None;
+        }
+        let centre = nalgebra::center(&lo, &hi);
+        let reach = |(p, radius): (Point, f64)| nalgebra::distance(&centre, &p) + radius;
+        let radius = corners().map(|p| (p, 0.0)).chain(balls()).map(reach).fold(0.0, f64::max);
+        Some(Self { centre, radius: radius + FIT_SLACK * (radius + centre.coords.amax()) })
+    }
+}

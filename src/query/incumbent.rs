@@ -1,0 +1,68 @@
+//! The best answer so far, and what could still better it.
+
+use std::time::Instant;
+
+use super::element_pair::Separation;
+use super::search::Goal;
+use super::work::Work;
+use crate::constants::CONTACT_DISTANCE;
+
+/// Volume tests between two looks at the clock.
+const TESTS_A_LOOK: u64 = 256;
+
+/// What a search has found, and what it still looks for.
+#[derive(Debug)]
+pub(super) struct Incumbent<'w> {
+    goal: Goal,
+    pub best: Option<Separation>,
+    /// The count of volume tests at which to look at the clock.
+    next_look: u64,
+    pub work: &'w mut Work,
+}
+
+impl<'w> Incumbent<'w> {
+    /// What touches is within any limit.
+    pub fn new(goal: Goal, work: &'w mut Work) -> Self {
+        let goal = Goal { limit: goal.limit.max(CONTACT_DISTANCE), ..goal };
+        Self { goal, best: None, next_look: work.volume_tests, work }
+    }
+
+    /// Nothing beyond this (m) matters any more; negative infinity once nothing does.
+    pub fn bound(&self) -> f64 {
+        match self.best {
+            Some(best) if best.distance <= self.goal.enough => f64::NEG_INFINITY,
+            Some(best) => self.goal.effort.lower(best.distance),
+            None => self.goal.limit,
+        }
+    }
+
+    /// [`Self::bound`], rounded up.
+    #[allow(clippy::cast_possible_truncation)] // rounded up right after
+    pub fn threshold(&self) -> f32 {
+        (self.bound() as f32).next_up()
+    }
+
+    pub fn is_settled(&self) -> bool {
+        self.bound() == f64::NEG_INFINITY
+    }
+
+    /// Takes `found` if it is nearer than the best so far, or the first within the limit.
+    pub fn offer(&mut self, found: Separation) {
+        let better = match self.best {
+            Some(best) => found.distance < best.distance,
+            None => found.distance <= self.goal.limit,
+        };
+        if better {
+            self.best = Some(found);
+        }
+    }
+
+    pub fn interrupted(&mut self) -> bool {
+        let Some(deadline) = self.goal.effort.deadline else { return false };
+        if self.work.volume_tests < self.next_look {
+            return false;
+        }
+        self.next_look = self.work.volume_tests + TESTS_A_LOOK;
+        Instant::now() >= deadline
+    }
+}

@@ -1,0 +1,47 @@
+//! What a query changes, owned by its caller.
+
+use super::Work;
+use super::surface_surface::Candidates;
+use crate::bvh::Entry;
+use crate::simd::{Level, baseline, narrower};
+
+/// Memory of one thread's queries: once warm they allocate nothing. Between queries only the counters mean anything.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    /// What all queries so far have cost.
+    pub work: Work,
+    pub(super) stack: Vec<Entry>,
+    pub(super) candidates: Candidates,
+    pub(super) level: Level,
+}
+
+impl Default for Scratch {
+    /// Uses the best instructions of this machine.
+    fn default() -> Self {
+        Self {
+            work: Work::default(),
+            stack: Vec::new(),
+            candidates: Candidates::default(),
+            level: Level::new(),
+        }
+    }
+}
+
+impl Scratch {
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// The level for work on one state, most of it scalar: that is faster with AVX2 than among AVX-512 instructions.
+    #[must_use]
+    pub fn level_for_one(&self) -> Level {
+        narrower(self.level)
+    }
+
+    /// Uses no instructions but those of every machine of this kind. Answers are the same, bit by bit.
+    #[must_use]
+    pub fn portable() -> Self {
+        Self { level: baseline(), ..Self::default() }
+    }
+}

@@ -1,0 +1,42 @@
+//! Where two solid primitives meet.
+
+use super::element_pair::{Separation, element_contact, element_separation};
+use super::incumbent::Incumbent;
+use super::solid::SolidLeaf;
+use crate::bvh::Visitor;
+use crate::math::Pose;
+use crate::simd::Simd;
+
+/// Looks for the nearest solids of two bodies; with `SEPARATE` only for any that touch.
+pub(super) struct SolidSolid<'s, 'w, const SEPARATE: bool> {
+    pub pose_ab: &'s Pose,
+    pub incumbent: &'s mut Incumbent<'w>,
+}
+
+impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, SEPARATE> {
+    const SEPARATE: bool = SEPARATE;
+
+    fn threshold(&self) -> f32 {
+        self.incumbent.threshold()
+    }
+
+    fn volume_tests(&mut self, count: u32) {
+        self.incumbent.work.volume_tests += u64::from(count);
+    }
+
+    fn interrupted(&mut self) -> bool {
+        self.incumbent.interrupted()
+    }
+
+    #[inline(always)]
+    fn leaves<S: Simd>(&mut self, _: S, a: &SolidLeaf, b: &SolidLeaf) {
+        self.incumbent.work.primitive_tests += 1;
+        if SEPARATE {
+            if let Some(point) = element_contact(&a.element, &b.element, self.pose_ab) {
+                self.incumbent.offer(Separation::touching_at(point));
+            }
+        } else {
+            self.incumbent.offer(element_separation(&a.element, &b.element, self.pose_ab));
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! The triangles of a body, in f64, and the tree over them.
+
+use crate::bounding_volume::BoundingVolume;
+use crate::bvh::{Tree, TriangleLeaf};
+use crate::geometry::Triangle;
+use crate::math::Point;
+
+/// Triangles in the order of their tree's leaves, corners shared.
+#[derive(Clone, Debug)]
+pub(super) struct Surface<B: BoundingVolume> {
+    pub tree: Tree<B, TriangleLeaf>,
+    vertices: Vec<Point>,
+    faces: Vec<[u32; 3]>,
+}
+
+impl<B: BoundingVolume> Surface<B> {
+    /// `None` without faces.
+    pub fn new(vertices: Vec<Point>, faces: &[[u32; 3]]) -> Option<Self> {
+        if faces.is_empty() {
+            return None;
+        }
+        let corners: Vec<[Point; 3]> = faces.iter().map(|f| f.map(|v| vertices[v as usize])).collect();
+        let (tree, order) = Tree::build(&corners);
+        let faces = order.iter().map(|&i| faces[i as usize]).collect();
+        Some(Self { tree, vertices, faces })
+    }
+
+    /// Number `index` in the order of the leaves.
+    pub fn triangle(&self, index: u32) -> Triangle {
+        let [a, b, c] = self.faces[index as usize].map(|v| self.vertices[v as usize]);
+        Triangle { a, b, c }
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        let own = self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();
+        own + self.tree.bytes()
+    }
+}

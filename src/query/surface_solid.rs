@@ -1,0 +1,83 @@
+//! Where a solid primitive meets leaves of a surface.
+
+use super::element::Element;
+use super::element_pair::{Separation, element_contact, element_separation};
+use super::incumbent::Incumbent;
+use super::solid::SolidLeaf;
+use super::solid_lanes;
+use super::surface::Surface;
+use super::surface_surface::triangle_slack;
+use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::bvh::{TriangleLeaf, Visitor};
+use crate::math::Pose;
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd};
+
+/// Looks for the triangle of a surface nearest to a solid; with `SEPARATE` only for any that touches.
+pub(super) struct SurfaceSolid<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
+    pub surface: &'s Surface<B>,
+    /// Whether the solid belongs to body a, and the surface to b.
+    pub solid_is_a: bool,
+    pub pose_ab: &'s Pose,
+    /// The solid's tree in the surface's.
+    pub relative: &'s Relative,
+    pub incumbent: &'s mut Incumbent<'w>,
+}
+
+impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> {
+    fn test(&mut self, solid: &Element, triangle: u32) {
+        self.incumbent.work.primitive_tests += 1;
+        let triangle = Element::Triangle(self.surface.triangle(triangle));
+        let (a, b) = if self.solid_is_a { (solid, &triangle) } else { (&triangle, solid) };
+        if SEPARATE {
+            if let Some(point) = element_contact(a, b, self.pose_ab) {
+                self.incumbent.offer(Separation::touching_at(point));
+            }
+        } else {
+            self.incumbent.offer(element_separation(a, b, self.pose_ab));
+        }
+    }
+}
+
+impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
+    for SurfaceSolid<'_, '_, B, SEPARATE>
+{
+    const SEPARATE: bool = SEPARATE;
+
+    fn threshold(&self) -> f32 {
+        self.incumbent.threshold()
+    }
+
+    fn volume_tests(&mut self, count: u32) {
+        self.incumbent.work.volume_tests += u64::from(count);
+    }
+
+    fn interrupted(&mut self) -> bool {
+        self.incumbent.interrupted()
+    }
+
+    #[inline(always)]
+    #[allow(clippy::cast_possible_truncation)] // lanes are few
+    fn leaves<S: Simd>(&mut self, simd: S, solid: &SolidLeaf, leaf: &TriangleLeaf) {
+        self.incumbent.work.screened_pairs += u64::from(leaf.count);
+        let slack = triangle_slack(self.relative);
+        let lower = solid_lanes::lower_bounds(simd, solid, leaf, self.relative, slack);
+        let mut near = lower.simd_le(self.incumbent.threshold()).to_bitmask() & leaf.mask();
+        let lower: [f32; LANES] = lower.into();
+        // the nearest first, so that few are tested
+        while near != 0 {
+            let lane = nearest(&lower, near);
+            near &= !(1 << lane);
+            if lower[lane] > self.incumbent.threshold() {
+                return;
+            }
+            self.test(&solid.element, leaf.first + lane as u32);
+        }
+    }
+}
+
+/// The lane of `mask` with the least number.
+fn nearest(numbers: &[f32; LANES], mask: u64) -> usize {
+    let lanes = (0..LANES).filter(|lane| mask & (1 << lane) != 0);
+    lanes.min_by(|&i, &j| numbers[i].total_cmp(&numbers[j])).unwrap_or(0)
+}

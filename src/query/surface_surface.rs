@@ -1,0 +1,165 @@
+//! Where leaves of two surfaces meet.
+
+use super::element_pair::Separation;
+use super::incumbent::Incumbent;
+use super::surface::Surface;
+use super::triangle_lanes::{DistanceLanes, LaneTriangles, MovedTriangles};
+use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::bvh::{TriangleLeaf, Visitor};
+use crate::constants::CONTACT_DISTANCE;
+use crate::geometry::Triangle;
+use crate::math::MatrixPose;
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd};
+
+/// Looks for the nearest triangles of two surfaces; with `SEPARATE` only for any that touch.
+///
+/// Distances are first bounded in f32. Triangles that may be the nearest are kept until the bound is as low as it gets, and
+/// those that still may be are measured in f64.
+pub(super) struct SurfaceSurface<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
+    pub a: &'s Surface<B>,
+    pub b: &'s Surface<B>,
+    pub pose_ab: &'s MatrixPose,
+    /// Of the trees.
+    pub relative: &'s Relative,
+    pub incumbent: &'s mut Incumbent<'w>,
+    pub candidates: &'s mut Candidates,
+}
+
+/// Pairs of triangles that may be the nearest.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Candidates {
+    /// Some triangles are no farther apart than this (m).
+    upper: f32,
+    /// In which they were found that far apart, in the frame of b's tree; not longer than one.
+    direction: [f32; 3],
+    /// A lower bound of their distance (m), the number of one of a and one of b.
+    pairs: Vec<(f32, u32, u32)>,
+}
+
+impl Candidates {
+    /// So many are kept before they are measured.
+    const MOST: usize = 32;
+
+    pub fn clear(&mut self) {
+        self.upper = f32::INFINITY;
+        self.direction = [0.0; 3];
+        self.pairs.clear();
+    }
+
+    #[inline(always)]
+    fn take_upper<S: Simd>(&mut self, simd: S, distances: &DistanceLanes<S>) {
+        let least = simd.reduce_min_f32x8(distances.upper);
+        if least < self.upper {
+            self.upper = least;
+            let lane = distances.upper.simd_le(least).to_bitmask().trailing_zeros();
+            self.direction = distances.direction(lane as usize);
+        }
+    }
+}
+
+impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE> {
+    fn triangles(&self, i: u32, j: u32) -> (Triangle, Triangle) {
+        let b = self.b.triangle(j).corners().map(|p| self.pose_ab * p);
+        (self.a.triangle(i), Triangle { a: b[0], b: b[1], c: b[2] })
+    }
+
+    fn contact(&mut self, i: u32, j: u32) {
+        self.incumbent.work.primitive_tests += 1;
+        let (a, b) = self.triangles(i, j);
+        if let Some(point) = a.contact_point(&b) {
+            self.incumbent.offer(Separation::touching_at(point));
+        }
+    }
+
+    fn measure(&mut self, i: u32, j: u32) {
+        self.incumbent.work.primitive_tests += 1;
+        let (a, b) = self.triangles(i, j);
+        self.incumbent.offer(Separation::of(a.nearest_points(&b)));
+    }
+
+    /// Keeps a pair that may be the nearest; measures it at once if it may touch.
+    fn keep(&mut self, lower: f32, i: u32, j: u32) {
+        if lower <= 0.0 {
+            return self.measure(i, j);
+        }
+        if self.candidates.pairs.len() == Candidates::MOST {
+            self.measure_candidates();
+        }
+        self.candidates.pairs.push((lower, i, j));
+    }
+
+    /// Measures what may still be the nearest.
+    pub fn measure_candidates(&mut self) {
+        for k in 0..self.candidates.pairs.len() {
+            let (lower, i, j) = self.candidates.pairs[k];
+            if lower <= self.threshold() {
+                self.measure(i, j);
+            }
+        }
+        self.candidates.pairs.clear();
+    }
+}
+
+impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf>
+    for SurfaceSurface<'_, '_, B, SEPARATE>
+{
+    const SEPARATE: bool = SEPARATE;
+
+    fn threshold(&self) -> f32 {
+        self.incumbent.threshold().min(self.candidates.upper)
+    }
+
+    fn volume_tests(&mut self, count: u32) {
+        self.incumbent.work.volume_tests += u64::from(count);
+    }
+
+    fn interrupted(&mut self) -> bool {
+        self.incumbent.interrupted()
+    }
+
+    #[inline(always)]
+    #[allow(clippy::cast_possible_truncation)] // lanes are few
+    fn leaves<S: Simd>(&mut self, simd: S, a: &TriangleLeaf, b: &TriangleLeaf) {
+        let slack = triangle_slack(self.relative);
+        let margin = self.threshold() + 4.0 * slack;
+        let (moved, mut lanes) = MovedTriangles::new(simd, a, self.relative, b, margin);
+        if lanes == 0 {
+            return;
+        }
+        let eight = LaneTriangles::of_leaf(simd, b);
+        while lanes != 0 && !self.incumbent.is_settled() {
+            let lane = lanes.trailing_zeros();
+            lanes &= lanes - 1;
+            self.incumbent.work.screened_pairs += u64::from(b.count);
+            let one = moved.one(simd, lane as usize);
+            if SEPARATE {
+                let mut near = one.may_touch(simd, &eight, slack) & b.mask();
+                while near != 0 && !self.incumbent.is_settled() {
+                    self.contact(a.first + lane, b.first + near.trailing_zeros());
+                    near &= near - 1;
+                }
+                continue;
+            }
+            let coarse = one.coarse_bounds(simd, &eight, &self.candidates.direction, slack);
+            if coarse.simd_le(self.threshold()).to_bitmask() & b.mask() == 0 {
+                continue;
+            }
+            let distances = one.bounds(simd, &eight, slack);
+            self.candidates.take_upper(simd, &distances);
+            let mut near = distances.lower.simd_le(self.threshold()).to_bitmask() & b.mask();
+            let lower: [f32; LANES] = distances.lower.into();
+            while near != 0 {
+                let other = near.trailing_zeros();
+                near &= near - 1;
+                self.keep(lower[other as usize & 7], a.first + lane, b.first + other);
+            }
+        }
+    }
+}
+
+/// How far f32 coordinates of triangles may be off (m), and what counts as contact.
+#[allow(clippy::cast_possible_truncation)] // rounded up
+pub(super) fn triangle_slack(relative: &Relative) -> f32 {
+    0.25 * relative.slack + (CONTACT_DISTANCE as f32).next_up()
+}

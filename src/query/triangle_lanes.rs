@@ -1,0 +1,269 @@
+//! Triangles in lanes, in f32: eight pairs at once, what is certainly apart, and certainly how far.
+//!
+//! Coordinates are off by at most `slack` (m); every test grants that error to both triangles, scaled by the edges that
+//! enter it and never by their product, which vanishes for slivers. What passes is decided in f64.
+
+use crate::bounding_volume::Relative;
+use crate::bvh::TriangleLeaf;
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd, Vectors, f32x8};
+
+/// The corners of eight triangles of a, in the frame of b's tree.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(super) struct MovedTriangles {
+    corners: [[[f32; LANES]; 3]; 3],
+}
+
+impl MovedTriangles {
+    /// The triangles, and a bit for each whose box is not farther than `margin` from the box of `b`'s triangles.
+    #[inline(always)]
+    pub fn new<S: Simd>(
+        simd: S,
+        a: &TriangleLeaf,
+        relative: &Relative,
+        b: &TriangleLeaf,
+        margin: f32,
+    ) -> (Self, u64) {
+        let (r, t) = (&relative.r, &relative.t);
+        let p = Vectors::load(simd, &a.corners[0]).placed(r, t);
+        let q = Vectors::load(simd, &a.corners[1]).placed(r, t);
+        let s = Vectors::load(simd, &a.corners[2]).placed(r, t);
+        let above = p.min(q).min(s).minus(Vectors::splat(simd, &b.high));
+        let below = Vectors::splat(simd, &b.low).minus(p.max(q).max(s));
+        let gap = above.max(below).max(Vectors::splat(simd, &[0.0; 3])).norm();
+        let near = gap.simd_le(margin).to_bitmask() & a.mask();
+        (Self { corners: [p.store(), q.store(), s.store()] }, near)
+    }
+
+    /// Triangle `lane`, in all lanes.
+    #[inline(always)]
+    pub fn one<S: Simd>(&self, simd: S, lane: usize) -> LaneTriangles<S> {
+        let [p, q, r] = &self.corners;
+        LaneTriangles::new(
+            Vectors::splat(simd, &[p[0][lane & 7], p[1][lane & 7], p[2][lane & 7]]),
+            Vectors::splat(simd, &[q[0][lane & 7], q[1][lane & 7], q[2][lane & 7]]),
+            Vectors::splat(simd, &[r[0][lane & 7], r[1][lane & 7], r[2][lane & 7]]),
+        )
+    }
+}
+
+/// A triangle in every lane, with what tests need of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LaneTriangles<S: Simd> {
+    corners: [Vectors<S>; 3],
+    /// Each from the corner of its number to the next.
+    edges: [Vectors<S>; 3],
+    normal: Vectors<S>,
+    /// 1-norm of the normal.
+    area: f32x8<S>,
+    /// 1-norms of all edges.
+    size: f32x8<S>,
+    low: Vectors<S>,
+    high: Vectors<S>,
+}
+
+impl<S: Simd> LaneTriangles<S> {
+    #[inline(always)]
+    pub fn of_leaf(simd: S, leaf: &TriangleLeaf) -> Self {
+        let [p, q, r] = &leaf.corners;
+        Self::new(Vectors::load(simd, p), Vectors::load(simd, q), Vectors::load(simd, r))
+    }
+
+    #[inline(always)]
+    fn new(p: Vectors<S>, q: Vectors<S>, r: Vectors<S>) -> Self {
+        let edges = [q.minus(p), r.minus(q), p.minus(r)];
+        let normal = edges[0].cross(edges[1]);
+        Self {
+            corners: [p, q, r],
+            edges,
+            normal,
+            area: normal.one_norm(),
+            size: edges[0].one_norm() + edges[1].one_norm() + edges[2].one_norm(),
+            low: p.min(q).min(r),
+            high: p.max(q).max(r),
+        }
+    }
+
+    /// A bit for each lane whose triangles may touch.
+    #[inline(always)]
+    pub fn may_touch(&self, simd: S, other: &Self, slack: f32) -> u64 {
+        let near = self.box_gaps(other).largest().simd_le(2.0 * slack).to_bitmask();
+        if near == 0 {
+            return 0;
+        }
+        // boxes that touch: no two corners are farther apart than this
+        let span = self.size + other.size + 8.0 * slack;
+        let across = self.plane_gap(simd, other, span, slack).max(other.plane_gap(simd, self, span, slack));
+        let zero = f32x8::splat(simd, 0.0);
+        let near = near & across.simd_le(zero).to_bitmask();
+        if near == 0 {
+            return 0;
+        }
+        near & self.edge_gap(simd, other, span, slack).simd_le(zero).to_bitmask()
+    }
+
+    /// Gaps of the boxes along the three axes.
+    #[inline(always)]
+    fn box_gaps(&self, other: &Self) -> Vectors<S> {
+        self.low.minus(other.high).max(other.low.minus(self.high))
+    }
+
+    /// How far the other triangle is from this one's plane, less what rounding may do, in units of the normal's length.
+    /// No corners are farther apart than `span`.
+    #[inline(always)]
+    fn plane_gap(&self, simd: S, other: &Self, span: f32x8<S>, slack: f32) -> f32x8<S> {
+        let h0 = self.normal.dot(other.corners[0].minus(self.corners[0]));
+        let h1 = self.normal.dot(other.corners[1].minus(self.corners[0]));
+        let h2 = self.normal.dot(other.corners[2].minus(self.corners[0]));
+        let over = h0.min(h1).min(h2).max(f32x8::splat(simd, 0.0) - h0.max(h1).max(h2));
+        over - (self.area + self.size * span) * (2.0 * slack)
+    }
+
+    /// The largest gap along the nine axes normal to an edge of each, less what rounding may do.
+    #[inline(always)]
+    fn edge_gap(&self, simd: S, other: &Self, span: f32x8<S>, slack: f32) -> f32x8<S> {
+        let mut gap = f32x8::splat(simd, f32::NEG_INFINITY);
+        for i in 0..3 {
+            for j in 0..3 {
+                gap = gap.max(self.gap_across_edges(simd, i, other, j, span, slack));
+            }
+        }
+        gap
+    }
+
+    /// Along the axis normal to two edges both ends of each project alike, so each triangle spans from there to its
+    /// opposite corner.
+    #[inline(always)]
+    fn gap_across_edges(&self, simd: S, i: usize, other: &Self, j: usize, span: f32x8<S>, slack: f32) -> f32x8<S> {
+        let zero = f32x8::splat(simd, 0.0);
+        let axis = self.edges[i].cross(other.edges[j]);
+        let from = other.corners[j];
+        let u = axis.dot(self.corners[i].minus(from));
+        let v = axis.dot(self.corners[(i + 2) % 3].minus(from));
+        let w = axis.dot(other.corners[(j + 2) % 3].minus(from));
+        let apart = (u.min(v) - w.max(zero)).max(w.min(zero) - u.max(v));
+        apart - (axis.one_norm() + span * (self.size + other.size)) * (2.0 * slack)
+    }
+
+    /// Numbers (m) never larger than the distances: across boxes, and along a `direction` not longer than one in which
+    /// something near was found.
+    #[inline(always)]
+    pub fn coarse_bounds(&self, simd: S, other: &Self, direction: &[f32; 3], slack: f32) -> f32x8<S> {
+        let across_boxes = self.box_gaps(other).max(Vectors::splat(simd, &[0.0; 3])).norm();
+        let p0 = self.corners[0].along(direction);
+        let p1 = self.corners[1].along(direction);
+        let p2 = self.corners[2].along(direction);
+        let q0 = other.corners[0].along(direction);
+        let q1 = other.corners[1].along(direction);
+        let q2 = other.corners[2].along(direction);
+        let ahead = q0.min(q1).min(q2) - p0.max(p1).max(p2);
+        let behind = p0.min(p1).min(p2) - q0.max(q1).max(q2);
+        across_boxes.max(ahead).max(behind) - 4.0 * slack
+    }
+
+    /// Bounds (m) of the distances: never larger, and, unless they cross, never smaller.
+    ///
+    /// Nearly nearest points are found over edges and edges, corners and faces (Larsen et al. 1999, 4.2). Whatever rounding
+    /// did to them, they are points of the triangles, and the gap along the direction between them is a lower bound.
+    #[inline(always)]
+    pub fn bounds(&self, simd: S, other: &Self, slack: f32) -> DistanceLanes<S> {
+        let zero = f32x8::splat(simd, 0.0);
+        let start = other.corners[0].minus(self.corners[0]);
+        let mut nearest = Nearest { between: start, squared: start.dot(start) };
+        self.edges_and_edges(simd, other, &mut nearest);
+        self.corners_and_face(simd, other, &mut nearest);
+        other.corners_and_face(simd, self, &mut nearest);
+        let (n, length) = (nearest.between, nearest.squared.sqrt());
+        let (q0, q1, q2) = (
+            n.dot(start),
+            n.dot(other.corners[1].minus(self.corners[0])),
+            n.dot(other.corners[2].minus(self.corners[0])),
+        );
+        let (p1, p2) = (n.dot(self.edges[0]), zero - n.dot(self.edges[2]));
+        // n may point either way
+        let ahead = q0.min(q1).min(q2) - p1.max(p2).max(zero);
+        let behind = p1.min(p2).min(zero) - q0.max(q1).max(q2);
+        let lower = ahead.max(behind) / length.max(f32x8::splat(simd, 1e-18));
+        let rounding = (self.size + other.size + length) * (16.0 * f32::EPSILON) + 4.0 * slack;
+        DistanceLanes { lower: lower.min(length) - rounding, upper: length + rounding, between: n }
+    }
+
+    /// Nearest points of every edge of each (Ericson, *Real-Time Collision Detection*, 5.1.9).
+    #[inline(always)]
+    fn edges_and_edges(&self, simd: S, other: &Self, nearest: &mut Nearest<S>) {
+        let (zero, unit) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let tiny = f32x8::splat(simd, 1e-36);
+        for i in 0..3 {
+            let d = self.edges[i];
+            let a = d.dot(d).max(tiny);
+            for j in 0..3 {
+                let f = other.edges[j];
+                let e = f.dot(f).max(tiny);
+                let w = self.corners[i].minus(other.corners[j]);
+                let (b, c, g) = (d.dot(f), d.dot(w), f.dot(w));
+                let s = ((b * g - c * e) / (a * e - b * b).max(tiny)).max(zero).min(unit);
+                let t = ((b * s + g) / e).max(zero).min(unit);
+                let s = ((b * t - c) / a).max(zero).min(unit);
+                nearest.offer(f.scaled(t).minus(d.scaled(s)).minus(w));
+            }
+        }
+    }
+
+    /// Nearest points of the other's corners that lie over this one's face.
+    #[inline(always)]
+    fn corners_and_face(&self, simd: S, other: &Self, nearest: &mut Nearest<S>) {
+        let n = self.normal;
+        let scale = f32x8::splat(simd, 1.0) / n.dot(n).max(f32x8::splat(simd, 1e-36));
+        let sides = [n.cross(self.edges[0]), n.cross(self.edges[1]), n.cross(self.edges[2])];
+        for q in other.corners {
+            let w = q.minus(self.corners[0]);
+            let over = (sides[0].dot(w))
+                .min(sides[1].dot(q.minus(self.corners[1])))
+                .min(sides[2].dot(q.minus(self.corners[2])));
+            nearest.offer_where(over.simd_gt(f32x8::splat(simd, 0.0)), n.scaled(n.dot(w) * scale));
+        }
+    }
+}
+
+/// What is certain about the distances (m) of pairs of triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DistanceLanes<S: Simd> {
+    pub lower: f32x8<S>,
+    pub upper: f32x8<S>,
+    /// From a point of one to a point of the other, or back, nearly the nearest ones.
+    between: Vectors<S>,
+}
+
+impl<S: Simd> DistanceLanes<S> {
+    /// The direction between the points of a lane, not longer than one.
+    pub fn direction(&self, lane: usize) -> [f32; 3] {
+        let [x, y, z] = self.between.store();
+        let v = [x[lane & 7], y[lane & 7], z[lane & 7]];
+        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        let scale = if length > 1e-15 { (1.0 - 8.0 * f32::EPSILON) / length } else { 0.0 };
+        [v[0] * scale, v[1] * scale, v[2] * scale]
+    }
+}
+
+/// The shortest vectors found so far from a point of one triangle to a point of the other, or back.
+struct Nearest<S: Simd> {
+    between: Vectors<S>,
+    squared: f32x8<S>,
+}
+
+impl<S: Simd> Nearest<S> {
+    #[inline(always)]
+    fn offer(&mut self, between: Vectors<S>) {
+        let squared = between.dot(between);
+        self.between = between.or(squared.simd_lt(self.squared), self.between);
+        self.squared = squared.min(self.squared);
+    }
+
+    #[inline(always)]
+    fn offer_where(&mut self, holds: impl Select<f32x8<S>>, between: Vectors<S>) {
+        let squared = holds.select(between.dot(between), self.squared);
+        self.between = between.or(squared.simd_lt(self.squared), self.between);
+        self.squared = squared.min(self.squared);
+    }
+}

@@ -1,0 +1,153 @@
+//! Eight numbers at a time: the only module that names the SIMD crate.
+//!
+//! Which instructions are used is decided at run time ([`Level::new`]). Every level gives the same bits: no operation
+//! here fuses, reorders or approximates. What is generic over [`Simd`] must be inlined into the dispatched function to be
+//! compiled for its level; closures and `array::map` are not always, hence plain functions and written-out components.
+
+mod real;
+
+pub use fearless_simd::{Level, Simd, dispatch, f32x8, f64x8, prelude};
+pub use real::{Real, sin_cos};
+
+use prelude::*;
+
+/// Numbers in a vector.
+pub const LANES: usize = 8;
+
+/// The lowest level of this kind of machine, which every one of them has.
+#[must_use]
+pub fn baseline() -> Level {
+    Level::baseline()
+}
+
+/// The level without the widest vectors, where a machine has such.
+#[must_use]
+pub fn narrower(level: Level) -> Level {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if level.as_avx512().is_some() {
+        return level.as_avx2().map_or(level, Level::Avx2);
+    }
+    level
+}
+
+/// Eight points or directions.
+#[derive(Clone, Copy, Debug)]
+pub struct Vectors<S: Simd> {
+    pub x: f32x8<S>,
+    pub y: f32x8<S>,
+    pub z: f32x8<S>,
+}
+
+impl<S: Simd> Vectors<S> {
+    #[inline(always)]
+    pub fn load(simd: S, components: &[[f32; LANES]; 3]) -> Self {
+        Self {
+            x: f32x8::from_slice(simd, &components[0]),
+            y: f32x8::from_slice(simd, &components[1]),
+            z: f32x8::from_slice(simd, &components[2]),
+        }
+    }
+
+    /// Eight times the same.
+    #[inline(always)]
+    pub fn splat(simd: S, v: &[f32; 3]) -> Self {
+        Self { x: f32x8::splat(simd, v[0]), y: f32x8::splat(simd, v[1]), z: f32x8::splat(simd, v[2]) }
+    }
+
+    #[inline(always)]
+    pub fn store(self) -> [[f32; LANES]; 3] {
+        [self.x.into(), self.y.into(), self.z.into()]
+    }
+
+    /// `r * self + t`.
+    #[inline(always)]
+    pub fn placed(self, r: &[[f32; 3]; 3], t: &[f32; 3]) -> Self {
+        Self {
+            x: self.along(&r[0]) + t[0],
+            y: self.along(&r[1]) + t[1],
+            z: self.along(&r[2]) + t[2],
+        }
+    }
+
+    /// The transpose of `r` times `self`.
+    #[inline(always)]
+    pub fn turned_back(self, r: &[[f32; 3]; 3]) -> Self {
+        Self {
+            x: self.along(&[r[0][0], r[1][0], r[2][0]]),
+            y: self.along(&[r[0][1], r[1][1], r[2][1]]),
+            z: self.along(&[r[0][2], r[1][2], r[2][2]]),
+        }
+    }
+
+    /// Dot products with one vector.
+    #[inline(always)]
+    pub fn along(self, v: &[f32; 3]) -> f32x8<S> {
+        self.x * v[0] + self.y * v[1] + self.z * v[2]
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> f32x8<S> {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    #[inline(always)]
+    pub fn scaled(self, by: f32x8<S>) -> Self {
+        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+
+    #[inline(always)]
+    pub fn minus(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
+    }
+
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self { x: self.x.min(other.x), y: self.y.min(other.y), z: self.z.min(other.z) }
+    }
+
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
+    }
+
+    /// The largest component of each.
+    #[inline(always)]
+    pub fn largest(self) -> f32x8<S> {
+        self.x.max(self.y).max(self.z)
+    }
+
+    /// Sums of the components' magnitudes.
+    #[inline(always)]
+    pub fn one_norm(self) -> f32x8<S> {
+        self.x.abs() + self.y.abs() + self.z.abs()
+    }
+
+    #[inline(always)]
+    pub fn norm(self) -> f32x8<S> {
+        self.dot(self).sqrt()
+    }
+
+    /// `self` in the lanes where the mask holds, else `other`.
+    #[inline(always)]
+    pub fn or(self, mask: impl Select<f32x8<S>> + Copy, other: Self) -> Self {
+        Self {
+            x: mask.select(self.x, other.x),
+            y: mask.select(self.y, other.y),
+            z: mask.select(self.z, other.z),
+        }
+    }
+}
