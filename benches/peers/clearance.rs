@@ -24,7 +24,7 @@ use std::hint::black_box;
 use std::io::{BufRead, Write};
 
 use answer::Answer;
-use cpu_time::ThreadTime;
+use cpu_time::ProcessTime;
 use mesh_pair::MeshPair;
 use whole_robot::WholeRobot;
 
@@ -83,7 +83,7 @@ fn reply(line: &str, subject: &mut Option<Subject>) -> Outcome<Option<String>> {
         }
         (["pass", question, set, repeats], Some(subject)) => {
             let repeats: u32 = repeats.parse()?;
-            let start = ThreadTime::now();
+            let start = ProcessTime::now();
             for _ in 0..repeats {
                 if !subject.ask(question, set, |answer| drop(black_box(answer)))? {
                     return Ok(None);
@@ -98,7 +98,7 @@ fn reply(line: &str, subject: &mut Option<Subject>) -> Outcome<Option<String>> {
             Ok(known.then(|| words.join("\t")))
         }
         (["figures"], Some(Subject::Robot(robot))) => Ok(Some(robot.figures()?)),
-        (["costs"], Some(_)) => Ok(not_yet::cost_model()),
+        (["costs"], Some(Subject::Meshes(pair))) => Ok(pair.costs()),
         _ => Err(format!("cannot make sense of '{line}'").into()),
     }
 }

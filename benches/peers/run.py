@@ -23,7 +23,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--states", type=int, default=500, help="states drawn where no file gives them")
     parser.add_argument("--distance-states", type=int, default=200, help="of the free ones")
-    parser.add_argument("--walk", type=int, default=2000, help="steps of the walk")
+    parser.add_argument("--walk", type=int, default=1000, help="steps of the walk")
     parser.add_argument("--poses", type=int, default=50, help="poses of a pair of meshes and gap")
     parser.add_argument("--patience", type=float, default=30, help="seconds for one contestant and measure")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
@@ -59,7 +59,6 @@ class Comparison:
         facts = self.clearance.ask("robot", *words, options.seed, options.states, options.walk, neutral)
         result = RobotResult(source.name, _facts(facts))
         result.figures = _facts(self.clearance.ask("figures"))
-        result.costs = self.clearance.ask("costs") or []
         urdf = self.folder / "absolute.urdf"
         subjects.with_absolute_meshes(source, urdf)
         voices = list(self.own)
@@ -84,7 +83,8 @@ class Comparison:
         facts = self.clearance.ask("meshes", source.a, source.b, options.seed, options.poses, neutral)
         result = MeshPairResult(source.name, _facts(facts))
         self.coal.ask("load", neutral)
-        voices = [Voice("clearance", self.clearance), Voice("coal_cpp", self.coal)]
+        result.costs = self.clearance.ask("costs") or []
+        voices = [Voice("clearance", self.clearance), Voice("coal_cpp", self.coal), Voice("coal_cpp_bare", self.coal, "-bare")]
         for question, buckets in (("free", (TOUCHING, *GAPS)), ("distance", GAPS)):
             for bucket in buckets:
                 if count := int(result.facts[bucket]):

@@ -9,10 +9,11 @@ use clearance::geometry::{Shape, TriangleMesh};
 use clearance::math::{Pose, Rotation, Vector};
 use clearance::query::{CollisionBody, Work, collide, distance};
 
-use crate::Outcome;
 use crate::answer::Answer;
 use crate::neutral::Neutral;
+use crate::not_yet::Cost;
 use crate::random::Random;
+use crate::{Outcome, not_yet};
 
 /// Name and width (m) of each gap.
 const GAPS: [(&str, f64); 6] =
@@ -32,7 +33,7 @@ const DEPTH: f64 = 0.005;
 
 pub struct MeshPair {
     bodies: [CollisionBody; 2],
-    triangles: [usize; 2],
+    meshes: [Arc<TriangleMesh>; 2],
     poses: BTreeMap<&'static str, Vec<Pose>>,
 }
 
@@ -96,13 +97,25 @@ impl MeshPair {
             neutral.poses(set, poses)?;
         }
         neutral.finish()?;
-        Ok(Self { bodies, triangles: [meshes[0].triangles().len(), meshes[1].triangles().len()], poses })
+        Ok(Self { bodies, meshes, poses })
     }
 
     /// `key=value` words for the report.
     pub fn summary(&self) -> String {
         let sets = self.poses.iter().map(|(set, poses)| format!("\t{set}={}", poses.len()));
-        format!("a={}\tb={}{}", self.triangles[0], self.triangles[1], sets.collect::<String>())
+        let [a, b] = self.meshes.each_ref().map(|m| m.triangles().len());
+        format!("a={a}\tb={b}{}", sets.collect::<String>())
+    }
+
+    /// `volume question n_bv c_bv n_p c_p` of every volume type, separated by tabs; times in ns.
+    pub fn costs(&self) -> Option<String> {
+        let lines = not_yet::cost_model(&self.meshes, &self.poses)?.into_iter().map(|c| {
+            let Cost { volume, question, volume_tests, volume_test_ns, primitive_tests, primitive_test_ns } = c;
+            format!(
+                "{volume} {question} {volume_tests:.1} {volume_test_ns:.2} {primitive_tests:.1} {primitive_test_ns:.2}"
+            )
+        });
+        Some(lines.collect::<Vec<_>>().join("\t"))
     }
 
     pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {

@@ -1,6 +1,11 @@
 //! What the library cannot do yet. THE ONLY PLACE to touch when it learns it: each function says what belongs in it, and
 //! `None` leaves a dash in the report.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use clearance::geometry::TriangleMesh;
+use clearance::math::Pose;
 use clearance::{CollisionChecker, Configuration, Workspace};
 
 use crate::answer::Answer;
@@ -21,7 +26,7 @@ pub fn stream(
     None
 }
 
-/// TODO(level 0): thread CPU time (ns) a state of kinematics and the first, coarse filter alone.
+/// TODO(level 0): CPU time (ns) a state of kinematics and the first, coarse filter alone.
 pub fn level_0_nanoseconds(_checker: &CollisionChecker, _states: &[Configuration]) -> Option<f64> {
     None
 }
@@ -31,8 +36,17 @@ pub fn hierarchy_bytes(_checker: &CollisionChecker) -> Option<usize> {
     None
 }
 
-/// TODO(cost model): for each volume type, of `T = N_bv * C_bv + N_p * C_p` over the states of the last subject,
-/// `NAME n_bv c_bv_ns n_p c_p_ns`, words separated by spaces, volume types by tabs.
-pub fn cost_model() -> Option<String> {
+/// One line of the cost model `T = N_bv * C_bv + N_p * C_p`, in the mean of the poses.
+pub struct Cost {
+    pub volume: &'static str,
+    pub question: &'static str,
+    pub volume_tests: f64,
+    pub volume_test_ns: f64,
+    pub primitive_tests: f64,
+    pub primitive_test_ns: f64,
+}
+
+/// TODO(cost model): of every volume type, for "free" and "distance", over all poses of two meshes (by gap).
+pub fn cost_model(_meshes: &[Arc<TriangleMesh>; 2], _poses: &BTreeMap<&str, Vec<Pose>>) -> Option<Vec<Cost>> {
     None
 }

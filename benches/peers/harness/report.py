@@ -9,13 +9,14 @@ from collections.abc import Iterable
 
 from .agreement import DISTANCE_TOLERANCE
 from .required import requirements
-from .results import GAPS, MEASURES, TOUCHING, Measured, Results, geometric_mean
+from .results import GAPS, MEASURES, TOUCHING, Measured, RobotResult, Results
 
 VOICES = {
     "clearance": "this library, one call a state",
     "clearance_batch": "this library, all states in one call, one thread",
     "clearance_stream": "this library, each state helped by the one before",
     "coal_cpp": "Coal from C++, as a careful programmer drives it",
+    "coal_cpp_bare": "Coal's own query of two meshes, without a sphere test before it",
     "pinocchio_coal": "Pinocchio with Coal, as Python users run it",
     "python_fcl": "FCL through python-fcl; its transforms are given, their kinematics not timed",
 }
@@ -59,7 +60,7 @@ def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
         f"- Date: {datetime.date.today().isoformat()}.",
         f"- Versions: {', '.join(f'{name} {version}' for name, version in sorted(versions.items()))}.",
         f"- One process a contestant, all on core {core}, in turn, {rounds} rounds (slow ones fewer, never fewer than two);"
-        " thread CPU time; µs a state: best pass / median pass (ratio of best passes to `clearance`).",
+        " CPU time; µs a state: best pass / median pass (ratio of best passes to `clearance`).",
         "- The same triangles, pairs and states for all; kinematics included. What is fair and how every peer is set:"
         " [`benches/peers/README.md`](../benches/peers/README.md).",
         "",
@@ -78,19 +79,20 @@ def _contestants() -> list[str]:
 def _robots(results: Results) -> list[str]:
     if not results.robots:
         return []
-    head = ["robot", "triangles", "pairs", "left out: touch by design", "states random / free", "hierarchies built in"]
-    rows = [
-        [
-            r.name,
-            r.facts["triangles"],
-            r.facts["pairs"],
-            r.facts["touching_by_design"],
-            f"{r.facts['random']} / {r.facts['free']}",
-            f"{float(r.figures['build_seconds']) * 1e3:.1f} ms" if r.figures else "–",
-        ]
-        for r in results.robots
-    ]
-    return ["## Robots", "", *_table(head, rows)]
+    head = ["robot", "triangles", "pairs", "left out: touch by design", "states random / free"]
+    head += ["hierarchies built in", "bytes a triangle", "level 0 a state"]
+    return ["## Robots", "", *_table(head, [_robot(r) for r in results.robots])]
+
+
+def _robot(robot: RobotResult) -> list[str]:
+    facts, figures = robot.facts, robot.figures
+    states = f"{facts['random']} / {facts['free']}"
+    built = f"{float(figures['build_seconds']) * 1e3:.1f} ms"
+    size, triangles = figures.get("hierarchy_bytes"), int(facts["triangles"])
+    per_triangle = f"{float(size) / triangles:.0f}" if size and triangles else "–"
+    level_0 = f"{figures['level_0_ns']} ns" if "level_0_ns" in figures else "–"
+    row = [robot.name, facts["triangles"], facts["pairs"], facts["touching_by_design"]]
+    return [*row, states, built, per_triangle, level_0]
 
 
 def _cell(measured: Measured, voice: str) -> str:
@@ -120,34 +122,41 @@ def _mesh_pairs(results: Results) -> list[str]:
     if not results.mesh_pairs:
         return []
     parts = ["## Pairs of meshes", ""]
-    parts += ["µs of `clearance` (ratio of `coal_cpp`) by gap; random rotations and directions.", ""]
-    for question, title, buckets in (
-        ("free", "Boolean", (TOUCHING, *GAPS)),
-        ("distance", "Exact distance", GAPS),
+    for question, title, buckets, peers in (
+        ("free", "Boolean", (TOUCHING, *GAPS), ("coal_cpp_bare", "coal_cpp")),
+        ("distance", "Exact distance", GAPS, ("coal_cpp",)),
     ):
+        ratios = ", then ".join(f"`{peer}`" for peer in peers)
+        parts += [f"### {title}", "", f"µs of `clearance` (ratio of {ratios}) by gap; random rotations and directions.", ""]
         rows = []
         for pair in results.mesh_pairs:
-            cells = []
-            for bucket in buckets:
-                measured = pair.measures.get((question, bucket))
-                ratio = measured.ratio("coal_cpp") if measured else None
-                cells.append("–" if ratio is None or measured is None else f"{_microseconds(measured.timings['clearance'].best)} ({ratio:.2f}x)")
+            cells = [_bucket_cell(pair.measures.get((question, bucket)), peers) for bucket in buckets]
             rows.append([pair.name, f"{pair.facts['a']} – {pair.facts['b']}", *cells])
-        means = [results.bucket(question, bucket) for bucket in buckets]
-        rows.append(["**geometric mean**", "", *("–" if mean is None else f"**{mean:.2f}x**" for mean in means)])
-        parts += [f"### {title}", "", *_table(["pair", "triangles", *buckets], rows)]
-        gaps = [mean for bucket in GAPS if (mean := results.bucket(question, bucket))]
-        parts += [f"Geometric mean of the gaps: {geometric_mean(gaps):.2f}x.", ""] if gaps else []
-    return parts
+        for peer in peers:
+            means = [results.bucket(question, bucket, peer) for bucket in buckets]
+            rows.append([f"**mean, `{peer}`**", "", *("–" if mean is None else f"**{mean:.2f}x**" for mean in means)])
+        parts += _table(["pair", "triangles", *buckets], rows)
+    return [*parts, "Means are geometric.", ""]
+
+
+def _bucket_cell(measured: Measured | None, peers: tuple[str, ...]) -> str:
+    if measured is None:
+        return "–"
+    ratios = [ratio for peer in peers if (ratio := measured.ratio(peer)) is not None]
+    return f"{_microseconds(measured.timings['clearance'].best)} ({', '.join(f'{ratio:.2f}x' for ratio in ratios)})"
 
 
 def _costs(results: Results) -> list[str]:
     """`T = N_bv * C_bv + N_p * C_p` of every volume type, once the library tells it."""
-    parts = ["## Cost model", "", "T = N_bv · C_bv + N_p · C_p (Gottschalk, Lin & Manocha 1996).", ""]
-    rows = [[r.name, *line.split()] for r in results.robots for line in r.costs]
+    parts = ["## Cost model", "", "T = N_bv · C_bv + N_p · C_p (Gottschalk, Lin & Manocha 1996), a pose.", ""]
+    rows = []
+    for pair in results.mesh_pairs:
+        for volume, question, n_bv, c_bv, n_p, c_p in (line.split() for line in pair.costs):
+            total = (float(n_bv) * float(c_bv) + float(n_p) * float(c_p)) / 1e3
+            rows.append([pair.name, volume, question, n_bv, c_bv, n_p, c_p, f"{total:.2f}"])
     if not rows:
         return [*parts, "The library does not tell it yet.", ""]
-    return [*parts, *_table(["robot", "volume", "N_bv", "C_bv (ns)", "N_p", "C_p (ns)"], rows)]
+    return [*parts, *_table(["pair", "volume", "question", "N_bv", "C_bv (ns)", "N_p", "C_p (ns)", "T (µs)"], rows)]
 
 
 def _disagreements(results: Results) -> list[str]:

@@ -40,7 +40,6 @@ class RobotResult:
     facts: dict[str, str]
     figures: dict[str, str] = field(default_factory=dict)
     measures: dict[tuple[str, str], Measured] = field(default_factory=dict)
-    costs: list[str] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
 
 
@@ -50,6 +49,8 @@ class MeshPairResult:
     facts: dict[str, str]
     # by question and bucket
     measures: dict[tuple[str, str], Measured] = field(default_factory=dict)
+    # volume type, question, N_bv, C_bv, N_p, C_p
+    costs: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -67,9 +68,9 @@ class Results:
                 found[robot.name] = min(known)
         return found
 
-    def bucket(self, question: str, gap: str) -> float | None:
-        """Geometric mean over mesh pairs of the ratio to Coal."""
-        each = [p.measures[question, gap].ratio("coal_cpp") for p in self.mesh_pairs if (question, gap) in p.measures]
+    def bucket(self, question: str, gap: str, peer: str) -> float | None:
+        """Geometric mean over mesh pairs of the peer's ratio."""
+        each = [p.measures[question, gap].ratio(peer) for p in self.mesh_pairs if (question, gap) in p.measures]
         return geometric_mean([ratio for ratio in each if ratio is not None])
 
 
