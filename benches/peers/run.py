@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures this library against Coal, Pinocchio and FCL, and writes docs/benchmarks.md. README.md beside it says how."""
+"""Measures this library against Coal, Pinocchio and FCL, and writes docs/benchmarks.md; README.md says how."""
 
 from __future__ import annotations
 
@@ -84,7 +84,11 @@ class Comparison:
         result = MeshPairResult(source.name, _facts(facts))
         self.coal.ask("load", neutral)
         result.costs = self.clearance.ask("costs") or []
-        voices = [Voice("clearance", self.clearance), Voice("coal_cpp", self.coal), Voice("coal_cpp_bare", self.coal, "-bare")]
+        voices = [
+            Voice("clearance", self.clearance),
+            Voice("coal_cpp", self.coal),
+            Voice("coal_cpp_bare", self.coal, "-bare"),
+        ]
         for question, buckets in (("free", (TOUCHING, *GAPS)), ("distance", GAPS)):
             for bucket in buckets:
                 if count := int(result.facts[bucket]):
@@ -101,27 +105,33 @@ def _facts(words: list[str] | None) -> dict[str, str]:
     return dict(word.split("=", 1) for word in words or [])
 
 
+def chosen(found: subjects.Subjects, names: str | None) -> list[subjects.RobotSource]:
+    if names == "none":
+        return []
+    known = {robot.name: robot for robot in found.robots}
+    wanted = names.split(",") if names else list(known)
+    if unknown := [name for name in wanted if name not in known]:
+        raise SystemExit(f"peers: no robot {', '.join(unknown)}; there are {', '.join(known)}")
+    return [known[name] for name in wanted]
+
+
 def main() -> int:
     options = arguments()
+    found = subjects.find(environment.ROOT)
+    robots = chosen(found, options.robots)
+    if found.note:
+        print(f"peers: {found.note}", file=sys.stderr)
     try:
         made = environment.prepare()
     except environment.MissingTool as missing:
         print(f"peers: {missing}", file=sys.stderr)
-        return 2
-    found = subjects.find(environment.ROOT)
-    if found.note:
-        print(f"peers: {found.note}", file=sys.stderr)
-    wanted = options.robots.split(",") if options.robots else [r.name for r in found.robots]
-    unknown = set(wanted) - {r.name for r in found.robots} - {"none"}
-    if unknown:
-        print(f"peers: no robots {', '.join(unknown)}; there are {', '.join(r.name for r in found.robots)}", file=sys.stderr)
         return 2
     os.sched_setaffinity(0, {options.core})  # the children inherit it; this process sleeps while they work
     results = Results()
     with tempfile.TemporaryDirectory() as folder:
         comparison = Comparison(options, made, Path(folder))
         try:
-            for robot in (r for r in found.robots if r.name in wanted):
+            for robot in robots:
                 print(f"robot {robot.name}", file=sys.stderr)
                 results.robots.append(comparison.robot(robot))
             for pair in found.mesh_pairs[: options.pairs]:

@@ -1,5 +1,5 @@
-//! What the library cannot do yet. THE ONLY PLACE to touch when it learns it: each function says what belongs in it, and
-//! `None` leaves a dash in the report.
+//! What the library cannot do yet, and the ONLY PLACE to touch when it learns it: each function says what belongs in
+//! it; `None` leaves a dash in the report.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

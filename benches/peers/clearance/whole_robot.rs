@@ -16,8 +16,8 @@ use crate::neutral::Neutral;
 use crate::random::Random;
 use crate::{Outcome, not_yet};
 
-/// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has such a
-/// rule; without it the published PR2 is never free: its upper arms reach into its shoulders.
+/// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has
+/// such a rule; without it the published PR2 is never free: its upper arms reach into its shoulders.
 const BY_DESIGN: f64 = 0.5;
 
 /// How far (m) the streamed question looks.

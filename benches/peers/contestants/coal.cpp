@@ -198,7 +198,7 @@ class Contestant {
     return hits_;
   }
 
-  // The least distance if it is below `limit`, else -1: pairs that may be nearest first, each only up to the least so far.
+  // The least distance if it is below `limit`, else -1: pairs that may be nearest first, each up to the least so far.
   double distance(double limit) {
     order_.clear();
     for (size_t i = 0; i < checks_.size(); ++i) {

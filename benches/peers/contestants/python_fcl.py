@@ -19,7 +19,8 @@ class PythonFcl:
             of_link.setdefault(link, []).append(len(self.objects))
             self.objects.append(fcl.CollisionObject(geometry))
             self.places.append((link, pose))
-        self.pairs = [(self.objects[i], self.objects[j]) for a, b in self.robot.pairs for i in of_link[a] for j in of_link[b]]
+        numbers = [(i, j) for a, b in self.robot.pairs for i in of_link[a] for j in of_link[b]]
+        self.pairs = [(self.objects[i], self.objects[j]) for i, j in numbers]
         self.request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
         self.transforms: dict[str, list[list[fcl.Transform]]] = {}
 

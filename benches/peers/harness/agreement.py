@@ -44,7 +44,8 @@ def compare(voices: list[Voice], question: str, states: str) -> list[Agreement]:
             reference = answers
             continue
         if len(answers) != len(reference):
-            found.append(Agreement(voice.name, len(reference), len(reference), float("inf"), "another number of answers"))
+            other = "another number of answers"
+            found.append(Agreement(voice.name, len(reference), len(reference), float("inf"), other))
             continue
         off = [differs(question, r, a) for r, a in zip(reference, answers)]
         wrong = [i for i, d in enumerate(off) if d > DISTANCE_TOLERANCE]

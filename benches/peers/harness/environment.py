@@ -1,4 +1,4 @@
-"""What the contestants are made of: a Python environment of PyPI wheels, the C++ contestant, this library's contestant."""
+"""What the contestants are made of: PyPI wheels, the C++ contestant, this library's contestant."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,9 +38,10 @@ def prepare() -> Environment:
     """Makes what is missing; minutes at first, seconds later."""
     if sys.version_info < (3, 10):
         raise MissingTool("needs Python 3.10 or newer")
-    for tool, package in (("g++", "apt-get install g++"), ("cargo", "https://rustup.rs"), ("git", "apt-get install git")):
+    tools = {"g++": "apt-get install g++", "cargo": "https://rustup.rs", "git": "apt-get install git"}
+    for tool, source in tools.items():
         if shutil.which(tool) is None:
-            raise MissingTool(f"needs {tool} ({package})")
+            raise MissingTool(f"needs {tool} ({source})")
     venv = _cache() / f"peers-{_hash([PEERS / 'requirements.txt'], sys.version)}"
     venv.parent.mkdir(parents=True, exist_ok=True)
     with open(venv.with_suffix(".lock"), "w") as lock:
@@ -64,8 +66,9 @@ def _hash(files: list[Path], *texts: str) -> str:
     return digest.hexdigest()[:16]
 
 
-def _run(command: list[str | Path], problem: str) -> str:
-    done = subprocess.run([str(word) for word in command], cwd=ROOT, capture_output=True, text=True, env=_clean())
+def _run(command: Sequence[str | Path], problem: str) -> str:
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, env=_clean(), check=False)
     if done.returncode != 0:
         raise MissingTool(f"{problem}:\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
     return done.stdout
@@ -84,7 +87,8 @@ def _make_venv(venv: Path) -> None:
     print(f"making a Python environment in {venv}", file=sys.stderr)
     shutil.rmtree(venv, ignore_errors=True)
     _run([sys.executable, "-m", "venv", venv], "no virtual environment (Debian: apt-get install python3-venv)")
-    pip = [venv / "bin/pip", "install", "--quiet", "--disable-pip-version-check", "-r", PEERS / "requirements.txt"]
+    pip: list[str | Path] = [venv / "bin/pip", "install", "-q", "--disable-pip-version-check"]
+    pip += ["-r", PEERS / "requirements.txt"]
     _run(pip, f"the peers cannot be installed for Python {sys.version.split()[0]}")
     complete.touch()
 

@@ -47,10 +47,8 @@ def _table(head: list[str], rows: Iterable[list[str]]) -> list[str]:
 
 
 def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
-    cpu = dict(
-        (key.strip(), value.strip())
-        for key, _, value in (line.partition(":") for line in subprocess.getoutput("lscpu").splitlines())
-    )
+    lines = (line.partition(":") for line in subprocess.getoutput("lscpu").splitlines())
+    cpu = {key.strip(): value.strip() for key, _, value in lines}
     keys = ("Model name", "CPU family", "Model", "Stepping", "CPU(s)", "L2 cache", "L3 cache", "Hypervisor vendor")
     machine = ", ".join(f"{key} {cpu[key]}" if key != "Model name" else cpu[key] for key in keys if key in cpu)
     return [
@@ -59,10 +57,10 @@ def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
         f"- Machine: {machine}; load {os.getloadavg()[0]:.1f} when this was written.",
         f"- Date: {datetime.date.today().isoformat()}.",
         f"- Versions: {', '.join(f'{name} {version}' for name, version in sorted(versions.items()))}.",
-        f"- One process a contestant, all on core {core}, in turn, {rounds} rounds (slow ones fewer, never fewer than two);"
-        " CPU time; µs a state: best pass / median pass (ratio of best passes to `clearance`).",
-        "- The same triangles, pairs and states for all; kinematics included. What is fair and how every peer is set:"
-        " [`benches/peers/README.md`](../benches/peers/README.md).",
+        f"- One process a contestant, all on core {core}, in turn, {rounds} rounds (long ones fewer, but two).",
+        "- CPU time; µs a state: best pass / median pass (ratio of best passes to `clearance`).",
+        "- The same triangles, pairs and states for all; kinematics included. What is fair, and how every peer is set:",
+        "  [`benches/peers/README.md`](../benches/peers/README.md).",
         "",
     ]
 
@@ -127,7 +125,8 @@ def _mesh_pairs(results: Results) -> list[str]:
         ("distance", "Exact distance", GAPS, ("coal_cpp",)),
     ):
         ratios = ", then ".join(f"`{peer}`" for peer in peers)
-        parts += [f"### {title}", "", f"µs of `clearance` (ratio of {ratios}) by gap; random rotations and directions.", ""]
+        parts += [f"### {title}", ""]
+        parts += [f"µs of `clearance` (ratio of {ratios}) by gap; random rotations and directions.", ""]
         rows = []
         for pair in results.mesh_pairs:
             cells = [_bucket_cell(pair.measures.get((question, bucket)), peers) for bucket in buckets]
@@ -170,7 +169,8 @@ def _disagreements(results: Results) -> list[str]:
                 if agreement.different:
                     count = f"{agreement.different} of {agreement.compared}"
                     worst = "" if agreement.worst == float("inf") else f"{agreement.worst:.1e} m"
-                    rows.append([subject, f"{question}, {states}", f"`{agreement.voice}`", count, worst, agreement.example])
+                    asked = f"{question}, {states}"
+                    rows.append([subject, asked, f"`{agreement.voice}`", count, worst, agreement.example])
     problems = [f"- {r.name}: {problem}" for r in results.robots for problem in r.problems]
     text = (
         f"{compared} answers were compared with those of `clearance` (hits and pairs identical, distances within"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def find(root: Path) -> Subjects:
     shared = root.parent / "shared"
     if (shared / "robots/robots.json").is_file() and (shared / "truth").is_dir():
         return Subjects(_truth(shared / "truth") + _published(shared / "robots"), _shared_pairs(shared), "")
-    note = "The shared robots are not on this machine: what was measured are the robots of `urdf/`, for which nothing is required."
+    note = "The shared robots are not here: measured are the robots of `urdf/`, for which nothing is required."
     return Subjects(_bundled(root / "urdf"), _bundled_pairs(root / "urdf/demo_arm/meshes"), note)
 
 
@@ -74,27 +74,24 @@ def _bundled(folder: Path) -> list[RobotSource]:
 
 def _shared_pairs(shared: Path) -> list[MeshPairSource]:
     """Pairs from 200 to 21 thousand triangles: hulls, arms, CAD shells of a humanoid, a concave scene."""
-    robots, truth = shared / "robots", shared / "truth"
+    robots = shared / "robots"
+    ur5, panda = (shared / "truth" / name / "meshes" for name in ("ur5", "panda"))
     iiwa = robots / "kuka_lbr_iiwa_support/meshes/lbr_iiwa_14_r820/collision"
     pr2 = robots / "moveit_resources_pr2_description/urdf/meshes"
+    torso = robots / "baxter_description/meshes/torso/base_link_collision.DAE"
     g1 = robots / "unitree_g1/meshes"
-    scene = truth / "common/shelf_scene.stl"
+    scene = shared / "truth/common/shelf_scene.stl"
+    hand, knee = panda / "collision_hand.stl", g1 / "left_knee_link.STL"
     return [
-        MeshPairSource("Panda link5 – hand", truth / "panda/meshes/collision_link5.stl", truth / "panda/meshes/collision_hand.stl"),
+        MeshPairSource("Panda link5 – hand", panda / "collision_link5.stl", hand),
         MeshPairSource("iiwa base – link 6", iiwa / "base_link.stl", iiwa / "link_6.stl"),
-        MeshPairSource(
-            "UR5 upper arm – forearm", truth / "ur5/meshes/ur5_collision_upperarm.stl", truth / "ur5/meshes/ur5_collision_forearm.stl"
-        ),
+        MeshPairSource("UR5 upper arm – forearm", *(ur5 / f"ur5_collision_{n}.stl" for n in ("upperarm", "forearm"))),
         MeshPairSource("PR2 upper arm – forearm", pr2 / "upper_arm_v0/upper_arm.stl", pr2 / "forearm_v0/forearm.stl"),
-        MeshPairSource(
-            "Baxter torso – PR2 finger",
-            robots / "baxter_description/meshes/torso/base_link_collision.DAE",
-            pr2 / "gripper_v0/l_finger.stl",
-        ),
+        MeshPairSource("Baxter torso – PR2 finger", torso, pr2 / "gripper_v0/l_finger.stl"),
         MeshPairSource("G1 wrist roll – elbow", g1 / "left_wrist_roll_link.STL", g1 / "right_elbow_link.STL"),
-        MeshPairSource("G1 knee – head", g1 / "left_knee_link.STL", g1 / "head_link.STL"),
-        MeshPairSource("shelf scene – Panda hand", scene, truth / "panda/meshes/collision_hand.stl"),
-        MeshPairSource("shelf scene – G1 knee", scene, g1 / "left_knee_link.STL"),
+        MeshPairSource("G1 knee – head", knee, g1 / "head_link.STL"),
+        MeshPairSource("shelf scene – Panda hand", scene, hand),
+        MeshPairSource("shelf scene – G1 knee", scene, knee),
     ]
 
 
