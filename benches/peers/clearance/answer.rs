@@ -1,0 +1,38 @@
+//! What one question about one state is answered with.
+
+use clearance::CollisionReport;
+use clearance::checker::Body;
+use clearance::robot::LinkId;
+
+/// An answer as the library gives it; it is put into words only where it is compared, never where it is timed.
+pub enum Answer {
+    Free(bool),
+    /// The numbers of the colliding pairs.
+    Pairs(CollisionReport),
+    /// The least distance (m), unless it is beyond the limit of the question.
+    Distance(Option<f64>),
+}
+
+impl std::fmt::Display for Answer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Free(free) => write!(f, "{}", u8::from(*free)),
+            Self::Pairs(report) => {
+                let mut names: Vec<String> =
+                    link_pairs(report).map(|(a, b)| format!("{}-{}", a.0, b.0)).collect();
+                names.sort();
+                f.write_str(&names.join(","))
+            }
+            Self::Distance(Some(distance)) => write!(f, "{distance}"),
+            Self::Distance(None) => f.write_str("far"),
+        }
+    }
+}
+
+/// Colliding pairs of links; there is no world here.
+pub fn link_pairs(report: &CollisionReport) -> impl Iterator<Item = (LinkId, LinkId)> {
+    report.colliding_pairs.iter().filter_map(|pair| match *pair {
+        (Body::Link(a), Body::Link(b)) => Some((a, b)),
+        _ => None,
+    })
+}

@@ -1,0 +1,186 @@
+//! A whole robot against itself: its states, and the library's calls about them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Arc;
+
+use clearance::checker::AllowedCollisionMatrix;
+use clearance::geometry::Shape;
+use clearance::robot::LinkId;
+use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, Workspace, World};
+use cpu_time::ProcessTime;
+
+use crate::answer::{Answer, link_pairs};
+use crate::draw::{Space, from_file};
+use crate::neutral::Neutral;
+use crate::random::Random;
+use crate::{Outcome, not_yet};
+
+/// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has
+/// such a rule; without it the published PR2 is never free: its upper arms reach into its shoulders.
+const BY_DESIGN: f64 = 0.5;
+
+/// How far (m) the streamed question looks.
+const NEAR: f64 = 0.1;
+
+/// The hierarchies are built so often; the fastest counts.
+const BUILDS: usize = 3;
+
+pub struct WholeRobot {
+    checker: CollisionChecker,
+    workspace: Workspace,
+    states: BTreeMap<&'static str, Vec<Configuration>>,
+    touching_by_design: usize,
+}
+
+impl WholeRobot {
+    /// Reads a robot, draws what no file gives, and writes everything down for the others.
+    ///
+    /// `source`: URDF, SRDF, package root, file of random states, file of free states (`-` where there is none), seed,
+    /// number of states to draw, steps of the walk, file to write.
+    pub fn prepare(source: &[&str]) -> Outcome<Self> {
+        let &[urdf, srdf, root, random_file, free_file, seed, count, steps, out] = source else {
+            return Err("a robot needs nine words".into());
+        };
+        let given = |word: &'static str, text: &str| (text != "-").then(|| text.to_owned()).ok_or(word);
+        let srdf = given("srdf", srdf).ok();
+        let robot = Arc::new(RobotModel::load(
+            Path::new(urdf),
+            srdf.as_deref().map(Path::new),
+            &[Path::new(root).to_owned()],
+        )?);
+        let mut random = Random::new(seed.parse()?);
+        let space = Space::new(&robot);
+        let (checker, touching_by_design) = checker_of(&robot, &space.uniform(&robot, &mut random, 200)?)?;
+        let uniform = match given("states", random_file) {
+            Ok(file) => from_file(&robot, Path::new(&file))?,
+            Err(_) => space.uniform(&robot, &mut random, count.parse()?)?,
+        };
+        let free = match given("states", free_file) {
+            Ok(file) => from_file(&robot, Path::new(&file))?,
+            Err(_) => space.free(&checker, &mut random, count.parse()?)?,
+        };
+        let start = free.first().cloned().unwrap_or_else(|| robot.default_configuration());
+        let walk = space.walk(&robot, &mut random, &start, steps.parse()?)?;
+        let states = BTreeMap::from([("random", uniform), ("free", free), ("walk", walk)]);
+        let mut neutral = Neutral::create(Path::new(out), robot.name())?;
+        neutral.robot(&checker)?;
+        for (set, states) in &states {
+            neutral.states(set, states)?;
+        }
+        neutral.finish()?;
+        Ok(Self { workspace: checker.workspace(), checker, states, touching_by_design })
+    }
+
+    /// `key=value` words for the report.
+    pub fn summary(&self) -> String {
+        let count = |set| self.states.get(set).map_or(0, Vec::len);
+        format!(
+            "pairs={}\ttouching_by_design={}\ttriangles={}\trandom={}\tfree={}\twalk={}",
+            self.checker.pairs().len(),
+            self.touching_by_design,
+            self.triangles(),
+            count("random"),
+            count("free"),
+            count("walk"),
+        )
+    }
+
+    fn triangles(&self) -> usize {
+        let shapes = self.checker.robot().links().iter().flat_map(|l| &l.collisions).map(|c| &c.shape);
+        shapes.map(|s| if let Shape::Mesh(mesh) = s { mesh.triangles().len() } else { 0 }).sum()
+    }
+
+    /// `key=value` words: what building costs, and what the library tells of itself.
+    pub fn figures(&self) -> Outcome<String> {
+        let robot = self.checker.robot();
+        let mut build_seconds = f64::INFINITY;
+        for _ in 0..BUILDS {
+            let start = ProcessTime::now();
+            let built = CollisionChecker::new(robot.clone(), &World::default(), Settings::default())?;
+            build_seconds = build_seconds.min(start.elapsed().as_secs_f64());
+            drop(built);
+        }
+        let mut words = vec![format!("build_seconds={build_seconds:.4}")];
+        let states = self.states.get("random").map_or(&[][..], |s| s);
+        words.extend(
+            not_yet::level_0_nanoseconds(&self.checker, states).map(|ns| format!("level_0_ns={ns:.1}")),
+        );
+        words.extend(not_yet::hierarchy_bytes(&self.checker).map(|bytes| format!("hierarchy_bytes={bytes}")));
+        Ok(words.join("\t"))
+    }
+
+    /// Asks about every state of `set`, which is a name or, for its first few states, `name:count`.
+    pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {
+        let Self { checker, workspace, states, .. } = self;
+        let (name, count) = set.split_once(':').map_or((set, None), |(name, count)| (name, Some(count)));
+        let states = states.get(name).ok_or_else(|| format!("no states '{name}'"))?;
+        let states = match count {
+            Some(count) => &states[..count.parse::<usize>()?.min(states.len())],
+            None => states,
+        };
+        let mut least_distance = |limit: f64| {
+            for q in states {
+                let report = checker.check(q, Question::Distance { limit }, workspace);
+                hear(Answer::Distance(report.nearest.map(|n| n.distance)));
+            }
+        };
+        match question {
+            "distance" => least_distance(f64::INFINITY),
+            "near" => least_distance(NEAR),
+            "free" => {
+                for q in states {
+                    hear(Answer::Free(checker.is_free(q, workspace)));
+                }
+            }
+            "pairs" => {
+                for q in states {
+                    hear(Answer::Pairs(checker.check(q, Question::Pairs, workspace)));
+                }
+            }
+            "free-batch" => match not_yet::batch(checker, states) {
+                Some(answers) => answers.into_iter().for_each(|free| hear(Answer::Free(free))),
+                None => return Ok(false),
+            },
+            "near-stream" => match not_yet::stream(checker, workspace, states, NEAR) {
+                Some(answers) => answers.into_iter().for_each(hear),
+                None => return Ok(false),
+            },
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+/// The checker without pairs that touch by design, and how many those are.
+fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(CollisionChecker, usize)> {
+    let given = CollisionChecker::new(robot.clone(), &World::default(), Settings::default())?;
+    let mut workspace = given.workspace();
+    let mut hits: BTreeMap<(LinkId, LinkId), usize> = BTreeMap::new();
+    for q in sample {
+        for pair in link_pairs(&given.check(q, Question::Pairs, &mut workspace)) {
+            *hits.entry(pair).or_default() += 1;
+        }
+    }
+    #[allow(clippy::cast_precision_loss)] // counts of states
+    let by_design: BTreeSet<_> = hits
+        .into_iter()
+        .filter(|(_, n)| *n as f64 >= BY_DESIGN * sample.len() as f64)
+        .map(|(pair, _)| pair)
+        .collect();
+    if by_design.is_empty() {
+        return Ok((given, 0));
+    }
+    // a matrix replaces the SRDF: it must allow what the SRDF allowed, too
+    let kept: BTreeSet<_> =
+        given.pairs().self_pairs().iter().filter(|pair| !by_design.contains(pair)).collect();
+    let mut matrix = AllowedCollisionMatrix::default();
+    for a in robot.link_ids() {
+        for b in robot.link_ids().filter(|b| a < *b && !kept.contains(&(a, *b))) {
+            matrix.set(&robot.link(a).name, &robot.link(b).name, true);
+        }
+    }
+    let checker =
+        CollisionChecker::with_matrix(robot.clone(), &World::default(), Settings::default(), Some(&matrix))?;
+    Ok((checker, by_design.len()))
+}

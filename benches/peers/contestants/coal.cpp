@@ -1,0 +1,263 @@
+// Coal as a careful C++ programmer would drive it; what that means is in README.md, "Fairness".
+#include <coal/BVH/BVH_model.h>
+#include <coal/collision.h>
+#include <coal/distance.h>
+#include <coal/shape/geometric_shapes.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <limits>
+#include <memory>
+
+#include "neutral.hpp"
+
+using neutral::Pose;
+
+// The least distance that the question "near" looks for (m).
+static constexpr double kNear = 0.1;
+
+// One collision geometry: all meshes of a link, or one primitive.
+struct Solid {
+  size_t link;
+  bool in_link_frame;
+  Pose pose;  // in the link
+  std::shared_ptr<coal::CollisionGeometry> geometry;
+  Eigen::Vector3d centre;  // of a sphere around it, in its frame
+  double radius;
+};
+
+// Two geometries of two links, with Coal's functions looked up once.
+struct Check {
+  size_t a, b;  // solids
+  size_t pair;  // of links
+  coal::ComputeCollision collide;
+  coal::ComputeDistance distance;
+};
+
+static std::shared_ptr<coal::CollisionGeometry> mesh(const neutral::Link& link) {
+  auto bvh = std::make_shared<coal::BVHModel<coal::OBBRSS>>();
+  std::vector<coal::Vec3s> points(link.vertices.begin(), link.vertices.end());
+  std::vector<coal::Triangle> triangles;
+  for (const auto& t : link.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  bvh->beginModel(static_cast<unsigned>(triangles.size()), static_cast<unsigned>(points.size()));
+  bvh->addSubModel(points, triangles);
+  bvh->endModel();
+  return bvh;
+}
+
+static std::shared_ptr<coal::CollisionGeometry> primitive(const neutral::Primitive& p) {
+  const auto& s = p.sizes;
+  if (p.shape == "box") return std::make_shared<coal::Box>(s.at(0), s.at(1), s.at(2));
+  if (p.shape == "sphere") return std::make_shared<coal::Sphere>(s.at(0));
+  if (p.shape == "cylinder") return std::make_shared<coal::Cylinder>(s.at(0), s.at(1));
+  if (p.shape == "capsule") return std::make_shared<coal::Capsule>(s.at(0), s.at(1));
+  throw std::runtime_error("no shape " + p.shape);
+}
+
+class Contestant {
+ public:
+  explicit Contestant(const std::string& file) : robot_(neutral::Reader(file).robot), poses_(robot_.links.size()) {
+    std::vector<std::vector<size_t>> of_link(robot_.links.size());
+    const auto add = [&](size_t link, bool plain, const Pose& pose, std::shared_ptr<coal::CollisionGeometry> g) {
+      g->computeLocalAABB();
+      of_link[link].push_back(solids_.size());
+      solids_.push_back({link, plain, pose, g, g->aabb_center, g->aabb_radius});
+    };
+    for (size_t i = 0; i < robot_.links.size(); ++i)
+      if (!robot_.links[i].triangles.empty()) add(i, true, Pose{}, mesh(robot_.links[i]));
+    for (const auto& p : robot_.primitives) add(p.link, false, p.pose, primitive(p));
+    for (size_t pair = 0; pair < robot_.pairs.size(); ++pair)
+      for (size_t a : of_link[robot_.pairs[pair].first])
+        for (size_t b : of_link[robot_.pairs[pair].second])
+          checks_.push_back({a, b, pair, {solids_[a].geometry.get(), solids_[b].geometry.get()},
+                             {solids_[a].geometry.get(), solids_[b].geometry.get()}});
+    places_.resize(solids_.size());
+    centres_.resize(solids_.size());
+    collision_request_.break_distance = 0;
+    distance_request_.enable_signed_distance = false;
+    for (const auto& link : robot_.links) given_ |= link.kind == neutral::Link::Placed;
+    if (given_) place_once();
+  }
+
+  // Asks `question` about every state of `set`, which is a name or, for its first few states, `name:count`.
+  // False where there is no such question.
+  template <class Hear>
+  bool ask(const std::string& question, const std::string& set, Hear hear) {
+    const size_t colon = set.find(':');
+    const auto& states = robot_.states.at(set.substr(0, colon));
+    const size_t count =
+        colon == std::string::npos ? states.size() : std::min<size_t>(states.size(), std::stoul(set.substr(colon + 1)));
+    const coal::Transform3s* given = given_ ? transforms_.at(set).data() : nullptr;
+    const auto each = [&](auto answer) {
+      for (size_t i = 0; i < count; ++i) {
+        given ? put(given[i]) : place(states[i]);
+        hear(answer());
+      }
+      return true;
+    };
+    if (question == "free") return each([&] { return free(); });
+    if (question == "free-bare") return each([&] { return free_bare(); });
+    if (question == "pairs") return each([&]() -> const std::vector<size_t>& { return hits(); });
+    if (question == "distance") return each([&] { return distance(std::numeric_limits<double>::max()); });
+    if (question == "near") return each([&] { return distance(kNear); });
+    return false;
+  }
+
+  std::string say(bool free) const { return free ? "1" : "0"; }
+  std::string say(double distance) const {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", distance);
+    return distance < 0 ? "far" : text;
+  }
+  std::string say(const std::vector<size_t>& hits) const {
+    std::string out;
+    for (size_t pair : hits) {
+      const auto& [a, b] = robot_.pairs[pair];
+      out += (out.empty() ? "" : ",") + robot_.links[a].id + "-" + robot_.links[b].id;
+    }
+    return out;
+  }
+
+ private:
+  neutral::Robot robot_;
+  std::vector<Pose> poses_;  // of links
+  std::vector<Solid> solids_;
+  std::vector<Check> checks_;
+  std::vector<coal::Transform3s> places_;  // of solids
+  std::vector<Eigen::Vector3d> centres_;   // of their spheres
+  std::vector<std::pair<double, size_t>> order_;
+  std::vector<size_t> hits_;
+  bool given_ = false;  // states are poses, given as Coal wants them: no kinematics to compute
+  std::map<std::string, std::vector<coal::Transform3s>> transforms_;
+  coal::CollisionRequest collision_request_{coal::NO_REQUEST, 1};  // no contacts, one is enough
+  coal::CollisionResult collision_;
+  coal::DistanceRequest distance_request_{false};  // no nearest points
+  coal::DistanceResult distance_;
+
+  void place_once() {
+    for (const auto& [set, states] : robot_.states)
+      for (const auto& s : states) {
+        coal::Matrix3s turn;
+        turn << s[0], s[1], s[2], s[4], s[5], s[6], s[8], s[9], s[10];
+        transforms_[set].emplace_back(turn, coal::Vec3s(s[3], s[7], s[11]));
+      }
+    centres_[0] = solids_[0].centre;
+  }
+
+  void put(const coal::Transform3s& given) {
+    places_[1] = given;
+    centres_[1] = given.transform(solids_[1].centre);
+  }
+
+  void place(const neutral::State& q) {
+    robot_.place(q, poses_);
+    for (size_t i = 0; i < solids_.size(); ++i) {
+      const Solid& s = solids_[i];
+      const Pose pose = s.in_link_frame ? poses_[s.link] : poses_[s.link] * s.pose;
+      places_[i] = coal::Transform3s(pose.turn, pose.shift);
+      centres_[i] = pose.turn * s.centre + pose.shift;
+    }
+  }
+
+  // Never more than the distance of the two solids of a check.
+  double lower_bound(const Check& c) const {
+    return (centres_[c.a] - centres_[c.b]).norm() - solids_[c.a].radius - solids_[c.b].radius;
+  }
+
+  bool spheres_apart(const Check& c) const {
+    const double reach = solids_[c.a].radius + solids_[c.b].radius;
+    return (centres_[c.a] - centres_[c.b]).squaredNorm() > reach * reach;
+  }
+
+  bool collide(Check& c) {
+    collision_.clear();
+    return c.collide(places_[c.a], places_[c.b], collision_request_, collision_) > 0;
+  }
+
+  bool touches(Check& c) { return !spheres_apart(c) && collide(c); }
+
+  bool free() {
+    for (Check& c : checks_)
+      if (touches(c)) return false;
+    return true;
+  }
+
+  // Coal's own query of every pair, without the sphere test before it.
+  bool free_bare() {
+    for (Check& c : checks_)
+      if (collide(c)) return false;
+    return true;
+  }
+
+  const std::vector<size_t>& hits() {
+    hits_.clear();
+    for (Check& c : checks_)
+      if ((hits_.empty() || hits_.back() != c.pair) && touches(c)) hits_.push_back(c.pair);
+    return hits_;
+  }
+
+  // The least distance if it is below `limit`, else -1: pairs that may be nearest first, each up to the least so far.
+  double distance(double limit) {
+    order_.clear();
+    for (size_t i = 0; i < checks_.size(); ++i) {
+      const double lower = lower_bound(checks_[i]);
+      if (lower < limit) order_.emplace_back(lower, i);
+    }
+    std::sort(order_.begin(), order_.end());
+    double least = limit;
+    for (const auto& [lower, i] : order_) {
+      if (lower >= least || least <= 0) break;
+      Check& c = checks_[i];
+      distance_.clear();
+      distance_.min_distance = least;
+      least = std::min(least, std::max(0.0, c.distance(places_[c.a], places_[c.b], distance_request_, distance_)));
+    }
+    return least < limit ? least : -1;
+  }
+};
+
+static long long cpu_nanoseconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return t.tv_sec * 1000000000LL + t.tv_nsec;
+}
+
+// Keeps the compiler from dropping work whose answer nobody reads.
+template <class T>
+static void keep(const T& value) {
+  asm volatile("" : : "g"(&value) : "memory");
+}
+
+static std::string reply(const std::vector<std::string>& w, std::unique_ptr<Contestant>& contestant) {
+  if (w[0] == "load") {
+    contestant = std::make_unique<Contestant>(w.at(1));
+    return "ok\t";
+  }
+  if (!contestant) throw std::runtime_error("nothing is loaded");
+  bool known = true;
+  std::string out;
+  if (w[0] == "pass") {
+    const long long start = cpu_nanoseconds();
+    for (long n = std::stol(w.at(3)); n > 0 && known; --n)
+      known = contestant->ask(w.at(1), w.at(2), [](const auto& answer) { keep(answer); });
+    out = "\t" + std::to_string(cpu_nanoseconds() - start);
+  } else if (w[0] == "answers") {
+    known = contestant->ask(w.at(1), w.at(2), [&](const auto& answer) { out += "\t" + contestant->say(answer); });
+  } else {
+    known = false;
+  }
+  return known ? "ok" + out : "unsupported";
+}
+
+int main() {
+  std::unique_ptr<Contestant> contestant;
+  for (std::string line; std::getline(std::cin, line);) {
+    try {
+      std::cout << reply(neutral::words(line), contestant) << std::endl;
+    } catch (const std::exception& e) {
+      std::cout << "error\t" << e.what() << std::endl;
+    }
+  }
+}

@@ -1,0 +1,87 @@
+"""Pinocchio with Coal, as Python users run it: the URDF's collision geometry, the same pairs, one call a state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import neutral
+import numpy as np
+import pinocchio as pin
+
+
+class PinocchioCoal:
+    def load(self, words: list[str]) -> None:
+        """`words`: the neutral file, and the URDF with mesh names that are absolute paths."""
+        file, urdf = words[0], words[1]
+        self.robot = neutral.read(file)
+        self.model = pin.buildModelFromUrdf(urdf)
+        self.geometry = pin.buildGeomFromUrdf(self.model, urdf, pin.GeometryType.COLLISION)
+        self._check_triangles()
+        self._add_pairs()
+        self.data = self.model.createData()
+        self.geometry_data = self.geometry.createData()
+        for request in self.geometry_data.collisionRequests:
+            request.break_distance = 0.0
+        self.states = {name: [self._state(q) for q in states] for name, states in self.robot.states.items()}
+
+    def _check_triangles(self) -> None:
+        """The comparison is worth nothing unless both read the same meshes."""
+        shapes = [o.geometry for o in self.geometry.geometryObjects]
+        read = sum(s.num_tris for s in shapes if hasattr(s, "num_tris"))
+        given = sum(len(t) for link in self.robot.links.values() for t in link.triangles)
+        if read != given:
+            raise ValueError(f"Pinocchio reads {read} triangles, clearance {given}")
+
+    def _add_pairs(self) -> None:
+        of_link: dict[str, list[int]] = {}
+        for index, solid in enumerate(self.geometry.geometryObjects):
+            of_link.setdefault(self.model.frames[solid.parentFrame].name, []).append(index)
+        self.geometry.removeAllCollisionPairs()
+        self.pair_names: list[str] = []
+        for a, b in self.robot.pairs:
+            for i in of_link[self.robot.links[a].name]:
+                for j in of_link[self.robot.links[b].name]:
+                    self.geometry.addCollisionPair(pin.CollisionPair(i, j))
+                    self.pair_names.append(f"{a}-{b}")
+
+    def _state(self, q: np.ndarray) -> np.ndarray:
+        """Pinocchio's order of joints; a continuous joint is its cosine and sine, a mimicking one has its own value."""
+        out = pin.neutral(self.model)
+        for link in self.robot.links.values():
+            if link.kind not in ("turns", "slides"):
+                continue
+            joint = self.model.joints[self.model.getJointId(link.joint)]
+            value = link.value(q)
+            out[joint.idx_q : joint.idx_q + joint.nq] = (
+                [math.cos(value), math.sin(value)] if joint.nq == 2 else [value]
+            )
+        return out
+
+    def calls(self, question: str, states: str) -> tuple[Callable[[object], object], list[object]] | None:
+        model, data, geometry, geometry_data = self.model, self.data, self.geometry, self.geometry_data
+        questions: dict[str, Callable[[object], object]] = {
+            "free": lambda q: pin.computeCollisions(model, data, geometry, geometry_data, q, True),
+            "pairs": lambda q: pin.computeCollisions(model, data, geometry, geometry_data, q, False),
+            "distance": lambda q: pin.computeDistances(model, data, geometry, geometry_data, q),
+        }
+        if question not in questions:
+            return None
+        name, _, count = states.partition(":")
+        return questions[question], self.states[name][: int(count)] if count else self.states[name]
+
+    def answers(self, question: str, states: str) -> Iterable[str]:
+        call, arguments = self.calls(question, states) or (None, [])
+        for q in arguments:
+            found = call(q)
+            if question == "free":
+                yield "0" if found else "1"
+            elif question == "pairs":
+                results = zip(self.pair_names, self.geometry_data.collisionResults)
+                yield ",".join(sorted({name for name, result in results if result.isCollision()}))
+            else:
+                yield repr(max(0.0, self.geometry_data.distanceResults[found].min_distance))
+
+
+if __name__ == "__main__":
+    neutral.serve(PinocchioCoal())

@@ -1,0 +1,1 @@
+"""The parts of `run.py`, each of one concept."""

@@ -1,0 +1,133 @@
+"""What the contestants are made of: PyPI wheels, the C++ contestant, this library's contestant."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+PEERS = Path(__file__).resolve().parent.parent
+ROOT = PEERS.parent.parent
+
+# What the pkg-config file of the coal wheel says; cmeel's wheels put headers and libraries under one prefix.
+COAL_DEFINITIONS = ["COAL_HAS_OCTOMAP", "COAL_HAVE_OCTOMAP"] + [
+    f"OCTOMAP_{part}_VERSION={value}" for part, value in (("MAJOR", 1), ("MINOR", 10), ("PATCH", 0))
+]
+
+
+class MissingTool(Exception):
+    """Something that the comparison needs is not on this machine; the message says what to do."""
+
+
+@dataclass(frozen=True)
+class Environment:
+    python: Path
+    coal: Path
+    clearance: Path
+    versions: dict[str, str]
+
+
+def prepare() -> Environment:
+    """Makes what is missing; minutes at first, seconds later."""
+    if sys.version_info < (3, 10):
+        raise MissingTool("needs Python 3.10 or newer")
+    tools = {"g++": "apt-get install g++", "cargo": "https://rustup.rs", "git": "apt-get install git"}
+    for tool, source in tools.items():
+        if shutil.which(tool) is None:
+            raise MissingTool(f"needs {tool} ({source})")
+    venv = _cache() / f"peers-{_hash([PEERS / 'requirements.txt'], sys.version)}"
+    venv.parent.mkdir(parents=True, exist_ok=True)
+    with open(venv.with_suffix(".lock"), "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two runs at once wait for each other
+        _make_venv(venv)
+        coal = _build_coal(venv)
+    python = venv / "bin/python"
+    return Environment(python, coal, _build_clearance(), _versions(python))
+
+
+def _cache() -> Path:
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(os.environ.get("CLEARANCE_CACHE") or Path(base) / "clearance")
+
+
+def _hash(files: list[Path], *texts: str) -> str:
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.read_bytes())
+    for text in texts:
+        digest.update(text.encode())
+    return digest.hexdigest()[:16]
+
+
+def _run(command: Sequence[str | Path], problem: str) -> str:
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, env=_clean(), check=False)
+    if done.returncode != 0:
+        raise MissingTool(f"{problem}:\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
+    return done.stdout
+
+
+def _clean() -> dict[str, str]:
+    """A sourced ROS or another environment must not mix with the wheels."""
+    mixing = ("PYTHONPATH", "PYTHONHOME", "LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH")
+    return {name: value for name, value in os.environ.items() if name not in mixing}
+
+
+def _make_venv(venv: Path) -> None:
+    complete = venv / ".complete"  # written last: a folder without it is what an interrupted run left
+    if complete.exists():
+        return
+    print(f"making a Python environment in {venv}", file=sys.stderr)
+    shutil.rmtree(venv, ignore_errors=True)
+    _run([sys.executable, "-m", "venv", venv], "no virtual environment (Debian: apt-get install python3-venv)")
+    pip: list[str | Path] = [venv / "bin/pip", "install", "-q", "--disable-pip-version-check"]
+    pip += ["-r", PEERS / "requirements.txt"]
+    _run(pip, f"the peers cannot be installed for Python {sys.version.split()[0]}")
+    complete.touch()
+
+
+def _build_coal(venv: Path) -> Path:
+    folder = PEERS / "contestants"
+    source = folder / "coal.cpp"
+    program = venv / f"coal-{_hash([source, folder / 'neutral.hpp'])}"
+    if program.exists():
+        return program
+    print("building the C++ contestant", file=sys.stderr)
+    prefix = next(venv.glob("lib/python*/site-packages/cmeel.prefix"))
+    # no -march: it would change the alignment of Eigen's types, which the wheel has fixed
+    command: list[str | Path] = ["g++", "-std=c++17", "-O3", "-DNDEBUG", *(f"-D{d}" for d in COAL_DEFINITIONS)]
+    command += ["-isystem", prefix / "include", "-isystem", prefix / "include/eigen3", source]
+    command += ["-L", prefix / "lib", "-lcoal", f"-Wl,-rpath,{prefix / 'lib'}", "-o", program]
+    _run(command, "the C++ contestant does not build")
+    return program
+
+
+def _build_clearance() -> Path:
+    print("building clearance (cargo bench --no-run)", file=sys.stderr)
+    command = ["cargo", "bench", "--no-run", "--bench", "peer", "--no-default-features"]
+    out = _run([*command, "--message-format=json-render-diagnostics"], "clearance does not build")
+    for line in out.splitlines():
+        message = json.loads(line) if line.startswith("{") else {}
+        if message.get("executable") and message.get("target", {}).get("name") == "peer":
+            return Path(message["executable"])
+    raise MissingTool("cargo built no program 'peer'")
+
+
+def _versions(python: Path) -> dict[str, str]:
+    wheels = json.loads(_run([python, "-m", "pip", "list", "--format=json"], "pip does not list"))
+    wanted = ("pin", "coal", "python-fcl", "numpy", "cmeel-eigen")
+    found = {wheel["name"]: wheel["version"] for wheel in wheels if wheel["name"] in wanted}
+    found["Python"] = sys.version.split()[0]
+    found["rustc"] = _run(["rustc", "--version"], "no rustc").split()[1]
+    found["g++"] = _run(["g++", "-dumpfullversion"], "no g++").strip()
+    commit = _run(["git", "rev-parse", "--short", "HEAD"], "no commit").strip()
+    changed = _run(["git", "status", "--porcelain", "--untracked-files=no"], "no status").strip()
+    found["clearance"] = commit + (" with changes" if changed else "")
+    return found

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Measures this library against Coal, Pinocchio and FCL, and writes docs/benchmarks.md; README.md says how."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from harness import environment, report, subjects
+from harness.agreement import compare
+from harness.child import Child, Failed
+from harness.race import Voice, race
+from harness.results import GAPS, MEASURES, TOUCHING, Measured, MeshPairResult, Results, RobotResult
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robots", help="names, separated by commas; 'none' for none (default: all)")
+    parser.add_argument("--pairs", type=int, help="how many pairs of meshes (default: all)")
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--states", type=int, default=500, help="states drawn where no file gives them")
+    parser.add_argument("--distance-states", type=int, default=200, help="of the free ones")
+    parser.add_argument("--walk", type=int, default=1000, help="steps of the walk")
+    parser.add_argument("--poses", type=int, default=50, help="poses of a pair of meshes and gap")
+    parser.add_argument("--patience", type=float, default=30, help="seconds for one contestant and measure")
+    parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=environment.ROOT / "docs/benchmarks.md")
+    return parser.parse_args()
+
+
+class Comparison:
+    """The contestants' processes, and what they are asked one subject after the other."""
+
+    def __init__(self, options: argparse.Namespace, made: environment.Environment, folder: Path) -> None:
+        self.options, self.folder = options, folder
+        contestants = environment.PEERS / "contestants"
+        self.clearance = Child("clearance", [made.clearance, "serve"])
+        self.coal = Child("coal_cpp", [made.coal])
+        self.pinocchio = Child("pinocchio_coal", [made.python, contestants / "pinocchio_coal.py"])
+        self.fcl = Child("python_fcl", [made.python, contestants / "python_fcl.py"])
+        self.own = [
+            Voice("clearance", self.clearance),
+            Voice("clearance_batch", self.clearance, "-batch"),
+            Voice("clearance_stream", self.clearance, "-stream"),
+        ]
+
+    def close(self) -> None:
+        for child in (self.clearance, self.coal, self.pinocchio, self.fcl):
+            child.close()
+
+    def robot(self, source: subjects.RobotSource) -> RobotResult:
+        options, neutral = self.options, self.folder / "neutral"
+        files = [source.urdf, source.srdf, source.package_root, source.random_states, source.free_states]
+        words = [path if path else "-" for path in files]
+        facts = self.clearance.ask("robot", *words, options.seed, options.states, options.walk, neutral)
+        result = RobotResult(source.name, _facts(facts))
+        result.figures = _facts(self.clearance.ask("figures"))
+        urdf = self.folder / "absolute.urdf"
+        subjects.with_absolute_meshes(source, urdf)
+        voices = list(self.own)
+        peers = [self.coal, self.pinocchio] + ([self.fcl] if source.small else [])
+        for peer in peers:
+            try:
+                peer.ask("load", neutral, urdf)
+                voices.append(Voice(peer.name, peer))
+            except Failed as failure:
+                result.problems.append(str(failure))
+        for question, states in MEASURES:
+            count = int(result.facts[states])
+            if question == "distance":
+                count = min(count, options.distance_states)
+            if count:
+                some = f"{states}:{count}"
+                result.measures[question, states] = self._measure(voices, question, some, count)
+        return result
+
+    def mesh_pair(self, source: subjects.MeshPairSource) -> MeshPairResult:
+        options, neutral = self.options, self.folder / "neutral"
+        facts = self.clearance.ask("meshes", source.a, source.b, options.seed, options.poses, neutral)
+        result = MeshPairResult(source.name, _facts(facts))
+        self.coal.ask("load", neutral)
+        result.costs = self.clearance.ask("costs") or []
+        voices = [
+            Voice("clearance", self.clearance),
+            Voice("coal_cpp", self.coal),
+            Voice("coal_cpp_bare", self.coal, "-bare"),
+        ]
+        for question, buckets in (("free", (TOUCHING, *GAPS)), ("distance", GAPS)):
+            for bucket in buckets:
+                if count := int(result.facts[bucket]):
+                    result.measures[question, bucket] = self._measure(voices, question, bucket, count)
+        return result
+
+    def _measure(self, voices: list[Voice], question: str, states: str, count: int) -> Measured:
+        options = self.options
+        agreements = compare(voices, question, states)
+        return Measured(race(voices, question, states, count, options.rounds, options.patience), agreements)
+
+
+def _facts(words: list[str] | None) -> dict[str, str]:
+    return dict(word.split("=", 1) for word in words or [])
+
+
+def chosen(found: subjects.Subjects, names: str | None) -> list[subjects.RobotSource]:
+    if names == "none":
+        return []
+    known = {robot.name: robot for robot in found.robots}
+    wanted = names.split(",") if names else list(known)
+    if unknown := [name for name in wanted if name not in known]:
+        raise SystemExit(f"peers: no robot {', '.join(unknown)}; there are {', '.join(known)}")
+    return [known[name] for name in wanted]
+
+
+def main() -> int:
+    options = arguments()
+    found = subjects.find(environment.ROOT)
+    robots = chosen(found, options.robots)
+    if found.note:
+        print(f"peers: {found.note}", file=sys.stderr)
+    try:
+        made = environment.prepare()
+    except environment.MissingTool as missing:
+        print(f"peers: {missing}", file=sys.stderr)
+        return 2
+    os.sched_setaffinity(0, {options.core})  # the children inherit it; this process sleeps while they work
+    results = Results()
+    with tempfile.TemporaryDirectory() as folder:
+        comparison = Comparison(options, made, Path(folder))
+        try:
+            for robot in robots:
+                print(f"robot {robot.name}", file=sys.stderr)
+                results.robots.append(comparison.robot(robot))
+            for pair in found.mesh_pairs[: options.pairs]:
+                print(f"meshes {pair.name}", file=sys.stderr)
+                results.mesh_pairs.append(comparison.mesh_pair(pair))
+        except Failed as failure:
+            print(f"peers: {failure}", file=sys.stderr)
+            return 1
+        comparison.close()
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(report.markdown(results, made.versions, options.rounds, options.core, found.note))
+    print(f"wrote {options.out}", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
