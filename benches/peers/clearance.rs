@@ -12,8 +12,8 @@ mod draw;
 mod mesh_pair;
 #[path = "clearance/neutral.rs"]
 mod neutral;
-#[path = "clearance/not_yet.rs"]
-mod not_yet;
+#[path = "clearance/own.rs"]
+mod own;
 #[path = "clearance/random.rs"]
 mod random;
 #[path = "clearance/whole_robot.rs"]

@@ -39,6 +39,22 @@ impl CollisionChecker {
         dispatch!(level, simd => self.free_eights(simd, states, scratch, free));
     }
 
+    /// How many pairs of all states level 0 leaves to the hierarchies: kinematics and capsules alone, which take their share
+    /// of every check.
+    pub fn count_near_pairs(&self, states: &[Configuration], workspace: &mut Workspace) -> u64 {
+        let level = workspace.scratch.level();
+        dispatch!(level, simd => {
+            let mut eight = Eight::new(self, simd);
+            let mut count = 0;
+            for states in states.chunks(LANES) {
+                self.screen_eight(simd, states, &mut eight);
+                let lanes = u8::MAX >> (LANES - states.len());
+                count += eight.near.iter().map(|near| u64::from((near & lanes).count_ones())).sum::<u64>();
+            }
+            count
+        })
+    }
+
     /// Answers `question` about each state, as [`Self::check`] does: the same reports, in the order of the states, for any
     /// number of threads.
     ///

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use clearance::MeshFiles;
 use clearance::geometry::{Shape, TriangleMesh};
 use clearance::math::{Pose, Rotation, Vector};
-use clearance::query::{CollisionBody, Work, collide, distance};
+use clearance::query::{CollisionBody, Scratch, collide, distance};
 
 use crate::answer::Answer;
 use crate::neutral::Neutral;
-use crate::not_yet::Cost;
+use crate::own::Cost;
 use crate::random::Random;
-use crate::{Outcome, not_yet};
+use crate::{Outcome, own};
 
 /// Name and width (m) of each gap.
 const GAPS: [(&str, f64); 6] =
@@ -109,7 +109,7 @@ impl MeshPair {
 
     /// `volume question n_bv c_bv n_p c_p` of every volume type, separated by tabs; times in ns.
     pub fn costs(&self) -> Option<String> {
-        let lines = not_yet::cost_model(&self.meshes, &self.poses)?.into_iter().map(|c| {
+        let lines = own::cost_model(&self.meshes, &self.poses).into_iter().map(|c| {
             let Cost { volume, question, volume_tests, volume_test_ns, primitive_tests, primitive_test_ns } = c;
             format!(
                 "{volume} {question} {volume_tests:.1} {volume_test_ns:.2} {primitive_tests:.1} {primitive_test_ns:.2}"
@@ -121,16 +121,16 @@ impl MeshPair {
     pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {
         let [a, b] = &self.bodies;
         let poses = self.poses.get(set).ok_or_else(|| format!("no poses '{set}'"))?;
-        let mut work = Work::default();
+        let mut scratch = Scratch::default();
         match question {
             "free" => {
                 for pose_ab in poses {
-                    hear(Answer::Free(collide(a, b, pose_ab, &mut work).is_none()));
+                    hear(Answer::Free(collide(a, b, pose_ab, &mut scratch).is_none()));
                 }
             }
             "distance" => {
                 for pose_ab in poses {
-                    let found = distance(a, b, pose_ab, f64::INFINITY, &mut work);
+                    let found = distance(a, b, pose_ab, f64::INFINITY, &mut scratch);
                     hear(Answer::Distance(found.map(|s| s.distance)));
                 }
             }
@@ -147,7 +147,7 @@ fn shift_to(bodies: &[CollisionBody; 2], approach: &Approach, gap: f64) -> Optio
     let mut shift = approach.reach + gap;
     for _ in 0..MOST_STEPS {
         let apart =
-            distance(&bodies[0], &bodies[1], &approach.pose(shift), f64::INFINITY, &mut Work::default())?
+            distance(&bodies[0], &bodies[1], &approach.pose(shift), f64::INFINITY, &mut Scratch::default())?
                 .distance;
         if (apart - gap).abs() <= GAP_ACCURACY * gap {
             return Some(shift);
@@ -161,7 +161,7 @@ fn shift_to(bodies: &[CollisionBody; 2], approach: &Approach, gap: f64) -> Optio
 }
 
 fn touch(bodies: &[CollisionBody; 2], pose_ab: &Pose) -> bool {
-    collide(&bodies[0], &bodies[1], pose_ab, &mut Work::default()).is_some()
+    collide(&bodies[0], &bodies[1], pose_ab, &mut Scratch::default()).is_some()
 }
 
 fn load(file: &str) -> Outcome<Arc<TriangleMesh>> {

@@ -14,7 +14,7 @@ use crate::answer::{Answer, link_pairs};
 use crate::draw::{Space, from_file};
 use crate::neutral::Neutral;
 use crate::random::Random;
-use crate::{Outcome, not_yet};
+use crate::{Outcome, own};
 
 /// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has
 /// such a rule; without it the published PR2 is never free: its upper arms reach into its shoulders.
@@ -103,10 +103,8 @@ impl WholeRobot {
         }
         let mut words = vec![format!("build_seconds={build_seconds:.4}")];
         let states = self.states.get("random").map_or(&[][..], |s| s);
-        words.extend(
-            not_yet::level_0_nanoseconds(&self.checker, states).map(|ns| format!("level_0_ns={ns:.1}")),
-        );
-        words.extend(not_yet::hierarchy_bytes(&self.checker).map(|bytes| format!("hierarchy_bytes={bytes}")));
+        words.push(format!("level_0_ns={:.1}", own::level_0_nanoseconds(&self.checker, states)));
+        words.push(format!("hierarchy_bytes={}", own::hierarchy_bytes(&self.checker)));
         Ok(words.join("\t"))
     }
 
@@ -138,14 +136,8 @@ impl WholeRobot {
                     hear(Answer::Pairs(checker.check(q, Question::Pairs, workspace)));
                 }
             }
-            "free-batch" => match not_yet::batch(checker, states) {
-                Some(answers) => answers.into_iter().for_each(|free| hear(Answer::Free(free))),
-                None => return Ok(false),
-            },
-            "near-stream" => match not_yet::stream(checker, workspace, states, NEAR) {
-                Some(answers) => answers.into_iter().for_each(hear),
-                None => return Ok(false),
-            },
+            "free-batch" => own::batch(checker, states).into_iter().for_each(|free| hear(Answer::Free(free))),
+            "near-stream" => own::stream(checker, states, NEAR).into_iter().for_each(hear),
             _ => return Ok(false),
         }
         Ok(true)
