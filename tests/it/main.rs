@@ -11,6 +11,7 @@ mod layers;
 mod random;
 mod robots;
 mod snapshots;
+mod soundness;
 mod tally;
 mod triangles;
 mod truth;
