@@ -3,7 +3,9 @@
 //! The distance of a point from a cylinder has a closed form and is convex; over a convex set its least value is found by
 //! golden-section searches nested in one another (Kiefer 1953): slow, simple, and without any idea of GJK.
 
-use clearance::math::Point;
+use clearance::math::{Point, Vector};
+
+use super::triangle_oracle::Nearest;
 
 /// A cylinder along z around the origin.
 #[derive(Clone, Copy, Debug)]
@@ -16,52 +18,72 @@ pub struct Cylinder {
 const STEPS: usize = 52;
 
 impl Cylinder {
-    pub fn distance_to_point(&self, p: &Point) -> f64 {
-        let beside = (p.x.hypot(p.y) - self.radius).max(0.0);
+    fn nearest_point(&self, p: &Point) -> Point {
+        let across = p.x.hypot(p.y);
+        let scale = if across > self.radius { self.radius / across } else { 1.0 };
+        Point::new(p.x * scale, p.y * scale, p.z.clamp(-self.half_length, self.half_length))
+    }
+
+    fn distance(&self, p: &Point) -> f64 {
+        let beside = ((p.x * p.x + p.y * p.y).sqrt() - self.radius).max(0.0);
         let above = (p.z.abs() - self.half_length).max(0.0);
-        beside.hypot(above)
+        (beside * beside + above * above).sqrt()
     }
 
-    /// `corners` in the cylinder's frame.
-    pub fn distance_to_triangle(&self, [a, b, c]: &[Point; 3]) -> f64 {
+    /// `corners` and the answer in the cylinder's frame.
+    pub fn nearest_of_triangle(&self, [a, b, c]: &[Point; 3]) -> Nearest {
         let at = |u: f64, v: f64| a + (b - a) * (u * (1.0 - v)) + (c - a) * (u * v);
-        least(0.0, 1.0, |u| least(0.0, 1.0, |v| self.distance_to_point(&at(u, v))))
+        self.told(least(0.0, 1.0, |u| {
+            least(0.0, 1.0, |v| {
+                let p = at(u, v);
+                (self.distance(&p), p)
+            })
+        }))
     }
 
-    /// `into_own_frame` leads from the other cylinder's frame into this one's.
-    pub fn distance_to_cylinder(&self, other: &Self, into_own_frame: impl Fn(&Point) -> Point) -> f64 {
+    /// `into_own_frame` leads from the other cylinder's frame into this one's, in which the answer is.
+    pub fn nearest_of_cylinder(&self, other: &Self, into_own_frame: impl Fn(&Point) -> Point) -> Nearest {
         let (r, h) = (other.radius, other.half_length);
-        let at = |x: f64, y: f64, z: f64| self.distance_to_point(&into_own_frame(&Point::new(x, y, z)));
-        least(-h, h, |z| {
+        self.told(least(-h, h, |z| {
             least(-r, r, |x| {
                 let width = ((r - x) * (r + x)).max(0.0).sqrt();
-                least(-width, width, |y| at(x, y, z))
+                least(-width, width, |y| {
+                    let p = into_own_frame(&Point::new(x, y, z));
+                    (self.distance(&p), p)
+                })
             })
-        })
+        }))
+    }
+
+    fn told(&self, (distance, p): (f64, Point)) -> Nearest {
+        let direction: Vector = p - self.nearest_point(&p);
+        Nearest { squared: distance * distance, direction }
     }
 }
 
-/// The least value of a convex function that is never negative.
-fn least(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
+/// The least value of a convex function that is never negative, and where it is found.
+fn least(from: f64, to: f64, f: impl Fn(f64) -> (f64, Point)) -> (f64, Point) {
     let ratio = 0.5 * (5.0f64.sqrt() - 1.0);
     let (mut lo, mut hi) = (from, to);
     let (mut x, mut y) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
     let (mut fx, mut fy) = (f(x), f(y));
-    let mut best = f(from).min(f(to)).min(fx).min(fy);
+    let better = |p: (f64, Point), q: (f64, Point)| if q.0 < p.0 { q } else { p };
+    let mut best = [f(to), fx, fy].into_iter().fold(f(from), better);
     for _ in 0..STEPS {
-        if best == 0.0 {
+        if best.0 == 0.0 {
             break;
         }
-        if fx < fy {
+        if fx.0 < fy.0 {
             (hi, y, fy) = (y, x, fx);
             x = hi - ratio * (hi - lo);
             fx = f(x);
+            best = better(best, fx);
         } else {
             (lo, x, fx) = (x, y, fy);
             y = lo + ratio * (hi - lo);
             fy = f(y);
+            best = better(best, fy);
         }
-        best = best.min(fx).min(fy);
     }
     best
 }

@@ -62,7 +62,8 @@ impl Ledger {
         w.metres = w.metres.max(error);
         w.of_reach = w.of_reach.max(error / reach);
         w.of_accuracy = w.of_accuracy.max(error / accuracy.band(reach));
-        if truth > 0.0 {
+        // of what is tiny beside the coordinates it comes from, the relative error tells nothing
+        if truth > 1e-3 * reach {
             w.of_distance = w.of_distance.max(error / truth);
         }
     }

@@ -20,6 +20,8 @@ mod ledger;
 mod links;
 mod meshes;
 mod oracles;
+mod outline;
+mod parts;
 mod primitives;
 mod slabs;
 mod solid_oracle;

@@ -130,12 +130,3 @@ pub fn triangle_distance(s: &[Vec3; 3], t: &[Vec3; 3]) -> Nearest {
     }
     best
 }
-
-/// Least distance of a point and a triangle.
-pub fn point_triangle_distance(p: &Vec3, t: &[Vec3; 3]) -> f64 {
-    let face = Face::new(t);
-    let mut best = Nearest { squared: f64::INFINITY, direction: Vector::zeros() };
-    face.beside(p, &mut best);
-    face.over(p, &mut best);
-    best.squared.sqrt()
-}
