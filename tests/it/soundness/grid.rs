@@ -12,7 +12,7 @@ use super::subject::Subject;
 use crate::random::Random;
 
 /// Distances may differ from the exact ones by rounding only.
-const OF_THE_GRID: Accuracy = Accuracy { absolute: 0.0, of_reach: 2e-15 };
+const OF_THE_GRID: Accuracy = Accuracy { absolute: 0.0, of_reach: 2e-15, shortfall: 0.0 };
 
 type Corner = [i64; 3];
 

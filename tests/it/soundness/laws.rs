@@ -4,7 +4,7 @@ use clearance::constants::CONTACT_DISTANCE;
 use clearance::math::{Point, Pose};
 use clearance::query::{CollisionBody, Separation, Work, collide, distance, within_margin};
 
-use super::ledger::{Accuracy, Ledger};
+use super::ledger::{Accuracy, Band, Ledger};
 use super::solid_oracle::solid_distance;
 use super::subject::{Subject, pose_text};
 use crate::random::Random;
@@ -63,7 +63,7 @@ pub fn judge_with_truth(
 ) {
     let mut trial = Trial::new(case, accuracy);
     let told = trial.told.distance;
-    let below = told.max(CONTACT_DISTANCE) + 2.0 * trial.band;
+    let below = told.max(CONTACT_DISTANCE) + 2.0 * trial.band.below;
     // a truth beyond the bound is a disagreement, and then it is worth the longer search
     trial.truth = truth(case, below).or_else(|| truth(case, f64::INFINITY)).unwrap_or(f64::INFINITY);
     trial.contact(ledger);
@@ -86,8 +86,7 @@ pub fn judge_with_truth(
 /// A case, the answers to it, and what is wrong with them.
 struct Trial<'c> {
     case: &'c Case<'c>,
-    /// How far the truth may be from what is told.
-    band: f64,
+    band: Band,
     reach: f64,
     truth: f64,
     told: Separation,
@@ -115,7 +114,7 @@ impl<'c> Trial<'c> {
     }
 
     fn undecided(&self) -> bool {
-        (self.truth - CONTACT_DISTANCE).abs() <= self.band
+        self.band.undecided(self.truth)
     }
 
     /// Contact is seen where it is, and only there; the distance says the same; the common point is common.
@@ -138,15 +137,8 @@ impl<'c> Trial<'c> {
     }
 
     fn exactness(&mut self, accuracy: Accuracy, ledger: &mut Ledger) {
-        let (told, truth) = (self.told.distance, self.truth);
-        // what touches has distance 0
-        let wanted = if truth <= CONTACT_DISTANCE { 0.0 } else { truth };
-        let error = (told - wanted).abs();
-        if self.undecided() && (told == 0.0 || (told - truth).abs() <= self.band) {
-            return;
-        }
-        ledger.error(error, truth, self.reach, accuracy);
-        self.hold(error <= self.band, || format!("the distance is off by {error:e}"));
+        ledger.error(self.told.distance, self.truth, self.reach, accuracy);
+        self.same(self.told.distance, "told");
     }
 
     fn symmetry(&mut self) {
@@ -161,40 +153,42 @@ impl<'c> Trial<'c> {
 
     /// A limit or a margin below the truth finds nothing, one above it finds what is there.
     fn limits(&mut self) {
-        let Case { a, b, pose_ab } = self.case;
-        let (truth, band) = (self.truth, self.band);
-        for limit in [0.5 * truth, truth - 2.0 * band, truth + 2.0 * band, 1.5 * truth] {
-            if limit < 0.0 || (limit - truth).abs() < 1.5 * band {
-                continue;
-            }
+        let (truth, Band { above, below }) = (self.truth, self.band);
+        for limit in [0.5 * truth, truth - 2.0 * below, truth + 2.0 * above, 1.5 * truth] {
+            let decided = limit > truth + 1.5 * above || limit < truth - 1.5 * below;
             // what touches is within any limit
-            let inside = limit > truth || truth <= CONTACT_DISTANCE;
-            let clear = !self.undecided() || limit > CONTACT_DISTANCE + band;
-            let found = distance(&a.body, &b.body, pose_ab, limit, &mut Work::default());
-            self.hold(found.is_some() == inside || !clear, || format!("limit {limit:e}: {found:?}"));
-            if let Some(found) = found {
-                self.same(found.distance, "with a limit");
+            let touch_decides = limit <= CONTACT_DISTANCE + below;
+            if limit >= 0.0 && decided && !(touch_decides && self.undecided()) {
+                self.limit(limit, limit > truth || truth <= CONTACT_DISTANCE);
             }
-            let near = within_margin(&a.body, &b.body, pose_ab, limit, &mut Work::default());
-            self.hold(near.is_some() == inside || !clear, || format!("margin {limit:e}: {near:?}"));
-            if let Some(near) = near {
-                let fits = near.distance <= limit.max(CONTACT_DISTANCE) && near.distance >= self.least_told();
-                self.hold(fits, || format!("within margin {limit:e}: {:e}", near.distance));
-                let [p, q] = near.witness_points;
-                self.lies_on_both(&p, &q, "a witness of the margin");
-            }
+        }
+    }
+
+    fn limit(&mut self, limit: f64, inside: bool) {
+        let Case { a, b, pose_ab } = self.case;
+        let found = distance(&a.body, &b.body, pose_ab, limit, &mut Work::default());
+        self.hold(found.is_some() == inside, || format!("limit {limit:e}: {found:?}"));
+        if let Some(found) = found {
+            self.same(found.distance, "with a limit");
+        }
+        let near = within_margin(&a.body, &b.body, pose_ab, limit, &mut Work::default());
+        self.hold(near.is_some() == inside, || format!("margin {limit:e}: {near:?}"));
+        if let Some(Separation { distance, witness_points: [p, q] }) = near {
+            let fits = distance <= limit.max(CONTACT_DISTANCE) && distance >= self.least_told();
+            self.hold(fits, || format!("within margin {limit:e}: {distance:e}"));
+            self.lies_on_both(&p, &q, "a witness of the margin");
         }
     }
 
     /// The smallest distance that may be told.
     fn least_told(&self) -> f64 {
-        if self.truth <= CONTACT_DISTANCE + self.band { 0.0 } else { self.truth - self.band }
+        if self.truth <= CONTACT_DISTANCE + self.band.below { 0.0 } else { self.truth - self.band.below }
     }
 
     fn witnesses(&mut self) {
         let Separation { distance, witness_points: [p, q] } = self.told;
         let apart = nalgebra::distance(&p, &q);
-        let slack = self.band + if distance == 0.0 { CONTACT_DISTANCE } else { 0.0 };
+        let slack = self.band.above + if distance == 0.0 { CONTACT_DISTANCE } else { 0.0 };
         self.hold((apart - distance).abs() <= slack, || {
             format!("witness points {apart:e} apart, distance {distance:e}")
         });
@@ -207,19 +201,14 @@ impl<'c> Trial<'c> {
         let size = a.solid.ball().1 + b.solid.ball().1;
         let (of_a, of_b) = (random.pose(size), random.pose(size));
         let moved = least(&a.moved(&of_a), &b.moved(&of_b), &(of_a * pose_ab * of_b.inverse())).distance;
-        self.hold(self.close(moved, 4.0), || format!("in other frames: {moved:e}"));
-    }
-
-    /// Whether a distance is the truth, `times` the stated accuracy aside.
-    fn close(&self, found: f64, times: f64) -> bool {
-        let band = times * self.band;
-        let zero_is_right = self.truth <= CONTACT_DISTANCE + band;
-        (found == 0.0 && zero_is_right)
-            || (found > 0.0 && self.truth >= CONTACT_DISTANCE - band && (found - self.truth).abs() <= band)
+        let Band { above, below } = self.band;
+        // what is rounded once more on the way
+        let wider = Band { above: 4.0 * above, below: below + 3.0 * above };
+        self.hold(wider.allows(moved, self.truth), || format!("in other frames: {moved:e}"));
     }
 
     fn same(&mut self, found: f64, what: &str) {
-        self.hold(self.close(found, 1.0), || format!("{what}: {found:e}"));
+        self.hold(self.band.allows(found, self.truth), || format!("{what}: {found:e}"));
     }
 
     fn lies_on_both(&mut self, on_a: &Point, on_b: &Point, what: &str) {
@@ -227,7 +216,7 @@ impl<'c> Trial<'c> {
         let off_a = a.solid.distance_to(on_a);
         let off_b = b.solid.distance_to(&pose_ab.inverse_transform_point(on_b));
         // points of bodies that touch may be as far apart as touching allows
-        let allowed = CONTACT_DISTANCE + self.band;
+        let allowed = CONTACT_DISTANCE + self.band.below;
         self.hold(off_a <= allowed && off_b <= allowed, || {
             format!("{what} is off the bodies by {off_a:e} and {off_b:e}")
         });

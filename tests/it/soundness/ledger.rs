@@ -2,21 +2,47 @@
 
 use std::sync::Once;
 
+use clearance::constants::CONTACT_DISTANCE;
 use rayon::prelude::*;
 
 use crate::random::Random;
 use crate::tally::Tally;
 
-/// How far a distance may be from the truth: so many metres, and so much of the largest coordinate.
+/// How far a distance may be from the truth: so many metres, and so much of the largest coordinate; and so many metres
+/// more if it is told too small, which is never unsafe.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
     pub absolute: f64,
     pub of_reach: f64,
+    pub shortfall: f64,
 }
 
 impl Accuracy {
-    pub fn band(&self, reach: f64) -> f64 {
-        self.absolute + self.of_reach * reach
+    pub fn band(&self, reach: f64) -> Band {
+        let above = self.absolute + self.of_reach * reach;
+        Band { above, below: above + self.shortfall }
+    }
+}
+
+/// What may be told instead of a true distance: from `below` (m) less to `above` (m) more.
+#[derive(Clone, Copy, Debug)]
+pub struct Band {
+    pub above: f64,
+    pub below: f64,
+}
+
+impl Band {
+    /// Whether `truth` is so near to the contact distance that either answer is right.
+    pub fn undecided(&self, truth: f64) -> bool {
+        truth > CONTACT_DISTANCE - self.above && truth <= CONTACT_DISTANCE + self.below
+    }
+
+    /// Whether a distance may be told; what touches has distance 0.
+    pub fn allows(&self, told: f64, truth: f64) -> bool {
+        let may_touch = truth <= CONTACT_DISTANCE + self.below;
+        let may_be_apart = truth > CONTACT_DISTANCE - self.above;
+        (told == 0.0 && may_touch)
+            || (told > 0.0 && may_be_apart && told <= truth + self.above && told >= truth - self.below)
     }
 }
 
@@ -46,26 +72,44 @@ pub struct Ledger {
 /// Largest errors of a distance.
 #[derive(Clone, Copy, Debug, Default)]
 struct Worst {
-    metres: f64,
+    too_far: f64,
+    too_near: f64,
     of_reach: f64,
     of_distance: f64,
     /// Of the accuracy that the family states.
-    of_accuracy: f64,
+    of_stated: f64,
+}
+
+impl Worst {
+    fn or(&self, other: &Self) -> Self {
+        Self {
+            too_far: self.too_far.max(other.too_far),
+            too_near: self.too_near.max(other.too_near),
+            of_reach: self.of_reach.max(other.of_reach),
+            of_distance: self.of_distance.max(other.of_distance),
+            of_stated: self.of_stated.max(other.of_stated),
+        }
+    }
 }
 
 const MOST_NAMED: usize = 30;
 
 impl Ledger {
-    /// An error of a distance that is `truth` between bodies whose largest coordinate is `reach`.
-    pub fn error(&mut self, error: f64, truth: f64, reach: f64, accuracy: Accuracy) {
-        let w = &mut self.worst;
-        w.metres = w.metres.max(error);
-        w.of_reach = w.of_reach.max(error / reach);
-        w.of_accuracy = w.of_accuracy.max(error / accuracy.band(reach));
-        // of what is tiny beside the coordinates it comes from, the relative error tells nothing
-        if truth > 1e-3 * reach {
-            w.of_distance = w.of_distance.max(error / truth);
+    /// The error of a distance between bodies whose largest coordinate is `reach`.
+    pub fn error(&mut self, told: f64, truth: f64, reach: f64, accuracy: Accuracy) {
+        let band = accuracy.band(reach);
+        if band.undecided(truth) && told == 0.0 {
+            return;
         }
+        // what touches has distance 0
+        let wanted = if truth <= CONTACT_DISTANCE && told == 0.0 { 0.0 } else { truth };
+        let (too_far, too_near) = ((told - wanted).max(0.0), (wanted - told).max(0.0));
+        let error = too_far.max(too_near);
+        // of what is tiny beside the coordinates it comes from, the relative error tells nothing
+        let of_distance = if truth > 1e-3 * reach { error / truth } else { 0.0 };
+        let of_stated = (too_far / band.above).max(too_near / band.below);
+        let error = Worst { too_far, too_near, of_reach: error / reach, of_distance, of_stated };
+        self.worst = self.worst.or(&error);
     }
 
     /// What disagrees in one case.
@@ -87,11 +131,7 @@ impl Ledger {
         self.disagreeing += other.disagreeing;
         self.disagreements.extend(other.disagreements);
         self.disagreements.truncate(MOST_NAMED);
-        let (w, v) = (&mut self.worst, other.worst);
-        w.metres = w.metres.max(v.metres);
-        w.of_reach = w.of_reach.max(v.of_reach);
-        w.of_distance = w.of_distance.max(v.of_distance);
-        w.of_accuracy = w.of_accuracy.max(v.of_accuracy);
+        self.worst = self.worst.or(&other.worst);
         self
     }
 
@@ -105,33 +145,28 @@ impl Ledger {
         tally.finish(expected);
         assert_eq!(self.missed_collisions, 0, "{}: missed collisions", family.name);
         assert_eq!(self.disagreeing, 0, "{}: disagreements", family.name);
-        assert!(self.worst.of_accuracy <= 1.0, "{}: errors beyond the stated accuracy", family.name);
+        assert!(self.worst.of_stated <= 1.0, "{}: errors beyond the stated accuracy", family.name);
     }
 
     fn row(&self, family: &Family) -> String {
         let (w, a) = (&self.worst, family.accuracy);
-        format!(
-            "| {:<34} | {:>9} | {:>13} | {:>9} | {:>6} | {:>6} | {:>7.1e} | {:>8.1e} | {:>11.1e} | {:>7.1e} + {:>7.1e} reach | {:>5.2} |",
-            family.name,
-            self.poses,
-            self.element_pairs,
-            self.touching,
-            self.undecided,
-            self.missed_collisions,
-            w.metres,
-            w.of_reach,
-            w.of_distance,
-            a.absolute,
-            a.of_reach,
-            w.of_accuracy,
-        )
+        let counts = format!(
+            "{:>9} | {:>13} | {:>8} | {:>6} | {:>6}",
+            self.poses, self.element_pairs, self.touching, self.undecided, self.missed_collisions
+        );
+        let errors = format!(
+            "{:>7.1e} | {:>7.1e} | {:>7.1e} | {:>7.1e}",
+            w.too_far, w.too_near, w.of_reach, w.of_distance
+        );
+        let stated = format!("{:.0e} + {:.0e} reach, {:.0e} less", a.absolute, a.of_reach, a.shortfall);
+        format!("| {:<31} | {counts} | {errors} | {stated:<30} | {:>5.2} |", family.name, w.of_stated)
     }
 }
 
 fn header() -> String {
-    let titles = "| family | poses | element pairs | touching | undecided | missed | error (m) | error / reach \
-                  | error / distance | stated accuracy | error / stated |";
-    format!("{titles}\n|{}", "---|".repeat(11))
+    let titles = "| family | poses | element pairs | touching | undecided | missed | too far (m) | too near (m) \
+                  | error / reach | error / distance | stated accuracy | error / stated |";
+    format!("{titles}\n|{}", "---|".repeat(12))
 }
 
 /// Judges `count` cases, each made from its own number, on all threads: the same ledger for any number of them.

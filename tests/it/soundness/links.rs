@@ -13,15 +13,13 @@ use clearance::world::{Obstacle, ObstacleShape, World};
 use rayon::prelude::*;
 
 use super::laws::{Case, Scrutiny, judge};
-use super::ledger::{Accuracy, Family, Ledger, survey};
+use super::ledger::{Family, Ledger, survey};
+use super::primitives::OF_ITERATIONS;
 use super::share;
 use super::solid_oracle::solid_distance;
 use super::subject::Subject;
 use crate::random::Random;
 use crate::tally::{json, shared_folder};
-
-/// Meshes as for triangles alone; the robots' boxes and cylinders are found by iteration.
-const OF_LINKS: Accuracy = Accuracy { absolute: 2e-10, of_reach: 1e-11 };
 
 /// A robot, and each of its links that has geometry as a subject.
 struct Robot {
@@ -80,7 +78,7 @@ fn robots() -> Vec<Robot> {
 /// gap or overlap from touching.
 #[test]
 fn links_at_random_poses() {
-    let family = Family { name: "links at random poses", accuracy: OF_LINKS };
+    let family = Family { name: "links at random poses", accuracy: OF_ITERATIONS };
     let robots = robots();
     let count = share(300, 300_000);
     let ledger = survey(count, 700, |random, ledger| {
@@ -190,7 +188,7 @@ impl Scene<'_> {
         let (a, b) = (&self.subject(told.a).solid, &self.subject(told.b).solid);
         let reach = a.reach + b.reach + pose_ab.translation.vector.amax();
         let band = family.accuracy.band(reach);
-        let below = told.distance.max(CONTACT_DISTANCE) + 2.0 * band;
+        let below = told.distance.max(CONTACT_DISTANCE) + 2.0 * band.below;
         let truth =
             solid_distance(a, b, pose_ab, below).or_else(|| solid_distance(a, b, pose_ab, f64::INFINITY));
         let truth = truth.unwrap_or(f64::INFINITY);
@@ -199,14 +197,13 @@ impl Scene<'_> {
         ledger.element_pairs += a.part_count() * b.part_count();
         ledger.touching += usize::from(touching);
         let names = || [told.a, told.b].map(|body| self.checker.body_name(body).to_owned());
-        if (truth - CONTACT_DISTANCE).abs() <= band {
+        if band.undecided(truth) {
             ledger.undecided += 1;
             return None;
         }
         ledger.missed_collisions += usize::from(touching && !collides);
-        let error = (told.distance - if touching { 0.0 } else { truth }).abs();
-        ledger.error(error, truth, reach, family.accuracy);
-        (collides != touching || error > band)
+        ledger.error(told.distance, truth, reach, family.accuracy);
+        (collides != touching || !band.allows(told.distance, truth))
             .then(|| format!("{:?}: truth {truth:e}, told {:e}, collides {collides}", names(), told.distance))
     }
 }
@@ -225,7 +222,9 @@ fn same_story(
         }
     }
     let mut colliding = [&all.colliding_pairs, &pairs.colliding_pairs].map(Clone::clone);
-    colliding.iter_mut().for_each(|list| list.sort_unstable());
+    for list in &mut colliding {
+        list.sort_unstable();
+    }
     if colliding[0] != colliding[1] {
         wrong.push("the colliding pairs differ".to_owned());
     }
@@ -239,7 +238,7 @@ fn same_story(
 
 #[test]
 fn robots_in_random_states() {
-    let family = Family { name: "robots in random states", accuracy: OF_LINKS };
+    let family = Family { name: "robots in random states", accuracy: OF_ITERATIONS };
     let robots = robots();
     let poses = share(1500, 600_000) / robots.len();
     let mut random = Random::new(701);

@@ -138,7 +138,7 @@ fn judge_known(lower: &Piece, upper: Piece, family: &Family, random: &mut Random
     // the oracle is judged too
     let found = solid_distance(&a.solid, &b.solid, &case.pose_ab, f64::INFINITY).unwrap_or(f64::INFINITY);
     let reach = a.solid.reach + b.solid.reach + case.pose_ab.translation.vector.amax();
-    if (found - truth).abs() > family.accuracy.band(reach) {
+    if (found - truth).abs() > family.accuracy.band(reach).above {
         ledger.note("the oracle", &[format!("{found:e} instead of {truth:e}")]);
     }
 }
