@@ -1,6 +1,7 @@
 //! What was tried, what disagrees, and how large the errors were: one row of the error table for each family.
 
-use std::sync::Once;
+use std::path::Path;
+use std::sync::Mutex;
 
 use clearance::constants::CONTACT_DISTANCE;
 use rayon::prelude::*;
@@ -135,11 +136,9 @@ impl Ledger {
         self
     }
 
-    /// Prints the family's row; fails on any disagreement, missed collision or error beyond the stated accuracy.
+    /// Tells the family's row; fails on any disagreement, missed collision or error beyond the stated accuracy.
     pub fn finish(self, family: &Family, expected: usize) {
-        static HEADER: Once = Once::new();
-        HEADER.call_once(|| eprintln!("{}", header()));
-        eprintln!("{}", self.row(family));
+        tell(self.row(family));
         let mut tally = Tally::new(&format!("soundness, {}", family.name));
         tally.add_all(self.poses, self.disagreements);
         tally.finish(expected);
@@ -163,16 +162,28 @@ impl Ledger {
     }
 }
 
-fn header() -> String {
-    let titles = "| family | poses | element pairs | touching | undecided | missed | too far (m) | too near (m) \
+/// Prints a row, and leaves the table so far in a file.
+fn tell(row: String) {
+    static ROWS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    let header = "| family | poses | element pairs | touching | undecided | missed | too far (m) | too near (m) \
                   | error / reach | error / distance | stated accuracy | error / stated |";
-    format!("{titles}\n|{}", "---|".repeat(12))
+    let mut rows = ROWS.lock().expect("no one panics here");
+    if rows.is_empty() {
+        rows.extend([header.to_owned(), format!("|{}", "---|".repeat(12))]);
+        eprintln!("{}", rows.join("\n"));
+    }
+    eprintln!("{row}");
+    rows.push(row);
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("soundness.md");
+    std::fs::write(file, rows.join("\n") + "\n").expect("cargo's folder can be written to");
 }
 
 /// Judges `count` cases, each made from its own number, on all threads: the same ledger for any number of them.
 pub fn survey(count: usize, seed: u64, case: impl Fn(&mut Random, &mut Ledger) + Sync) -> Ledger {
+    let only: Option<usize> = std::env::var("CLEARANCE_SOUNDNESS_CASE").ok().and_then(|i| i.parse().ok());
     (0..count)
         .into_par_iter()
+        .filter(|i| only.is_none_or(|only| only == *i))
         .fold(Ledger::default, |mut ledger, i| {
             let mut random = Random::new(seed.wrapping_mul(0x9E37_79B9) ^ ((i as u64) << 20));
             let (known, before) = (ledger.disagreements.len(), ledger.poses);

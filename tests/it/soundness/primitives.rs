@@ -6,10 +6,10 @@ use clearance::query::signed_distance;
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Accuracy, Family, Ledger, survey};
-use super::share;
 use super::solid_oracle::solid_distance;
 use super::subject::Subject;
 use super::triangles::OF_TRIANGLES;
+use super::{is_long, share};
 use crate::random::Random;
 
 /// Where both solids have a closed form; a sphere's and a capsule's radius are taken off a distance of cores.
@@ -61,7 +61,8 @@ fn ask(name: &'static str, accuracy: Accuracy, kinds: [&[Kind]; 2], counts: (usi
         let (a, b) = (subject(kinds[0]), subject(kinds[1]));
         let far = Case { a: &a, b: &b, pose_ab: random.pose(1.2 * size) };
         let case = if random.below(2) == 0 { far } else { nearly_touching(&far, random) };
-        let scrutiny = if share(0, 1) == 0 { Scrutiny::Laws } else { Scrutiny::mostly_answers(random) };
+        let scrutiny =
+            if is_long() { Scrutiny::mostly_answers(random) } else { Scrutiny::mostly_laws(random) };
         judge(&case, family.accuracy, scrutiny, random, ledger);
     });
     ledger.finish(&family, count);

@@ -33,6 +33,11 @@ impl Subject {
         Self::mesh(TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2]]).expect("finite corners"))
     }
 
+    /// Whether it has no primitives.
+    pub fn is_mesh(&self) -> bool {
+        self.shapes.iter().all(|(_, shape)| matches!(shape, Shape::Mesh(_)))
+    }
+
     /// The same body in a frame that is moved by `pose`.
     pub fn moved(&self, pose: &Pose) -> CollisionBody {
         let shapes: Vec<_> = self.shapes.iter().map(|(p, shape)| (pose * p, shape)).collect();
