@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Accuracy, Family, Ledger, survey};
-use super::primitives::OF_ITERATIONS;
+use super::primitives::OF_CYLINDERS;
 use super::solid_oracle::solid_distance;
 use super::subject::Subject;
 use super::triangles::OF_TRIANGLES;
@@ -24,7 +24,7 @@ use crate::tally::{json, shared_folder};
 
 /// Meshes are found in closed form, some of the robots' primitives by iteration: each pair is held to its own.
 fn accuracy_of(a: &Subject, b: &Subject) -> Accuracy {
-    if a.is_mesh() && b.is_mesh() { OF_TRIANGLES } else { OF_ITERATIONS }
+    if a.is_mesh() && b.is_mesh() { OF_TRIANGLES } else { OF_CYLINDERS }
 }
 
 /// A robot, and each of its links that has geometry as a subject.
@@ -84,7 +84,7 @@ fn robots() -> Vec<Robot> {
 /// gap or overlap from touching.
 #[test]
 fn links_at_random_poses() {
-    let family = Family { name: "links at random poses", accuracy: OF_ITERATIONS };
+    let family = Family { name: "links at random poses", accuracy: OF_CYLINDERS };
     let robots = robots();
     let count = share(120, 320_000);
     let ledger = survey(count, 700, |random, ledger| {
@@ -245,7 +245,7 @@ fn same_story(
 
 #[test]
 fn robots_in_random_states() {
-    let family = Family { name: "robots in random states", accuracy: OF_ITERATIONS };
+    let family = Family { name: "robots in random states", accuracy: OF_CYLINDERS };
     let robots = robots();
     let poses = share(600, 600_000) / robots.len();
     let mut random = Random::new(701);

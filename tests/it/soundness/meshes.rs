@@ -1,7 +1,8 @@
 //! Mesh against mesh, from one to two thousand triangles: the hierarchies must never lose a pair.
 
-use clearance::geometry::TriangleMesh;
+use clearance::geometry::{Shape, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
+use clearance::query::{CollisionBody, Work, collide, distance};
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Family, Ledger, survey};
@@ -36,8 +37,8 @@ fn judge_poses(a: &Subject, b: &Subject, family: &Family, random: &mut Random, l
     let scrutiny = Scrutiny::mostly_laws(random);
     judge(&case, family.accuracy, scrutiny, random, ledger);
     let mut near = case;
-    let distance = solid_distance(&a.solid, &b.solid, &pose_ab, f64::INFINITY).unwrap_or(0.0);
-    let shift = distance - ball_a.min(1.0) * 10f64.powf(random.within(-12.0, -2.0));
+    let gap = solid_distance(&a.solid, &b.solid, &pose_ab, f64::INFINITY).unwrap_or(0.0);
+    let shift = gap - ball_a.min(1.0) * 10f64.powf(random.within(-12.0, -2.0));
     near.pose_ab.translation.vector -= apart.normalize() * shift;
     judge(&near, family.accuracy, Scrutiny::mostly_answers(random), random, ledger);
 }
@@ -165,4 +166,31 @@ fn a_mesh_against_itself() {
         judge(&case, family.accuracy, Scrutiny::mostly_laws(random), random, ledger);
     });
     ledger.finish(&family, count);
+}
+
+/// Where closed meshes are solid, what lies inside touches; what lies outside is as far as from the surface.
+#[test]
+fn solid_meshes_hold_what_is_inside_them() {
+    let mut random = Random::new(508);
+    let solid = |mesh: TriangleMesh| {
+        let shape = Shape::Mesh(mesh.into());
+        CollisionBody::with_solid_meshes([(&Pose::identity(), &shape)]).expect("a mesh")
+    };
+    for _ in 0..share(100, 20_000) {
+        let rings = 6 + some(&mut random, 10.0);
+        let (outer, inner) = (random.blob(rings, 1.0), random.blob(3, 0.05));
+        let surfaces = [&outer, &inner].map(|mesh| Subject::mesh(mesh.clone()));
+        let (a, b) = (solid(outer), solid(inner));
+        let inside = Pose::from_parts(random.vector(0.2).into(), random.rotation());
+        let outside = Pose::from_parts((random.vector(1.0).normalize() * 1.5).into(), random.rotation());
+        for (pose, holds) in [(inside, true), (outside, false)] {
+            let apart = solid_distance(&surfaces[0].solid, &surfaces[1].solid, &pose, f64::INFINITY);
+            let wanted = if holds { 0.0 } else { apart.expect("a distance") };
+            for (a, b, pose) in [(&a, &b, pose), (&b, &a, pose.inverse())] {
+                let told = distance(a, b, &pose, f64::INFINITY, &mut Work::default()).expect("a distance");
+                assert!((told.distance - wanted).abs() <= 1e-13, "{} instead of {wanted}", told.distance);
+                assert_eq!(collide(a, b, &pose, &mut Work::default()).is_some(), holds);
+            }
+        }
+    }
 }

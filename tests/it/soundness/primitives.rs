@@ -15,12 +15,15 @@ use crate::random::Random;
 /// Where both solids have a closed form; a sphere's and a capsule's radius are taken off a distance of cores.
 const OF_CLOSED_FORMS: Accuracy = Accuracy { absolute: 0.0, of_reach: 1e-14, shortfall: 0.0 };
 
-/// Where one iterates: never told farther than by what keeps overlap and contact apart.
-pub const OF_ITERATIONS: Accuracy = Accuracy { absolute: 9e-10, of_reach: 1e-12, shortfall: SHORTFALL };
+/// Where one iterates: never told farther than by what keeps overlap and contact apart, but nearer by as much (m) as the
+/// proof in which GJK's answer ends may fall short of the distance. An engine whose iteration always ends needs no
+/// shortfall: 9e-8 m were seen of boxes, 5e-6 m between a triangle and a cylinder.
+const fn of_iterations(shortfall: f64) -> Accuracy {
+    Accuracy { absolute: 9e-10, of_reach: 1e-12, shortfall }
+}
 
-/// By how much (m) the proof in which GJK's answer ends may fall short of the distance, so that the answer is safe but too
-/// small: 5e-6 m were seen between a triangle and a cylinder. An engine whose iteration always ends needs nothing of it.
-const SHORTFALL: f64 = 2e-5;
+const OF_BOXES: Accuracy = of_iterations(5e-7);
+pub const OF_CYLINDERS: Accuracy = of_iterations(2e-5);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -98,7 +101,7 @@ fn round_solids() {
 
 #[test]
 fn boxes_and_round_solids() {
-    ask("boxes, spheres, capsules", OF_ITERATIONS, [&CLOSED, &[Kind::Box]], (300, 100_000), 401);
+    ask("boxes, spheres, capsules", OF_BOXES, [&CLOSED, &[Kind::Box]], (300, 100_000), 401);
 }
 
 #[test]
@@ -108,12 +111,12 @@ fn cylinders_and_spheres() {
 
 #[test]
 fn cylinders_and_others() {
-    ask("cylinders, boxes, capsules", OF_ITERATIONS, [&CLOSED, &[Kind::Cylinder]], (60, 20_000), 403);
+    ask("cylinders, boxes, capsules", OF_CYLINDERS, [&CLOSED, &[Kind::Cylinder]], (60, 20_000), 403);
 }
 
 #[test]
 fn cylinders_and_cylinders() {
-    ask("cylinders", OF_ITERATIONS, [&[Kind::Cylinder], &[Kind::Cylinder]], (30, 6_000), 404);
+    ask("cylinders", OF_CYLINDERS, [&[Kind::Cylinder], &[Kind::Cylinder]], (30, 6_000), 404);
 }
 
 #[test]
@@ -126,13 +129,13 @@ fn round_solids_and_meshes() {
 #[test]
 fn boxes_and_meshes() {
     let meshes = [Kind::Triangle, Kind::Soup];
-    ask("boxes against meshes", OF_ITERATIONS, [&meshes, &[Kind::Box]], (200, 60_000), 406);
+    ask("boxes against meshes", OF_BOXES, [&meshes, &[Kind::Box]], (200, 60_000), 406);
 }
 
 #[test]
 fn cylinders_and_meshes() {
     let meshes = [Kind::Triangle, Kind::Soup];
-    ask("cylinders against meshes", OF_ITERATIONS, [&meshes, &[Kind::Cylinder]], (60, 20_000), 407);
+    ask("cylinders against meshes", OF_CYLINDERS, [&meshes, &[Kind::Cylinder]], (60, 20_000), 407);
 }
 
 /// How far a primitive reaches from its origin along a unit vector.
@@ -210,7 +213,7 @@ fn signed_disagreements(
 /// A box around a body, a body inside a box, and both centred: overlap without any surfaces meeting.
 #[test]
 fn solids_hold_what_is_inside_them() {
-    let family = Family { name: "inside solids", accuracy: OF_ITERATIONS };
+    let family = Family { name: "inside solids", accuracy: OF_CYLINDERS };
     let count = share(300, 30_000);
     let ledger = survey(count, 409, |random, ledger| {
         let outer = [Kind::Box, Kind::Sphere, Kind::Cylinder, Kind::Capsule][random.below(4) as usize];
