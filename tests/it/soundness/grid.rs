@@ -84,6 +84,16 @@ impl GridMesh {
         Self((0..count).map(triangle).collect())
     }
 
+    /// One triangle whose corners lie in one line, or in one point: a turn that rounds gives it a normal made of noise.
+    fn collinear(random: &mut Random, reach: u32) -> Self {
+        let (start, step) = (corner(random, reach), corner(random, 2));
+        let mut along = || {
+            let steps = i64::from(random.below(5)) - 2;
+            [0, 1, 2].map(|i| start[i] + steps * step[i])
+        };
+        Self(vec![[along(), along(), along()]])
+    }
+
     fn subject(&self, unit: f64) -> Subject {
         let vertices: Vec<Point> = self.0.iter().flatten().map(|c| metres(c, unit)).collect();
         let faces = (0..).step_by(3).map(|i| [i, i + 1, i + 2]).take(self.0.len());
@@ -129,6 +139,24 @@ fn triangles_on_a_grid() {
     let ledger = survey(count, 300, |random, ledger| {
         let reach = 1 + random.below(8);
         let (a, b) = (GridMesh::random(random, 1, reach), GridMesh::random(random, 1, reach));
+        let (pose, unit) = (GridPose::random(random, reach), unit(random, reach));
+        judge_grid([&a, &b], &pose, unit, &family, random, ledger);
+    });
+    assert_eq!(ledger.undecided, 0, "on the grid every answer is definite");
+    ledger.finish(&family, count);
+}
+
+#[test]
+fn degenerate_triangles_on_a_grid() {
+    let family = Family { name: "grid, without area", accuracy: OF_THE_GRID };
+    let count = share(20_000, 2_000_000);
+    let ledger = survey(count, 302, |random, ledger| {
+        let reach = 1 + random.below(6);
+        let a = GridMesh::collinear(random, reach);
+        let b = match random.below(2) {
+            0 => GridMesh::collinear(random, reach),
+            _ => GridMesh::random(random, 1, reach),
+        };
         let (pose, unit) = (GridPose::random(random, reach), unit(random, reach));
         judge_grid([&a, &b], &pose, unit, &family, random, ledger);
     });
