@@ -146,12 +146,7 @@ impl Scene<'_> {
     /// Asks every question about one random state, and the oracle about every pair.
     fn judge_state(&self, random: &mut Random, ledger: &mut Ledger) {
         let robot = &self.robot.model;
-        let positions: Vec<f64> = (robot.joint_ids())
-            .filter_map(|j| robot.first_position(j).map(|_| robot.joint(j)))
-            .flat_map(|joint| vec![joint; joint.kind.degrees_of_freedom()])
-            .map(|joint| joint.limits.map_or((-3.0, 3.0), |l| (l.lower, l.upper)))
-            .map(|(lower, upper)| random.within(lower, upper))
-            .collect();
+        let positions = positions_within_limits(robot, random);
         let q = robot.configuration(&positions).expect("as many positions as the robot has");
         let mut workspace = self.checker.workspace();
         let mut ask = |question| self.checker.check(&q, question, &mut workspace);
@@ -213,6 +208,15 @@ impl Scene<'_> {
         (collides != touching || !band.allows(told.distance, truth))
             .then(|| format!("{:?}: truth {truth:e}, told {:e}, collides {collides}", names(), told.distance))
     }
+}
+
+fn positions_within_limits(robot: &RobotModel, random: &mut Random) -> Vec<f64> {
+    (robot.joint_ids())
+        .filter_map(|j| robot.first_position(j).map(|_| robot.joint(j)))
+        .flat_map(|joint| vec![joint; joint.kind.degrees_of_freedom()])
+        .map(|joint| joint.limits.map_or((-3.0, 3.0), |l| (l.lower, l.upper)))
+        .map(|(lower, upper)| random.within(lower, upper))
+        .collect()
 }
 
 /// Answers to different questions about one state do not contradict each other.
