@@ -23,6 +23,10 @@ struct Piece {
     touching: Point,
 }
 
+/// How deep a corner is sunk at most, relative to how far the rest of its piece keeps from the plane: so little that it
+/// comes through well inside the face, though that be a sliver.
+const DEEPEST: f64 = 1e-7;
+
 /// What of a piece lies in the plane.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Feature {
@@ -94,6 +98,12 @@ impl Piece {
         Self { vertices, faces, feature, touching }
     }
 
+    /// How far the corners that are not in the plane keep from it.
+    fn lowest(&self) -> f64 {
+        let heights = self.vertices.iter().map(|v| v.z.abs()).filter(|z| *z > 0.0);
+        heights.fold(f64::INFINITY, f64::min)
+    }
+
     /// Turns and shifts in the plane, then lifts: heights stay exact until then.
     fn placed(mut self, turn: f64, under: &Point, lift: f64) -> Self {
         let (sin, cos) = turn.sin_cos();
@@ -126,7 +136,7 @@ fn gap(random: &mut Random) -> f64 {
 fn judge_known(lower: &Piece, upper: Piece, family: &Family, random: &mut Random, ledger: &mut Ledger) {
     let gap = gap(random);
     let pierces = (lower.feature, upper.feature) == (Feature::Face, Feature::Corner) && random.below(2) == 0;
-    let (truth, lift) = if pierces { (0.0, -gap.min(1e-5)) } else { (gap, gap) };
+    let (truth, lift) = if pierces { (0.0, -gap.min(DEEPEST * upper.lowest())) } else { (gap, gap) };
     let upper = upper.placed(random.within(0.0, std::f64::consts::TAU), &lower.touching, lift);
     let mut frame = || if random.below(2) == 0 { Pose::identity() } else { random.pose(1.0) };
     let (frame_a, frame_b) = (frame(), frame());
