@@ -58,7 +58,7 @@ fn transformed(mesh: &TriangleMesh, f: impl Fn(&Point) -> Point) -> TriangleMesh
 
 #[test]
 fn soups() {
-    ask("triangle soups", 500, (60, 20_000), |random| {
+    ask("triangle soups", 500, (60, 5_000), |random| {
         let edge = random.within(0.02, 0.5);
         let count = some(random, 2000.0);
         random.soup(count, 0.5, edge)
@@ -67,7 +67,7 @@ fn soups() {
 
 #[test]
 fn blobs() {
-    ask("closed blobs", 501, (60, 20_000), |random| {
+    ask("closed blobs", 501, (60, 5_000), |random| {
         let rings = 2 + some(random, 20.0);
         let size = random.within(0.2, 1.0);
         random.blob(rings, size)
@@ -77,7 +77,7 @@ fn blobs() {
 /// Flattened and stretched until triangles are slivers of any aspect.
 #[test]
 fn needles_and_plates() {
-    ask("needles and plates", 502, (60, 20_000), |random| {
+    ask("needles and plates", 502, (60, 5_000), |random| {
         let rings = 2 + some(random, 12.0);
         let blob = random.blob(rings, 1.0);
         let mut factor = || 10f64.powf(random.within(-6.0, 0.0));
@@ -90,7 +90,7 @@ fn needles_and_plates() {
 /// Vertices and triangles twice, triangles without area, and neighbours that do not share their corners.
 #[test]
 fn duplicates_and_degenerates() {
-    ask("duplicates and degenerates", 503, (60, 20_000), |random| {
+    ask("duplicates and degenerates", 503, (60, 5_000), |random| {
         let rings = 2 + some(random, 8.0);
         let blob = random.blob(rings, 0.5);
         let mut vertices = blob.vertices().to_vec();
@@ -115,7 +115,7 @@ fn duplicates_and_degenerates() {
 /// A fan of slivers around one corner, as the ends of cylinders in CAD meshes are.
 #[test]
 fn fans() {
-    ask("fans of slivers", 504, (60, 20_000), |random| {
+    ask("fans of slivers", 504, (60, 5_000), |random| {
         let count = 3 + some(random, 500.0);
         let height = 10f64.powf(random.within(-6.0, 0.0));
         let rim = (0..count).map(|i| {
@@ -130,7 +130,7 @@ fn fans() {
 
 #[test]
 fn huge_and_tiny() {
-    ask("meshes, 1 um to 1 km", 505, (60, 20_000), |random| {
+    ask("meshes, 1 um to 1 km", 505, (60, 5_000), |random| {
         let scale = 10f64.powf(random.within(-6.0, 3.0));
         let rings = 2 + some(random, 8.0);
         random.blob(rings, scale)
@@ -139,7 +139,7 @@ fn huge_and_tiny() {
 
 #[test]
 fn far_from_the_origin() {
-    ask("meshes far from their origin", 506, (60, 20_000), |random| {
+    ask("meshes far from their origin", 506, (60, 5_000), |random| {
         let rings = 2 + some(random, 8.0);
         let blob = random.blob(rings, 0.5);
         let far = random.vector(1.0) * 10f64.powf(random.within(1.0, 6.0));
@@ -151,7 +151,7 @@ fn far_from_the_origin() {
 #[test]
 fn a_mesh_against_itself() {
     let family = Family { name: "a mesh against itself", accuracy: OF_TRIANGLES };
-    let count = share(60, 20_000);
+    let count = share(60, 5_000);
     let ledger = survey(count, 507, |random, ledger| {
         let rings = 2 + some(random, 12.0);
         let a = Subject::mesh(random.blob(rings, 0.5));
@@ -176,7 +176,7 @@ fn solid_meshes_hold_what_is_inside_them() {
         let shape = Shape::Mesh(mesh.into());
         CollisionBody::with_solid_meshes([(&Pose::identity(), &shape)]).expect("a mesh")
     };
-    for _ in 0..share(100, 20_000) {
+    for _ in 0..share(100, 5_000) {
         let rings = 6 + some(&mut random, 10.0);
         let (outer, inner) = (random.blob(rings, 1.0), random.blob(3, 0.05));
         let surfaces = [&outer, &inner].map(|mesh| Subject::mesh(mesh.clone()));
