@@ -60,7 +60,11 @@ impl Triangle {
         if !over_face || n2 == 0.0 {
             return on_edge;
         }
-        p - normal * (normal.dot(&(p - on_edge)) / n2)
+        let foot = p - normal * (normal.dot(&(p - on_edge)) / n2);
+        // inside, the nearest edge is no farther than the triangle is high; a normal that is noise claims more
+        let longest = edges.iter().map(|[from, to]| (to - from).norm_squared()).fold(0.0, f64::max);
+        let inside = (foot - on_edge).norm_squared() * longest <= 4.0 * n2;
+        if inside { foot } else { on_edge }
     }
 
     /// Nearest points of two triangles in one frame; the same point twice where they cross.

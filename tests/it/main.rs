@@ -12,6 +12,7 @@ mod random;
 mod reference;
 mod robots;
 mod snapshots;
+mod soundness;
 mod tally;
 mod triangles;
 mod truth;

@@ -37,6 +37,12 @@ impl Tally {
         }
     }
 
+    /// Counts many cases at once, and what disagreed among them.
+    pub fn add_all(&mut self, tried: usize, disagreements: Vec<String>) {
+        self.tried += tried;
+        self.disagreements.extend(disagreements);
+    }
+
     /// Prints the count; fails on any disagreement, or when fewer cases were tried than there are.
     pub fn finish(self, expected: usize) {
         eprintln!("{}: {} tried, {} disagree", self.what, self.tried, self.disagreements.len());
