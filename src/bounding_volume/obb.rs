@@ -50,8 +50,11 @@ impl BoundingVolume for Obb {
     type Seen = SeenObbs;
     type Facing<S: Simd> = FacingObbs<S>;
 
+    /// The axes of the tree or the principal ones, whichever give the smaller box: machined parts lie along the former.
     fn axes(points: &[Vector]) -> RotationMatrix {
-        principal_axes(points)
+        let principal = principal_axes(points);
+        let own = RotationMatrix::identity();
+        if area_along(&principal, points) < area_along(&own, points) { principal } else { own }
     }
 
     fn fit(points: &[Vector]) -> Self {
@@ -187,6 +190,19 @@ fn edge_gap<S: Simd>(
     let (p, q) = (rows[1][j], rows[2][j]);
     let reach_a = own[j1] * rows[0][j2].abs() + own[j2] * rows[0][j1].abs();
     (d[1] * p - d[0] * q).abs() - h[0] * q.abs() - h[1] * p.abs() - reach_a
+}
+
+/// Half the surface (m²) of the box around points along some axes: what a line meets it by.
+fn area_along(axes: &RotationMatrix, points: &[Vector]) -> f64 {
+    let mut lo = Vector::repeat(f64::INFINITY);
+    let mut hi = Vector::repeat(f64::NEG_INFINITY);
+    for p in points {
+        let along = axes.tr_mul(p);
+        lo = lo.inf(&along);
+        hi = hi.sup(&along);
+    }
+    let d = hi - lo;
+    d.x * d.y + d.y * d.z + d.z * d.x
 }
 
 #[inline(always)]

@@ -121,8 +121,7 @@ impl CollisionChecker {
     /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took.
     #[must_use]
     pub fn streaming_workspace(&self) -> Workspace {
-        let memories = Memories { checker: self.identity, pairs: vec![None; self.infos.len()] };
-        Workspace { memories: Some(memories), ..self.workspace() }
+        Workspace { memories: Some(Memories::new(self.identity, self.infos.len())), ..self.workspace() }
     }
 
     fn workspace_with(&self, scratch: Scratch) -> Workspace {
@@ -295,10 +294,12 @@ impl CollisionChecker {
         scratch: &mut Scratch,
     ) -> Option<PairDistance> {
         let pair = self.pair(index, frames);
-        match memories.as_mut().and_then(|m| m.of_pair(self.identity, index)) {
-            Some(memory) => pair.distance_remembering(limit, memory, scratch),
-            None => pair.distance(limit, scratch),
-        }
+        let limit = limit + pair.info.padding;
+        let found = match memories.as_mut().and_then(|m| m.of_pair(self.identity, index)) {
+            Some(memory) => pair.separation_remembering(limit, memory, scratch),
+            None => pair.separation(limit, scratch),
+        };
+        found.map(|raw| pair.padded(&raw))
     }
 
     /// Pair number `index` of the pair list.

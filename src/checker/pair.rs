@@ -30,15 +30,14 @@ impl Pair<'_> {
         query::within_margin(a, b, &self.pose_ab, self.info.padding, scratch).is_some()
     }
 
-    /// The padded distance, unless it is proven larger than `limit`.
-    pub fn distance(&self, limit: f64, scratch: &mut Scratch) -> Option<PairDistance> {
+    /// The distance without padding, unless it is proven larger than `limit`.
+    pub fn separation(&self, limit: f64, scratch: &mut Scratch) -> Option<Separation> {
         let (a, b) = self.bodies;
-        let raw = query::distance(a, b, &self.pose_ab, limit + self.info.padding, scratch)?;
-        Some(self.padded(&raw))
+        query::distance(a, b, &self.pose_ab, limit, scratch)
     }
 
     /// A separation in the frame of a, with the padding taken off and the points in the root frame.
-    fn padded(&self, raw: &Separation) -> PairDistance {
+    pub fn padded(&self, raw: &Separation) -> PairDistance {
         let (a, b) = self.info.ids;
         PairDistance {
             a,

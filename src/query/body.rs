@@ -65,6 +65,11 @@ impl<B: BoundingVolume> CollisionBody<B> {
         &self.bounding_sphere
     }
 
+    /// The triangles of a body that has nothing else and is not solid.
+    pub(super) fn only_surface(&self) -> Option<&Surface<B>> {
+        self.surface.as_ref().filter(|_| self.solids.is_none() && self.interior.is_none())
+    }
+
     pub(super) fn has_solids(&self) -> bool {
         self.solids.is_some()
     }

@@ -20,6 +20,16 @@ impl BoundingSphere {
         nalgebra::distance(&self.centre, &centre) - self.radius - other.radius - FIT_SLACK * reach
     }
 
+    /// The farthest (m) that a point of the sphere moves from one pose to another: what its centre moves, and what its radius
+    /// turns by, the stretch of a matrix being at most its Frobenius norm.
+    #[must_use]
+    pub fn displacement(&self, from: &MatrixPose, to: &MatrixPose) -> f64 {
+        let (p, q) = (from * self.centre, to * self.centre);
+        let turn = (to.rotation - from.rotation).norm();
+        let reach = p.coords.abs().sum() + q.coords.abs().sum() + self.radius;
+        nalgebra::distance(&p, &q) + turn * self.radius + FIT_SLACK * reach
+    }
+
     /// `None` around nothing. The centre is the middle of the box around everything.
     pub(super) fn around(vertices: &[Point], faces: &[[u32; 3]], solids: &[Solid]) -> Option<Self> {
         let corners = || faces.iter().flatten().map(|&v| vertices[v as usize]);

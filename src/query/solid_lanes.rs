@@ -7,13 +7,15 @@ use crate::simd::prelude::*;
 use crate::simd::{Simd, Vectors, f32x8};
 
 /// Numbers never larger than the distances (m) of the triangles of `leaf` from the solid; `relative` places the solid's
-/// tree in the leaf's. Across the faces of the box around the solid and across the triangles' planes.
+/// tree in the leaf's. Across the faces of the box around the solid, across the triangles' planes, and along a `direction`
+/// (not longer than one) in which something near was found.
 #[inline(always)]
 pub(super) fn lower_bounds<S: Simd>(
     simd: S,
     solid: &SolidLeaf,
     leaf: &TriangleLeaf,
     relative: &Relative,
+    direction: &[f32; 3],
     slack: f32,
 ) -> f32x8<S> {
     // the triangles in the frame of the box
@@ -33,5 +35,11 @@ pub(super) fn lower_bounds<S: Simd>(
     let lever = p.one_norm() + half.one_norm();
     let rounding = (n.one_norm() + (e.one_norm() + f.one_norm()) * lever * 2.0) * (2.0 * slack);
     let length = n.dot(n).max(f32x8::splat(simd, 1e-30)).sqrt();
-    across_box.max((over - rounding) / length) - 4.0 * slack
+    let across_plane = (over - rounding) / length;
+    // the box spans its shadow either way from its centre
+    let along_box = own.along_a(direction);
+    let shadow = half.along(&[along_box[0].abs(), along_box[1].abs(), along_box[2].abs()]);
+    let (a, b, c) = (p.along(&along_box), q.along(&along_box), r.along(&along_box));
+    let beyond = a.min(b).min(c).max(f32x8::splat(simd, 0.0) - a.max(b).max(c)) - shadow;
+    across_box.max(across_plane).max(beyond) - 4.0 * slack
 }

@@ -9,7 +9,7 @@ use super::surface::Surface;
 use super::surface_surface::triangle_slack;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{TriangleLeaf, Visitor};
-use crate::math::Pose;
+use crate::math::{Pose, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd};
 
@@ -25,6 +25,17 @@ pub(super) struct SurfaceSolid<'s, 'w, B: BoundingVolume, const SEPARATE: bool> 
 }
 
 impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> {
+    /// The direction of the best separation, in the frame of the surface's tree; not longer than one.
+    #[allow(clippy::cast_possible_truncation)] // bounds hold for any direction
+    fn direction(&self) -> [f32; 3] {
+        let Some(best) = &self.incumbent.best else { return [0.0; 3] };
+        let [p, q] = best.witness_points;
+        let along = (q - p).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        let along = if self.solid_is_a { self.pose_ab.rotation.inverse() * along } else { along };
+        let shorter = 1.0 - 8.0 * f32::EPSILON;
+        [along.x as f32 * shorter, along.y as f32 * shorter, along.z as f32 * shorter]
+    }
+
     fn test(&mut self, solid: &Element, triangle: u32) {
         self.incumbent.work.primitive_tests += 1;
         let triangle = Element::Triangle(self.surface.triangle(triangle));
@@ -61,7 +72,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
     fn leaves<S: Simd>(&mut self, simd: S, solid: &SolidLeaf, leaf: &TriangleLeaf) {
         self.incumbent.work.screened_pairs += u64::from(leaf.count);
         let slack = triangle_slack(self.relative);
-        let lower = solid_lanes::lower_bounds(simd, solid, leaf, self.relative, slack);
+        let lower = solid_lanes::lower_bounds(simd, solid, leaf, self.relative, &self.direction(), slack);
         let mut near = lower.simd_le(self.incumbent.threshold()).to_bitmask() & leaf.mask();
         let lower: [f32; LANES] = lower.into();
         // the nearest first, so that few are tested

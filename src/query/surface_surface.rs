@@ -75,7 +75,36 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
     fn measure(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
         let (a, b) = self.triangles(i, j);
-        self.incumbent.offer(Separation::of(a.nearest_points(&b)));
+        self.incumbent.offer_triangles(Separation::of(a.nearest_points(&b)), (i, j));
+    }
+
+    /// Bounds the distances of eight pairs of triangles, of which the lanes of `mask` count, and keeps those that may be the
+    /// nearest; `numbers` tells which triangles are in a lane.
+    #[inline(always)]
+    pub fn screen<S: Simd>(
+        &mut self,
+        simd: S,
+        one: &LaneTriangles<S>,
+        other: &LaneTriangles<S>,
+        slack: f32,
+        mask: u64,
+        numbers: impl Fn(usize) -> (u32, u32),
+    ) {
+        self.incumbent.work.screened_pairs += u64::from(mask.count_ones());
+        let coarse = one.coarse_bounds(simd, other, &self.candidates.direction, slack);
+        if coarse.simd_le(self.threshold()).to_bitmask() & mask == 0 {
+            return;
+        }
+        let distances = one.bounds(simd, other, slack);
+        self.candidates.take_upper(simd, &distances);
+        let mut near = distances.lower.simd_le(self.threshold()).to_bitmask() & mask;
+        let lower: [f32; LANES] = distances.lower.into();
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let (i, j) = numbers(lane);
+            self.keep(lower[lane & 7], i, j);
+        }
     }
 
     /// Keeps a pair that may be the nearest; measures it at once if it may touch.
@@ -131,9 +160,9 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
         while lanes != 0 && !self.incumbent.is_settled() {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;
-            self.incumbent.work.screened_pairs += u64::from(b.count);
             let one = moved.one(simd, lane as usize);
             if SEPARATE {
+                self.incumbent.work.screened_pairs += u64::from(b.count);
                 let mut near = one.may_touch(simd, &eight, slack) & b.mask();
                 while near != 0 && !self.incumbent.is_settled() {
                     self.contact(a.first + lane, b.first + near.trailing_zeros());
@@ -141,19 +170,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
                 }
                 continue;
             }
-            let coarse = one.coarse_bounds(simd, &eight, &self.candidates.direction, slack);
-            if coarse.simd_le(self.threshold()).to_bitmask() & b.mask() == 0 {
-                continue;
-            }
-            let distances = one.bounds(simd, &eight, slack);
-            self.candidates.take_upper(simd, &distances);
-            let mut near = distances.lower.simd_le(self.threshold()).to_bitmask() & b.mask();
-            let lower: [f32; LANES] = distances.lower.into();
-            while near != 0 {
-                let other = near.trailing_zeros();
-                near &= near - 1;
-                self.keep(lower[other as usize & 7], a.first + lane, b.first + other);
-            }
+            self.screen(simd, &one, &eight, slack, b.mask(), |other| (a.first + lane, b.first + other as u32));
         }
     }
 }

@@ -66,7 +66,12 @@ pub(super) struct LaneTriangles<S: Simd> {
 impl<S: Simd> LaneTriangles<S> {
     #[inline(always)]
     pub fn of_leaf(simd: S, leaf: &TriangleLeaf) -> Self {
-        let [p, q, r] = &leaf.corners;
+        Self::load(simd, &leaf.corners)
+    }
+
+    /// From components by corner, coordinate and lane.
+    #[inline(always)]
+    pub fn load(simd: S, [p, q, r]: &[[[f32; LANES]; 3]; 3]) -> Self {
         Self::new(Vectors::load(simd, p), Vectors::load(simd, q), Vectors::load(simd, r))
     }
 

@@ -2,7 +2,7 @@
 
 use clearance::constants::CONTACT_DISTANCE;
 use clearance::math::{Point, Pose};
-use clearance::query::{CollisionBody, Separation, Work, collide, distance, within_margin};
+use clearance::query::{CollisionBody, Separation, Scratch, collide, distance, within_margin};
 
 use super::ledger::{Accuracy, Band, Ledger};
 use super::solid_oracle::solid_distance;
@@ -95,7 +95,7 @@ struct Trial<'c> {
 }
 
 fn least(a: &CollisionBody, b: &CollisionBody, pose_ab: &Pose) -> Separation {
-    distance(a, b, pose_ab, f64::INFINITY, &mut Work::default()).expect("nothing is farther than infinity")
+    distance(a, b, pose_ab, f64::INFINITY, &mut Scratch::default()).expect("nothing is farther than infinity")
 }
 
 impl<'c> Trial<'c> {
@@ -108,7 +108,7 @@ impl<'c> Trial<'c> {
             reach,
             truth: f64::NAN,
             told: least(&a.body, &b.body, pose_ab),
-            common_point: collide(&a.body, &b.body, pose_ab, &mut Work::default()),
+            common_point: collide(&a.body, &b.body, pose_ab, &mut Scratch::default()),
             wrong: vec![],
         }
     }
@@ -145,7 +145,7 @@ impl<'c> Trial<'c> {
         let Case { a, b, pose_ab } = self.case;
         let turned = least(&b.body, &a.body, &pose_ab.inverse()).distance;
         self.same(turned, "the other way round");
-        let seen = collide(&b.body, &a.body, &pose_ab.inverse(), &mut Work::default()).is_some();
+        let seen = collide(&b.body, &a.body, &pose_ab.inverse(), &mut Scratch::default()).is_some();
         self.hold(self.undecided() || seen == (self.truth <= CONTACT_DISTANCE), || {
             format!("collide the other way round says {seen}")
         });
@@ -166,12 +166,12 @@ impl<'c> Trial<'c> {
 
     fn limit(&mut self, limit: f64, inside: bool) {
         let Case { a, b, pose_ab } = self.case;
-        let found = distance(&a.body, &b.body, pose_ab, limit, &mut Work::default());
+        let found = distance(&a.body, &b.body, pose_ab, limit, &mut Scratch::default());
         self.hold(found.is_some() == inside, || format!("limit {limit:e}: {found:?}"));
         if let Some(found) = found {
             self.same(found.distance, "with a limit");
         }
-        let near = within_margin(&a.body, &b.body, pose_ab, limit, &mut Work::default());
+        let near = within_margin(&a.body, &b.body, pose_ab, limit, &mut Scratch::default());
         self.hold(near.is_some() == inside, || format!("margin {limit:e}: {near:?}"));
         if let Some(Separation { distance, witness_points: [p, q] }) = near {
             let fits = distance <= limit.max(CONTACT_DISTANCE) && distance >= self.least_told();

@@ -7,8 +7,8 @@ use clearance::checker::{Body, CollisionChecker, CollisionReport, PairDistance, 
 use clearance::constants::CONTACT_DISTANCE;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
-use clearance::query::{Work, distance};
-use clearance::robot::RobotModel;
+use clearance::query::{Scratch, distance};
+use clearance::robot::{LinkPoses, RobotModel};
 use clearance::world::{Obstacle, ObstacleShape, World};
 use rayon::prelude::*;
 
@@ -96,7 +96,7 @@ fn links_at_random_poses() {
         let pose_ab = Pose::from_parts((centre_a + apart - rotation * centre_b).into(), rotation);
         let mut case = Case { a, b, pose_ab };
         judge(&case, accuracy_of(a, b), Scrutiny::mostly_answers(random), random, ledger);
-        let told = distance(&a.body, &b.body, &pose_ab, f64::INFINITY, &mut Work::default());
+        let told = distance(&a.body, &b.body, &pose_ab, f64::INFINITY, &mut Scratch::default());
         let Some([p, q]) = told.map(|t| t.witness_points) else { return };
         let Some(out) = (q - p).try_normalize(1e-6) else { return };
         let gap = 10f64.powf(random.within(-12.0, -2.0)) * if random.below(2) == 0 { -1.0 } else { 1.0 };
@@ -165,7 +165,8 @@ impl Scene<'_> {
         if all.pair_distances.len() != self.checker.pairs().len() {
             wrong.push(format!("{} distances", all.pair_distances.len()));
         }
-        let poses = self.checker.link_poses(&workspace);
+        let mut poses = LinkPoses::new(robot);
+        robot.forward_kinematics(&q, &mut poses);
         let pose = |body| match body {
             Body::Link(id) => *poses.pose(id),
             Body::Obstacle(_) => Pose::identity(),

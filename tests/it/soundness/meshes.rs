@@ -2,7 +2,7 @@
 
 use clearance::geometry::{Shape, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Work, collide, distance};
+use clearance::query::{CollisionBody, Scratch, collide, distance};
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Family, Ledger, survey};
@@ -187,9 +187,9 @@ fn solid_meshes_hold_what_is_inside_them() {
             let apart = solid_distance(&surfaces[0].solid, &surfaces[1].solid, &pose, f64::INFINITY);
             let wanted = if holds { 0.0 } else { apart.expect("a distance") };
             for (a, b, pose) in [(&a, &b, pose), (&b, &a, pose.inverse())] {
-                let told = distance(a, b, &pose, f64::INFINITY, &mut Work::default()).expect("a distance");
+                let told = distance(a, b, &pose, f64::INFINITY, &mut Scratch::default()).expect("a distance");
                 assert!((told.distance - wanted).abs() <= 1e-13, "{} instead of {wanted}", told.distance);
-                assert_eq!(collide(a, b, &pose, &mut Work::default()).is_some(), holds);
+                assert_eq!(collide(a, b, &pose, &mut Scratch::default()).is_some(), holds);
             }
         }
     }
