@@ -14,7 +14,7 @@ use crate::constants::CONTACT_DISTANCE;
 use crate::math::MatrixPose;
 use crate::query::{Scratch, Work};
 use crate::robot::{Chain, Configuration, Frame, RobotModel};
-use crate::simd::{LANES, dispatch};
+use crate::simd::{LANES, dispatch_lean};
 use crate::world::World;
 
 /// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
@@ -174,7 +174,7 @@ impl CollisionChecker {
         let Workspace { frames, segments, near, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
         let margin = self.largest_padding + CONTACT_DISTANCE;
-        dispatch!(scratch.level_for_one(), simd => {
+        dispatch_lean!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, q.positions(), frames);
             self.capsules.place(frames, segments);
             self.capsules.near_one(simd, segments, margin, near);
@@ -185,7 +185,7 @@ impl CollisionChecker {
     fn place_and_bound(&self, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, segments, bounds, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
-        dispatch!(scratch.level_for_one(), simd => {
+        dispatch_lean!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, q.positions(), frames);
             self.capsules.place(frames, segments);
             self.capsules.lower_bounds_one(simd, segments, bounds);

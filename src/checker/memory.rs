@@ -19,6 +19,12 @@ const LOOK_AHEAD: f64 = 0.03;
 /// How much farther (m) than the nearest triangles others are kept that may become the nearest.
 const FRONT: f64 = 0.015;
 
+/// States for which a front must be enough to have been worth collecting.
+const COLLECTING: i32 = 4;
+
+/// No front is worth more than this many states.
+const MOST_WORTH: i32 = 16;
+
 /// Rounding (relative to the coordinates that enter) granted to remembered points.
 const ROUNDING: f64 = 1e-13;
 
@@ -50,9 +56,27 @@ pub(super) struct Memory {
     /// The answer at that pose, if it was within the limit that was asked.
     found: Option<Separation>,
     front: Front,
+    /// States for which the front has been enough, less those that collecting it was for nothing.
+    worth: i32,
 }
 
 impl Memory {
+    /// Takes what is known now, and keeps the front.
+    fn renew(&mut self, now: Self) {
+        let front = std::mem::take(&mut self.front);
+        *self = Self { front, worth: self.worth, ..now };
+    }
+
+    /// Collects a front if the last ones lasted; where bodies move too fast for that, it is tried again after a while.
+    fn collect_if_worth(&mut self, pair: &Pair, distance: f64, scratch: &mut Scratch) {
+        if self.worth < 0 {
+            self.worth += 1;
+            return;
+        }
+        self.worth -= COLLECTING;
+        self.front.collect(pair.bodies, &pair.pose_ab, distance + FRONT, scratch);
+    }
+
     /// A number never larger than the bodies' distance (m) at another pose.
     fn lower_at(&self, pair: &Pair) -> f64 {
         self.lower - pair.bodies.1.bounding_sphere().displacement(&self.pose_ab, &pair.pose_ab) - CONTACT_DISTANCE
@@ -73,8 +97,17 @@ impl Pair<'_> {
     /// As [`Pair::touches`], with what is remembered.
     pub fn touches_remembering(&self, memory: &mut Option<Memory>, scratch: &mut Scratch) -> bool {
         let padding = self.info.padding;
-        if memory.as_ref().is_some_and(|m| m.lower_at(self) > padding) {
-            return false;
+        match memory {
+            Some(known) if known.lower_at(self) > padding => return false,
+            // what touched probably touches still, and to look further would be for nothing
+            Some(known) if known.lower > padding => {}
+            _ => {
+                let touches = self.touches(scratch);
+                if touches || memory.is_none() {
+                    *memory = Some(self.remembered(if touches { 0.0 } else { padding }, None));
+                    return touches;
+                }
+            }
         }
         let found = self.separation_remembering(padding + LOOK_AHEAD, memory, scratch);
         found.is_some_and(|found| found.distance <= padding)
@@ -90,7 +123,7 @@ impl Pair<'_> {
         let limit = limit.max(CONTACT_DISTANCE);
         let Some(known) = memory else {
             let found = self.separation(limit, scratch);
-            *memory = Some(self.remembered(limit, found, Front::default()));
+            *memory = Some(self.remembered(limit, found));
             return found;
         };
         if known.lower_at(self) > limit {
@@ -100,26 +133,27 @@ impl Pair<'_> {
             return (found.distance <= limit).then_some(found);
         }
         if let Some(found) = known.front.distance(self.bodies, &self.pose_ab, limit, scratch) {
-            let front = std::mem::take(&mut known.front);
-            *known = self.remembered(limit, found, front);
+            known.renew(self.remembered(limit, found));
+            known.worth = (known.worth + 1).min(MOST_WORTH);
             return found;
         }
         let tight = known.upper_at(&self.pose_ab);
         let found = (tight < limit).then(|| self.separation(tight, scratch)).flatten();
         let found = found.or_else(|| self.separation(limit, scratch));
-        let mut front = std::mem::take(&mut known.front);
-        match found {
-            // near twice in turn: it may stay so
-            Some(found) if known.found.is_some() && found.distance > 0.0 => {
-                front.collect(self.bodies, &self.pose_ab, found.distance + FRONT, scratch);
-            }
-            _ => front.clear(),
+        let was_near = known.found.is_some();
+        known.renew(self.remembered(limit, found));
+        known.front.clear();
+        if let Some(found) = found
+            && was_near
+            && found.distance > 0.0
+        {
+            known.collect_if_worth(self, found.distance, scratch);
         }
-        *known = self.remembered(limit, found, front);
         found
     }
 
-    fn remembered(&self, limit: f64, found: Option<Separation>, front: Front) -> Memory {
-        Memory { pose_ab: self.pose_ab, lower: found.map_or(limit, |f| f.distance), found, front }
+    fn remembered(&self, limit: f64, found: Option<Separation>) -> Memory {
+        let lower = found.map_or(limit, |f| f.distance);
+        Memory { pose_ab: self.pose_ab, lower, found, front: Front::default(), worth: 0 }
     }
 }

@@ -14,10 +14,10 @@ use crate::bounding_volume::{BoundingVolume, Obb, Relative};
 use crate::bvh::{TriangleLeaf, Visitor, descend};
 use crate::math::{MatrixPose, Point};
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, dispatch};
+use crate::simd::{LANES, Simd, dispatch_lean};
 
-/// More pairs than this are not kept: then a search costs no more.
-const MOST: usize = 2048;
+/// The nearest pairs that are kept; more would cost as much as a search.
+const MOST: usize = 192;
 
 /// Pairs of triangles of two bodies.
 #[derive(Clone, Debug, Default)]
@@ -37,8 +37,8 @@ impl Front {
         self.pairs.clear();
     }
 
-    /// Lists the triangles of two bodies that may be within `beyond` (m) of each other. Bodies with primitives or solid
-    /// meshes have no front, nor have surfaces with very many such triangles.
+    /// Lists the triangles of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
+    /// many. Bodies with primitives or solid meshes have no front.
     pub fn collect(
         &mut self,
         (a, b): (&CollisionBody, &CollisionBody),
@@ -51,16 +51,14 @@ impl Front {
         let relative = &surface_a.tree.relative(&surface_b.tree, pose_ab);
         let level = scratch.level();
         let Scratch { work, stack, .. } = scratch;
-        let mut collector = Collector { beyond: round_down(beyond), relative, pairs: &mut self.pairs, work };
-        dispatch!(level, simd => {
+        let mut collector = Collector { beyond: round_up(beyond), relative, pairs: &mut self.pairs, work };
+        dispatch_lean!(level, simd => {
             descend(simd, (&surface_a.tree, &surface_b.tree), relative, stack, &mut collector);
         });
-        if self.pairs.len() > MOST {
-            return self.clear();
-        }
-        self.pairs.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        collector.keep_nearest();
+        self.beyond = f64::from(collector.beyond).min(beyond);
+        self.pairs.sort_unstable_by(nearer);
         self.pose_ab = Some(*pose_ab);
-        self.beyond = beyond;
     }
 
     /// The distance of the bodies at another pose, as a search would find it: `Some(None)` if it is proven larger than
@@ -87,7 +85,7 @@ impl Front {
         let incumbent = &mut Incumbent::new(goal, work);
         let mut visitor =
             SurfaceSurface::<_, false> { a: a_surface, b: b_surface, pose_ab, relative, incumbent, candidates };
-        dispatch!(level, simd => look_again(simd, &self.pairs, moved, &mut visitor));
+        dispatch_lean!(level, simd => look_again(simd, &self.pairs, moved, &mut visitor));
         visitor.measure_candidates();
         match incumbent.best {
             Some(found) if found.distance > 0.0 => Some(Some(found)),
@@ -158,9 +156,13 @@ fn only_surfaces<'b, B: BoundingVolume>(
     Some((a.only_surface()?, b.only_surface()?))
 }
 
-#[allow(clippy::cast_possible_truncation)] // rounded down right after
-fn round_down(x: f64) -> f32 {
-    (x as f32).next_down()
+#[allow(clippy::cast_possible_truncation)] // rounded up right after
+fn round_up(x: f64) -> f32 {
+    (x as f32).next_up()
+}
+
+fn nearer(x: &(f32, u32, u32), y: &(f32, u32, u32)) -> std::cmp::Ordering {
+    x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2)))
 }
 
 /// Lists the pairs of triangles whose bounds are not beyond a distance.
@@ -171,11 +173,22 @@ struct Collector<'s> {
     work: &'s mut Work,
 }
 
+impl Collector<'_> {
+    /// Lets the farthest go, if there are too many: what is then not listed is not nearer than those.
+    fn keep_nearest(&mut self) {
+        if self.pairs.len() > MOST {
+            let (_, farthest, _) = self.pairs.select_nth_unstable_by(MOST, nearer);
+            self.beyond = self.beyond.min(farthest.0);
+            self.pairs.truncate(MOST);
+        }
+    }
+}
+
 impl Visitor<TriangleLeaf, TriangleLeaf> for Collector<'_> {
     const SEPARATE: bool = false;
 
     fn threshold(&self) -> f32 {
-        if self.pairs.len() > MOST { f32::NEG_INFINITY } else { self.beyond.next_up().next_up() }
+        self.beyond
     }
 
     fn volume_tests(&mut self, count: u32) {
@@ -193,6 +206,9 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Collector<'_> {
         let (moved, mut lanes) = MovedTriangles::new(simd, a, self.relative, b, self.threshold() + 4.0 * slack);
         if lanes == 0 {
             return;
+        }
+        if self.pairs.len() > 4 * MOST {
+            self.keep_nearest();
         }
         let eight = LaneTriangles::of_leaf(simd, b);
         while lanes != 0 {

@@ -15,8 +15,8 @@ const TESTS_A_LOOK: u64 = 256;
 pub(super) struct Incumbent<'w> {
     goal: Goal,
     pub best: Option<Separation>,
-    /// The triangles that the best is about, if it is about two.
-    triangles: Option<(u32, u32)>,
+    /// The numbers of the elements that the best is about, where it matters which of equal ones is told.
+    numbers: Option<(u32, u32)>,
     /// The count of volume tests at which to look at the clock.
     next_look: u64,
     pub work: &'w mut Work,
@@ -26,7 +26,7 @@ impl<'w> Incumbent<'w> {
     /// What touches is within any limit.
     pub fn new(goal: Goal, work: &'w mut Work) -> Self {
         let goal = Goal { limit: goal.limit.max(CONTACT_DISTANCE), ..goal };
-        Self { goal, best: None, triangles: None, next_look: work.volume_tests, work }
+        Self { goal, best: None, numbers: None, next_look: work.volume_tests, work }
     }
 
     /// Nothing beyond this (m) matters any more; negative infinity once nothing does.
@@ -52,17 +52,17 @@ impl<'w> Incumbent<'w> {
     pub fn offer(&mut self, found: Separation) {
         if self.is_bettered_by(&found) {
             self.best = Some(found);
-            self.triangles = None;
+            self.numbers = None;
         }
     }
 
-    /// As [`Self::offer`] of two triangles; of equally near ones those with the smaller numbers are taken, so that the answer
+    /// As [`Self::offer`] of two elements; of equally near ones those with the smaller numbers are taken, so that the answer
     /// does not depend on the order in which they are met.
-    pub fn offer_triangles(&mut self, found: Separation, triangles: (u32, u32)) {
+    pub fn offer_numbered(&mut self, found: Separation, numbers: (u32, u32)) {
         let tied = self.best.is_some_and(|best| found.distance == best.distance);
-        if tied && self.triangles.is_some_and(|best| triangles < best) || self.is_bettered_by(&found) {
+        if tied && self.numbers.is_some_and(|best| numbers < best) || self.is_bettered_by(&found) {
             self.best = Some(found);
-            self.triangles = Some(triangles);
+            self.numbers = Some(numbers);
         }
     }
 

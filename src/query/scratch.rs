@@ -3,7 +3,7 @@
 use super::Work;
 use super::surface_surface::Candidates;
 use crate::bvh::Entry;
-use crate::simd::{Level, baseline, narrower};
+use crate::simd::{Level, baseline};
 
 /// Memory of one thread's queries: once warm they allocate nothing. Between queries only the counters mean anything.
 #[derive(Clone, Debug)]
@@ -31,12 +31,6 @@ impl Scratch {
     #[must_use]
     pub fn level(&self) -> Level {
         self.level
-    }
-
-    /// The level for work on one state, most of it scalar: that is faster with AVX2 than among AVX-512 instructions.
-    #[must_use]
-    pub fn level_for_one(&self) -> Level {
-        narrower(self.level)
     }
 
     /// Uses no instructions but those of every machine of this kind. Answers are the same, bit by bit.

@@ -12,7 +12,7 @@ use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Entry, Tree, Visitor, descend};
 use crate::math::{MatrixPose, Pose};
-use crate::simd::{Level, dispatch};
+use crate::simd::{Level, dispatch_lean};
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +116,7 @@ impl Descent<'_> {
             return;
         }
         let stack = &mut *self.stack;
-        dispatch!(self.level, simd => descend(simd, trees, relative, stack, visitor));
+        dispatch_lean!(self.level, simd => descend(simd, trees, relative, stack, visitor));
         for left in self.stack.iter() {
             self.unseen = self.unseen.min(f64::from(left.lower.max(0.0)));
         }

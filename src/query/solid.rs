@@ -17,6 +17,8 @@ pub(super) struct Solid {
 #[derive(Clone, Debug)]
 pub(super) struct SolidLeaf {
     pub element: Element,
+    /// In the order of the tree.
+    pub number: u32,
     /// The box's axes, in the frame of the tree.
     pub axes: Axes,
     /// The box's centre, from the anchor of the tree.
@@ -39,11 +41,12 @@ impl Content for SolidLeaf {
     }
 
     #[allow(clippy::cast_possible_truncation)] // rounding is meant
-    fn new(anchor: &Point, _: u32, items: &[&Solid]) -> Self {
+    fn new(anchor: &Point, number: u32, items: &[&Solid]) -> Self {
         let solid = items[0];
         let h = solid.primitive.half_extents();
         let centre = solid.pose.translation.vector - anchor.coords;
         Self {
+            number,
             element: Element::Primitive { primitive: solid.primitive, pose: solid.pose },
             axes: Axes::from_columns(solid.pose.rotation.to_rotation_matrix().matrix()),
             centre: std::array::from_fn(|i| centre[i] as f32),

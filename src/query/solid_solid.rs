@@ -36,7 +36,8 @@ impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, 
                 self.incumbent.offer(Separation::touching_at(point));
             }
         } else {
-            self.incumbent.offer(element_separation(&a.element, &b.element, self.pose_ab));
+            let found = element_separation(&a.element, &b.element, self.pose_ab);
+            self.incumbent.offer_numbered(found, (a.number, b.number));
         }
     }
 }

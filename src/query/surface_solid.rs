@@ -36,16 +36,18 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
         [along.x as f32 * shorter, along.y as f32 * shorter, along.z as f32 * shorter]
     }
 
-    fn test(&mut self, solid: &Element, triangle: u32) {
+    fn test(&mut self, solid: &SolidLeaf, number: u32) {
         self.incumbent.work.primitive_tests += 1;
-        let triangle = Element::Triangle(self.surface.triangle(triangle));
-        let (a, b) = if self.solid_is_a { (solid, &triangle) } else { (&triangle, solid) };
+        let triangle = Element::Triangle(self.surface.triangle(number));
+        let solid_first = (&solid.element, &triangle);
+        let (a, b) = if self.solid_is_a { solid_first } else { (solid_first.1, solid_first.0) };
         if SEPARATE {
             if let Some(point) = element_contact(a, b, self.pose_ab) {
                 self.incumbent.offer(Separation::touching_at(point));
             }
         } else {
-            self.incumbent.offer(element_separation(a, b, self.pose_ab));
+            let found = element_separation(a, b, self.pose_ab);
+            self.incumbent.offer_numbered(found, (solid.number, number));
         }
     }
 }
@@ -82,7 +84,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
             if lower[lane] > self.incumbent.threshold() {
                 return;
             }
-            self.test(&solid.element, leaf.first + lane as u32);
+            self.test(solid, leaf.first + lane as u32);
         }
     }
 }

@@ -75,7 +75,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
     fn measure(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
         let (a, b) = self.triangles(i, j);
-        self.incumbent.offer_triangles(Separation::of(a.nearest_points(&b)), (i, j));
+        self.incumbent.offer_numbered(Separation::of(a.nearest_points(&b)), (i, j));
     }
 
     /// Bounds the distances of eight pairs of triangles, of which the lanes of `mask` count, and keeps those that may be the

@@ -20,15 +20,26 @@ pub fn baseline() -> Level {
     Level::baseline()
 }
 
-/// The level without the widest vectors, where a machine has such.
-#[must_use]
-pub fn narrower(level: Level) -> Level {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if level.as_avx512().is_some() {
-        return level.as_avx2().map_or(level, Level::Avx2);
-    }
-    level
+/// As [`dispatch`], but compiled for AVX2 and the baseline only. AVX-512 gains little for vectors of eight f32 and slows the
+/// scalar code between them; every level more is compile time and code.
+macro_rules! dispatch_lean {
+    ($level:expr, $simd:ident => $body:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            match $level.as_avx2() {
+                Some($simd) => $crate::simd::Simd::vectorize($simd, #[inline(always)] || $body),
+                None => {
+                    let $simd = $level.as_sse2().expect("every x86-64 has SSE2");
+                    $crate::simd::Simd::vectorize($simd, #[inline(always)] || $body)
+                }
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        $crate::simd::dispatch!($level, $simd => $body)
+    }};
 }
+
+pub(crate) use dispatch_lean;
 
 /// Eight points or directions.
 #[derive(Clone, Copy, Debug)]

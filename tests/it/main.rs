@@ -13,6 +13,7 @@ mod reference;
 mod robots;
 mod snapshots;
 mod soundness;
+mod streams;
 mod tally;
 mod triangles;
 mod truth;

@@ -1,0 +1,87 @@
+//! Warm queries allocate nothing. A process of its own, for the counter replaces the allocator.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clearance::query::{CollisionBody, Scratch, collide, distance, within_margin};
+use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};
+
+fn checker(name: &str) -> CollisionChecker {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = |kind: &str| root.join(format!("urdf/{name}/{name}.{kind}"));
+    let robot = Arc::new(RobotModel::load(&path("urdf"), Some(&path("srdf")), &[]).unwrap());
+    CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap()
+}
+
+/// Every combination of the ends and the middle of the first joints' ranges.
+fn states(checker: &CollisionChecker) -> Vec<Configuration> {
+    let robot = checker.robot();
+    let middle = robot.default_configuration();
+    let count = middle.positions().len().min(4);
+    (0..3usize.pow(u32::try_from(count).unwrap()))
+        .map(|code| {
+            let mut positions = middle.positions().to_vec();
+            for (i, position) in positions.iter_mut().take(count).enumerate() {
+                *position = [-0.9, 0.3, 1.2][code / 3usize.pow(u32::try_from(i).unwrap()) % 3];
+            }
+            robot.configuration(&positions).unwrap()
+        })
+        .collect()
+}
+
+fn allocations(f: impl FnOnce()) -> u64 {
+    allocation_counter::measure(f).count_total
+}
+
+#[test]
+fn warm_checks_allocate_nothing() {
+    for name in ["demo_arm", "dual_arm"] {
+        let checker = checker(name);
+        let states = states(&checker);
+        let mut workspace = checker.workspace();
+        let mut pass = |count: bool| {
+            for q in &states {
+                let free = allocations(|| {
+                    let _ = checker.is_free(q, &mut workspace);
+                });
+                // a report that holds no pair has no memory of its own
+                let least = Question::Distance { limit: f64::INFINITY };
+                let mut hits = 0;
+                let distance = allocations(|| {
+                    hits = checker.check(q, least, &mut workspace).colliding_pairs.len();
+                });
+                assert!(!count || free == 0, "{name}: is_free allocated {free} times");
+                assert!(!count || hits > 0 || distance == 0, "{name}: distance allocated {distance} times");
+            }
+        };
+        pass(false);
+        pass(true);
+    }
+}
+
+#[test]
+fn warm_queries_of_bodies_allocate_nothing() {
+    let checker = checker("demo_arm");
+    let robot = checker.robot();
+    let bodies: Vec<CollisionBody> = (robot.links().iter())
+        .filter_map(|l| CollisionBody::new(l.collisions.iter().map(|c| (&c.pose_ls, &c.shape))))
+        .collect();
+    let mut scratch = Scratch::default();
+    let mut pass = |count: bool| {
+        for a in &bodies {
+            for b in &bodies {
+                for step in 0..5 {
+                    let pose = clearance::math::Pose::translation(0.1 * f64::from(step), 0.05, -0.1);
+                    let allocated = allocations(|| {
+                        let _ = collide(a, b, &pose, &mut scratch);
+                        let _ = distance(a, b, &pose, f64::INFINITY, &mut scratch);
+                        let _ = within_margin(a, b, &pose, 0.02, &mut scratch);
+                    });
+                    assert!(!count || allocated == 0, "{allocated} allocations");
+                }
+            }
+        }
+    };
+    pass(false);
+    pass(true);
+}
