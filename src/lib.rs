@@ -39,6 +39,7 @@ pub use robot::{Configuration, MeshFiles, RobotModel};
 pub use world::World;
 
 #[cfg(test)]
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
 mod testing;
 
 /// The examples of the README compile and run.

@@ -90,10 +90,7 @@ impl From<&MatrixPose> for MatrixPose {
 
 impl From<&Pose> for MatrixPose {
     fn from(pose: &Pose) -> Self {
-        Self {
-            rotation: *pose.rotation.to_rotation_matrix().matrix(),
-            translation: pose.translation.vector,
-        }
+        Self { rotation: *pose.rotation.to_rotation_matrix().matrix(), translation: pose.translation.vector }
     }
 }
 

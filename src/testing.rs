@@ -1,8 +1,6 @@
 //! What the tests of all modules need: chance, and every SIMD level of this machine.
 
 use crate::math::{Pose, Rotation, UnitVector, Vector};
-#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
-
 use crate::simd::Level;
 
 /// A small deterministic source of chance (SplitMix64).

@@ -98,7 +98,7 @@ fn reply(line: &str, subject: &mut Option<Subject>) -> Outcome<Option<String>> {
             Ok(known.then(|| words.join("\t")))
         }
         (["figures"], Some(Subject::Robot(robot))) => Ok(Some(robot.figures()?)),
-        (["costs"], Some(Subject::Meshes(pair))) => Ok(pair.costs()),
+        (["costs"], Some(Subject::Meshes(pair))) => Ok(Some(pair.costs())),
         _ => Err(format!("cannot make sense of '{line}'").into()),
     }
 }

@@ -48,7 +48,8 @@ impl BoundingVolume for Capsule {
         let axes = principal_axes(points);
         let local: Vec<Vector> = points.iter().map(|p| axes.tr_mul(p)).collect();
         let middle = |i: usize| {
-            let (lo, hi) = (local.iter()).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
+            let (lo, hi) = (local.iter())
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
             0.5 * (lo + hi)
         };
         let (y, z) = (middle(1), middle(2));

@@ -141,12 +141,14 @@ impl BoundingVolume for Obb {
         relative: &Relative,
     ) -> f32x8<S> {
         let d = facing.centre.minus(Vectors::splat(simd, &taken(&seen.centre, lane)));
-        let along_b = (d.abs().minus(facing.half_extents)).minus(Vectors::splat(simd, &taken(&seen.shadow, lane)));
+        let along_b =
+            (d.abs().minus(facing.half_extents)).minus(Vectors::splat(simd, &taken(&seen.shadow, lane)));
         let own = taken(&seen.half_extents, lane);
-        let along_a = (facing.centre_along_a.minus(Vectors::splat(simd, &taken(&seen.centre_along_own, lane))))
-            .abs()
-            .minus(facing.shadow)
-            .minus(Vectors::splat(simd, &own));
+        let along_a =
+            (facing.centre_along_a.minus(Vectors::splat(simd, &taken(&seen.centre_along_own, lane))))
+                .abs()
+                .minus(facing.shadow)
+                .minus(Vectors::splat(simd, &own));
         let gap = along_b.max(along_a).largest();
         if SEPARATE {
             if gap.simd_le(relative.slack).to_bitmask() == 0 {

@@ -43,7 +43,11 @@ impl Relative {
     /// a coordinate made from them by less than 32 units relative to the 1-norm of what entered; two such coordinates and
     /// two sums of three extents make [`VOLUME_SLACK`], 64 units.
     #[must_use]
-    pub fn of_trees(pose_ab: &MatrixPose, (anchor_a, reach_a): (&Point, f64), (anchor_b, reach_b): (&Point, f64)) -> Self {
+    pub fn of_trees(
+        pose_ab: &MatrixPose,
+        (anchor_a, reach_a): (&Point, f64),
+        (anchor_b, reach_b): (&Point, f64),
+    ) -> Self {
         let rotation = pose_ab.rotation.transpose();
         let t = rotation * (anchor_a.coords - pose_ab.translation) - anchor_b.coords;
         let reach = t.abs().sum() + reach_a + reach_b;

@@ -55,11 +55,8 @@ impl BoundingVolume for Rss {
         let cap = |p: &Vector| (thickness * thickness - (p.z - middle).powi(2)).max(0.0).sqrt();
         let span = |i: usize| range(points.iter().map(|p| (p[i] + cap(p), p[i] - cap(p))));
         let spans = [span(0), span(1)];
-        let centre = [
-            round(0.5 * (spans[0].0 + spans[0].1)),
-            round(0.5 * (spans[1].0 + spans[1].1)),
-            round(middle),
-        ];
+        let centre =
+            [round(0.5 * (spans[0].0 + spans[0].1)), round(0.5 * (spans[1].0 + spans[1].1)), round(middle)];
         let half = spans.map(|(lo, hi)| round((0.5 * (hi - lo)).max(0.0)));
         let rectangle = Obb { centre, half_extents: [half[0], half[1], 0.0] };
         let radius = points.iter().map(|p| distance_from(&rectangle, p)).fold(0.0, f64::max);

@@ -100,7 +100,8 @@ impl BoundingVolume for Sphere {
 /// The centre of a sphere that grows from the two points far apart to hold one after the other.
 fn ritter(points: &[Vector]) -> Vector {
     let farthest = |from: Vector| {
-        let nearer = |p: &&Vector, q: &&Vector| (*p - from).norm_squared().total_cmp(&(*q - from).norm_squared());
+        let nearer =
+            |p: &&Vector, q: &&Vector| (*p - from).norm_squared().total_cmp(&(*q - from).norm_squared());
         points.iter().max_by(nearer).copied().unwrap_or(from)
     };
     let one_end = farthest(points.first().copied().unwrap_or_else(Vector::zeros));

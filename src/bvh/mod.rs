@@ -5,9 +5,9 @@
 
 mod build;
 mod descend;
-mod triangle_leaf;
 mod tree;
+mod triangle_leaf;
 
 pub use descend::{Entry, Visitor, descend};
-pub use triangle_leaf::TriangleLeaf;
 pub use tree::{Content, Leaf, Node, NodeRef, Tree};
+pub use triangle_leaf::TriangleLeaf;

@@ -69,7 +69,13 @@ impl CollisionChecker {
 
     /// Level 0 for eight states at once; the pairs that it leaves are asked one by one.
     #[inline(always)]
-    fn free_eights<S: Simd>(&self, simd: S, states: &[Configuration], scratch: &mut Scratch, free: &mut [bool]) {
+    fn free_eights<S: Simd>(
+        &self,
+        simd: S,
+        states: &[Configuration],
+        scratch: &mut Scratch,
+        free: &mut [bool],
+    ) {
         let mut eight = Eight::new(self, simd);
         for (states, free) in states.chunks(LANES).zip(free.chunks_mut(LANES)) {
             self.screen_eight(simd, states, &mut eight);
@@ -80,7 +86,9 @@ impl CollisionChecker {
                 while near != 0 {
                     let lane = near.trailing_zeros() as usize;
                     near &= near - 1;
-                    if lane < states.len() && self.pair_with(i, |body| eight.frame(body, lane)).touches(scratch) {
+                    if lane < states.len()
+                        && self.pair_with(i, |body| eight.frame(body, lane)).touches(scratch)
+                    {
                         hit |= 1 << lane;
                     }
                 }

@@ -28,7 +28,12 @@ pub(super) struct Rider {
 type Placed<'s> = (Pose, &'s Shape);
 
 /// Every link and obstacle with geometry, by name of body: links first.
-pub(super) fn riders(robot: &RobotModel, world: &World, chain: &Chain, mesh_model: MeshModel) -> Vec<Option<Rider>> {
+pub(super) fn riders(
+    robot: &RobotModel,
+    world: &World,
+    chain: &Chain,
+    mesh_model: MeshModel,
+) -> Vec<Option<Rider>> {
     let links = (robot.links().iter().enumerate()).map(|(i, link)| {
         let seat = chain.seat(i)?;
         let place = pose(&seat.place);
@@ -38,7 +43,9 @@ pub(super) fn riders(robot: &RobotModel, world: &World, chain: &Chain, mesh_mode
     let obstacles = (world.obstacles().iter())
         .map(|o| Some((0, o.shapes.iter().map(|s| (s.pose_rs, &s.shape)).collect())));
     let all: Vec<Option<(usize, Vec<Placed>)>> = links.chain(obstacles).collect();
-    (all.into_par_iter()).map(|rider| rider.and_then(|(body, shapes)| Rider::new(body, &shapes, mesh_model))).collect()
+    (all.into_par_iter())
+        .map(|rider| rider.and_then(|(body, shapes)| Rider::new(body, &shapes, mesh_model)))
+        .collect()
 }
 
 impl Rider {
@@ -57,7 +64,9 @@ fn capsule(shapes: &[Placed]) -> Option<LinkCapsule> {
     if let [(pose, Shape::Primitive(primitive))] = shapes {
         match *primitive {
             Primitive::Sphere { radius } => return Some(around_axis(pose, 0.0, radius)),
-            Primitive::Capsule { radius, half_length } => return Some(around_axis(pose, half_length, radius)),
+            Primitive::Capsule { radius, half_length } => {
+                return Some(around_axis(pose, half_length, radius));
+            }
             _ => {}
         }
     }
@@ -82,7 +91,12 @@ fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
 }
 
 /// The pairs of a list, by index of rider.
-pub(super) fn pair_infos(pairs: &PairList, links: usize, padding: &[f64], settings: &Settings) -> Vec<PairInfo> {
+pub(super) fn pair_infos(
+    pairs: &PairList,
+    links: usize,
+    padding: &[f64],
+    settings: &Settings,
+) -> Vec<PairInfo> {
     let between_links = pairs.self_pairs().iter().map(|&(a, b)| PairInfo {
         ids: (Body::Link(a), Body::Link(b)),
         bodies: (a.index(), b.index()),

@@ -34,12 +34,9 @@
 //! before has fewer terms: 7E for w and 4\|w\| for the squares. A tiny constant added to |n|² keeps the quotient
 //! defined where the segments touch, and only lowers a positive bound.
 
-#![allow(clippy::inline_always, reason = "code inside `dispatch!` only gets its instruction set by inlining")]
-
 use std::ops::{Add, Sub};
 
 use nalgebra::{Vector2, Vector3};
-
 
 use crate::math::{Point, RotationMatrix, UnitVector, Vector};
 use crate::robot::Frame;
@@ -574,8 +571,8 @@ impl LinkCapsule {
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 mod tests {
     use super::*;
-    use crate::testing::{Random, levels};
     use crate::simd::{Level, dispatch, f64x8};
+    use crate::testing::{Random, levels};
 
     /// Distance of two segments in f64: interior against interior if that is where it is least, else an end.
     fn true_distance(c: &LinkCapsule, d: &LinkCapsule) -> f64 {

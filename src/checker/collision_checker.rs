@@ -197,7 +197,11 @@ impl CollisionChecker {
         self.place_and_screen(q, workspace);
         let Workspace { frames, near, scratch, memories, .. } = workspace;
         for i in near_pairs(near) {
-            let known = if i < self.pairs.self_pairs().len() { report.self_collision } else { report.world_collision };
+            let known = if i < self.pairs.self_pairs().len() {
+                report.self_collision
+            } else {
+                report.world_collision
+            };
             if !known && self.touches(i, frames, memories, scratch) {
                 report.add_hit(self.infos[i].ids);
             }
@@ -215,7 +219,13 @@ impl CollisionChecker {
     }
 
     /// The least distance of all pairs; pairs that may be nearer are asked first, and each only up to the least so far.
-    fn least_distance(&self, q: &Configuration, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
+    fn least_distance(
+        &self,
+        q: &Configuration,
+        limit: f64,
+        workspace: &mut Workspace,
+        report: &mut CollisionReport,
+    ) {
         self.place_and_bound(q, workspace);
         let Workspace { frames, bounds, queue, scratch, memories, .. } = workspace;
         let limit = limit.max(CONTACT_DISTANCE);
@@ -249,7 +259,13 @@ impl CollisionChecker {
     }
 
     /// Every pair's distance up to `limit`.
-    fn distances(&self, q: &Configuration, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
+    fn distances(
+        &self,
+        q: &Configuration,
+        limit: f64,
+        workspace: &mut Workspace,
+        report: &mut CollisionReport,
+    ) {
         self.place_and_bound(q, workspace);
         let Workspace { frames, bounds, scratch, memories, .. } = workspace;
         for (i, info) in self.infos.iter().enumerate() {

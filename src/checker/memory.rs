@@ -61,10 +61,17 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Takes what is known now, and keeps the front.
-    fn renew(&mut self, now: Self) {
-        let front = std::mem::take(&mut self.front);
-        *self = Self { front, worth: self.worth, ..now };
+    /// What was found at the pair's pose when it was looked for up to `limit` (m).
+    fn new(pair: &Pair, limit: f64, found: Option<Separation>) -> Self {
+        let lower = found.map_or(limit, |f| f.distance);
+        Self { pose_ab: pair.pose_ab, lower, found, front: Front::default(), worth: 0 }
+    }
+
+    /// As [`Self::new`], but keeps the front.
+    fn renew(&mut self, pair: &Pair, limit: f64, found: Option<Separation>) {
+        self.pose_ab = pair.pose_ab;
+        self.lower = found.map_or(limit, |f| f.distance);
+        self.found = found;
     }
 
     /// Collects a front if the last ones lasted; where bodies move too fast for that, it is tried again after a while.
@@ -79,7 +86,9 @@ impl Memory {
 
     /// A number never larger than the bodies' distance (m) at another pose.
     fn lower_at(&self, pair: &Pair) -> f64 {
-        self.lower - pair.bodies.1.bounding_sphere().displacement(&self.pose_ab, &pair.pose_ab) - CONTACT_DISTANCE
+        self.lower
+            - pair.bodies.1.bounding_sphere().displacement(&self.pose_ab, &pair.pose_ab)
+            - CONTACT_DISTANCE
     }
 
     /// A number never smaller than the bodies' distance (m) at another pose.
@@ -104,12 +113,12 @@ impl Pair<'_> {
             _ => {
                 let touches = self.touches(scratch);
                 if touches || memory.is_none() {
-                    *memory = Some(self.remembered(if touches { 0.0 } else { padding }, None));
+                    *memory = Some(Memory::new(self, if touches { 0.0 } else { padding }, None));
                     return touches;
                 }
             }
         }
-        let found = self.separation_remembering(padding + LOOK_AHEAD, memory, scratch);
+        let found = self.separation_remembering(padding, memory, scratch);
         found.is_some_and(|found| found.distance <= padding)
     }
 
@@ -123,37 +132,33 @@ impl Pair<'_> {
         let limit = limit.max(CONTACT_DISTANCE);
         let Some(known) = memory else {
             let found = self.separation(limit, scratch);
-            *memory = Some(self.remembered(limit, found));
+            *memory = Some(Memory::new(self, limit, found));
             return found;
         };
         if known.lower_at(self) > limit {
             return None;
         }
-        if known.pose_ab == self.pose_ab && let Some(found) = known.found {
+        if known.pose_ab == self.pose_ab
+            && let Some(found) = known.found
+        {
             return (found.distance <= limit).then_some(found);
         }
         if let Some(found) = known.front.distance(self.bodies, &self.pose_ab, limit, scratch) {
-            known.renew(self.remembered(limit, found));
+            known.renew(self, limit, found);
             known.worth = (known.worth + 1).min(MOST_WORTH);
             return found;
         }
+        // a bound that is no more than was asked would have run out in the next state
+        let farther = limit + LOOK_AHEAD;
         let tight = known.upper_at(&self.pose_ab);
-        let found = (tight < limit).then(|| self.separation(tight, scratch)).flatten();
-        let found = found.or_else(|| self.separation(limit, scratch));
-        let was_near = known.found.is_some();
-        known.renew(self.remembered(limit, found));
+        let found = (tight < farther).then(|| self.separation(tight, scratch)).flatten();
+        let found = found.or_else(|| self.separation(farther, scratch));
+        known.renew(self, farther, found);
         known.front.clear();
-        if let Some(found) = found
-            && was_near
-            && found.distance > 0.0
-        {
+        let found = found.filter(|found| found.distance <= limit)?;
+        if found.distance > 0.0 {
             known.collect_if_worth(self, found.distance, scratch);
         }
-        found
-    }
-
-    fn remembered(&self, limit: f64, found: Option<Separation>) -> Memory {
-        let lower = found.map_or(limit, |f| f.distance);
-        Memory { pose_ab: self.pose_ab, lower, found, front: Front::default(), worth: 0 }
+        Some(found)
     }
 }

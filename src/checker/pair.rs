@@ -27,13 +27,13 @@ impl Pair<'_> {
     /// Whether the padded bodies touch; if not, they are proven apart.
     pub fn touches(&self, scratch: &mut Scratch) -> bool {
         let (a, b) = self.bodies;
-        query::within_margin(a, b, &self.pose_ab, self.info.padding, scratch).is_some()
+        query::within_margin(a, b, self.pose_ab, self.info.padding, scratch).is_some()
     }
 
     /// The distance without padding, unless it is proven larger than `limit`.
     pub fn separation(&self, limit: f64, scratch: &mut Scratch) -> Option<Separation> {
         let (a, b) = self.bodies;
-        query::distance(a, b, &self.pose_ab, limit, scratch)
+        query::distance(a, b, self.pose_ab, limit, scratch)
     }
 
     /// A separation in the frame of a, with the padding taken off and the points in the root frame.

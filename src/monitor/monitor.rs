@@ -6,8 +6,8 @@ use std::time::Duration;
 use super::stamp_order::StampOrder;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
-use crate::robot::LinkPoses;
 use crate::checker::{Question, Workspace};
+use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
@@ -84,7 +84,7 @@ impl Monitor {
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),
-            workspace: revision.checker.workspace(),
+            workspace: revision.checker.streaming_workspace(),
             revision,
         });
         self.model_fault = None;

@@ -41,9 +41,13 @@ impl CollisionBody {
 
 impl<B: BoundingVolume> CollisionBody<B> {
     /// As [`CollisionBody::new`], with hierarchies of any volume.
+    ///
+    /// # Panics
+    /// When the meshes have more than 2³² vertices or 2³¹ triangles together.
     #[must_use]
     pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
-        let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) = Default::default();
+        let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) =
+            Default::default();
         for (pose, shape) in shapes {
             match shape {
                 Shape::Primitive(primitive) => solids.push(Solid { primitive: *primitive, pose: *pose }),

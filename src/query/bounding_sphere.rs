@@ -16,7 +16,8 @@ impl BoundingSphere {
     #[must_use]
     pub fn lower_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
         let centre = pose_ab * other.centre;
-        let reach = self.centre.coords.abs().sum() + centre.coords.abs().sum() + other.centre.coords.abs().sum();
+        let reach =
+            self.centre.coords.abs().sum() + centre.coords.abs().sum() + other.centre.coords.abs().sum();
         nalgebra::distance(&self.centre, &centre) - self.radius - other.radius - FIT_SLACK * reach
     }
 
@@ -33,7 +34,8 @@ impl BoundingSphere {
     /// `None` around nothing. The centre is the middle of the box around everything.
     pub(super) fn around(vertices: &[Point], faces: &[[u32; 3]], solids: &[Solid]) -> Option<Self> {
         let corners = || faces.iter().flatten().map(|&v| vertices[v as usize]);
-        let balls = || solids.iter().map(|s| (Point::from(s.pose.translation.vector), s.primitive.bounding_radius()));
+        let balls =
+            || solids.iter().map(|s| (Point::from(s.pose.translation.vector), s.primitive.bounding_radius()));
         let mut lo = Point::from([f64::INFINITY; 3]);
         let mut hi = Point::from([f64::NEG_INFINITY; 3]);
         for (p, radius) in corners().map(|p| (p, 0.0)).chain(balls()) {

@@ -1,9 +1,9 @@
 //! The least distance of two convex elements: closed form where there is one, GJK otherwise.
 
 use super::core::{Core, RoundedCore};
+use super::element::Element;
 use super::narrow_phase;
 use super::refine::refine;
-use super::element::Element;
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::{PointPair, Triangle, nearest_on_segments};
 use crate::math::{Point, Pose};

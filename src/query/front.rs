@@ -17,7 +17,7 @@ use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, dispatch_lean};
 
 /// The nearest pairs that are kept; more would cost as much as a search.
-const MOST: usize = 192;
+const MOST: usize = 512;
 
 /// Pairs of triangles of two bodies.
 #[derive(Clone, Debug, Default)]
@@ -83,8 +83,14 @@ impl Front {
         candidates.clear();
         let goal = Goal { limit: limit.min(certain), ..Goal::EXACT };
         let incumbent = &mut Incumbent::new(goal, work);
-        let mut visitor =
-            SurfaceSurface::<_, false> { a: a_surface, b: b_surface, pose_ab, relative, incumbent, candidates };
+        let mut visitor = SurfaceSurface::<_, false> {
+            a: a_surface,
+            b: b_surface,
+            pose_ab,
+            relative,
+            incumbent,
+            candidates,
+        };
         dispatch_lean!(level, simd => look_again(simd, &self.pairs, moved, &mut visitor));
         visitor.measure_candidates();
         match incumbent.best {
@@ -203,7 +209,8 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Collector<'_> {
     #[allow(clippy::cast_possible_truncation)] // lanes are few
     fn leaves<S: Simd>(&mut self, simd: S, a: &TriangleLeaf, b: &TriangleLeaf) {
         let slack = triangle_slack(self.relative);
-        let (moved, mut lanes) = MovedTriangles::new(simd, a, self.relative, b, self.threshold() + 4.0 * slack);
+        let (moved, mut lanes) =
+            MovedTriangles::new(simd, a, self.relative, b, self.threshold() + 4.0 * slack);
         if lanes == 0 {
             return;
         }

@@ -1,9 +1,9 @@
 //! How deep two solid primitives are in each other.
 
 use super::core::{Core, RoundedCore};
+use super::element::Element;
 use super::element_pair::{Separation, core_nearest_points};
 use super::narrow_phase;
-use super::element::Element;
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::Primitive;
 use crate::math::{Point, Pose, Vector};

@@ -50,11 +50,7 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     scratch: &mut Scratch,
 ) -> Found {
     let Scratch { work, stack, candidates, level } = scratch;
-    let mut descent = Descent {
-        level: *level,
-        stack,
-        unseen: f64::INFINITY,
-    };
+    let mut descent = Descent { level: *level, stack, unseen: f64::INFINITY };
     let mut incumbent = Incumbent::new(goal, work);
     if a.has_solids() || b.has_solids() {
         solids::<B, SEPARATE>((a, b), pose_ab, &mut incumbent, &mut descent);
@@ -88,12 +84,14 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
     }
     if let (Some(solids), Some(surface)) = (&a.solids, &b.surface) {
         let relative = &solids.relative(&surface.tree, pose_matrix);
-        let visitor = &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: true, pose_ab, relative, incumbent };
+        let visitor =
+            &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: true, pose_ab, relative, incumbent };
         descent.run((solids, &surface.tree), relative, visitor);
     }
     if let (Some(surface), Some(solids)) = (&a.surface, &b.solids) {
         let relative = &solids.relative(&surface.tree, &pose_matrix.inverse());
-        let visitor = &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: false, pose_ab, relative, incumbent };
+        let visitor =
+            &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: false, pose_ab, relative, incumbent };
         descent.run((solids, &surface.tree), relative, visitor);
     }
 }

@@ -37,7 +37,8 @@ impl<B: BoundingVolume> Surface<B> {
 
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
-        let own = self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();
+        let own =
+            self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();
         own + self.tree.bytes()
     }
 }

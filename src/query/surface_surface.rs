@@ -170,7 +170,9 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
                 }
                 continue;
             }
-            self.screen(simd, &one, &eight, slack, b.mask(), |other| (a.first + lane, b.first + other as u32));
+            self.screen(simd, &one, &eight, slack, b.mask(), |other| {
+                (a.first + lane, b.first + other as u32)
+            });
         }
     }
 }

@@ -140,7 +140,15 @@ impl<S: Simd> LaneTriangles<S> {
     /// Along the axis normal to two edges both ends of each project alike, so each triangle spans from there to its
     /// opposite corner.
     #[inline(always)]
-    fn gap_across_edges(&self, simd: S, i: usize, other: &Self, j: usize, span: f32x8<S>, slack: f32) -> f32x8<S> {
+    fn gap_across_edges(
+        &self,
+        simd: S,
+        i: usize,
+        other: &Self,
+        j: usize,
+        span: f32x8<S>,
+        slack: f32,
+    ) -> f32x8<S> {
         let zero = f32x8::splat(simd, 0.0);
         let axis = self.edges[i].cross(other.edges[j]);
         let from = other.corners[j];

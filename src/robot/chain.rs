@@ -16,8 +16,6 @@
 //! Rotations are not renormalised: a step's columns are off by a few roundings of 1.1e-16, which add up to less than
 //! 1e-11 over a chain of 10,000 joints.
 
-#![allow(clippy::inline_always, reason = "code inside `dispatch!` only gets its instruction set by inlining")]
-
 use std::ops::Mul;
 
 use crate::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
@@ -578,8 +576,8 @@ impl Source {
 mod tests {
     use super::*;
     use crate::math::Rotation;
-    use crate::testing::{Random, levels};
     use crate::simd::dispatch;
+    use crate::testing::{Random, levels};
 
     /// A random tree of `links` links, the number of its positions, and which links are needed.
     fn random_tree(random: &mut Random, links: usize) -> (Vec<ChainJoint>, usize, Vec<bool>) {

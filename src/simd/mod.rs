@@ -66,22 +66,21 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn store(self) -> [[f32; LANES]; 3] {
         [self.x.into(), self.y.into(), self.z.into()]
     }
 
     /// `r * self + t`.
     #[inline(always)]
+    #[must_use]
     pub fn placed(self, r: &[[f32; 3]; 3], t: &[f32; 3]) -> Self {
-        Self {
-            x: self.along(&r[0]) + t[0],
-            y: self.along(&r[1]) + t[1],
-            z: self.along(&r[2]) + t[2],
-        }
+        Self { x: self.along(&r[0]) + t[0], y: self.along(&r[1]) + t[1], z: self.along(&r[2]) + t[2] }
     }
 
     /// The transpose of `r` times `self`.
     #[inline(always)]
+    #[must_use]
     pub fn turned_back(self, r: &[[f32; 3]; 3]) -> Self {
         Self {
             x: self.along(&[r[0][0], r[1][0], r[2][0]]),
@@ -92,16 +91,19 @@ impl<S: Simd> Vectors<S> {
 
     /// Dot products with one vector.
     #[inline(always)]
+    #[must_use]
     pub fn along(self, v: &[f32; 3]) -> f32x8<S> {
         self.x * v[0] + self.y * v[1] + self.z * v[2]
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn dot(self, other: Self) -> f32x8<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - self.z * other.y,
@@ -111,49 +113,58 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn scaled(self, by: f32x8<S>) -> Self {
         Self { x: self.x * by, y: self.y * by, z: self.z * by }
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn minus(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn abs(self) -> Self {
         Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self { x: self.x.min(other.x), y: self.y.min(other.y), z: self.z.min(other.z) }
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
     }
 
     /// The largest component of each.
     #[inline(always)]
+    #[must_use]
     pub fn largest(self) -> f32x8<S> {
         self.x.max(self.y).max(self.z)
     }
 
     /// Sums of the components' magnitudes.
     #[inline(always)]
+    #[must_use]
     pub fn one_norm(self) -> f32x8<S> {
         self.x.abs() + self.y.abs() + self.z.abs()
     }
 
     #[inline(always)]
+    #[must_use]
     pub fn norm(self) -> f32x8<S> {
         self.dot(self).sqrt()
     }
 
     /// `self` in the lanes where the mask holds, else `other`.
     #[inline(always)]
+    #[must_use]
     pub fn or(self, mask: impl Select<f32x8<S>> + Copy, other: Self) -> Self {
         Self {
             x: mask.select(self.x, other.x),

@@ -3,8 +3,6 @@
 //! Only operations that IEEE 754 rounds correctly are used, in one written order and never fused, so every
 //! instruction set and every lane agrees with the scalar to the last bit.
 
-#![allow(clippy::inline_always, reason = "code inside `dispatch!` only gets its instruction set by inlining")]
-
 use std::ops::{Add, Mul, Neg, Sub};
 
 use fearless_simd::prelude::*;

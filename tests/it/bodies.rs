@@ -166,7 +166,8 @@ fn bound<B: BoundingVolume>(level: Level, s: &[Point], t: &[Point], pose_ab: &Po
     let (s, t) = (vectors(s), vectors(t));
     let axes = |points: &[Vector]| Axes::from_columns(&B::axes(points));
     let (axes_a, axes_b) = (axes(&s), axes(&t));
-    let fit = |axes: &Axes, points: &[Vector]| B::fit(&points.iter().map(|p| axes.along(p)).collect::<Vec<_>>());
+    let fit =
+        |axes: &Axes, points: &[Vector]| B::fit(&points.iter().map(|p| axes.along(p)).collect::<Vec<_>>());
     let (a, b) = (fit(&axes_a, &s), fit(&axes_b, &t));
     let reach = |points: &[Vector]| points.iter().map(|p| p.abs().sum()).fold(0.0, f64::max);
     let origin = Point::origin();

@@ -1,6 +1,5 @@
 //! Numeric cases from other projects' test-suites: shape against shape and mesh against mesh.
 
-
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
 use clearance::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
 use clearance::query::{CollisionBody, Scratch, collide, distance, signed_distance, within_margin};
@@ -162,4 +161,3 @@ fn mesh_pairs() {
     }
     tally.finish(48);
 }
-

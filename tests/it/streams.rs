@@ -6,9 +6,10 @@ use std::sync::Arc;
 use clearance::checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 use clearance::query::Work;
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
-use clearance::world::PlanningScene;
+use clearance::world::{PlanningScene, World};
 
 use crate::random::Random;
+use crate::tally::{json, shared_folder};
 
 const QUESTIONS: [Question; 6] = [
     Question::Free,
@@ -32,7 +33,7 @@ pub fn checkers() -> [CollisionChecker; 2] {
     let padded = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
     [
         CollisionChecker::new(arm, &scene.into_world().unwrap(), padded).unwrap(),
-        CollisionChecker::new(load("dual_arm"), &Default::default(), Settings::default()).unwrap(),
+        CollisionChecker::new(load("dual_arm"), &World::default(), Settings::default()).unwrap(),
     ]
 }
 
@@ -51,7 +52,8 @@ fn walk(checker: &CollisionChecker, random: &mut Random, jumps: usize, steps: us
     for _ in 0..jumps {
         let mut state = random_state(checker, random);
         for _ in 0..steps {
-            let moved: Vec<f64> = state.positions().iter().map(|q| q + random.within(-0.002, 0.002)).collect();
+            let moved: Vec<f64> =
+                state.positions().iter().map(|q| q + random.within(-0.002, 0.002)).collect();
             state = checker.robot().configuration(&moved).unwrap();
             states.push(state.clone());
         }
@@ -147,5 +149,31 @@ fn batches_are_the_same_for_any_number_of_threads() {
         let mut portable = vec![false; states.len()];
         checker.are_free_with(&states, &mut checker.portable_workspace(), &mut portable);
         assert_eq!(portable, free);
+    }
+}
+
+/// The truth's walks, as a monitor would hear them: the same reports for a fraction of the work.
+#[test]
+fn streams_of_the_shared_walks() {
+    let Some(truth) = shared_folder("truth") else { return };
+    for name in ["ur5", "panda"] {
+        let folder = truth.join(name);
+        let robot =
+            RobotModel::load(&folder.join("robot.urdf"), Some(&folder.join("robot.srdf")), &[]).unwrap();
+        let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+        let walks = json(&folder.join("walks.json"));
+        let joints: Vec<_> =
+            walks["joint_order"].as_array().unwrap().iter().map(|j| j.as_str().unwrap()).collect();
+        let state = |q: &serde_json::Value| {
+            let values = q.as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+            checker.robot().configuration_from_names(joints.iter().copied().zip(values)).unwrap()
+        };
+        let states: Vec<_> = walks["q"].as_array().unwrap().iter().take(2_500).map(state).collect();
+        let question = Question::Distance { limit: 0.1 };
+        let (single, cost) = ask(&checker, &states, question, checker.workspace());
+        let (streamed, less) = ask(&checker, &states, question, checker.streaming_workspace());
+        assert_eq!(single, streamed);
+        eprintln!("{name}: {cost:?} one by one, {less:?} streamed");
+        assert!(4 * less.volume_tests < 3 * cost.volume_tests);
     }
 }

@@ -108,14 +108,14 @@ impl MeshPair {
     }
 
     /// `volume question n_bv c_bv n_p c_p` of every volume type, separated by tabs; times in ns.
-    pub fn costs(&self) -> Option<String> {
+    pub fn costs(&self) -> String {
         let lines = own::cost_model(&self.meshes, &self.poses).into_iter().map(|c| {
             let Cost { volume, question, volume_tests, volume_test_ns, primitive_tests, primitive_test_ns } = c;
             format!(
                 "{volume} {question} {volume_tests:.1} {volume_test_ns:.2} {primitive_tests:.1} {primitive_test_ns:.2}"
             )
         });
-        Some(lines.collect::<Vec<_>>().join("\t"))
+        lines.collect::<Vec<_>>().join("\t")
     }
 
     pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {

@@ -15,9 +15,6 @@ pub fn principal_axes(points: &[Point]) -> RotationMatrix {
 
 /// A solid that is cheap to test and holds what it was fitted to.
 pub trait BoundingVolume: Clone {
-    /// The field's short name.
-    const NAME: &'static str;
-
     /// A volume that holds the convex hull of `points`, in their frame. Rounding never leaves a point outside.
     fn fit(points: &[Point]) -> Self;
 

@@ -5,13 +5,13 @@ use clearance::query::element_contact;
 
 use super::body::ReferenceBody;
 use super::bounding_volume::BoundingVolume;
-use super::tree::Content;
+use super::tree::{Content, ROOT};
 
 /// A common point (frame of a) of two bodies, or `None` if every pair of elements was proven apart.
 ///
 /// Descends both OBB trees at once, the larger volume first (Gottschalk, Lin & Manocha 1996).
 pub fn collide(a: &ReferenceBody, b: &ReferenceBody, pose_ab: &Pose) -> Option<Point> {
-    Search { a, b, pose_ab }.nodes(a.obb.root(), b.obb.root())
+    Search { a, b, pose_ab }.nodes(ROOT, ROOT)
 }
 
 struct Search<'s> {

@@ -6,23 +6,17 @@ use clearance::query::{Separation, element_separation};
 
 use super::body::ReferenceBody;
 use super::bounding_volume::BoundingVolume;
-use super::tree::Content;
+use super::tree::{Content, ROOT};
 
 /// Least distance of two bodies and their nearest points, or `None` if it was proven larger than `limit` (m).
 ///
 /// Descends both RSS trees at once, the nearer children first (Larsen, Gottschalk, Lin & Manocha 1999).
-pub fn distance(
-    a: &ReferenceBody,
-    b: &ReferenceBody,
-    pose_ab: &Pose,
-    limit: f64,
-) -> Option<Separation> {
+pub fn distance(a: &ReferenceBody, b: &ReferenceBody, pose_ab: &Pose, limit: f64) -> Option<Separation> {
     // what touches is within any limit
     let bound = limit.max(CONTACT_DISTANCE);
     let mut search = Search { a, b, pose_ab, bound, nearest: None };
-    let (i, j) = (a.rss.root(), b.rss.root());
-    let lower = search.lower_bound(i, j);
-    search.nodes(i, j, lower);
+    let lower = search.lower_bound(ROOT, ROOT);
+    search.nodes(ROOT, ROOT, lower);
     search.nearest
 }
 

@@ -10,7 +10,6 @@ mod collide;
 mod distance;
 mod obb;
 mod rss;
-mod sphere;
 mod tree;
 
 pub use body::ReferenceBody;

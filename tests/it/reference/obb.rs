@@ -94,8 +94,6 @@ impl Obb {
 }
 
 impl BoundingVolume for Obb {
-    const NAME: &'static str = "OBB";
-
     fn fit(points: &[Point]) -> Self {
         Self::along(principal_axes(points), points)
     }

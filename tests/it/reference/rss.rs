@@ -85,8 +85,6 @@ fn rectangle_distance(a: &Rss, corners_a: &[Point; 4], b: &Rss, corners_b: &[Poi
 }
 
 impl BoundingVolume for Rss {
-    const NAME: &'static str = "RSS";
-
     /// The rectangle lies in the plane of largest spread, as short as the half thickness allows on each side; the
     /// radius is then the largest distance of a point from it.
     fn fit(points: &[Point]) -> Self {

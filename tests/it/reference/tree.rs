@@ -32,6 +32,9 @@ pub enum Content {
     Leaf(u32, u32),
 }
 
+/// The node around everything.
+pub const ROOT: u32 = 0;
+
 impl<B: BoundingVolume> Tree<B> {
     /// # Panics
     /// When there are no elements, or more than 2³¹ of them.
@@ -51,18 +54,8 @@ impl<B: BoundingVolume> Tree<B> {
     }
 
     #[must_use]
-    pub fn root(&self) -> u32 {
-        0
-    }
-
-    #[must_use]
     pub fn node(&self, index: u32) -> &Node<B> {
         &self.nodes[index as usize]
-    }
-
-    #[must_use]
-    pub fn nodes(&self) -> &[Node<B>] {
-        &self.nodes
     }
 
     /// Numbers of the elements of a leaf.

@@ -2,7 +2,7 @@
 
 use clearance::constants::CONTACT_DISTANCE;
 use clearance::math::{Point, Pose};
-use clearance::query::{CollisionBody, Separation, Scratch, collide, distance, within_margin};
+use clearance::query::{CollisionBody, Scratch, Separation, collide, distance, within_margin};
 
 use super::ledger::{Accuracy, Band, Ledger};
 use super::solid_oracle::solid_distance;
