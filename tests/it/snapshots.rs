@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use clearance::checker::{CollisionChecker, Question, Settings};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::PlanningScene;
+use clearance::world::{PlanningScene, World};
 
 use crate::random::Random;
+use crate::tally::{json, shared_folder};
 
 fn checker(urdf: &str, srdf: Option<&str>, world: Option<&str>) -> CollisionChecker {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -43,12 +44,13 @@ fn summary(checker: &CollisionChecker) -> String {
         });
         let nearest = distance.nearest.unwrap();
         lines.push(format!(
-            "state {state}: {} colliding, {:.6} m {} – {}; {} volume tests, {} primitive tests",
+            "state {state}: {} colliding, {:.6} m {} – {}; {} volume tests, {} screened pairs, {} primitive tests",
             pairs.colliding_pairs.len(),
             nearest.distance,
             checker.body_name(nearest.a),
             checker.body_name(nearest.b),
             work.volume_tests,
+            work.screened_pairs,
             work.primitive_tests,
         ));
     }
@@ -71,4 +73,22 @@ fn demo_arm_in_its_world() {
 fn dual_arm() {
     let srdf = Some("urdf/dual_arm/dual_arm.srdf");
     insta::assert_snapshot!(summary(&checker("urdf/dual_arm/dual_arm.urdf", srdf, None)));
+}
+
+/// Robots that nobody here wrote: a slow-down on them shows too.
+#[test]
+fn shared_robots() {
+    let Some(folder) = shared_folder("robots") else { return };
+    for entry in json(&folder.join("robots.json")).as_array().unwrap() {
+        let path = |key: &str| entry[key].as_str().map(|p| folder.join(p));
+        let robot = RobotModel::load(
+            &path("urdf").unwrap(),
+            path("srdf").as_deref(),
+            &[path("package_root").unwrap_or_else(|| folder.clone())],
+        );
+        let name = entry["name"].as_str().unwrap();
+        let robot = Arc::new(robot.unwrap_or_else(|e| panic!("{name}: {e}")));
+        let checker = CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap();
+        insta::assert_snapshot!(format!("shared_{name}"), summary(&checker));
+    }
 }
