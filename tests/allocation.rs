@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use clearance::geometry::{Primitive, Shape};
+use clearance::math::Pose;
 use clearance::query::{CollisionBody, Scratch, collide, distance, within_margin};
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};
 
@@ -63,15 +65,21 @@ fn warm_checks_allocate_nothing() {
 fn warm_queries_of_bodies_allocate_nothing() {
     let checker = checker("demo_arm");
     let robot = checker.robot();
-    let bodies: Vec<CollisionBody> = (robot.links().iter())
-        .filter_map(|l| CollisionBody::new(l.collisions.iter().map(|c| (&c.pose_ls, &c.shape))))
-        .collect();
+    let of_links = (robot.links().iter())
+        .filter_map(|l| CollisionBody::new(l.collisions.iter().map(|c| (&c.pose_ls, &c.shape))));
+    // not a cylinder: where one barely touches, parry's EPA is asked last, and allocates
+    let primitives =
+        [Primitive::cuboid([0.1, 0.2, 0.3]), Primitive::capsule(0.05, 0.2), Primitive::sphere(0.1)];
+    let turned = Pose::rotation(clearance::math::Vector::new(0.4, 0.5, 0.6));
+    let of_primitives = primitives
+        .map(|p| CollisionBody::new([(&turned, &Shape::Primitive(p.unwrap()))]).expect("a body has a shape"));
+    let bodies: Vec<CollisionBody> = of_links.chain(of_primitives).collect();
     let mut scratch = Scratch::default();
     let mut pass = |count: bool| {
         for a in &bodies {
             for b in &bodies {
                 for step in 0..5 {
-                    let pose = clearance::math::Pose::translation(0.1 * f64::from(step), 0.05, -0.1);
+                    let pose = Pose::translation(0.1 * f64::from(step), 0.05, -0.1);
                     let allocated = allocations(|| {
                         let _ = collide(a, b, &pose, &mut scratch);
                         let _ = distance(a, b, &pose, f64::INFINITY, &mut scratch);

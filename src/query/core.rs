@@ -71,7 +71,7 @@ impl Core {
             }
             Self::Cuboid(half) => Point::from(half.zip_map(direction, f64::copysign)),
             Self::Cylinder { radius, half_length } => {
-                let across = direction.x.hypot(direction.y);
+                let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
                 // a direction so nearly along the axis has no side to it
                 let (x, y) = if across > f64::MIN_POSITIVE {
                     (direction.x / across, direction.y / across)
@@ -91,7 +91,7 @@ impl Core {
             Self::Triangle(t) => t.nearest_point(p),
             Self::Cuboid(half) => Point::from(p.coords.zip_map(&half, |c, h| c.clamp(-h, h))),
             Self::Cylinder { radius, half_length } => {
-                let across = p.x.hypot(p.y);
+                let across = (p.x * p.x + p.y * p.y).sqrt();
                 let scale = if across > radius { radius / across } else { 1.0 };
                 Point::new(p.x * scale, p.y * scale, p.z.clamp(-half_length, half_length))
             }
@@ -110,7 +110,7 @@ impl Core {
                 (room[axis] >= 0.0).then_some((room[axis], surface))
             }
             Self::Cylinder { radius, half_length } => {
-                let across = p.x.hypot(p.y);
+                let across = (p.x * p.x + p.y * p.y).sqrt();
                 let (side, end) = (radius - across, half_length - p.z.abs());
                 if side < 0.0 || end < 0.0 {
                     None

@@ -8,6 +8,12 @@ use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::{PointPair, Triangle, nearest_on_segments};
 use crate::math::{Point, Pose};
 
+/// Projections before a slower method is asked: most pairs are decided by the first or the second.
+const FEW_PROJECTIONS: usize = 4;
+
+/// Rounding granted to a gap between supporting planes, relative to the coordinates that enter.
+const PROJECTION_ROUNDING: f64 = 1e-14;
+
 /// Most projections in the search for a common point.
 const MOST_PROJECTIONS: usize = 200;
 
@@ -36,8 +42,33 @@ pub fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return a.contact_point(&b.transformed(pose_ab));
     }
-    let separation = element_separation(a, b, pose_ab);
+    let (core_a, mut core_b) = (RoundedCore::from(a), RoundedCore::from(b));
+    core_b.pose = pose_ab * core_b.pose;
+    if proven_apart(&core_a, &core_b) {
+        return None;
+    }
+    let separation = rounded_separation(&core_a, &core_b);
     (separation.distance == 0.0).then_some(separation.witness_points[0])
+}
+
+/// Whether a plane normal to the line between two nearly nearest points has one solid on each side: found by projecting on
+/// one and the other in turn, a few times.
+fn proven_apart(a: &RoundedCore, b: &RoundedCore) -> bool {
+    let pose_ab = a.pose.inv_mul(&b.pose);
+    let on_b = |p: &Point| pose_ab * b.core.nearest_point(&pose_ab.inverse_transform_point(p));
+    let mut q = Point::from(pose_ab.translation.vector);
+    for _ in 0..FEW_PROJECTIONS {
+        let p = a.core.nearest_point(&q);
+        q = on_b(&p);
+        let Some(n) = (q - p).try_normalize(CONTACT_DISTANCE) else { return false };
+        let on_a = a.core.support(&n);
+        let on_b = pose_ab * b.core.support(&-(pose_ab.rotation.inverse() * n));
+        let rounding = PROJECTION_ROUNDING * (on_a.coords.abs().sum() + on_b.coords.abs().sum());
+        if n.dot(&(on_b - on_a)) > a.radius + b.radius + CONTACT_DISTANCE + rounding {
+            return true;
+        }
+    }
+    false
 }
 
 /// Distance and nearest points of two elements.
@@ -86,10 +117,21 @@ pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPa
             [on_a, on_b]
         }
         (Core::Triangle(t), Core::Triangle(u)) => t.nearest_points(&triangle_at(u, pose_ab)),
-        _ => match narrow_phase::nearest_points(a, b, pose_ab) {
-            Some(pair) => proven_points(refine(a, b, pose_ab, pair)),
-            None => overlap_or_proof(a, b, pose_ab),
-        },
+        _ => iterated_nearest_points(a, b, pose_ab),
+    }
+}
+
+/// Nearest points of cores without a formula. Projections find a common point of most that overlap.
+fn iterated_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
+    let on_b = |p: &Point| pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(p));
+    let start = Point::from(pose_ab.translation.vector);
+    let [p, q] = projections(a, on_b, &start, FEW_PROJECTIONS);
+    if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
+        return [q, q];
+    }
+    match narrow_phase::nearest_points(a, b, pose_ab) {
+        Some(pair) => proven_points(refine(a, b, pose_ab, pair)),
+        None => overlap_or_proof(a, b, pose_ab),
     }
 }
 
@@ -118,23 +160,23 @@ fn overlap_or_proof(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
         let off = |q: Point| nalgebra::distance(p, &q);
         off(a.nearest_point(p)).max(off(on_b(p))) <= CONTACT_DISTANCE
     };
+    let [p, q] = projections(a, on_b, &Point::from(pose_ab.translation.vector), MOST_PROJECTIONS);
+    if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
+        return [q, q];
+    }
     let deepest = narrow_phase::penetration(a, b, pose_ab);
     if let Some(p) = deepest.and_then(|(_, pair)| pair.into_iter().find(in_both)) {
         return [p, p];
-    }
-    let [p, q] = projections(a, on_b, &Point::from(pose_ab.translation.vector));
-    if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
-        return [q, q];
     }
     proven_points(refine(a, b, pose_ab, [p, q]))
 }
 
 /// Projects on one and the other of two convex solids in turn: that leads into their common part, if they have one
 /// (Bregman 1965).
-fn projections(a: &Core, on_b: impl Fn(&Point) -> Point, start: &Point) -> PointPair {
+fn projections(a: &Core, on_b: impl Fn(&Point) -> Point, start: &Point, most: usize) -> PointPair {
     let mut p = a.nearest_point(start);
     let mut q = on_b(&p);
-    for _ in 0..MOST_PROJECTIONS {
+    for _ in 0..most {
         if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
             break;
         }

@@ -22,32 +22,71 @@ struct Support {
     difference: Vector,
 }
 
+/// Up to four points whose convex hull is looked at.
+struct Simplex {
+    corners: [Support; 4],
+    count: usize,
+}
+
+impl Simplex {
+    fn corners(&self) -> &[Support] {
+        &self.corners[..self.count]
+    }
+
+    fn push(&mut self, support: Support) {
+        self.corners[self.count] = support;
+        self.count += 1;
+    }
+
+    /// Leaves out the corners without weight.
+    fn retain(&mut self, weights: &[f64; 4]) {
+        let mut kept = 0;
+        for i in 0..self.count {
+            if weights[i] > 0.0 {
+                self.corners[kept] = self.corners[i];
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    fn weighted(&self, weights: &[f64; 4], of: fn(&Support) -> Vector) -> Vector {
+        let terms = self.corners().iter().zip(weights).map(|(s, w)| of(s) * *w);
+        terms.sum()
+    }
+
+    fn pair(&self, weights: &[f64; 4]) -> PointPair {
+        let point = |of| Point::from(self.weighted(weights, of));
+        [point(|s: &Support| s.on_a.coords), point(|s: &Support| s.on_b.coords)]
+    }
+}
+
 /// Nearest points from nearly nearest ones, in the frame of a, and a distance (m) that the cores have for certain.
 pub(super) fn refine(a: &Core, b: &Core, pose_ab: &Pose, start: PointPair) -> (PointPair, f64) {
     let mut best = start;
     let mut least = nalgebra::distance(&start[0], &start[1]);
     let mut proven: f64 = 0.0;
-    let mut simplex = vec![];
-    let mut from_b_to_a = start[0] - start[1];
+    let nothing = Support { on_a: start[0], on_b: start[1], difference: start[0] - start[1] };
+    let mut simplex = Simplex { corners: [nothing; 4], count: 0 };
+    let mut from_b_to_a = nothing.difference;
     for _ in 0..MOST_STEPS {
         let Some(outward) = from_b_to_a.try_normalize(0.0) else {
             break;
         };
         let support = support(a, b, pose_ab, &-outward);
         proven = proven.max(outward.dot(&support.difference));
-        if least - proven <= ACCURACY || simplex.len() == 4 {
+        if least - proven <= ACCURACY || simplex.count == 4 {
             break;
         }
         simplex.push(support);
         let weights = nearest_to_origin(&simplex);
-        let pair = weighted(&simplex, &weights);
+        let pair = simplex.pair(&weights);
         from_b_to_a = pair[0] - pair[1];
         let apart = from_b_to_a.norm();
         if apart < least {
             (least, best) = (apart, pair);
         }
-        let mut kept = weights.iter().map(|w| *w > 0.0);
-        simplex.retain(|_| kept.next().unwrap_or(false));
+        simplex.retain(&weights);
     }
     (best, proven)
 }
@@ -59,28 +98,14 @@ fn support(a: &Core, b: &Core, pose_ab: &Pose, direction: &Vector) -> Support {
     Support { on_a, on_b, difference: on_a - on_b }
 }
 
-fn weighted(simplex: &[Support], weights: &[f64; 4]) -> PointPair {
-    let sum = |point: fn(&Support) -> Vector| {
-        let terms = simplex.iter().zip(weights).map(|(s, w)| point(s) * *w);
-        Point::from(terms.sum::<Vector>())
-    };
-    [sum(|s| s.on_a.coords), sum(|s| s.on_b.coords)]
-}
-
 /// Weights of the point of the simplex nearest to the origin: the best over all faces that have it inside.
-fn nearest_to_origin(simplex: &[Support]) -> [f64; 4] {
+fn nearest_to_origin(simplex: &Simplex) -> [f64; 4] {
     let mut best = ([0.0; 4], f64::INFINITY);
-    for face in 1u32..(1 << simplex.len()) {
-        let members: Vec<usize> = (0..simplex.len()).filter(|i| face & (1 << i) != 0).collect();
-        let Some(inside) = weights_inside(simplex, &members) else {
+    for face in 1u32..(1 << simplex.count) {
+        let Some(weights) = weights_inside(simplex, face) else {
             continue;
         };
-        let mut weights = [0.0; 4];
-        for (&i, w) in members.iter().zip(inside) {
-            weights[i] = w;
-        }
-        let terms = simplex.iter().zip(weights);
-        let norm = terms.map(|(s, w)| s.difference * w).sum::<Vector>().norm();
+        let norm = simplex.weighted(&weights, |s| s.difference).norm();
         if norm < best.1 {
             best = (weights, norm);
         }
@@ -88,25 +113,37 @@ fn nearest_to_origin(simplex: &[Support]) -> [f64; 4] {
     best.0
 }
 
-/// Weights of the point nearest to the origin on the plane through a face's corners, if it lies inside the face.
-fn weights_inside(simplex: &[Support], members: &[usize]) -> Option<Vec<f64>> {
-    let (first, others) = members.split_first()?;
-    let corner = simplex[*first].difference;
-    let edges: Vec<Vector> = others.iter().map(|&i| simplex[i].difference - corner).collect();
-    let along = |i: usize| -edges[i].dot(&corner);
-    let rest = match edges[..] {
-        [] => vec![],
-        [e] => vec![along(0) / e.norm_squared()],
-        [e, f] => {
+/// Weights of the point nearest to the origin on the plane through the corners of a face (a bit each), if it lies inside the
+/// face.
+fn weights_inside(simplex: &Simplex, face: u32) -> Option<[f64; 4]> {
+    let mut members = [0; 4];
+    let mut count = 0;
+    for i in (0..simplex.count).filter(|i| face & (1 << i) != 0) {
+        members[count] = i;
+        count += 1;
+    }
+    let corner = simplex.corners[members[0]].difference;
+    let edge = |k: usize| simplex.corners[members[k]].difference - corner;
+    let along = |e: &Vector| -e.dot(&corner);
+    let mut weights = [0.0; 4];
+    match count {
+        1 => {}
+        2 => weights[members[1]] = along(&edge(1)) / edge(1).norm_squared(),
+        3 => {
+            let (e, f) = (edge(1), edge(2));
             let (ee, ef, ff) = (e.norm_squared(), e.dot(&f), f.norm_squared());
             let area = e.cross(&f).norm_squared();
-            vec![(ff * along(0) - ef * along(1)) / area, (ee * along(1) - ef * along(0)) / area]
+            weights[members[1]] = (ff * along(&e) - ef * along(&f)) / area;
+            weights[members[2]] = (ee * along(&f) - ef * along(&e)) / area;
         }
         _ => {
-            let matrix = nalgebra::Matrix3::from_columns(&edges);
-            (matrix.lu().solve(&-corner)?).iter().copied().collect()
+            let matrix = nalgebra::Matrix3::from_columns(&[edge(1), edge(2), edge(3)]);
+            let rest = matrix.lu().solve(&-corner)?;
+            for k in 1..4 {
+                weights[members[k]] = rest[k - 1];
+            }
         }
-    };
-    let weights: Vec<f64> = std::iter::once(1.0 - rest.iter().sum::<f64>()).chain(rest).collect();
-    weights.iter().all(|w| *w >= 0.0).then_some(weights)
+    }
+    weights[members[0]] = 1.0 - weights.iter().sum::<f64>();
+    members[..count].iter().all(|&i| weights[i] >= 0.0).then_some(weights)
 }
