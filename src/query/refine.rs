@@ -41,8 +41,8 @@ impl Simplex {
     /// Leaves out the corners without weight.
     fn retain(&mut self, weights: &[f64; 4]) {
         let mut kept = 0;
-        for i in 0..self.count {
-            if weights[i] > 0.0 {
+        for (i, weight) in weights.iter().enumerate().take(self.count) {
+            if *weight > 0.0 {
                 self.corners[kept] = self.corners[i];
                 kept += 1;
             }
