@@ -188,6 +188,7 @@ impl<S: Simd> LaneTriangles<S> {
         self.corners_and_face(simd, other, &mut nearest);
         other.corners_and_face(simd, self, &mut nearest);
         let (n, length) = (nearest.between, nearest.squared.sqrt());
+        let scale = f32x8::splat(simd, 1.0) / n.norm().max(f32x8::splat(simd, 1e-18));
         let (q0, q1, q2) = (
             n.dot(start),
             n.dot(other.corners[1].minus(self.corners[0])),
@@ -197,7 +198,7 @@ impl<S: Simd> LaneTriangles<S> {
         // n may point either way
         let ahead = q0.min(q1).min(q2) - p1.max(p2).max(zero);
         let behind = p1.min(p2).min(zero) - q0.max(q1).max(q2);
-        let lower = ahead.max(behind) / length.max(f32x8::splat(simd, 1e-18));
+        let lower = ahead.max(behind) * scale;
         let rounding = (self.size + other.size + length) * (16.0 * f32::EPSILON) + 4.0 * slack;
         DistanceLanes { lower: lower.min(length) - rounding, upper: length + rounding, between: n }
     }
@@ -224,17 +225,25 @@ impl<S: Simd> LaneTriangles<S> {
     }
 
     /// Nearest points of the other's corners that lie over this one's face.
+    ///
+    /// The normal of a sliver is noise in f32, so how far a corner is from the face is measured to a mean of the face's
+    /// corners, which lies in it whatever the weights are; the normal is only the direction for a lower bound.
     #[inline(always)]
     fn corners_and_face(&self, simd: S, other: &Self, nearest: &mut Nearest<S>) {
+        let (zero, least) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1e-30));
         let n = self.normal;
-        let scale = f32x8::splat(simd, 1.0) / n.dot(n).max(f32x8::splat(simd, 1e-36));
+        let [p, q, r] = self.corners;
         let sides = [n.cross(self.edges[0]), n.cross(self.edges[1]), n.cross(self.edges[2])];
-        for q in other.corners {
-            let w = q.minus(self.corners[0]);
-            let over = (sides[0].dot(w))
-                .min(sides[1].dot(q.minus(self.corners[1])))
-                .min(sides[2].dot(q.minus(self.corners[2])));
-            nearest.offer_where(over.simd_gt(f32x8::splat(simd, 0.0)), n.scaled(n.dot(w) * scale));
+        for corner in other.corners {
+            let (u, v, w) = (p.minus(corner), q.minus(corner), r.minus(corner));
+            // the part of the face's area across each edge, opposite the third corner
+            let (of_r, of_p, of_q) = (zero - sides[0].dot(u), zero - sides[1].dot(v), zero - sides[2].dot(w));
+            let whole = of_p + of_q + of_r;
+            let share = f32x8::splat(simd, 1.0) / whole.max(least);
+            let mean = u.scaled(of_p * share).plus(v.scaled(of_q * share)).plus(w.scaled(of_r * share));
+            // weights that nearly underflow are no longer in proportion
+            let over = of_r.min(of_p).min(of_q).min(whole - least).simd_gt(zero);
+            nearest.offer_where(over, mean.dot(mean), n);
         }
     }
 }
@@ -259,10 +268,11 @@ impl<S: Simd> DistanceLanes<S> {
     }
 }
 
-/// The shortest vectors found so far from a point of one triangle to a point of the other, or back.
+/// The shortest distances found so far from a point of one triangle to a point of the other.
 struct Nearest<S: Simd> {
-    between: Vectors<S>,
     squared: f32x8<S>,
+    /// Along the line between the points, one way or the other, of any length.
+    between: Vectors<S>,
 }
 
 impl<S: Simd> Nearest<S> {
@@ -274,8 +284,8 @@ impl<S: Simd> Nearest<S> {
     }
 
     #[inline(always)]
-    fn offer_where(&mut self, holds: impl Select<f32x8<S>>, between: Vectors<S>) {
-        let squared = holds.select(between.dot(between), self.squared);
+    fn offer_where(&mut self, holds: impl Select<f32x8<S>>, squared: f32x8<S>, between: Vectors<S>) {
+        let squared = holds.select(squared, self.squared);
         self.between = between.or(squared.simd_lt(self.squared), self.between);
         self.squared = squared.min(self.squared);
     }
