@@ -8,9 +8,13 @@ pub const CONTACT_DISTANCE: f64 = 1e-9;
 /// about 4 µm a metre (derived at [`Relative::of_trees`](crate::bounding_volume::Relative::of_trees)).
 pub const VOLUME_SLACK: f64 = 64.0 / 16_777_216.0;
 
-/// How far an f32 coordinate of a triangle may be from where the triangle is, relative to the coordinates that enter: 16
-/// units in the last place, about 1 µm a metre. What f32 cannot decide within this is decided in f64.
-pub const TRIANGLE_SLACK: f64 = 16.0 / 16_777_216.0;
+/// Rounding of f64 in placing one tree in the frame of another, relative to the coordinates that enter, four times over:
+/// a test of triangles gets a quarter of the slack.
+pub const PLACEMENT_SLACK: f64 = 4.0 * 16.0 * f64::EPSILON;
+
+/// The share of a volume test's slack that a triangle's f32 coordinate may be off by: 16 units in the last place of the
+/// coordinates that enter, about 1 µm a metre. What f32 cannot decide within this is decided in f64.
+pub const TRIANGLE_SHARE: f32 = 0.25;
 
 /// Relative slack by which spheres around bodies are widened, so that f64 rounding never leaves a point outside.
 pub const FIT_SLACK: f64 = 1e-12;

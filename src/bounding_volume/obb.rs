@@ -151,7 +151,7 @@ impl BoundingVolume for Obb {
                 .minus(Vectors::splat(simd, &own));
         let gap = along_b.max(along_a).largest();
         if SEPARATE {
-            if gap.simd_le(relative.slack).to_bitmask() == 0 {
+            if gap.simd_gt(relative.slack).all_true() {
                 return gap;
             }
             return gap.max(edge_gaps(d, facing.half_extents, &own, relative));

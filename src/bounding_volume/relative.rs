@@ -1,7 +1,7 @@
 //! How the frame of one node lies in the frame of another, in f32.
 
 use super::{round, round_up};
-use crate::constants::VOLUME_SLACK;
+use crate::constants::{PLACEMENT_SLACK, VOLUME_SLACK};
 use crate::math::{MatrixPose, Point, RotationMatrix, Vector};
 
 /// A rotation about the anchor of a tree: the axes of a node's frame as rows, in the frame of the tree.
@@ -51,10 +51,13 @@ impl Relative {
         let rotation = pose_ab.rotation.transpose();
         let t = rotation * (anchor_a.coords - pose_ab.translation) - anchor_b.coords;
         let reach = t.abs().sum() + reach_a + reach_b;
+        // what f64 lost where anchors and poses nearly cancel
+        let entered =
+            anchor_a.coords.abs().sum() + anchor_b.coords.abs().sum() + pose_ab.translation.abs().sum();
         Self {
             r: std::array::from_fn(|i| std::array::from_fn(|j| round(rotation[(i, j)]))),
             t: [round(t.x), round(t.y), round(t.z)],
-            slack: round_up(VOLUME_SLACK * reach),
+            slack: round_up(VOLUME_SLACK * reach + PLACEMENT_SLACK * entered),
         }
     }
 

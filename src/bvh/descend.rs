@@ -2,8 +2,7 @@
 
 use super::tree::{NodeRef, Tree};
 use crate::bounding_volume::{BoundingVolume, Relative};
-use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, f32x8};
+use crate::simd::{LANES, Simd, f32x8, not_beyond};
 
 /// Two subtrees, and a number never larger than their distance (m); negative where their volumes overlap.
 #[derive(Clone, Copy, Debug)]
@@ -144,7 +143,7 @@ fn open_both<S, B, LA, LB, V>(
     let limit = visitor.threshold() + relative.slack;
     let seen = B::seen(simd, &node_a.pack, &relative);
     let coarse = B::coarse_bounds(simd, &seen, &node_b.volume, &relative);
-    let mut lanes = coarse.simd_le(limit).to_bitmask() & mask(node_a.child_count);
+    let mut lanes = not_beyond(coarse, limit) & mask(node_a.child_count);
     visitor.volume_tests(node_a.child_count + lanes.count_ones() * node_b.child_count);
     if lanes == 0 {
         return;
@@ -154,7 +153,7 @@ fn open_both<S, B, LA, LB, V>(
         let lane = lanes.trailing_zeros() as usize;
         lanes &= lanes - 1;
         let bounds = bounds::<S, B, LA, LB, V>(simd, &facing, &seen, lane, &relative);
-        let near = bounds.simd_le(limit).to_bitmask() & mask(node_b.child_count);
+        let near = not_beyond(bounds, limit) & mask(node_b.child_count);
         each_lane(bounds, near, |j, bound| {
             let lower = bound - relative.slack;
             stack.push(Entry { lower, a: node_a.children[lane], b: node_b.children[j] });
@@ -184,7 +183,7 @@ fn open_one<S, B, LA, LB, LV, LW, V>(
     let seen = B::seen(simd, &volume.splat(), &relative);
     let facing = B::facing(simd, &node.pack, &relative);
     let bounds = bounds::<S, B, LV, LW, V>(simd, &facing, &seen, 0, &relative);
-    let near = bounds.simd_le(limit).to_bitmask() & mask(node.child_count);
+    let near = not_beyond(bounds, limit) & mask(node.child_count);
     each_lane(bounds, near, |j, bound| push(bound - relative.slack, node.children[j]));
 }
 

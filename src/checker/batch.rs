@@ -32,8 +32,9 @@ impl CollisionChecker {
     /// As [`Self::are_free`], on this thread and with this workspace; writes to `free`, which is as long as `states`.
     ///
     /// # Panics
-    /// When `free` is shorter.
+    /// When `free` is not as long as `states`.
     pub fn are_free_with(&self, states: &[Configuration], workspace: &mut Workspace, free: &mut [bool]) {
+        assert_eq!(states.len(), free.len(), "an answer for every state");
         let scratch = &mut workspace.scratch;
         let level = scratch.level();
         dispatch!(level, simd => self.free_eights(simd, states, scratch, free));

@@ -52,9 +52,9 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// What a distance may really be when it is told as `upper`.
+    /// What a distance may really be when it is told as `upper`; tolerances below zero count as zero.
     pub(super) fn lower(&self, upper: f64) -> f64 {
-        upper - self.absolute_tolerance.max(self.relative_tolerance * upper)
+        upper - self.absolute_tolerance.max(self.relative_tolerance * upper).max(0.0)
     }
 }
 

@@ -13,8 +13,7 @@ use super::work::Work;
 use crate::bounding_volume::{BoundingVolume, Obb, Relative};
 use crate::bvh::{TriangleLeaf, Visitor, descend};
 use crate::math::{MatrixPose, Point};
-use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, dispatch_lean};
+use crate::simd::{LANES, Simd, dispatch_lean, not_beyond};
 
 /// The nearest pairs that are kept; more would cost as much as a search.
 const MOST: usize = 512;
@@ -223,7 +222,7 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Collector<'_> {
             lanes &= lanes - 1;
             self.work.screened_pairs += u64::from(b.count);
             let lower = moved.one(simd, lane as usize).bounds(simd, &eight, slack).lower;
-            let mut near = lower.simd_le(self.threshold()).to_bitmask() & b.mask();
+            let mut near = not_beyond(lower, self.threshold()) & b.mask();
             let lower: [f32; LANES] = lower.into();
             while near != 0 {
                 let other = near.trailing_zeros();

@@ -10,8 +10,7 @@ use super::surface_surface::triangle_slack;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{TriangleLeaf, Visitor};
 use crate::math::{Pose, Vector};
-use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd};
+use crate::simd::{LANES, Simd, not_beyond};
 
 /// Looks for the triangle of a surface nearest to a solid; with `SEPARATE` only for any that touches.
 pub(super) struct SurfaceSolid<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
@@ -75,7 +74,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
         self.incumbent.work.screened_pairs += u64::from(leaf.count);
         let slack = triangle_slack(self.relative);
         let lower = solid_lanes::lower_bounds(simd, solid, leaf, self.relative, &self.direction(), slack);
-        let mut near = lower.simd_le(self.incumbent.threshold()).to_bitmask() & leaf.mask();
+        let mut near = not_beyond(lower, self.incumbent.threshold()) & leaf.mask();
         let lower: [f32; LANES] = lower.into();
         // the nearest first, so that few are tested
         while near != 0 {

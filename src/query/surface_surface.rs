@@ -6,11 +6,11 @@ use super::surface::Surface;
 use super::triangle_lanes::{DistanceLanes, LaneTriangles, MovedTriangles};
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{TriangleLeaf, Visitor};
-use crate::constants::CONTACT_DISTANCE;
+use crate::constants::{CONTACT_DISTANCE, TRIANGLE_SHARE};
 use crate::geometry::Triangle;
 use crate::math::MatrixPose;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd};
+use crate::simd::{LANES, Simd, not_beyond};
 
 /// Looks for the nearest triangles of two surfaces; with `SEPARATE` only for any that touch.
 ///
@@ -92,12 +92,12 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
     ) {
         self.incumbent.work.screened_pairs += u64::from(mask.count_ones());
         let coarse = one.coarse_bounds(simd, other, &self.candidates.direction, slack);
-        if coarse.simd_le(self.threshold()).to_bitmask() & mask == 0 {
+        if not_beyond(coarse, self.threshold()) & mask == 0 {
             return;
         }
         let distances = one.bounds(simd, other, slack);
         self.candidates.take_upper(simd, &distances);
-        let mut near = distances.lower.simd_le(self.threshold()).to_bitmask() & mask;
+        let mut near = not_beyond(distances.lower, self.threshold()) & mask;
         let lower: [f32; LANES] = distances.lower.into();
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
@@ -109,7 +109,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
 
     /// Keeps a pair that may be the nearest; measures it at once if it may touch.
     fn keep(&mut self, lower: f32, i: u32, j: u32) {
-        if lower <= 0.0 {
+        if lower <= 0.0 || lower.is_nan() {
             return self.measure(i, j);
         }
         if self.candidates.pairs.len() == Candidates::MOST {
@@ -180,5 +180,5 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
 /// How far f32 coordinates of triangles may be off (m), and what counts as contact.
 #[allow(clippy::cast_possible_truncation)] // rounded up
 pub(super) fn triangle_slack(relative: &Relative) -> f32 {
-    0.25 * relative.slack + (CONTACT_DISTANCE as f32).next_up()
+    TRIANGLE_SHARE * relative.slack + (CONTACT_DISTANCE as f32).next_up()
 }

@@ -6,7 +6,10 @@
 use crate::bounding_volume::Relative;
 use crate::bvh::TriangleLeaf;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, Vectors, f32x8};
+use crate::simd::{LANES, Simd, Vectors, f32x8, not_beyond};
+
+/// A bit for every lane.
+const ALL: u64 = (1 << LANES) - 1;
 
 /// The corners of eight triangles of a, in the frame of b's tree.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +35,7 @@ impl MovedTriangles {
         let above = p.min(q).min(s).minus(Vectors::splat(simd, &b.high));
         let below = Vectors::splat(simd, &b.low).minus(p.max(q).max(s));
         let gap = above.max(below).max(Vectors::splat(simd, &[0.0; 3])).norm();
-        let near = gap.simd_le(margin).to_bitmask() & a.mask();
+        let near = not_beyond(gap, margin) & a.mask();
         (Self { corners: [p.store(), q.store(), s.store()] }, near)
     }
 
@@ -93,19 +96,18 @@ impl<S: Simd> LaneTriangles<S> {
     /// A bit for each lane whose triangles may touch.
     #[inline(always)]
     pub fn may_touch(&self, simd: S, other: &Self, slack: f32) -> u64 {
-        let near = self.box_gaps(other).largest().simd_le(2.0 * slack).to_bitmask();
+        let near = not_beyond(self.box_gaps(other).largest(), 2.0 * slack) & ALL;
         if near == 0 {
             return 0;
         }
         // boxes that touch: no two corners are farther apart than this
         let span = self.size + other.size + 8.0 * slack;
         let across = self.plane_gap(simd, other, span, slack).max(other.plane_gap(simd, self, span, slack));
-        let zero = f32x8::splat(simd, 0.0);
-        let near = near & across.simd_le(zero).to_bitmask();
+        let near = near & not_beyond(across, 0.0);
         if near == 0 {
             return 0;
         }
-        near & self.edge_gap(simd, other, span, slack).simd_le(zero).to_bitmask()
+        near & not_beyond(self.edge_gap(simd, other, span, slack), 0.0)
     }
 
     /// Gaps of the boxes along the three axes.

@@ -41,6 +41,12 @@ macro_rules! dispatch_lean {
 
 pub(crate) use dispatch_lean;
 
+/// A bit for each lane that is not proven to lie beyond `limit`; what is no number proves nothing.
+#[inline(always)]
+pub fn not_beyond<S: Simd>(bounds: f32x8<S>, limit: f32) -> u64 {
+    !bounds.simd_gt(limit).to_bitmask()
+}
+
 /// Eight points or directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Vectors<S: Simd> {

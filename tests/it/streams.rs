@@ -106,7 +106,7 @@ fn a_stream_has_the_reports_of_single_states_for_less_work() {
 fn a_stream_may_ask_anything_and_change_its_checker() {
     let mut random = Random::new(61);
     let checkers = checkers();
-    let twin = checkers[0].clone();
+    let [twin, _] = self::checkers();
     let mut streaming = checkers[0].streaming_workspace();
     for (i, q) in walk(&checkers[0], &mut random, 6, 40).iter().enumerate() {
         let question = QUESTIONS[random.below(6) as usize];
