@@ -3,7 +3,7 @@
 
 use super::element::Element;
 use crate::geometry::{Primitive, Triangle};
-use crate::math::{Point, Pose, Vector};
+use crate::math::{MatrixPose, Point, Vector};
 
 /// A convex solid in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,17 +22,19 @@ pub(super) enum Core {
 }
 
 /// A core, where it is, and how far around it the element reaches.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RoundedCore {
     pub core: Core,
-    pub pose: Pose,
+    pub pose: MatrixPose,
     pub radius: f64,
 }
 
 impl From<&Element> for RoundedCore {
     fn from(element: &Element) -> Self {
         match element {
-            Element::Triangle(t) => Self { core: Core::Triangle(*t), pose: Pose::identity(), radius: 0.0 },
+            Element::Triangle(t) => {
+                Self { core: Core::Triangle(*t), pose: MatrixPose::identity(), radius: 0.0 }
+            }
             Element::Primitive { primitive, pose } => {
                 let (core, radius) = match *primitive {
                     Primitive::Box { half_extents } => (Core::Cuboid(Vector::from(half_extents)), 0.0),
@@ -42,7 +44,7 @@ impl From<&Element> for RoundedCore {
                         (Core::Cylinder { radius, half_length }, 0.0)
                     }
                 };
-                Self { core, pose: *pose, radius }
+                Self { core, pose: pose.into(), radius }
             }
         }
     }
@@ -52,6 +54,14 @@ impl Core {
     /// The ends of a segment core.
     pub fn segment(half_length: f64) -> [Point; 2] {
         [Point::new(0.0, 0.0, -half_length), Point::new(0.0, 0.0, half_length)]
+    }
+
+    /// A core and a radius around it that hold this core: of a cylinder its axis, of anything else itself.
+    pub fn capsule(&self) -> (Self, f64) {
+        match *self {
+            Self::Cylinder { radius, half_length } => (Self::Segment(half_length), radius),
+            other => (other, 0.0),
+        }
     }
 
     /// The point farthest along `direction`.

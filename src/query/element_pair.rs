@@ -2,20 +2,10 @@
 
 use super::core::{Core, RoundedCore};
 use super::element::Element;
-use super::narrow_phase;
-use super::refine::refine;
+use super::gjk::{self, ACCURACY, CorePair, Nearest};
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::{PointPair, Triangle, nearest_on_segments};
-use crate::math::{Point, Pose};
-
-/// Projections before a slower method is asked: most pairs are decided by the first or the second.
-const FEW_PROJECTIONS: usize = 4;
-
-/// Rounding granted to a gap between supporting planes, relative to the coordinates that enter.
-const PROJECTION_ROUNDING: f64 = 1e-14;
-
-/// Most projections in the search for a common point.
-const MOST_PROJECTIONS: usize = 200;
+use crate::math::{MatrixPose, Point, Pose};
 
 /// How far two things are apart (m), and where they are nearest. Touching things have distance 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,33 +32,8 @@ pub fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return a.contact_point(&b.transformed(pose_ab));
     }
-    let (core_a, mut core_b) = (RoundedCore::from(a), RoundedCore::from(b));
-    core_b.pose = pose_ab * core_b.pose;
-    if proven_apart(&core_a, &core_b) {
-        return None;
-    }
-    let separation = rounded_separation(&core_a, &core_b);
-    (separation.distance == 0.0).then_some(separation.witness_points[0])
-}
-
-/// Whether a plane normal to the line between two nearly nearest points has one solid on each side: found by projecting on
-/// one and the other in turn, a few times.
-fn proven_apart(a: &RoundedCore, b: &RoundedCore) -> bool {
-    let pose_ab = a.pose.inv_mul(&b.pose);
-    let on_b = |p: &Point| pose_ab * b.core.nearest_point(&pose_ab.inverse_transform_point(p));
-    let mut q = Point::from(pose_ab.translation.vector);
-    for _ in 0..FEW_PROJECTIONS {
-        let p = a.core.nearest_point(&q);
-        q = on_b(&p);
-        let Some(n) = (q - p).try_normalize(CONTACT_DISTANCE) else { return false };
-        let on_a = a.core.support(&n);
-        let on_b = pose_ab * b.core.support(&-(pose_ab.rotation.inverse() * n));
-        let rounding = PROJECTION_ROUNDING * (on_a.coords.abs().sum() + on_b.coords.abs().sum());
-        if n.dot(&(on_b - on_a)) > a.radius + b.radius + CONTACT_DISTANCE + rounding {
-            return true;
-        }
-    }
-    false
+    let found = separation_within(&a.into(), &b.into(), &pose_ab.into(), CONTACT_DISTANCE)?;
+    (found.distance == 0.0).then_some(found.witness_points[0])
 }
 
 /// Distance and nearest points of two elements.
@@ -77,37 +42,49 @@ pub fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separatio
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return Separation::of(a.nearest_points(&b.transformed(pose_ab)));
     }
-    let (core_a, mut core_b) = (RoundedCore::from(a), RoundedCore::from(b));
-    core_b.pose = pose_ab * core_b.pose;
-    rounded_separation(&core_a, &core_b)
+    separation_within(&a.into(), &b.into(), &pose_ab.into(), f64::INFINITY)
+        .expect("nothing is beyond infinity")
 }
 
-/// The cores' distance less both radii, and the nearest points moved out to the surfaces.
-fn rounded_separation(a: &RoundedCore, b: &RoundedCore) -> Separation {
-    let pose_ab = a.pose.inv_mul(&b.pose);
-    let [p, q] = core_nearest_points(&a.core, &b.core, &pose_ab);
+/// Distance and nearest points of two elements, unless they are proven farther apart than `limit` (m): the cores' distance
+/// less both radii, and the nearest points moved out to the surfaces. What is found does not depend on the limit.
+pub(super) fn separation_within(
+    a: &RoundedCore,
+    b: &RoundedCore,
+    pose_ab: &MatrixPose,
+    limit: f64,
+) -> Option<Separation> {
+    let pose_ab = a.pose.relative(&pose_ab.compose(&b.pose));
+    let radii = a.radius + b.radius;
+    let [p, q] = core_nearest_points(&a.core, &b.core, &pose_ab, limit + radii)?;
     let apart = nalgebra::distance(&p, &q);
-    let [p, q] = [p, q].map(|p| a.pose * p);
-    if apart <= a.radius + b.radius + CONTACT_DISTANCE {
+    let [p, q] = [p, q].map(|p| &a.pose * p);
+    if apart <= radii + CONTACT_DISTANCE {
         let share = if apart > 0.0 { (a.radius / apart).min(1.0) } else { 0.0 };
-        return Separation::touching_at(p + (q - p) * share);
+        return Some(Separation::touching_at(p + (q - p) * share));
     }
     let out = (q - p) / apart;
-    Separation {
-        distance: apart - a.radius - b.radius,
-        witness_points: [p + out * a.radius, q - out * b.radius],
-    }
+    Some(Separation { distance: apart - radii, witness_points: [p + out * a.radius, q - out * b.radius] })
 }
 
-/// Nearest points of two cores in the frame of a; a common point twice when they overlap.
-pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
-    let origin_b = || Point::from(pose_ab.translation.vector);
-    match (a, b) {
-        (_, Core::Point) => [a.nearest_point(&origin_b()), origin_b()],
-        (Core::Point, _) => {
-            let p = Point::origin();
-            [p, pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(&p))]
-        }
+/// Nearest points of two cores in the frame of a, a common point twice when they overlap; `None` once they are proven farther
+/// apart than `limit` (m).
+pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &MatrixPose, limit: f64) -> Option<PointPair> {
+    closed_form(a, b, pose_ab).or_else(|| {
+        let pair = CorePair { a, b, pose_ab };
+        let found = match (a, b) {
+            (Core::Cylinder { .. }, _) | (_, Core::Cylinder { .. }) => with_cylinders(&pair, limit)?,
+            _ => gjk::nearest_points(&pair, pair.nearly_nearest(&origin_of(pose_ab)), limit)?,
+        };
+        Some(proven_points(&found))
+    })
+}
+
+fn closed_form(a: &Core, b: &Core, pose_ab: &MatrixPose) -> Option<PointPair> {
+    let pair = CorePair { a, b, pose_ab };
+    Some(match (a, b) {
+        (_, Core::Point) => [a.nearest_point(&origin_of(pose_ab)), origin_of(pose_ab)],
+        (Core::Point, _) => [Point::origin(), pair.nearest_on_b(&Point::origin())],
         (Core::Segment(h), Core::Segment(k)) => {
             nearest_on_segments(&Core::segment(*h), &segment_at(*k, pose_ab))
         }
@@ -117,26 +94,30 @@ pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPa
             [on_a, on_b]
         }
         (Core::Triangle(t), Core::Triangle(u)) => t.nearest_points(&triangle_at(u, pose_ab)),
-        _ => iterated_nearest_points(a, b, pose_ab),
-    }
+        _ => return None,
+    })
 }
 
-/// Nearest points of cores without a formula. Projections find a common point of most that overlap.
-fn iterated_nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
-    let on_b = |p: &Point| pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(p));
-    let start = Point::from(pose_ab.translation.vector);
-    let [p, q] = projections(a, on_b, &start, FEW_PROJECTIONS);
-    if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
-        return [q, q];
+/// A cylinder lies in the capsule around its axis, and where something is nearest beside it, both are equally near. Only
+/// what is nearest to an end or its rim is iterated for.
+fn with_cylinders(pair: &CorePair, limit: f64) -> Option<Nearest> {
+    let ((axis_a, radius_a), (axis_b, radius_b)) = (pair.a.capsule(), pair.b.capsule());
+    let radii = radius_a + radius_b;
+    let [p, q] = core_nearest_points(&axis_a, &axis_b, pair.pose_ab, limit + radii)?;
+    let proven = nalgebra::distance(&p, &q) - radii;
+    if proven > limit + ACCURACY {
+        return None;
     }
-    match narrow_phase::nearest_points(a, b, pose_ab) {
-        Some(pair) => proven_points(refine(a, b, pose_ab, pair)),
-        None => overlap_or_proof(a, b, pose_ab),
+    let start = pair.nearly_nearest(&q);
+    if nalgebra::distance(&start[0], &start[1]) - proven <= ACCURACY {
+        return Some(Nearest { points: start, proven });
     }
+    gjk::nearest_points(pair, start, limit)
 }
 
 /// Points no farther apart than is proven: where the proof falls short, the shortfall counts as nearness.
-fn proven_points(([p, q], proven): (PointPair, f64)) -> PointPair {
+fn proven_points(found: &Nearest) -> PointPair {
+    let Nearest { points: [p, q], proven } = *found;
     let apart = nalgebra::distance(&p, &q);
     if apart - proven <= CONTACT_DISTANCE || apart == 0.0 {
         return [p, q];
@@ -144,44 +125,15 @@ fn proven_points(([p, q], proven): (PointPair, f64)) -> PointPair {
     [p, p + (q - p) * (proven.max(0.0) / apart)]
 }
 
-fn segment_at(half_length: f64, pose: &Pose) -> [Point; 2] {
+fn origin_of(pose_ab: &MatrixPose) -> Point {
+    Point::from(pose_ab.translation)
+}
+
+fn segment_at(half_length: f64, pose: &MatrixPose) -> [Point; 2] {
     Core::segment(half_length).map(|p| pose * p)
 }
 
-fn triangle_at(t: &Triangle, pose: &Pose) -> Triangle {
-    t.transformed(pose)
-}
-
-/// A common point twice, for cores that GJK takes for overlapping. It may err for small or barely separate ones: then the
-/// proof that they are apart counts.
-fn overlap_or_proof(a: &Core, b: &Core, pose_ab: &Pose) -> PointPair {
-    let on_b = |p: &Point| pose_ab * b.nearest_point(&pose_ab.inverse_transform_point(p));
-    let in_both = |p: &Point| {
-        let off = |q: Point| nalgebra::distance(p, &q);
-        off(a.nearest_point(p)).max(off(on_b(p))) <= CONTACT_DISTANCE
-    };
-    let [p, q] = projections(a, on_b, &Point::from(pose_ab.translation.vector), MOST_PROJECTIONS);
-    if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
-        return [q, q];
-    }
-    let deepest = narrow_phase::penetration(a, b, pose_ab);
-    if let Some(p) = deepest.and_then(|(_, pair)| pair.into_iter().find(in_both)) {
-        return [p, p];
-    }
-    proven_points(refine(a, b, pose_ab, [p, q]))
-}
-
-/// Projects on one and the other of two convex solids in turn: that leads into their common part, if they have one
-/// (Bregman 1965).
-fn projections(a: &Core, on_b: impl Fn(&Point) -> Point, start: &Point, most: usize) -> PointPair {
-    let mut p = a.nearest_point(start);
-    let mut q = on_b(&p);
-    for _ in 0..most {
-        if nalgebra::distance(&p, &q) <= CONTACT_DISTANCE {
-            break;
-        }
-        p = a.nearest_point(&q);
-        q = on_b(&p);
-    }
-    [p, q]
+fn triangle_at(t: &Triangle, pose: &MatrixPose) -> Triangle {
+    let [a, b, c] = t.corners().map(|p| pose * p);
+    Triangle { a, b, c }
 }

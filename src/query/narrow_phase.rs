@@ -1,11 +1,10 @@
-//! GJK and EPA between two convex cores: the only file that names parry.
+//! How deep convex cores are in each other, by EPA between two convex cores: the only file that names parry.
 //!
 //! parry works on support functions; ours are exact ([`Core::support`]). Only the f64 build is used: in f32 parry's
 //! absolute thresholds report meshes 5 mm apart as colliding.
 
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
-use parry3d_f64::query::ClosestPoints;
-use parry3d_f64::query::details::{closest_points_support_map_support_map, contact_support_map_support_map};
+use parry3d_f64::query::details::contact_support_map_support_map;
 use parry3d_f64::shape::SupportMap;
 
 use super::core::Core;
@@ -15,20 +14,6 @@ use crate::math::{Point, Pose, Vector};
 impl SupportMap for Core {
     fn local_support_point(&self, direction: ParryVector) -> ParryVector {
         to_parry(self.support(&from_parry(direction)).coords)
-    }
-}
-
-/// Nearest points of two cores in the frame of a (Gilbert, Johnson & Keerthi 1988); `None` when they overlap.
-///
-/// The distance of the points is within a relative 1e-7 of the least one.
-pub(super) fn nearest_points(a: &Core, b: &Core, pose_ab: &Pose) -> Option<PointPair> {
-    let pose = ParryPose::from(*pose_ab);
-    match closest_points_support_map_support_map(&pose, a, b, f64::MAX) {
-        ClosestPoints::WithinMargin(on_a, on_b) => {
-            Some([Point::from(from_parry(on_a)), pose_ab * Point::from(from_parry(on_b))])
-        }
-        // `Disjoint` means farther than the largest number
-        ClosestPoints::Intersecting | ClosestPoints::Disjoint => None,
     }
 }
 

@@ -19,7 +19,8 @@ pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separati
         RoundedCore::from(&Element::Primitive { primitive: *primitive, pose })
     };
     let (a, b) = (core_of(a, Pose::identity()), core_of(b, *pose_ab));
-    let [p, q] = core_nearest_points(&a.core, &b.core, pose_ab);
+    let [p, q] = core_nearest_points(&a.core, &b.core, &pose_ab.into(), f64::INFINITY)
+        .expect("nothing is beyond infinity");
     let apart = nalgebra::distance(&p, &q);
     if apart > CONTACT_DISTANCE {
         return moved_out(&a, &b, [p, q], (q - p) / apart, apart);

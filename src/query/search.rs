@@ -73,23 +73,22 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
 
 fn solids<B: BoundingVolume, const SEPARATE: bool>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
-    pose_matrix: &MatrixPose,
+    pose_ab: &MatrixPose,
     incumbent: &mut Incumbent,
     descent: &mut Descent,
 ) {
-    let pose_ab = &Pose::from(pose_matrix);
     if let (Some(a), Some(b)) = (&a.solids, &b.solids) {
-        let relative = &a.relative(b, pose_matrix);
+        let relative = &a.relative(b, pose_ab);
         descent.run((a, b), relative, &mut SolidSolid::<SEPARATE> { pose_ab, incumbent });
     }
     if let (Some(solids), Some(surface)) = (&a.solids, &b.surface) {
-        let relative = &solids.relative(&surface.tree, pose_matrix);
+        let relative = &solids.relative(&surface.tree, pose_ab);
         let visitor =
             &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: true, pose_ab, relative, incumbent };
         descent.run((solids, &surface.tree), relative, visitor);
     }
     if let (Some(surface), Some(solids)) = (&a.surface, &b.solids) {
-        let relative = &solids.relative(&surface.tree, &pose_matrix.inverse());
+        let relative = &solids.relative(&surface.tree, &pose_ab.inverse());
         let visitor =
             &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: false, pose_ab, relative, incumbent };
         descent.run((solids, &surface.tree), relative, visitor);

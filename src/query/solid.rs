@@ -1,5 +1,6 @@
 //! Leaves that hold one solid primitive.
 
+use super::core::RoundedCore;
 use super::element::Element;
 use crate::bounding_volume::Axes;
 use crate::bvh::Content;
@@ -16,7 +17,7 @@ pub(super) struct Solid {
 /// A solid, and the box around it in f32.
 #[derive(Clone, Debug)]
 pub(super) struct SolidLeaf {
-    pub element: Element,
+    pub core: RoundedCore,
     /// In the order of the tree.
     pub number: u32,
     /// The box's axes, in the frame of the tree.
@@ -47,7 +48,7 @@ impl Content for SolidLeaf {
         let centre = solid.pose.translation.vector - anchor.coords;
         Self {
             number,
-            element: Element::Primitive { primitive: solid.primitive, pose: solid.pose },
+            core: RoundedCore::from(&Element::Primitive { primitive: solid.primitive, pose: solid.pose }),
             axes: Axes::from_columns(solid.pose.rotation.to_rotation_matrix().matrix()),
             centre: std::array::from_fn(|i| centre[i] as f32),
             half_extents: std::array::from_fn(|i| (h[i] as f32).next_up()),

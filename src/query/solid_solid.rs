@@ -1,15 +1,15 @@
 //! Where two solid primitives meet.
 
-use super::element_pair::{Separation, element_contact, element_separation};
+use super::element_pair::separation_within;
 use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
 use crate::bvh::Visitor;
-use crate::math::Pose;
+use crate::math::MatrixPose;
 use crate::simd::Simd;
 
 /// Looks for the nearest solids of two bodies; with `SEPARATE` only for any that touch.
 pub(super) struct SolidSolid<'s, 'w, const SEPARATE: bool> {
-    pub pose_ab: &'s Pose,
+    pub pose_ab: &'s MatrixPose,
     pub incumbent: &'s mut Incumbent<'w>,
 }
 
@@ -31,12 +31,8 @@ impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, 
     #[inline(always)]
     fn leaves<S: Simd>(&mut self, _: S, a: &SolidLeaf, b: &SolidLeaf) {
         self.incumbent.work.primitive_tests += 1;
-        if SEPARATE {
-            if let Some(point) = element_contact(&a.element, &b.element, self.pose_ab) {
-                self.incumbent.offer(Separation::touching_at(point));
-            }
-        } else {
-            let found = element_separation(&a.element, &b.element, self.pose_ab);
+        let limit = self.incumbent.bound();
+        if let Some(found) = separation_within(&a.core, &b.core, self.pose_ab, limit) {
             self.incumbent.offer_numbered(found, (a.number, b.number));
         }
     }

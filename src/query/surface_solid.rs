@@ -1,7 +1,7 @@
 //! Where a solid primitive meets leaves of a surface.
 
-use super::element::Element;
-use super::element_pair::{Separation, element_contact, element_separation};
+use super::core::{Core, RoundedCore};
+use super::element_pair::separation_within;
 use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
 use super::solid_lanes;
@@ -9,7 +9,7 @@ use super::surface::Surface;
 use super::surface_surface::triangle_slack;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{TriangleLeaf, Visitor};
-use crate::math::{Pose, Vector};
+use crate::math::{MatrixPose, Vector};
 use crate::simd::{LANES, Simd, not_beyond};
 
 /// Looks for the triangle of a surface nearest to a solid; with `SEPARATE` only for any that touches.
@@ -17,7 +17,7 @@ pub(super) struct SurfaceSolid<'s, 'w, B: BoundingVolume, const SEPARATE: bool> 
     pub surface: &'s Surface<B>,
     /// Whether the solid belongs to body a, and the surface to b.
     pub solid_is_a: bool,
-    pub pose_ab: &'s Pose,
+    pub pose_ab: &'s MatrixPose,
     /// The solid's tree in the surface's.
     pub relative: &'s Relative,
     pub incumbent: &'s mut Incumbent<'w>,
@@ -30,22 +30,17 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
         let Some(best) = &self.incumbent.best else { return [0.0; 3] };
         let [p, q] = best.witness_points;
         let along = (q - p).try_normalize(0.0).unwrap_or_else(Vector::zeros);
-        let along = if self.solid_is_a { self.pose_ab.rotation.inverse() * along } else { along };
+        let along = if self.solid_is_a { self.pose_ab.rotation.tr_mul(&along) } else { along };
         let shorter = 1.0 - 8.0 * f32::EPSILON;
         [along.x as f32 * shorter, along.y as f32 * shorter, along.z as f32 * shorter]
     }
 
     fn test(&mut self, solid: &SolidLeaf, number: u32) {
         self.incumbent.work.primitive_tests += 1;
-        let triangle = Element::Triangle(self.surface.triangle(number));
-        let solid_first = (&solid.element, &triangle);
-        let (a, b) = if self.solid_is_a { solid_first } else { (solid_first.1, solid_first.0) };
-        if SEPARATE {
-            if let Some(point) = element_contact(a, b, self.pose_ab) {
-                self.incumbent.offer(Separation::touching_at(point));
-            }
-        } else {
-            let found = element_separation(a, b, self.pose_ab);
+        let core = Core::Triangle(self.surface.triangle(number));
+        let triangle = RoundedCore { core, pose: MatrixPose::identity(), radius: 0.0 };
+        let (a, b) = if self.solid_is_a { (&solid.core, &triangle) } else { (&triangle, &solid.core) };
+        if let Some(found) = separation_within(a, b, self.pose_ab, self.incumbent.bound()) {
             self.incumbent.offer_numbered(found, (solid.number, number));
         }
     }

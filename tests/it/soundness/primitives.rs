@@ -22,8 +22,8 @@ const fn of_iterations(shortfall: f64) -> Accuracy {
     Accuracy { absolute: 9e-10, of_reach: 1e-12, shortfall }
 }
 
-const OF_BOXES: Accuracy = of_iterations(5e-7);
-pub const OF_CYLINDERS: Accuracy = of_iterations(2e-5);
+const OF_BOXES: Accuracy = of_iterations(0.0);
+pub const OF_CYLINDERS: Accuracy = of_iterations(0.0);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
