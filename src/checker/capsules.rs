@@ -257,9 +257,16 @@ impl CapsulePairs {
     }
 }
 
-/// The largest coordinate of any centre.
+/// The largest coordinate of any centre. Without their signs floats are ordered as their bits, which compare faster.
+#[inline(always)]
 fn extent(segments: &[Segment<f32>]) -> f32 {
-    segments.iter().flat_map(|s| s.centre).fold(0.0, |extent, c| extent.max(c.abs()))
+    let mut extent = [0; 3];
+    for Segment { centre, .. } in segments {
+        for (extent, c) in extent.iter_mut().zip(centre) {
+            *extent = c.abs().to_bits().max(*extent);
+        }
+    }
+    f32::from_bits(extent[0].max(extent[1]).max(extent[2]))
 }
 
 /// As [`extent`], of eight states.

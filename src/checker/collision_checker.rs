@@ -154,14 +154,19 @@ impl CollisionChecker {
             Question::Free => self.first_hits(q, workspace, &mut report),
             Question::Pairs => self.all_hits(q, workspace, &mut report),
             Question::Distance { limit } => {
-                self.first_hits(q, workspace, &mut report);
                 self.least_distance(q, limit, workspace, &mut report);
+                // pairs that touch are looked for where there are any
+                if report.nearest.is_some_and(|nearest| nearest.distance == 0.0) {
+                    self.first_hits(q, workspace, &mut report);
+                    report.believe_contact();
+                }
             }
             Question::PairDistances { limit } => self.distances(q, limit, workspace, &mut report),
             Question::Survey { influence_distance, limit } => {
                 self.distances(q, influence_distance, workspace, &mut report);
                 if report.nearest.is_none() && limit > influence_distance {
                     self.least_distance(q, limit, workspace, &mut report);
+                    report.believe_contact();
                 }
             }
         }
@@ -250,12 +255,6 @@ impl CollisionChecker {
             }
         }
         report.nearest = nearest.map(|(.., found)| found);
-        // where two methods could differ, the one that saw contact is believed
-        if let Some(touching) = report.nearest.filter(|n| n.distance == 0.0)
-            && !report.hits_like(touching.b)
-        {
-            report.add_hit((touching.a, touching.b));
-        }
     }
 
     /// Every pair's distance up to `limit`.
@@ -375,6 +374,15 @@ impl CollisionReport {
         match other {
             Body::Link(_) => self.self_collision,
             Body::Obstacle(_) => self.world_collision,
+        }
+    }
+
+    /// Where two methods could differ, the one that saw contact is believed.
+    fn believe_contact(&mut self) {
+        if let Some(touching) = self.nearest.filter(|n| n.distance == 0.0)
+            && !self.hits_like(touching.b)
+        {
+            self.add_hit((touching.a, touching.b));
         }
     }
 

@@ -8,4 +8,6 @@ mod triangle;
 pub use mesh::{MeshError, TriangleMesh};
 pub use primitive::{Primitive, PrimitiveError};
 pub use shape::Shape;
-pub use triangle::{PointPair, Triangle, nearest_on_segment, nearest_on_segments, separated_across};
+pub use triangle::{
+    PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
+};

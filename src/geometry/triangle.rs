@@ -261,7 +261,9 @@ fn nearest_inside_segments(first: &[Point; 2], second: &[Point; 2]) -> Option<(P
     })
 }
 
-fn nearest_pair(pairs: impl Iterator<Item = PointPair>) -> PointPair {
+/// The pair whose points are nearest; the origin twice of none.
+#[must_use]
+pub fn nearest_pair(pairs: impl Iterator<Item = PointPair>) -> PointPair {
     let mut best = [Point::origin(); 2];
     let mut least = f64::INFINITY;
     for pair in pairs {

@@ -64,6 +64,19 @@ impl Core {
         }
     }
 
+    /// Triangles that together are the surface; `None` where it is curved.
+    pub fn faces(&self) -> Option<Faces> {
+        match *self {
+            Self::Point | Self::Cylinder { .. } => None,
+            Self::Segment(half_length) => {
+                let [a, b] = Self::segment(half_length);
+                Some(Faces::of(&[Triangle { a, b, c: b }]))
+            }
+            Self::Triangle(t) => Some(Faces::of(&[t])),
+            Self::Cuboid(half) => Some(Faces::of_cuboid(&half)),
+        }
+    }
+
     /// The point farthest along `direction`.
     pub fn support(&self, direction: &Vector) -> Point {
         match *self {
@@ -135,5 +148,39 @@ impl Core {
                 }
             }
         }
+    }
+}
+
+/// The triangles of a flat core.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Faces {
+    triangles: [Triangle; 12],
+    count: usize,
+}
+
+impl Faces {
+    fn of(triangles: &[Triangle]) -> Self {
+        let mut all = [triangles[0]; 12];
+        all[..triangles.len()].copy_from_slice(triangles);
+        Self { triangles: all, count: triangles.len() }
+    }
+
+    /// Two triangles a face.
+    fn of_cuboid(half: &Vector) -> Self {
+        let corner = |axis: usize, side: f64, u: f64, v: f64| {
+            let mut p = Vector::zeros();
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (side, u, v);
+            Point::from(p.component_mul(half))
+        };
+        let triangles: [Triangle; 12] = std::array::from_fn(|i| {
+            let (axis, side, turn) = (i / 4, [-1.0, 1.0][i / 2 % 2], [-1.0, 1.0][i % 2]);
+            let at = |u, v| corner(axis, side, u, v);
+            Triangle { a: at(turn, turn), b: at(-turn, turn), c: at(turn, -turn) }
+        });
+        Self::of(&triangles)
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Triangle> {
+        self.triangles[..self.count].iter()
     }
 }

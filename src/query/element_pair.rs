@@ -1,10 +1,10 @@
 //! The least distance of two convex elements: closed form where there is one, GJK otherwise.
 
-use super::core::{Core, RoundedCore};
+use super::core::{Core, Faces, RoundedCore};
 use super::element::Element;
 use super::gjk::{self, ACCURACY, CorePair, Nearest};
 use crate::constants::CONTACT_DISTANCE;
-use crate::geometry::{PointPair, Triangle, nearest_on_segments};
+use crate::geometry::{PointPair, Triangle, nearest_on_segments, nearest_pair};
 use crate::math::{MatrixPose, Point, Pose};
 
 /// How far two things are apart (m), and where they are nearest. Touching things have distance 0.
@@ -76,7 +76,7 @@ pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &MatrixPose, limi
             (Core::Cylinder { .. }, _) | (_, Core::Cylinder { .. }) => with_cylinders(&pair, limit)?,
             _ => gjk::nearest_points(&pair, pair.nearly_nearest(&origin_of(pose_ab)), limit)?,
         };
-        Some(proven_points(&found))
+        Some(settled(&pair, &found))
     })
 }
 
@@ -115,14 +115,21 @@ fn with_cylinders(pair: &CorePair, limit: f64) -> Option<Nearest> {
     gjk::nearest_points(pair, start, limit)
 }
 
-/// Points no farther apart than is proven: where the proof falls short, the shortfall counts as nearness.
-fn proven_points(found: &Nearest) -> PointPair {
+/// What the search found, if its proof reaches that far. Within about 1e-6 m of contact the direction between nearest points
+/// is rough, and the proof may fall short: of flat cores all faces are compared then, and of others the shortfall counts
+/// as nearness.
+fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
     let Nearest { points: [p, q], proven } = *found;
     let apart = nalgebra::distance(&p, &q);
     if apart - proven <= CONTACT_DISTANCE || apart == 0.0 {
         return [p, q];
     }
-    [p, p + (q - p) * (proven.max(0.0) / apart)]
+    let of_faces = |(a, b): (Faces, Faces)| {
+        let pairs = a.iter().flat_map(|t| b.iter().map(|u| t.nearest_points(&triangle_at(u, pair.pose_ab))));
+        nearest_pair(pairs)
+    };
+    (pair.a.faces().zip(pair.b.faces()))
+        .map_or_else(|| [p, p + (q - p) * (proven.max(0.0) / apart)], of_faces)
 }
 
 fn origin_of(pose_ab: &MatrixPose) -> Point {

@@ -17,6 +17,13 @@ const ROUNDING: f64 = 1e-14;
 
 const MOST_STEPS: usize = 100;
 
+/// Steps that may bring nothing: a nearest point that is exact to a rounding is off by the root of that across, where the
+/// lower bound feels it.
+const MOST_IDLE_STEPS: u32 = 8;
+
+/// What a step may lose by rounding, as a share of the distance.
+const IDLE: f64 = 1.0 + 1e-14;
+
 /// Cosine beyond which the normal of a simplex counts as the direction to its nearest point.
 const ALIGNED: f64 = 0.999;
 
@@ -80,6 +87,7 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
     let mut between = start[0] - start[1];
     let mut apart = between.norm();
     let mut proven = 0.0_f64;
+    let mut idle = 0;
     let mut simplex = Simplex::new(Vertex { on_a: start[0].coords, difference: between });
     for _ in 0..MOST_STEPS {
         if apart <= CONTACT_DISTANCE {
@@ -100,7 +108,8 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
         let weights = simplex.nearest_to_origin();
         let nearest = simplex.weighted(&weights, |v| v.difference);
         let norm = nearest.norm();
-        if norm >= apart {
+        idle += u32::from(norm >= apart);
+        if norm > apart * IDLE || idle > MOST_IDLE_STEPS {
             break;
         }
         let on_a = Point::from(simplex.weighted(&weights, |v| v.on_a));
@@ -170,8 +179,10 @@ impl Simplex {
         for i in 0..newest {
             let e = edge(i);
             best.offer(&corner, newest, [(i, e, -corner.dot(&e) / e.norm_squared())]);
+        }
+        for i in 1..newest {
             for j in 0..i {
-                let f = edge(j);
+                let (e, f) = (edge(i), edge(j));
                 let n = e.cross(&f);
                 let n2 = n.norm_squared();
                 let (u, v) = (f.cross(&corner).dot(&n) / n2, corner.cross(&e).dot(&n) / n2);
@@ -203,7 +214,8 @@ impl Best {
             return;
         }
         let point = along.iter().fold(*corner, |point, (_, edge, w)| point + edge * *w);
-        if point.norm_squared() < self.squared {
+        // of equal ones the larger face: it has what points on its edges have, and a better direction
+        if point.norm_squared() <= self.squared * IDLE {
             self.squared = point.norm_squared();
             self.weights = [0.0; 4];
             self.weights[newest] = rest;
