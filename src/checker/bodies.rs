@@ -1,10 +1,12 @@
 //! The bodies of a checker: links and obstacles with geometry, where they ride, and the pairs of them.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::capsules::{LinkCapsule, fit_capsule};
+use super::capsule_fit::fit_capsule;
+use super::capsules::{CapsulePairs, LinkCapsule};
 use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::{MeshModel, Settings};
@@ -12,7 +14,7 @@ use super::{PairList, SettingsError};
 use crate::geometry::{Primitive, Shape};
 use crate::math::{MatrixPose, Point, Pose};
 use crate::query::CollisionBody;
-use crate::robot::{Chain, Frame, RobotModel};
+use crate::robot::{Chain, Frame, RobotModel, TravelRates};
 use crate::world::World;
 
 /// A link or an obstacle, in the frame of the body of the chain that it rides on.
@@ -88,6 +90,35 @@ fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
     let end = |z: f64| pose * Point::new(0.0, 0.0, z);
     let rounding = 8.0 * f64::EPSILON * (pose.translation.vector.amax() + half_length + radius);
     LinkCapsule { a: end(-half_length), b: end(half_length), radius: radius + rounding }
+}
+
+/// Capsules of the bodies that occur in pairs, and the pairs of them.
+pub(super) fn capsule_pairs(riders: &[Option<Rider>], infos: &[PairInfo]) -> CapsulePairs {
+    let mut numbers = vec![usize::MAX; riders.len()];
+    let mut capsules = Vec::new();
+    for (i, rider) in riders.iter().enumerate() {
+        if let Some(rider) = rider {
+            numbers[i] = capsules.len();
+            capsules.push((rider.body, rider.capsule));
+        }
+    }
+    let pairs: Vec<_> = infos.iter().map(|p| (numbers[p.bodies.0], numbers[p.bodies.1])).collect();
+    CapsulePairs::new(&capsules, &pairs)
+}
+
+/// How far bodies may move when joints do, relative to each other and to the world.
+pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Option<Rider>]) -> TravelRates {
+    let mut reach = vec![0.0_f64; chain.body_count()];
+    for Rider { body, capsule, .. } in riders.iter().flatten() {
+        let ends = [capsule.a, capsule.b].map(|p| p.coords.norm());
+        reach[*body] = reach[*body].max(ends[0].max(ends[1]) + capsule.radius);
+    }
+    let limited = robot.joint_ids().filter_map(|j| {
+        let limits = robot.joint(j).limits?;
+        Some((robot.first_position(j)?, [limits.lower, limits.upper]))
+    });
+    let ranges: HashMap<usize, [f64; 2]> = limited.collect();
+    chain.travel_rates(&reach, |index| ranges.get(&index).copied())
 }
 
 /// The pairs of a list, by index of rider.

@@ -1,9 +1,8 @@
-//! What a workspace remembers of the last states, so that a stream of states costs little.
+//! What is remembered of a pair of bodies from state to state.
 //!
-//! For each pair a distance that it certainly had at some pose. At another pose it has lost at most what the second body has
-//! moved in the frame of the first: here both poses are known, so that is the largest displacement of the body's sphere.
-//! Only a pair whose bound has run out is asked again. Points of the bodies that were nearest bound the distance from above,
-//! and of a pair that stays near, the triangles that may be nearest are kept.
+//! A distance that it certainly had at some pose: at another it has lost at most what the second body has moved in the frame
+//! of the first, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
+//! distance from above, and of a pair that stays near, the elements that may be nearest are kept.
 //!
 //! None of this changes an answer: the result of a search depends neither on its limit, as long as that is not below it,
 //! nor on the order in which triangles are met.
@@ -27,25 +26,6 @@ const MOST_WORTH: i32 = 16;
 
 /// Rounding (relative to the coordinates that enter) granted to remembered points.
 const ROUNDING: f64 = 1e-13;
-
-/// What is known about all pairs of one checker.
-#[derive(Clone, Debug)]
-pub(super) struct Memories {
-    /// The checker that they are about.
-    checker: u64,
-    pairs: Vec<Option<Memory>>,
-}
-
-impl Memories {
-    pub fn new(checker: u64, pairs: usize) -> Self {
-        Self { checker, pairs: (0..pairs).map(|_| None).collect() }
-    }
-
-    /// What is known about a pair of a checker; nothing if it is another one's.
-    pub fn of_pair(&mut self, checker: u64, index: usize) -> Option<&mut Option<Memory>> {
-        if self.checker == checker { self.pairs.get_mut(index) } else { None }
-    }
-}
 
 /// What is known about a pair; distances are those of the bodies, no padding taken off.
 #[derive(Clone, Debug)]
@@ -85,10 +65,15 @@ impl Memory {
     }
 
     /// A number never larger than the bodies' distance (m) at another pose.
-    fn lower_at(&self, pair: &Pair) -> f64 {
+    pub fn lower_at(&self, pair: &Pair) -> f64 {
         self.lower
             - pair.bodies.1.bounding_sphere().displacement(&self.pose_ab, &pair.pose_ab)
             - CONTACT_DISTANCE
+    }
+
+    /// Whether the bodies were found within what was asked.
+    pub fn was_near(&self) -> bool {
+        self.found.is_some()
     }
 
     /// A number never smaller than the bodies' distance (m) at another pose.

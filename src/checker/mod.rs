@@ -9,14 +9,17 @@
 mod allowed;
 mod batch;
 mod bodies;
+mod capsule_fit;
 mod capsules;
 mod collision_checker;
 mod memory;
 mod mesh_lint;
 mod pair;
 mod pairs;
+mod questions;
 mod report;
 mod settings;
+mod stream;
 mod workspace;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};

@@ -1,7 +1,7 @@
 //! What changes from query to query, owned by the caller: one per thread.
 
 use super::capsules::Segment;
-use super::memory::Memories;
+use super::stream::Stream;
 use crate::query::Scratch;
 use crate::robot::Frame;
 use crate::simd::LANES;
@@ -21,5 +21,12 @@ pub struct Workspace {
     pub(super) queue: Vec<(f64, usize)>,
     pub(super) scratch: Scratch,
     /// For streams of states.
-    pub(super) memories: Option<Memories>,
+    pub(super) stream: Option<Stream>,
+}
+
+impl Workspace {
+    /// What is remembered of the last states, if that is about this checker.
+    pub(super) fn stream_of(&mut self, checker: u64) -> Option<&mut Stream> {
+        self.stream.as_mut().filter(|stream| stream.is_of(checker))
+    }
 }

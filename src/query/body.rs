@@ -2,6 +2,8 @@
 
 use super::bounding_sphere::BoundingSphere;
 use super::containment::Interior;
+use super::core::RoundedCore;
+use super::element::ElementNumber;
 use super::solid::{Solid, SolidLeaf};
 use super::surface::Surface;
 use crate::bounding_volume::{BoundingVolume, Obb};
@@ -69,9 +71,14 @@ impl<B: BoundingVolume> CollisionBody<B> {
         &self.bounding_sphere
     }
 
-    /// The triangles of a body that has nothing else and is not solid.
-    pub(super) fn only_surface(&self) -> Option<&Surface<B>> {
-        self.surface.as_ref().filter(|_| self.solids.is_none() && self.interior.is_none())
+    /// One of the elements.
+    pub(super) fn core(&self, number: ElementNumber) -> RoundedCore {
+        let missing = "the number is of an element of this body";
+        if number.is_triangle() {
+            self.surface.as_ref().expect(missing).core(number.index())
+        } else {
+            self.solids.as_ref().expect(missing).leaves()[number.index() as usize].content.core
+        }
     }
 
     pub(super) fn has_solids(&self) -> bool {

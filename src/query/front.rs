@@ -1,43 +1,76 @@
-//! The triangles of two surfaces that may be nearest in all poses near one: found once, looked at again while the bodies
-//! move little (Ehmann & Lin 2001 call such a set a front).
+//! The elements of two bodies that may be nearest in all poses near one: found once, looked at again while the bodies move
+//! little (Ehmann & Lin 2001 call such a set a front).
+//!
+//! Each listed pair has a lower bound of its distance at one pose, and what is not listed has one together. At another pose
+//! all of these have lost at most what body b has moved. The nearest pairs are kept apart, ready in lanes: mostly they are
+//! enough.
+
+mod collector;
 
 use super::body::CollisionBody;
-use super::element_pair::Separation;
+use super::element::ElementNumber;
+use super::element_pair::{Separation, separation_within};
 use super::incumbent::Incumbent;
 use super::scratch::Scratch;
 use super::search::Goal;
 use super::surface::Surface;
-use super::surface_surface::{SurfaceSurface, triangle_slack};
-use super::triangle_lanes::{LaneTriangles, MovedTriangles};
-use super::work::Work;
-use crate::bounding_volume::{BoundingVolume, Obb, Relative};
-use crate::bvh::{TriangleLeaf, Visitor, descend};
-use crate::math::{MatrixPose, Point};
-use crate::simd::{LANES, Simd, dispatch_lean, not_beyond};
+use super::surface_surface::{Candidates, SurfaceSurface, triangle_slack};
+use super::triangle_lanes::LaneTriangles;
+use crate::bounding_volume::Obb;
+use crate::bvh::Visitor;
+use crate::math::MatrixPose;
+use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8};
+use collector::collect;
 
 /// The nearest pairs that are kept; more would cost as much as a search.
-const MOST: usize = 512;
+const MOST: usize = 384;
 
-/// Pairs of triangles of two bodies.
+/// So many pairs of triangles are ready in lanes.
+const READY: usize = 3 * LANES;
+
+/// Two elements, and a number (m) that their distance was not below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Listed {
+    lower: f32,
+    a: ElementNumber,
+    b: ElementNumber,
+}
+
+/// The corners of eight pairs of triangles, each in the frame of its own tree.
+#[derive(Clone, Debug)]
+#[repr(align(32))]
+struct EightPairs {
+    a: [[[f32; LANES]; 3]; 3],
+    b: [[[f32; LANES]; 3]; 3],
+}
+
+/// Pairs of elements of two bodies.
 #[derive(Clone, Debug, Default)]
 pub struct Front {
-    /// Where b was in the frame of a.
+    /// Where b was in the frame of a; `None` while nothing is known.
     pose_ab: Option<MatrixPose>,
-    /// Triangles that are not listed were farther apart than this (m).
+    /// Elements that are not listed were farther apart than this (m).
     beyond: f64,
-    /// A lower bound of the distance (m) there, and the numbers of a triangle of a and one of b; the nearest first.
-    pairs: Vec<(f32, u32, u32)>,
+    /// Pairs with solids, the nearest first.
+    of_solids: Vec<Listed>,
+    /// Pairs of triangles: the nearest, in order, then the others.
+    of_triangles: Vec<Listed>,
+    /// The nearest pairs of triangles.
+    ready: Vec<EightPairs>,
+    /// No other pair of triangles was nearer than this (m).
+    rest: f32,
 }
 
 impl Front {
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.pose_ab = None;
-        self.pairs.clear();
+        self.of_solids.clear();
+        self.of_triangles.clear();
     }
 
-    /// Lists the triangles of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
-    /// many. Bodies with primitives or solid meshes have no front.
+    /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
+    /// many. Bodies with solid meshes have no front.
     pub fn collect(
         &mut self,
         (a, b): (&CollisionBody, &CollisionBody),
@@ -46,189 +79,225 @@ impl Front {
         scratch: &mut Scratch,
     ) {
         self.clear();
-        let Some((surface_a, surface_b)) = only_surfaces(a, b) else { return };
-        let relative = &surface_a.tree.relative(&surface_b.tree, pose_ab);
-        let level = scratch.level();
-        let Scratch { work, stack, .. } = scratch;
-        let mut collector = Collector { beyond: round_up(beyond), relative, pairs: &mut self.pairs, work };
-        dispatch_lean!(level, simd => {
-            descend(simd, (&surface_a.tree, &surface_b.tree), relative, stack, &mut collector);
-        });
-        collector.keep_nearest();
-        self.beyond = f64::from(collector.beyond).min(beyond);
-        self.pairs.sort_unstable_by(nearer);
+        if a.interior.is_some() || b.interior.is_some() {
+            return;
+        }
+        self.beyond = collect((a, b), pose_ab, beyond, scratch, &mut self.of_solids, &mut self.of_triangles);
+        self.of_solids.sort_unstable_by(Listed::by_distance);
         self.pose_ab = Some(*pose_ab);
+        self.make_ready((a, b));
     }
 
     /// The distance of the bodies at another pose, as a search would find it: `Some(None)` if it is proven larger than
     /// `limit` (m). `None` where the front does not suffice, or they touch.
     #[must_use]
     pub fn distance(
-        &self,
+        &mut self,
         (a, b): (&CollisionBody, &CollisionBody),
         pose_ab: &MatrixPose,
         limit: f64,
         scratch: &mut Scratch,
     ) -> Option<Option<Separation>> {
-        let (a_surface, b_surface) = only_surfaces(a, b)?;
         let moved = b.bounding_sphere().displacement(self.pose_ab.as_ref()?, pose_ab);
         let certain = self.beyond - moved;
         if certain <= 0.0 {
             return None;
         }
-        let relative = &a_surface.tree.relative(&b_surface.tree, pose_ab);
-        let level = scratch.level();
-        let Scratch { work, candidates, .. } = scratch;
-        candidates.clear();
         let goal = Goal { limit: limit.min(certain), ..Goal::EXACT };
+        let Scratch { work, candidates, level, .. } = scratch;
         let incumbent = &mut Incumbent::new(goal, work);
-        let mut visitor = SurfaceSurface::<_, false> {
-            a: a_surface,
-            b: b_surface,
-            pose_ab,
-            relative,
-            incumbent,
-            candidates,
-        };
-        dispatch_lean!(level, simd => look_again(simd, &self.pairs, moved, &mut visitor));
-        visitor.measure_candidates();
+        let look = Look { bodies: (a, b), pose_ab, moved: round_up(moved) };
+        let nearest = |listed: &[Listed]| listed.first().map_or(f32::INFINITY, |l| l.lower);
+        let solids_first = nearest(&self.of_solids) < nearest(&self.of_triangles);
+        if solids_first {
+            look.at_solids(&self.of_solids, incumbent);
+        }
+        self.look_at_triangles(&look, *level, incumbent, candidates);
+        if !solids_first {
+            look.at_solids(&self.of_solids, incumbent);
+        }
         match incumbent.best {
             Some(found) if found.distance > 0.0 => Some(Some(found)),
             None if limit <= certain => Some(None),
             _ => None,
         }
     }
+
+    fn look_at_triangles(
+        &mut self,
+        look: &Look,
+        level: Level,
+        incumbent: &mut Incumbent,
+        candidates: &mut Candidates,
+    ) {
+        let (Some(a), Some(b)) = (&look.bodies.0.surface, &look.bodies.1.surface) else { return };
+        let relative = &a.tree.relative(&b.tree, look.pose_ab);
+        candidates.clear();
+        let mut visitor =
+            SurfaceSurface::<_, false> { a, b, pose_ab: look.pose_ab, relative, incumbent, candidates };
+        let renewed = dispatch_lean!(level, simd => {
+            at_ready(simd, &self.ready, &self.of_triangles, look.moved, &mut visitor);
+            let others = less(self.rest, look.moved) <= visitor.threshold();
+            if others {
+                at_all(simd, &mut self.of_triangles, look.moved, &mut visitor);
+            }
+            others
+        });
+        visitor.measure_candidates();
+        if renewed {
+            self.renew(look);
+        }
+    }
+
+    /// Takes the bounds for those at the present pose.
+    fn renew(&mut self, look: &Look) {
+        self.pose_ab = Some(*look.pose_ab);
+        self.beyond -= f64::from(look.moved);
+        for listed in &mut self.of_solids {
+            listed.lower = less(listed.lower, look.moved);
+        }
+        self.make_ready(look.bodies);
+    }
+
+    /// Brings the nearest pairs of triangles to the front, and into lanes.
+    fn make_ready(&mut self, (a, b): (&CollisionBody, &CollisionBody)) {
+        self.ready.clear();
+        self.rest = f32::INFINITY;
+        let (Some(a), Some(b)) = (&a.surface, &b.surface) else { return };
+        if self.of_triangles.len() > READY {
+            let (_, next, _) = self.of_triangles.select_nth_unstable_by(READY, Listed::by_distance);
+            self.rest = next.lower;
+        }
+        let nearest = self.of_triangles.len().min(READY);
+        self.of_triangles[..nearest].sort_unstable_by(Listed::by_distance);
+        self.ready
+            .extend(self.of_triangles[..nearest].chunks(LANES).map(|eight| EightPairs::new(a, b, eight)));
+    }
 }
 
-/// Screens listed pairs eight at a time, until none that follows can be nearer than what was found.
+/// What is looked at anew.
+struct Look<'l> {
+    bodies: (&'l CollisionBody, &'l CollisionBody),
+    pose_ab: &'l MatrixPose,
+    /// How far (m) any of b has moved since the bounds were true.
+    moved: f32,
+}
+
+impl Look<'_> {
+    /// Measures pairs with solids, the nearest first, until none that follows can be the nearest.
+    fn at_solids(&self, listed: &[Listed], incumbent: &mut Incumbent) {
+        for Listed { lower, a, b } in listed {
+            if less(*lower, self.moved) > incumbent.threshold() {
+                return;
+            }
+            incumbent.work.primitive_tests += 1;
+            let (core_a, core_b) = (self.bodies.0.core(*a), self.bodies.1.core(*b));
+            if let Some(found) = separation_within(&core_a, &core_b, self.pose_ab, incumbent.bound()) {
+                incumbent.offer_numbered(found, (*a, *b));
+            }
+        }
+    }
+}
+
+/// Screens the nearest pairs of triangles eight at a time, until none that follows can be the nearest.
 #[inline(always)]
-#[allow(clippy::cast_possible_truncation)] // rounded up
-fn look_again<S: Simd>(
+fn at_ready<S: Simd>(
     simd: S,
-    pairs: &[(f32, u32, u32)],
-    moved: f64,
+    ready: &[EightPairs],
+    listed: &[Listed],
+    moved: f32,
     visitor: &mut SurfaceSurface<'_, '_, Obb, false>,
 ) {
-    let moved = (moved as f32).next_up();
-    let slack = triangle_slack(visitor.relative);
-    for eight in pairs.chunks(LANES) {
-        if eight[0].0 - moved > visitor.threshold() {
+    for (pairs, eight) in ready.iter().zip(listed.chunks(LANES)) {
+        if less(eight[0].lower, moved) > visitor.threshold() {
             return;
         }
-        let (one, other) = gathered(simd, visitor, eight);
-        visitor.screen(simd, &one, &other, slack, u64::from(u8::MAX >> (LANES - eight.len())), |lane| {
-            let (_, i, j) = eight[lane];
-            (i, j)
-        });
+        screen(simd, pairs, eight, visitor);
     }
 }
 
-/// The triangles of eight pairs in lanes, in the frame of b's tree; fewer repeat the last.
+/// Screens all pairs of triangles that may be the nearest, and leaves with each a bound for the present pose. The ready ones
+/// are a second time among them: that they may be the nearest is known already.
 #[inline(always)]
-fn gathered<S: Simd>(
+fn at_all<S: Simd>(
     simd: S,
-    visitor: &SurfaceSurface<'_, '_, Obb, false>,
-    pairs: &[(f32, u32, u32)],
-) -> (LaneTriangles<S>, LaneTriangles<S>) {
-    let anchor = visitor.b.tree.anchor();
-    let pose_ba = visitor.pose_ab.inverse();
-    let (mut of_a, mut of_b) = ([[[0.0; LANES]; 3]; 3], [[[0.0; LANES]; 3]; 3]);
-    for lane in 0..LANES {
-        let (_, i, j) = pairs[lane.min(pairs.len() - 1)];
-        let (s, t) = (visitor.a.triangle(i), visitor.b.triangle(j));
-        for (corner, p) in [s.a, s.b, s.c].into_iter().enumerate() {
-            set(&mut of_a[corner], lane, &(&pose_ba * p), anchor);
+    listed: &mut [Listed],
+    moved: f32,
+    visitor: &mut SurfaceSurface<'_, '_, Obb, false>,
+) {
+    let (mut eight, mut places) = ([Listed::NOTHING; LANES], [0; LANES]);
+    let mut count = 0;
+    for i in 0..listed.len() {
+        listed[i].lower = less(listed[i].lower, moved);
+        if listed[i].lower <= visitor.threshold() {
+            (eight[count], places[count]) = (listed[i], i);
+            count += 1;
         }
-        for (corner, p) in [t.a, t.b, t.c].into_iter().enumerate() {
-            set(&mut of_b[corner], lane, &p, anchor);
+        if count == LANES || (count > 0 && i + 1 == listed.len()) {
+            let pairs = EightPairs::new(visitor.a, visitor.b, &eight[..count]);
+            let lower: [f32; LANES] = screen(simd, &pairs, &eight[..count], visitor).into();
+            for (place, lower) in places[..count].iter().zip(lower) {
+                listed[*place].lower = listed[*place].lower.max(lower);
+            }
+            count = 0;
         }
     }
-    (LaneTriangles::load(simd, &of_a), LaneTriangles::load(simd, &of_b))
 }
 
+/// Keeps those of eight pairs that may be the nearest; gives lower bounds of their distances.
 #[inline(always)]
-#[allow(clippy::cast_possible_truncation)] // rounding is meant
-fn set(components: &mut [[f32; LANES]; 3], lane: usize, p: &Point, anchor: &Point) {
-    components[0][lane] = (p.x - anchor.x) as f32;
-    components[1][lane] = (p.y - anchor.y) as f32;
-    components[2][lane] = (p.z - anchor.z) as f32;
+fn screen<S: Simd>(
+    simd: S,
+    pairs: &EightPairs,
+    listed: &[Listed],
+    visitor: &mut SurfaceSurface<'_, '_, Obb, false>,
+) -> f32x8<S> {
+    let one = LaneTriangles::placed(simd, &pairs.a, visitor.relative);
+    let other = LaneTriangles::load(simd, &pairs.b);
+    let slack = triangle_slack(visitor.relative);
+    let mask = u64::from(u8::MAX >> (LANES - listed.len()));
+    visitor.screen(simd, &one, &other, slack, mask, |lane| (listed[lane].a.index(), listed[lane].b.index()))
 }
 
-fn only_surfaces<'b, B: BoundingVolume>(
-    a: &'b CollisionBody<B>,
-    b: &'b CollisionBody<B>,
-) -> Option<(&'b Surface<B>, &'b Surface<B>)> {
-    Some((a.only_surface()?, b.only_surface()?))
+impl Listed {
+    const NOTHING: Self =
+        Self { lower: f32::INFINITY, a: ElementNumber::of_solid(0), b: ElementNumber::of_solid(0) };
+
+    fn by_distance(x: &Self, y: &Self) -> std::cmp::Ordering {
+        x.lower.total_cmp(&y.lower).then((x.a, x.b).cmp(&(y.a, y.b)))
+    }
+}
+
+impl EightPairs {
+    /// Of fewer than eight the last is repeated.
+    fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[Listed]) -> Self {
+        let mut all = Self { a: [[[0.0; LANES]; 3]; 3], b: [[[0.0; LANES]; 3]; 3] };
+        for lane in 0..LANES {
+            let Listed { a: i, b: j, .. } = pairs[lane.min(pairs.len() - 1)];
+            set(&mut all.a, lane, a, i);
+            set(&mut all.b, lane, b, j);
+        }
+        all
+    }
+}
+
+/// As the leaves of the surface's tree have them.
+#[allow(clippy::cast_possible_truncation)] // rounding is meant
+fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface<Obb>, number: ElementNumber) {
+    let anchor = surface.tree.anchor();
+    for (corner, p) in corners.iter_mut().zip(surface.triangle(number.index()).corners()) {
+        for i in 0..3 {
+            corner[i][lane] = (p[i] - anchor[i]) as f32;
+        }
+    }
+}
+
+/// What is left of a bound, rounded down.
+fn less(lower: f32, moved: f32) -> f32 {
+    (lower - moved).next_down()
 }
 
 #[allow(clippy::cast_possible_truncation)] // rounded up right after
 fn round_up(x: f64) -> f32 {
     (x as f32).next_up()
-}
-
-fn nearer(x: &(f32, u32, u32), y: &(f32, u32, u32)) -> std::cmp::Ordering {
-    x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2)))
-}
-
-/// Lists the pairs of triangles whose bounds are not beyond a distance.
-struct Collector<'s> {
-    beyond: f32,
-    relative: &'s Relative,
-    pairs: &'s mut Vec<(f32, u32, u32)>,
-    work: &'s mut Work,
-}
-
-impl Collector<'_> {
-    /// Lets the farthest go, if there are too many: what is then not listed is not nearer than those.
-    fn keep_nearest(&mut self) {
-        if self.pairs.len() > MOST {
-            let (_, farthest, _) = self.pairs.select_nth_unstable_by(MOST, nearer);
-            self.beyond = self.beyond.min(farthest.0);
-            self.pairs.truncate(MOST);
-        }
-    }
-}
-
-impl Visitor<TriangleLeaf, TriangleLeaf> for Collector<'_> {
-    const SEPARATE: bool = false;
-
-    fn threshold(&self) -> f32 {
-        self.beyond
-    }
-
-    fn volume_tests(&mut self, count: u32) {
-        self.work.volume_tests += u64::from(count);
-    }
-
-    fn interrupted(&mut self) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    #[allow(clippy::cast_possible_truncation)] // lanes are few
-    fn leaves<S: Simd>(&mut self, simd: S, a: &TriangleLeaf, b: &TriangleLeaf) {
-        let slack = triangle_slack(self.relative);
-        let (moved, mut lanes) =
-            MovedTriangles::new(simd, a, self.relative, b, self.threshold() + 4.0 * slack);
-        if lanes == 0 {
-            return;
-        }
-        if self.pairs.len() > 4 * MOST {
-            self.keep_nearest();
-        }
-        let eight = LaneTriangles::of_leaf(simd, b);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros();
-            lanes &= lanes - 1;
-            self.work.screened_pairs += u64::from(b.count);
-            let lower = moved.one(simd, lane as usize).bounds(simd, &eight, slack).lower;
-            let mut near = not_beyond(lower, self.threshold()) & b.mask();
-            let lower: [f32; LANES] = lower.into();
-            while near != 0 {
-                let other = near.trailing_zeros();
-                near &= near - 1;
-                self.pairs.push((lower[other as usize & 7], a.first + lane, b.first + other));
-            }
-        }
-    }
 }

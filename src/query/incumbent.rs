@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::element::ElementNumber;
 use super::element_pair::Separation;
 use super::search::Goal;
 use super::work::Work;
@@ -16,7 +17,7 @@ pub(super) struct Incumbent<'w> {
     goal: Goal,
     pub best: Option<Separation>,
     /// The numbers of the elements that the best is about, where it matters which of equal ones is told.
-    numbers: Option<(u32, u32)>,
+    numbers: Option<(ElementNumber, ElementNumber)>,
     /// The count of volume tests at which to look at the clock.
     next_look: u64,
     pub work: &'w mut Work,
@@ -58,7 +59,7 @@ impl<'w> Incumbent<'w> {
 
     /// As [`Self::offer`] of two elements; of equally near ones those with the smaller numbers are taken, so that the answer
     /// does not depend on the order in which they are met.
-    pub fn offer_numbered(&mut self, found: Separation, numbers: (u32, u32)) {
+    pub fn offer_numbered(&mut self, found: Separation, numbers: (ElementNumber, ElementNumber)) {
         let tied = self.best.is_some_and(|best| found.distance == best.distance);
         if tied && self.numbers.is_some_and(|best| numbers < best) || self.is_bettered_by(&found) {
             self.best = Some(found);

@@ -1,5 +1,6 @@
 //! Where two solid primitives meet.
 
+use super::element::ElementNumber;
 use super::element_pair::separation_within;
 use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
@@ -33,7 +34,8 @@ impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, 
         self.incumbent.work.primitive_tests += 1;
         let limit = self.incumbent.bound();
         if let Some(found) = separation_within(&a.core, &b.core, self.pose_ab, limit) {
-            self.incumbent.offer_numbered(found, (a.number, b.number));
+            let numbers = (ElementNumber::of_solid(a.number), ElementNumber::of_solid(b.number));
+            self.incumbent.offer_numbered(found, numbers);
         }
     }
 }

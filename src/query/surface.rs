@@ -1,9 +1,10 @@
 //! The triangles of a body, in f64, and the tree over them.
 
+use super::core::{Core, RoundedCore};
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{Tree, TriangleLeaf};
 use crate::geometry::Triangle;
-use crate::math::Point;
+use crate::math::{MatrixPose, Point};
 
 /// Triangles in the order of their tree's leaves, corners shared.
 #[derive(Clone, Debug)]
@@ -29,6 +30,11 @@ impl<B: BoundingVolume> Surface<B> {
     pub fn triangle(&self, index: u32) -> Triangle {
         let [a, b, c] = self.faces[index as usize].map(|v| self.vertices[v as usize]);
         Triangle { a, b, c }
+    }
+
+    /// As [`Self::triangle`], as a core.
+    pub fn core(&self, index: u32) -> RoundedCore {
+        RoundedCore { core: Core::Triangle(self.triangle(index)), pose: MatrixPose::identity(), radius: 0.0 }
     }
 
     pub fn triangle_count(&self) -> usize {

@@ -1,6 +1,6 @@
 //! Where a solid primitive meets leaves of a surface.
 
-use super::core::{Core, RoundedCore};
+use super::element::ElementNumber;
 use super::element_pair::separation_within;
 use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
@@ -37,11 +37,15 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
 
     fn test(&mut self, solid: &SolidLeaf, number: u32) {
         self.incumbent.work.primitive_tests += 1;
-        let core = Core::Triangle(self.surface.triangle(number));
-        let triangle = RoundedCore { core, pose: MatrixPose::identity(), radius: 0.0 };
-        let (a, b) = if self.solid_is_a { (&solid.core, &triangle) } else { (&triangle, &solid.core) };
+        let triangle = &self.surface.core(number);
+        let numbers = (ElementNumber::of_solid(solid.number), ElementNumber::of_triangle(number));
+        let ((a, b), numbers) = if self.solid_is_a {
+            ((&solid.core, triangle), numbers)
+        } else {
+            ((triangle, &solid.core), (numbers.1, numbers.0))
+        };
         if let Some(found) = separation_within(a, b, self.pose_ab, self.incumbent.bound()) {
-            self.incumbent.offer_numbered(found, (solid.number, number));
+            self.incumbent.offer_numbered(found, numbers);
         }
     }
 }

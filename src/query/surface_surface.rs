@@ -1,5 +1,6 @@
 //! Where leaves of two surfaces meet.
 
+use super::element::ElementNumber;
 use super::element_pair::Separation;
 use super::incumbent::Incumbent;
 use super::surface::Surface;
@@ -10,7 +11,7 @@ use crate::constants::{CONTACT_DISTANCE, TRIANGLE_SHARE};
 use crate::geometry::Triangle;
 use crate::math::MatrixPose;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, not_beyond};
+use crate::simd::{LANES, Simd, f32x8, not_beyond};
 
 /// Looks for the nearest triangles of two surfaces; with `SEPARATE` only for any that touch.
 ///
@@ -75,11 +76,12 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
     fn measure(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
         let (a, b) = self.triangles(i, j);
-        self.incumbent.offer_numbered(Separation::of(a.nearest_points(&b)), (i, j));
+        let numbers = (ElementNumber::of_triangle(i), ElementNumber::of_triangle(j));
+        self.incumbent.offer_numbered(Separation::of(a.nearest_points(&b)), numbers);
     }
 
     /// Bounds the distances of eight pairs of triangles, of which the lanes of `mask` count, and keeps those that may be the
-    /// nearest; `numbers` tells which triangles are in a lane.
+    /// nearest; `numbers` tells which triangles are in a lane. Gives lower bounds (m).
     #[inline(always)]
     pub fn screen<S: Simd>(
         &mut self,
@@ -89,11 +91,11 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         slack: f32,
         mask: u64,
         numbers: impl Fn(usize) -> (u32, u32),
-    ) {
+    ) -> f32x8<S> {
         self.incumbent.work.screened_pairs += u64::from(mask.count_ones());
         let coarse = one.coarse_bounds(simd, other, &self.candidates.direction, slack);
         if not_beyond(coarse, self.threshold()) & mask == 0 {
-            return;
+            return coarse;
         }
         let distances = one.bounds(simd, other, slack);
         self.candidates.take_upper(simd, &distances);
@@ -105,6 +107,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
             let (i, j) = numbers(lane);
             self.keep(lower[lane & 7], i, j);
         }
+        distances.lower
     }
 
     /// Keeps a pair that may be the nearest; measures it at once if it may touch.

@@ -78,6 +78,17 @@ impl<S: Simd> LaneTriangles<S> {
         Self::new(Vectors::load(simd, p), Vectors::load(simd, q), Vectors::load(simd, r))
     }
 
+    /// As [`Self::load`], brought from the frame of one tree into that of another.
+    #[inline(always)]
+    pub fn placed(simd: S, [p, q, s]: &[[[f32; LANES]; 3]; 3], relative: &Relative) -> Self {
+        let (r, t) = (&relative.r, &relative.t);
+        Self::new(
+            Vectors::load(simd, p).placed(r, t),
+            Vectors::load(simd, q).placed(r, t),
+            Vectors::load(simd, s).placed(r, t),
+        )
+    }
+
     #[inline(always)]
     fn new(p: Vectors<S>, q: Vectors<S>, r: Vectors<S>) -> Self {
         let edges = [q.minus(p), r.minus(q), p.minus(r)];
