@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::capsules::Segment;
 use super::collision_checker::CollisionChecker;
+use super::likely::LikelyPairs;
 use super::report::{CollisionReport, Question};
 use super::workspace::Workspace;
 use crate::constants::CONTACT_DISTANCE;
@@ -35,9 +36,9 @@ impl CollisionChecker {
     /// When `free` is not as long as `states`.
     pub fn are_free_with(&self, states: &[Configuration], workspace: &mut Workspace, free: &mut [bool]) {
         assert_eq!(states.len(), free.len(), "an answer for every state");
-        let scratch = &mut workspace.scratch;
+        let Workspace { scratch, likely, .. } = workspace;
         let level = scratch.level();
-        dispatch!(level, simd => self.free_eights(simd, states, scratch, free));
+        dispatch!(level, simd => self.free_eights(simd, states, (scratch, likely), free));
     }
 
     /// How many pairs of all states level 0 leaves to the hierarchies: kinematics and capsules alone, which take their share
@@ -74,30 +75,51 @@ impl CollisionChecker {
         &self,
         simd: S,
         states: &[Configuration],
-        scratch: &mut Scratch,
+        (scratch, likely): (&mut Scratch, &mut LikelyPairs),
         free: &mut [bool],
     ) {
         let mut eight = Eight::new(self, simd);
         for (states, free) in states.chunks(LANES).zip(free.chunks_mut(LANES)) {
             self.screen_eight(simd, states, &mut eight);
             scratch.work.volume_tests += (self.infos.len() * states.len()) as u64;
+            let all = u8::MAX >> (LANES - states.len());
             let mut hit = 0u8;
-            for (i, near) in eight.near.iter().enumerate() {
-                let mut near = near & !hit;
-                while near != 0 {
-                    let lane = near.trailing_zeros() as usize;
-                    near &= near - 1;
-                    if lane < states.len()
-                        && self.pair_with(i, |body| eight.frame(body, lane)).touches(scratch)
-                    {
-                        hit |= 1 << lane;
-                    }
+            for rank in 0.. {
+                let Some(i) = likely.get(rank) else { break };
+                if let Some(near) = eight.near.get_mut(i) {
+                    let near = std::mem::take(near);
+                    hit |= self.hits_of(i, near & all & !hit, &eight, scratch, likely);
                 }
+            }
+            for i in 0..eight.near.len() {
+                hit |= self.hits_of(i, eight.near[i] & all & !hit, &eight, scratch, likely);
             }
             for (lane, free) in free.iter_mut().enumerate() {
                 *free = hit & (1 << lane) == 0;
             }
         }
+    }
+
+    /// In which of some states a pair touches.
+    #[inline(always)]
+    fn hits_of<S: Simd>(
+        &self,
+        pair: usize,
+        mut states: u8,
+        eight: &Eight<S>,
+        scratch: &mut Scratch,
+        likely: &mut LikelyPairs,
+    ) -> u8 {
+        let mut hit = 0;
+        while states != 0 {
+            let lane = states.trailing_zeros() as usize;
+            states &= states - 1;
+            if self.pair_with(pair, |body| eight.frame(body, lane)).touches(scratch) {
+                hit |= 1 << lane;
+                likely.hit(pair);
+            }
+        }
+        hit
     }
 
     /// Level 0: kinematics and the capsules of all pairs. A short block repeats its last state.

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::bodies::{Rider, capsule_pairs, link_padding, pair_infos, riders, travel_rates};
 use super::capsules::{CapsulePairs, Segment};
+use super::likely::LikelyPairs;
 use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::Settings;
@@ -145,6 +146,7 @@ impl CollisionChecker {
             near: vec![0; groups],
             bounds: vec![[0.0; LANES]; groups],
             queue: Vec::with_capacity(self.pairs.len()),
+            likely: LikelyPairs::new(),
             scratch,
             stream: None,
         }

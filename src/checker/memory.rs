@@ -9,8 +9,9 @@
 
 use super::pair::Pair;
 use crate::constants::CONTACT_DISTANCE;
+use crate::geometry::PointPair;
 use crate::math::MatrixPose;
-use crate::query::{Front, Scratch, Separation};
+use crate::query::{Effort, Front, Scratch, Separation};
 
 /// How far (m) beyond what was asked a pair's distance is looked for, to know it for some states to come.
 const LOOK_AHEAD: f64 = 0.03;
@@ -35,6 +36,8 @@ pub(super) struct Memory {
     lower: f64,
     /// The answer at that pose, if it was within the limit that was asked.
     found: Option<Separation>,
+    /// Points of the bodies that were near each other at that pose.
+    near_points: Option<PointPair>,
     front: Front,
     /// States for which the front has been enough, less those that collecting it was for nothing.
     worth: i32,
@@ -44,7 +47,8 @@ impl Memory {
     /// What was found at the pair's pose when it was looked for up to `limit` (m).
     fn new(pair: &Pair, limit: f64, found: Option<Separation>) -> Self {
         let lower = found.map_or(limit, |f| f.distance);
-        Self { pose_ab: pair.pose_ab, lower, found, front: Front::default(), worth: 0 }
+        let near_points = found.map(|f| f.witness_points);
+        Self { pose_ab: pair.pose_ab, lower, found, near_points, front: Front::default(), worth: 0 }
     }
 
     /// As [`Self::new`], but keeps the front.
@@ -52,16 +56,17 @@ impl Memory {
         self.pose_ab = pair.pose_ab;
         self.lower = found.map_or(limit, |f| f.distance);
         self.found = found;
+        self.near_points = found.map(|f| f.witness_points);
     }
 
     /// Collects a front if the last ones lasted; where bodies move too fast for that, it is tried again after a while.
-    fn collect_if_worth(&mut self, pair: &Pair, distance: f64, scratch: &mut Scratch) {
+    fn collect_if_worth(&mut self, pair: &Pair, found: &Separation, scratch: &mut Scratch) {
         if self.worth < 0 {
             self.worth += 1;
             return;
         }
         self.worth -= COLLECTING;
-        self.front.collect(pair.bodies, &pair.pose_ab, distance + FRONT, scratch);
+        self.front.collect(pair.bodies, &pair.pose_ab, found, found.distance + FRONT, scratch);
     }
 
     /// A number never larger than the bodies' distance (m) at another pose.
@@ -78,8 +83,7 @@ impl Memory {
 
     /// A number never smaller than the bodies' distance (m) at another pose.
     fn upper_at(&self, pose_ab: &MatrixPose) -> f64 {
-        self.found.map_or(f64::INFINITY, |found| {
-            let [on_a, on_b] = found.witness_points;
+        self.near_points.map_or(f64::INFINITY, |[on_a, on_b]| {
             let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
             let rounding = ROUNDING * (on_a.coords.abs().sum() + moved.coords.abs().sum());
             nalgebra::distance(&on_a, &moved) + rounding + CONTACT_DISTANCE
@@ -133,16 +137,25 @@ impl Pair<'_> {
             known.worth = (known.worth + 1).min(MOST_WORTH);
             return found;
         }
-        // a bound that is no more than was asked would have run out in the next state
-        let farther = limit + LOOK_AHEAD;
-        let tight = known.upper_at(&self.pose_ab);
-        let found = (tight < farther).then(|| self.separation(tight, scratch)).flatten();
-        let found = found.or_else(|| self.separation(farther, scratch));
-        known.renew(self, farther, found);
         known.front.clear();
+        let mut tight = known.upper_at(&self.pose_ab);
+        if tight > limit {
+            // a bound that is no more than was asked would run out in the next state
+            let farther = limit + LOOK_AHEAD;
+            let roughly = Effort { absolute_tolerance: LOOK_AHEAD / 2.0, ..Effort::default() };
+            let far = self.separation_bounds(farther, &roughly, scratch);
+            if far.lower > limit {
+                known.renew(self, far.lower, None);
+                known.near_points = far.upper.map(|upper| upper.witness_points);
+                return None;
+            }
+            tight = far.upper.map_or(farther, |upper| upper.distance).min(tight);
+        }
+        let found = self.separation(tight, scratch).or_else(|| self.separation(limit, scratch));
+        known.renew(self, limit, found);
         let found = found.filter(|found| found.distance <= limit)?;
         if found.distance > 0.0 {
-            known.collect_if_worth(self, found.distance, scratch);
+            known.collect_if_worth(self, &found, scratch);
         }
         Some(found)
     }

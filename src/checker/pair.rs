@@ -1,8 +1,8 @@
 //! One pair of bodies at their poses, ready to be asked about.
 
-use super::report::{Body, PairDistance};
+use super::report::{Body, PairDistance, UndecidedPair};
 use crate::math::MatrixPose;
-use crate::query::{self, CollisionBody, Scratch, Separation};
+use crate::query::{self, CollisionBody, DistanceBounds, Effort, Scratch, Separation};
 
 /// What never changes about a pair.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,25 @@ impl Pair<'_> {
         query::distance(a, b, self.pose_ab, limit, scratch)
     }
 
+    /// What is certain about the distance without padding, up to a limit, with some effort.
+    pub fn separation_bounds(&self, limit: f64, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
+        let (a, b) = self.bodies;
+        query::distance_bounds(a, b, self.pose_ab, limit, effort, scratch)
+    }
+
+    /// As [`Self::touches`], until a deadline.
+    pub fn contact_bounds(&self, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
+        let (a, b) = self.bodies;
+        query::margin_bounds(a, b, self.pose_ab, self.info.padding, effort.deadline, scratch)
+    }
+
+    /// The pair with what is certain about its padded distance.
+    pub fn undecided(&self, lower: f64, upper: Option<f64>) -> UndecidedPair {
+        let (a, b) = self.info.ids;
+        let padded = |raw: f64| (raw - self.info.padding).max(0.0);
+        UndecidedPair { a, b, lower: padded(lower), upper: upper.map_or(f64::INFINITY, padded) }
+    }
+
     /// A separation in the frame of a, with the padding taken off and the points in the root frame.
     pub fn padded(&self, raw: &Separation) -> PairDistance {
         let (a, b) = self.info.ids;
@@ -43,6 +62,7 @@ impl Pair<'_> {
             a,
             b,
             distance: (raw.distance - self.info.padding).max(0.0),
+            lower: (raw.distance - self.info.padding).max(0.0),
             witness_points: raw.witness_points.map(|p| &self.pose_ra * p),
         }
     }

@@ -1,12 +1,15 @@
 //! What a checker is asked about a state.
 
+use std::collections::BinaryHeap;
+
 use super::collision_checker::CollisionChecker;
+use super::likely::LikelyPairs;
 use super::pair::{Pair, PairInfo};
 use super::report::{Body, CollisionReport, PairDistance, Question};
-use super::workspace::Workspace;
+use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::MatrixPose;
-use crate::query::Work;
+use crate::query::{Effort, Work};
 use crate::robot::{Configuration, Frame};
 use crate::simd::{LANES, dispatch_lean};
 
@@ -16,54 +19,44 @@ impl CollisionChecker {
     pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
         if workspace.stream_of(self.identity).is_some() {
             self.candidates(q, CONTACT_DISTANCE, workspace);
-            let hit = (0..workspace.queue.len()).any(|k| self.touches(workspace.queue[k].1, workspace));
+            let (effort, mut report) = (Effort::default(), CollisionReport::default());
+            let mut asked = Asked { checker: self, q, effort: &effort, workspace, report: &mut report };
+            let hit = (0..asked.workspace.queue.len()).any(|k| asked.touches(asked.workspace.queue[k]));
             self.settle(workspace);
             return !hit;
         }
         self.place_and_screen(q, workspace);
-        let Workspace { frames, near, scratch, .. } = workspace;
-        !near_pairs(near).any(|i| self.pair(i, frames).touches(scratch))
+        let Workspace { frames, near, likely, scratch, .. } = workspace;
+        let touches = |i: usize| self.pair(i, frames).touches(scratch);
+        match first_of_near(near, likely, touches) {
+            Some(hit) => likely.hit(hit),
+            None => return true,
+        }
+        false
     }
 
     /// Answers `question` about the state `q`.
     #[must_use]
     pub fn check(&self, q: &Configuration, question: Question, workspace: &mut Workspace) -> CollisionReport {
+        self.check_with(q, question, &Effort::default(), workspace)
+    }
+
+    /// As [`Self::check`], with tolerances for distances, or until a deadline: what is then open is among the report's
+    /// undecided pairs, and the robot is not free. Only exact answers make use of a stream's memory.
+    #[must_use]
+    pub fn check_with(
+        &self,
+        q: &Configuration,
+        question: Question,
+        effort: &Effort,
+        workspace: &mut Workspace,
+    ) -> CollisionReport {
         let mut report = CollisionReport::default();
         workspace.scratch.work = Work::default();
-        match question {
-            Question::Free => {
-                self.candidates(q, CONTACT_DISTANCE, workspace);
-                self.first_hits(workspace, &mut report);
-            }
-            Question::Pairs => {
-                self.candidates(q, CONTACT_DISTANCE, workspace);
-                self.all_hits(workspace, &mut report);
-            }
-            Question::Distance { limit } => {
-                self.candidates(q, limit, workspace);
-                self.least_distance(limit, workspace, &mut report);
-                // pairs that touch are looked for where there are any
-                if report.nearest.is_some_and(|nearest| nearest.distance == 0.0) {
-                    self.candidates(q, CONTACT_DISTANCE, workspace);
-                    self.first_hits(workspace, &mut report);
-                    report.believe_contact();
-                }
-            }
-            Question::PairDistances { limit } => {
-                self.candidates(q, limit, workspace);
-                self.distances(limit, workspace, &mut report);
-            }
-            Question::Survey { influence_distance, limit } => {
-                self.candidates(q, influence_distance, workspace);
-                self.distances(influence_distance, workspace, &mut report);
-                if report.nearest.is_none() && limit > influence_distance {
-                    self.candidates(q, limit, workspace);
-                    self.least_distance(limit, workspace, &mut report);
-                    report.believe_contact();
-                }
-            }
-        }
+        let stream = if effort.is_exact() { None } else { workspace.stream.take() };
+        Asked { checker: self, q, effort, workspace, report: &mut report }.answer(question);
         self.settle(workspace);
+        workspace.stream = stream.or(workspace.stream.take());
         report.work = workspace.scratch.work;
         report
     }
@@ -79,8 +72,10 @@ impl CollisionChecker {
         self.place(q, workspace);
         self.bound(workspace);
         let Workspace { bounds, queue, .. } = workspace;
-        let lower = self.infos.iter().enumerate().map(|(i, info)| (lower_bound(bounds, i, info), i));
-        queue.extend(lower.filter(|(lower, _)| *lower <= limit));
+        let pairs = self.infos.iter().enumerate();
+        let bounded =
+            pairs.map(|(index, info)| QueuedPair { lower: lower_bound(bounds, index, info), index });
+        queue.extend(bounded.filter(|pair| pair.lower <= limit));
     }
 
     /// As [`Self::candidates`], from what the last states left, and from capsules where that does not suffice.
@@ -97,13 +92,13 @@ impl CollisionChecker {
         }
         let Workspace { bounds, queue, stream, .. } = workspace;
         let Some(stream) = stream else { return };
-        for (i, info) in self.infos.iter().enumerate() {
+        for (index, info) in self.infos.iter().enumerate() {
             if unclear {
-                stream.learn(i, lower_bound(bounds, i, info));
+                stream.learn(index, lower_bound(bounds, index, info));
             }
-            let lower = stream.lower(i);
+            let lower = stream.lower(index);
             if lower <= limit {
-                queue.push((lower, i));
+                queue.push(QueuedPair { lower, index });
             }
         }
     }
@@ -143,94 +138,6 @@ impl CollisionChecker {
         });
     }
 
-    /// The first colliding pair of links, and the first of a link and an obstacle.
-    fn first_hits(&self, workspace: &mut Workspace, report: &mut CollisionReport) {
-        for k in 0..workspace.queue.len() {
-            let (_, i) = workspace.queue[k];
-            let known = if i < self.pairs().self_pairs().len() {
-                report.self_collision
-            } else {
-                report.world_collision
-            };
-            if !known && self.touches(i, workspace) {
-                report.add_hit(self.infos[i].ids);
-            }
-        }
-    }
-
-    fn all_hits(&self, workspace: &mut Workspace, report: &mut CollisionReport) {
-        for k in 0..workspace.queue.len() {
-            let (_, i) = workspace.queue[k];
-            if self.touches(i, workspace) {
-                report.add_hit(self.infos[i].ids);
-            }
-        }
-    }
-
-    /// The least distance of all pairs; pairs that may be nearer are asked first, and each only up to the least so far.
-    fn least_distance(&self, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
-        workspace.queue.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        let mut nearest: Option<(f64, usize, PairDistance)> = None;
-        for k in 0..workspace.queue.len() {
-            let (lower, i) = workspace.queue[k];
-            let bound = nearest.map_or(limit.max(CONTACT_DISTANCE), |(distance, ..)| distance);
-            if lower > bound || bound == 0.0 {
-                break;
-            }
-            if let Some(found) = self.distance(i, bound, workspace)
-                && nearest.is_none_or(|(distance, index, _)| (found.distance, i) < (distance, index))
-            {
-                nearest = Some((found.distance, i, found));
-            }
-        }
-        report.nearest = nearest.map(|(.., found)| found);
-    }
-
-    /// Every pair's distance up to `limit`.
-    fn distances(&self, limit: f64, workspace: &mut Workspace, report: &mut CollisionReport) {
-        for k in 0..workspace.queue.len() {
-            let (_, i) = workspace.queue[k];
-            let Some(found) = self.distance(i, limit, workspace) else { continue };
-            if found.distance == 0.0 {
-                report.add_hit(self.infos[i].ids);
-            }
-            if report.nearest.is_none_or(|n| found.distance < n.distance) {
-                report.nearest = Some(found);
-            }
-            report.pair_distances.push(found);
-        }
-    }
-
-    /// Whether a padded pair touches.
-    fn touches(&self, index: usize, workspace: &mut Workspace) -> bool {
-        let Workspace { frames, scratch, stream, .. } = workspace;
-        let pair = self.pair(index, frames);
-        match stream.as_mut().filter(|s| s.is_of(self.identity)) {
-            Some(stream) => {
-                let touches = pair.touches_remembering(stream.memory(index), scratch);
-                stream.learn_from_memory(index, &pair);
-                touches
-            }
-            None => pair.touches(scratch),
-        }
-    }
-
-    /// A pair's padded distance, unless it is proven larger than `limit`.
-    fn distance(&self, index: usize, limit: f64, workspace: &mut Workspace) -> Option<PairDistance> {
-        let Workspace { frames, scratch, stream, .. } = workspace;
-        let pair = self.pair(index, frames);
-        let limit = limit + pair.info.padding;
-        let found = match stream.as_mut().filter(|s| s.is_of(self.identity)) {
-            Some(stream) => {
-                let found = pair.separation_remembering(limit, stream.memory(index), scratch);
-                stream.learn_from_memory(index, &pair);
-                found
-            }
-            None => pair.separation(limit, scratch),
-        };
-        found.map(|raw| pair.padded(&raw))
-    }
-
     /// Pair number `index` of the pair list.
     fn pair(&self, index: usize, frames: &[Frame<f64>]) -> Pair<'_> {
         self.pair_with(index, |body| frames[body])
@@ -246,10 +153,203 @@ impl CollisionChecker {
     }
 }
 
+/// A state that something is asked about, and what is known so far.
+struct Asked<'a> {
+    checker: &'a CollisionChecker,
+    q: &'a Configuration,
+    effort: &'a Effort,
+    workspace: &'a mut Workspace,
+    report: &'a mut CollisionReport,
+}
+
+impl Asked<'_> {
+    fn answer(&mut self, question: Question) {
+        match question {
+            Question::Free => self.first_hits(),
+            Question::Pairs => self.all_hits(),
+            Question::Distance { limit } => {
+                self.least_distance(limit);
+                // pairs that touch are looked for where there are any
+                if self.report.nearest.is_some_and(|nearest| nearest.lower <= CONTACT_DISTANCE) {
+                    self.first_hits();
+                    self.report.believe_contact();
+                }
+            }
+            Question::PairDistances { limit } => self.distances(limit),
+            Question::Survey { influence_distance, limit } => {
+                self.distances(influence_distance);
+                if self.report.nearest.is_none() && limit > influence_distance {
+                    self.report.undecided.clear();
+                    self.least_distance(limit);
+                    self.report.believe_contact();
+                }
+            }
+        }
+    }
+
+    fn queue(&mut self, limit: f64) {
+        self.checker.candidates(self.q, limit, self.workspace);
+    }
+
+    /// The first colliding pair of links, and the first of a link and an obstacle.
+    fn first_hits(&mut self) {
+        self.queue(CONTACT_DISTANCE);
+        for k in 0..self.workspace.queue.len() {
+            let pair = self.workspace.queue[k];
+            let known = if pair.index < self.checker.pairs().self_pairs().len() {
+                self.report.self_collision
+            } else {
+                self.report.world_collision
+            };
+            if !known && self.touches(pair) {
+                self.report.add_hit(self.checker.infos[pair.index].ids);
+            }
+        }
+    }
+
+    fn all_hits(&mut self) {
+        self.queue(CONTACT_DISTANCE);
+        for k in 0..self.workspace.queue.len() {
+            let pair = self.workspace.queue[k];
+            if self.touches(pair) {
+                self.report.add_hit(self.checker.infos[pair.index].ids);
+            }
+        }
+    }
+
+    /// The least distance of all pairs; pairs that may be nearer are asked first, and each only up to the least so far.
+    fn least_distance(&mut self, limit: f64) {
+        self.queue(limit);
+        let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.queue));
+        let mut nearest: Option<(usize, PairDistance)> = None;
+        while let Some(pair) = heap.pop() {
+            let bound = nearest.map_or(limit.max(CONTACT_DISTANCE), |(_, n)| self.effort.lower(n.distance));
+            if pair.lower > bound || bound <= 0.0 {
+                break;
+            }
+            if let Some(found) = self.distance(pair, bound)
+                && nearest.is_none_or(|(index, n)| (found.distance, pair.index) < (n.distance, index))
+            {
+                nearest = Some((pair.index, found));
+            }
+        }
+        self.workspace.queue = heap.into_vec();
+        self.report.nearest = nearest.map(|(_, found)| PairDistance {
+            // of others it is only known that they are not nearer than the tolerance allows
+            lower: found.lower.min(self.effort.lower(found.distance).max(0.0)),
+            ..found
+        });
+    }
+
+    /// Every pair's distance up to `limit`.
+    fn distances(&mut self, limit: f64) {
+        self.queue(limit);
+        for k in 0..self.workspace.queue.len() {
+            let pair = self.workspace.queue[k];
+            let Some(found) = self.distance(pair, limit) else { continue };
+            let may_touch = found.lower < found.distance && found.lower <= CONTACT_DISTANCE;
+            if found.distance == 0.0 || (may_touch && self.touches(pair)) {
+                self.report.add_hit(self.checker.infos[pair.index].ids);
+            }
+            if self.report.nearest.is_none_or(|n| found.distance < n.distance) {
+                self.report.nearest = Some(found);
+            }
+            self.report.pair_distances.push(found);
+        }
+    }
+
+    /// Whether a padded pair of the queue touches; if the deadline comes before that is known, the pair is undecided.
+    fn touches(&mut self, QueuedPair { lower, index }: QueuedPair) -> bool {
+        let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
+        let pair = self.checker.pair(index, frames);
+        if self.effort.deadline.is_some() {
+            let over = self.effort.is_over();
+            let found = (!over).then(|| pair.contact_bounds(self.effort, scratch));
+            let touches = found.is_some_and(|found| found.upper.is_some());
+            if over || found.is_some_and(|found| found.interrupted) {
+                let lower = found.map_or(lower + pair.info.padding, |found| found.lower);
+                self.report.undecided.push(pair.undecided(lower, None));
+            }
+            return touches;
+        }
+        match stream.as_mut().filter(|s| s.is_of(self.checker.identity)) {
+            Some(stream) => {
+                let touches = pair.touches_remembering(stream.memory(index), scratch);
+                stream.learn_from_memory(index, &pair);
+                touches
+            }
+            None => pair.touches(scratch),
+        }
+    }
+
+    /// The padded distance of a pair of the queue, unless it is proven larger than `limit`.
+    fn distance(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
+        if !self.effort.is_exact() {
+            return self.distance_with_effort(queued, limit);
+        }
+        let index = queued.index;
+        let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
+        let pair = self.checker.pair(index, frames);
+        let limit = limit + pair.info.padding;
+        let found = match stream.as_mut().filter(|s| s.is_of(self.checker.identity)) {
+            Some(stream) => {
+                let found = pair.separation_remembering(limit, stream.memory(index), scratch);
+                stream.learn_from_memory(index, &pair);
+                found
+            }
+            None => pair.separation(limit, scratch),
+        };
+        found.map(|raw| pair.padded(&raw))
+    }
+
+    fn distance_with_effort(
+        &mut self,
+        QueuedPair { lower, index }: QueuedPair,
+        limit: f64,
+    ) -> Option<PairDistance> {
+        let pair = self.checker.pair(index, &self.workspace.frames);
+        if self.effort.is_over() {
+            self.report.undecided.push(pair.undecided(lower + pair.info.padding, None));
+            return None;
+        }
+        let scratch = &mut self.workspace.scratch;
+        let found = pair.separation_bounds(limit + pair.info.padding, self.effort, scratch);
+        if found.interrupted {
+            self.report.undecided.push(pair.undecided(found.lower, found.upper.map(|upper| upper.distance)));
+        }
+        let upper = found.upper?;
+        Some(PairDistance { lower: (found.lower - pair.info.padding).max(0.0), ..pair.padded(&upper) })
+    }
+}
+
+/// The first of the pairs whose bits are set that touches; likely ones are asked first, and their bits cleared.
+fn first_of_near(
+    near: &mut [u8],
+    likely: &LikelyPairs,
+    mut touches: impl FnMut(usize) -> bool,
+) -> Option<usize> {
+    for rank in 0.. {
+        let Some(i) = likely.get(rank) else { break };
+        let bit = 1 << (i % LANES);
+        // a workspace may have learned from another checker
+        let Some(group) = near.get_mut(i / LANES).filter(|group| **group & bit != 0) else { continue };
+        *group &= !bit;
+        if touches(i) {
+            return Some(i);
+        }
+    }
+    near_pairs(near).find(|i| touches(*i))
+}
+
 /// The numbers of the pairs whose bits are set.
 fn near_pairs(near: &[u8]) -> impl Iterator<Item = usize> {
     near.iter().enumerate().flat_map(|(group, &bits)| {
-        (0..LANES).filter(move |lane| bits & (1 << lane) != 0).map(move |lane| group * LANES + lane)
+        let mut left = bits;
+        std::iter::from_fn(move || {
+            let lane = (left != 0).then_some(left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(group * LANES + lane)
+        })
     })
 }
 

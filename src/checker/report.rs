@@ -1,5 +1,6 @@
 //! What is asked of a state, and what is answered.
 
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::Point;
 use crate::query::Work;
 use crate::robot::LinkId;
@@ -36,7 +37,19 @@ pub struct PairDistance {
     pub a: Body,
     pub b: Body,
     pub distance: f64,
+    /// The distance is not less than this (m): as much, unless tolerances allowed less.
+    pub lower: f64,
     pub witness_points: [Point; 2],
+}
+
+/// Two bodies about which the deadline left something open: their distance (m, padding taken off) is between these numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UndecidedPair {
+    pub a: Body,
+    pub b: Body,
+    pub lower: f64,
+    /// Infinite where no near points were found.
+    pub upper: f64,
 }
 
 /// The answer about one state.
@@ -50,6 +63,8 @@ pub struct CollisionReport {
     pub nearest: Option<PairDistance>,
     /// For [`Question::PairDistances`]: every pair within the limit, in the order of the pair list.
     pub pair_distances: Vec<PairDistance>,
+    /// Pairs that the deadline left open; none without a deadline.
+    pub undecided: Vec<UndecidedPair>,
     /// Volume tests and primitive tests that the answer took.
     pub work: Work,
 }
@@ -58,6 +73,15 @@ impl CollisionReport {
     /// True only if every pair that had to be checked was found apart.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        !self.self_collision && !self.world_collision
+        let apart = self.undecided.iter().all(|pair| pair.lower > CONTACT_DISTANCE);
+        !self.self_collision && !self.world_collision && apart
+    }
+
+    /// A number (m) that no pair's distance is below, of those within the question's limit; infinite if there are none.
+    #[must_use]
+    pub fn least_distance_lower(&self) -> f64 {
+        let of_undecided = self.undecided.iter().map(|pair| pair.lower);
+        let of_decided = self.nearest.iter().chain(&self.pair_distances).map(|pair| pair.lower);
+        of_undecided.chain(of_decided).fold(f64::INFINITY, f64::min)
     }
 }

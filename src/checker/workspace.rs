@@ -1,6 +1,9 @@
 //! What changes from query to query, owned by the caller: one per thread.
 
+use std::cmp::Ordering;
+
 use super::capsules::Segment;
+use super::likely::LikelyPairs;
 use super::stream::Stream;
 use crate::query::Scratch;
 use crate::robot::Frame;
@@ -17,8 +20,9 @@ pub struct Workspace {
     pub(super) near: Vec<u8>,
     /// For each group of eight pairs, numbers (m) never larger than their distances.
     pub(super) bounds: Vec<[f32; LANES]>,
-    /// Pairs in the order in which distances are asked: lower bound (m), index in the pair list.
-    pub(super) queue: Vec<(f64, usize)>,
+    /// Pairs to ask about.
+    pub(super) queue: Vec<QueuedPair>,
+    pub(super) likely: LikelyPairs,
     pub(super) scratch: Scratch,
     /// For streams of states.
     pub(super) stream: Option<Stream>,
@@ -28,5 +32,29 @@ impl Workspace {
     /// What is remembered of the last states, if that is about this checker.
     pub(super) fn stream_of(&mut self, checker: u64) -> Option<&mut Stream> {
         self.stream.as_mut().filter(|stream| stream.is_of(checker))
+    }
+}
+
+/// A pair to ask about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct QueuedPair {
+    /// Its distance (m) is not less than this.
+    pub lower: f64,
+    /// In the pair list.
+    pub index: usize,
+}
+
+impl Eq for QueuedPair {}
+
+impl Ord for QueuedPair {
+    /// What may be nearer is greater: a heap gives the greatest first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.lower.total_cmp(&self.lower).then(other.index.cmp(&self.index))
+    }
+}
+
+impl PartialOrd for QueuedPair {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
 }

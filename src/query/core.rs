@@ -50,6 +50,21 @@ impl From<&Element> for RoundedCore {
     }
 }
 
+impl RoundedCore {
+    /// How far (m) any of it is from a point of its body, at most.
+    pub fn farthest_from(&self, point: &Point) -> f64 {
+        let to = |p: Point| nalgebra::distance(&(&self.pose * p), point);
+        let of_core = match self.core {
+            Core::Point => to(Point::origin()),
+            Core::Segment(half_length) => Core::segment(half_length).map(to).into_iter().fold(0.0, f64::max),
+            Core::Triangle(t) => t.corners().map(to).into_iter().fold(0.0, f64::max),
+            Core::Cuboid(half) => to(Point::origin()) + half.norm(),
+            Core::Cylinder { radius, half_length } => to(Point::origin()) + radius.hypot(half_length),
+        };
+        of_core + self.radius
+    }
+}
+
 impl Core {
     /// The ends of a segment core.
     pub fn segment(half_length: f64) -> [Point; 2] {

@@ -43,7 +43,7 @@ pub fn distance_bounds<B: BoundingVolume>(
 /// How exact a distance has to be, and for how long it may be looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
-    /// The answer may be too large by this share of itself.
+    /// The answer may be too large by this share of itself (of the bodies' distance, where a padding is taken off).
     pub relative_tolerance: f64,
     /// Or by this much (m).
     pub absolute_tolerance: f64,
@@ -52,8 +52,21 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// Whether nothing less than the exact answer is asked for, however long it takes.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether the deadline has passed.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
     /// What a distance may really be when it is told as `upper`; tolerances below zero count as zero.
-    pub(super) fn lower(&self, upper: f64) -> f64 {
+    #[must_use]
+    pub fn lower(&self, upper: f64) -> f64 {
         upper - self.absolute_tolerance.max(self.relative_tolerance * upper).max(0.0)
     }
 }

@@ -5,7 +5,7 @@ use super::element::Element;
 use super::gjk::{self, ACCURACY, CorePair, Nearest};
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::{PointPair, Triangle, nearest_on_segments, nearest_pair};
-use crate::math::{MatrixPose, Point, Pose};
+use crate::math::{MatrixPose, Point, Pose, Vector};
 
 /// How far two things are apart (m), and where they are nearest. Touching things have distance 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,11 +67,23 @@ pub(super) fn separation_within(
     Some(Separation { distance: apart - radii, witness_points: [p + out * a.radius, q - out * b.radius] })
 }
 
+/// The gap (m) between two elements along a unit direction (frame of a), less what rounding may have added.
+pub(super) fn gap_along(a: &RoundedCore, b: &RoundedCore, pose_ab: &MatrixPose, n: &Vector) -> f64 {
+    let pose_b = pose_ab.compose(&b.pose);
+    let on_a = &a.pose * a.core.support(&a.pose.rotation.tr_mul(n));
+    let on_b = &pose_b * b.core.support(&-pose_b.rotation.tr_mul(n));
+    let rounding = 1e-13 * (on_a.coords.abs().sum() + on_b.coords.abs().sum() + a.radius + b.radius);
+    n.dot(&(on_b - on_a)) - a.radius - b.radius - rounding
+}
+
 /// Nearest points of two cores in the frame of a, a common point twice when they overlap; `None` once they are proven farther
 /// apart than `limit` (m).
 pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &MatrixPose, limit: f64) -> Option<PointPair> {
+    let pair = CorePair { a, b, pose_ab };
+    if pair.has_slow_formula() && gjk::are_beyond(&pair, pair.nearly_nearest(&origin_of(pose_ab)), limit) {
+        return None;
+    }
     closed_form(a, b, pose_ab).or_else(|| {
-        let pair = CorePair { a, b, pose_ab };
         let found = match (a, b) {
             (Core::Cylinder { .. }, _) | (_, Core::Cylinder { .. }) => with_cylinders(&pair, limit)?,
             _ => gjk::nearest_points(&pair, pair.nearly_nearest(&origin_of(pose_ab)), limit)?,
@@ -103,11 +115,18 @@ fn closed_form(a: &Core, b: &Core, pose_ab: &MatrixPose) -> Option<PointPair> {
 fn with_cylinders(pair: &CorePair, limit: f64) -> Option<Nearest> {
     let ((axis_a, radius_a), (axis_b, radius_b)) = (pair.a.capsule(), pair.b.capsule());
     let radii = radius_a + radius_b;
-    let [p, q] = core_nearest_points(&axis_a, &axis_b, pair.pose_ab, limit + radii)?;
-    let proven = nalgebra::distance(&p, &q) - radii;
+    let axes = CorePair { a: &axis_a, b: &axis_b, pose_ab: pair.pose_ab };
+    let of_axes = match (&axis_a, &axis_b) {
+        (Core::Segment(_), Core::Segment(_)) => {
+            closed_form(&axis_a, &axis_b, pair.pose_ab).map(Nearest::exactly)
+        }
+        _ => gjk::nearest_points(&axes, axes.nearly_nearest(&origin_of(pair.pose_ab)), limit + radii),
+    }?;
+    let proven = of_axes.proven - radii;
     if proven > limit + ACCURACY {
         return None;
     }
+    let [_, q] = of_axes.points;
     let start = pair.nearly_nearest(&q);
     if nalgebra::distance(&start[0], &start[1]) - proven <= ACCURACY {
         return Some(Nearest { points: start, proven });

@@ -1,11 +1,21 @@
 //! The elements of two bodies that may be nearest in all poses near one: found once, looked at again while the bodies move
 //! little (Ehmann & Lin 2001 call such a set a front).
 //!
-//! Each listed pair has a lower bound of its distance at one pose, and what is not listed has one together. At another pose
-//! all of these have lost at most what body b has moved. The nearest pairs are kept apart, ready in lanes: mostly they are
-//! enough.
+//! # The bounds
+//!
+//! At the pose where they were listed, each pair has a unit direction n (frame of b) along which a gap of at least g is
+//! between its elements. Later every point x of a has moved, in the frame of b, by u(x) = u(c) + ΔR (x − c) for any point c
+//! of a, and ΔR, the difference of two rotations, stretches nothing by more than its Frobenius norm over √2 (both its
+//! singular values that are not zero are 2 sin θ/2). With r the farthest that the pair's element of a is from c,
+//!
+//! > d ≥ g − n·u(c) − |ΔR| r.
+//!
+//! The common motion of all pairs so cancels between them: their order changes only by what they turn. What is not listed is
+//! granted the motion of a whole body.
 
+mod bounds;
 mod collector;
+mod eight_pairs;
 
 use super::body::CollisionBody;
 use super::element::ElementNumber;
@@ -13,20 +23,18 @@ use super::element_pair::{Separation, separation_within};
 use super::incumbent::Incumbent;
 use super::scratch::Scratch;
 use super::search::Goal;
-use super::surface::Surface;
 use super::surface_surface::{Candidates, SurfaceSurface, triangle_slack};
-use super::triangle_lanes::LaneTriangles;
 use crate::bounding_volume::Obb;
 use crate::bvh::Visitor;
-use crate::math::MatrixPose;
-use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8};
+use crate::math::{MatrixPose, Point, Vector};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8, not_beyond};
+use bounds::Bounds;
 use collector::collect;
+use eight_pairs::EightPairs;
 
 /// The nearest pairs that are kept; more would cost as much as a search.
-const MOST: usize = 384;
-
-/// So many pairs of triangles are ready in lanes.
-const READY: usize = 3 * LANES;
+const MOST: usize = 768;
 
 /// Two elements, and a number (m) that their distance was not below.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,56 +44,53 @@ struct Listed {
     b: ElementNumber,
 }
 
-/// The corners of eight pairs of triangles, each in the frame of its own tree.
-#[derive(Clone, Debug)]
-#[repr(align(32))]
-struct EightPairs {
-    a: [[[f32; LANES]; 3]; 3],
-    b: [[[f32; LANES]; 3]; 3],
-}
-
 /// Pairs of elements of two bodies.
 #[derive(Clone, Debug, Default)]
 pub struct Front {
-    /// Where b was in the frame of a; `None` while nothing is known.
-    pose_ab: Option<MatrixPose>,
-    /// Elements that are not listed were farther apart than this (m).
+    /// Where b was in the frame of a when pairs were listed; `None` while nothing is known.
+    listed_at: Option<MatrixPose>,
+    /// Elements that are not listed were farther apart than this (m) there.
     beyond: f64,
-    /// Pairs with solids, the nearest first.
-    of_solids: Vec<Listed>,
-    /// Pairs of triangles: the nearest, in order, then the others.
-    of_triangles: Vec<Listed>,
-    /// The nearest pairs of triangles.
-    ready: Vec<EightPairs>,
-    /// No other pair of triangles was nearer than this (m).
-    rest: f32,
+    with_solids: Group,
+    of_triangles: Group,
+}
+
+/// Listed pairs of one kind.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    listed: Vec<Listed>,
+    bounds: Bounds,
 }
 
 impl Front {
     /// Forgets everything.
     pub fn clear(&mut self) {
-        self.pose_ab = None;
-        self.of_solids.clear();
-        self.of_triangles.clear();
+        self.listed_at = None;
+        self.with_solids.listed.clear();
+        self.of_triangles.listed.clear();
     }
 
     /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
-    /// many. Bodies with solid meshes have no front.
+    /// many. `nearest` is what a search found there. Bodies with solid meshes have no front.
     pub fn collect(
         &mut self,
-        (a, b): (&CollisionBody, &CollisionBody),
+        bodies: (&CollisionBody, &CollisionBody),
         pose_ab: &MatrixPose,
+        nearest: &Separation,
         beyond: f64,
         scratch: &mut Scratch,
     ) {
         self.clear();
-        if a.interior.is_some() || b.interior.is_some() {
+        if bodies.0.interior.is_some() || bodies.1.interior.is_some() {
             return;
         }
-        self.beyond = collect((a, b), pose_ab, beyond, scratch, &mut self.of_solids, &mut self.of_triangles);
-        self.of_solids.sort_unstable_by(Listed::by_distance);
-        self.pose_ab = Some(*pose_ab);
-        self.make_ready((a, b));
+        let lists = (&mut self.with_solids.listed, &mut self.of_triangles.listed);
+        let [near_a, near_b] = &nearest.witness_points;
+        let direction = (near_b - near_a).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        self.beyond = collect(bodies, pose_ab, direction, beyond, scratch, lists);
+        self.listed_at = Some(*pose_ab);
+        self.with_solids.renew(bodies, pose_ab, near_a, scratch.level());
+        self.of_triangles.renew(bodies, pose_ab, near_a, scratch.level());
     }
 
     /// The distance of the bodies at another pose, as a search would find it: `Some(None)` if it is proven larger than
@@ -93,85 +98,59 @@ impl Front {
     #[must_use]
     pub fn distance(
         &mut self,
-        (a, b): (&CollisionBody, &CollisionBody),
+        bodies: (&CollisionBody, &CollisionBody),
         pose_ab: &MatrixPose,
         limit: f64,
         scratch: &mut Scratch,
     ) -> Option<Option<Separation>> {
-        let moved = b.bounding_sphere().displacement(self.pose_ab.as_ref()?, pose_ab);
+        let moved = bodies.1.bounding_sphere().displacement(self.listed_at.as_ref()?, pose_ab);
         let certain = self.beyond - moved;
         if certain <= 0.0 {
             return None;
         }
+        let level = scratch.level();
         let goal = Goal { limit: limit.min(certain), ..Goal::EXACT };
-        let Scratch { work, candidates, level, .. } = scratch;
+        let Scratch { work, candidates, .. } = scratch;
         let incumbent = &mut Incumbent::new(goal, work);
-        let look = Look { bodies: (a, b), pose_ab, moved: round_up(moved) };
-        let nearest = |listed: &[Listed]| listed.first().map_or(f32::INFINITY, |l| l.lower);
-        let solids_first = nearest(&self.of_solids) < nearest(&self.of_triangles);
+        let look = Look { bodies, pose_ab, level };
+        let of_solids = self.with_solids.bounds.move_to(pose_ab, level);
+        let of_triangles = self.of_triangles.bounds.move_to(pose_ab, level);
+        // the nearest of all before others, which then mostly are beyond it
+        let solids_first = of_solids.lower < of_triangles.lower;
+        let mut unclear = [0; 2];
         if solids_first {
-            look.at_solids(&self.of_solids, incumbent);
+            unclear[0] = look.at_solids(&self.with_solids, of_solids.index, incumbent);
         }
-        self.look_at_triangles(&look, *level, incumbent, candidates);
+        unclear[1] = look.at_triangles(&self.of_triangles, of_triangles.index, incumbent, candidates);
         if !solids_first {
-            look.at_solids(&self.of_solids, incumbent);
+            unclear[0] = look.at_solids(&self.with_solids, of_solids.index, incumbent);
         }
-        match incumbent.best {
+        let found = incumbent.best;
+        if let Some(found) = found {
+            for (group, unclear) in [&mut self.with_solids, &mut self.of_triangles].into_iter().zip(unclear) {
+                if group.bounds.are_worn(unclear) {
+                    group.renew(bodies, pose_ab, &found.witness_points[0], level);
+                }
+            }
+        }
+        match found {
             Some(found) if found.distance > 0.0 => Some(Some(found)),
             None if limit <= certain => Some(None),
             _ => None,
         }
     }
+}
 
-    fn look_at_triangles(
+impl Group {
+    /// Bounds all pairs anew, from a point of a where it is about nearest.
+    fn renew(
         &mut self,
-        look: &Look,
+        bodies: (&CollisionBody, &CollisionBody),
+        pose_ab: &MatrixPose,
+        near_a: &Point,
         level: Level,
-        incumbent: &mut Incumbent,
-        candidates: &mut Candidates,
     ) {
-        let (Some(a), Some(b)) = (&look.bodies.0.surface, &look.bodies.1.surface) else { return };
-        let relative = &a.tree.relative(&b.tree, look.pose_ab);
-        candidates.clear();
-        let mut visitor =
-            SurfaceSurface::<_, false> { a, b, pose_ab: look.pose_ab, relative, incumbent, candidates };
-        let renewed = dispatch_lean!(level, simd => {
-            at_ready(simd, &self.ready, &self.of_triangles, look.moved, &mut visitor);
-            let others = less(self.rest, look.moved) <= visitor.threshold();
-            if others {
-                at_all(simd, &mut self.of_triangles, look.moved, &mut visitor);
-            }
-            others
-        });
-        visitor.measure_candidates();
-        if renewed {
-            self.renew(look);
-        }
-    }
-
-    /// Takes the bounds for those at the present pose.
-    fn renew(&mut self, look: &Look) {
-        self.pose_ab = Some(*look.pose_ab);
-        self.beyond -= f64::from(look.moved);
-        for listed in &mut self.of_solids {
-            listed.lower = less(listed.lower, look.moved);
-        }
-        self.make_ready(look.bodies);
-    }
-
-    /// Brings the nearest pairs of triangles to the front, and into lanes.
-    fn make_ready(&mut self, (a, b): (&CollisionBody, &CollisionBody)) {
-        self.ready.clear();
-        self.rest = f32::INFINITY;
-        let (Some(a), Some(b)) = (&a.surface, &b.surface) else { return };
-        if self.of_triangles.len() > READY {
-            let (_, next, _) = self.of_triangles.select_nth_unstable_by(READY, Listed::by_distance);
-            self.rest = next.lower;
-        }
-        let nearest = self.of_triangles.len().min(READY);
-        self.of_triangles[..nearest].sort_unstable_by(Listed::by_distance);
-        self.ready
-            .extend(self.of_triangles[..nearest].chunks(LANES).map(|eight| EightPairs::new(a, b, eight)));
+        self.bounds.renew(bodies, pose_ab, near_a, &self.listed, level);
     }
 }
 
@@ -179,125 +158,91 @@ impl Front {
 struct Look<'l> {
     bodies: (&'l CollisionBody, &'l CollisionBody),
     pose_ab: &'l MatrixPose,
-    /// How far (m) any of b has moved since the bounds were true.
-    moved: f32,
+    level: Level,
 }
 
 impl Look<'_> {
-    /// Measures pairs with solids, the nearest first, until none that follows can be the nearest.
-    fn at_solids(&self, listed: &[Listed], incumbent: &mut Incumbent) {
-        for Listed { lower, a, b } in listed {
-            if less(*lower, self.moved) > incumbent.threshold() {
-                return;
-            }
-            incumbent.work.primitive_tests += 1;
-            let (core_a, core_b) = (self.bodies.0.core(*a), self.bodies.1.core(*b));
-            if let Some(found) = separation_within(&core_a, &core_b, self.pose_ab, incumbent.bound()) {
-                incumbent.offer_numbered(found, (*a, *b));
+    /// Measures the pair with the least bound, and then all that still may be nearer; tells how many these were.
+    fn at_solids(&self, group: &Group, first: usize, incumbent: &mut Incumbent) -> usize {
+        let Some(first) = group.listed.get(first) else { return 0 };
+        self.measure(first, incumbent);
+        let mut unclear = 0;
+        for (pair, bound) in group.listed.iter().zip(group.bounds.now().iter().flatten()) {
+            // what is no number proves nothing
+            if *bound <= incumbent.threshold() || bound.is_nan() {
+                unclear += 1;
+                self.measure(pair, incumbent);
             }
         }
+        unclear
+    }
+
+    fn measure(&self, pair: &Listed, incumbent: &mut Incumbent) {
+        incumbent.work.primitive_tests += 1;
+        let (a, b) = (self.bodies.0.core(pair.a), self.bodies.1.core(pair.b));
+        if let Some(found) = separation_within(&a, &b, self.pose_ab, incumbent.bound()) {
+            incumbent.offer_numbered(found, (pair.a, pair.b));
+        }
+    }
+
+    /// As [`Self::at_solids`]; those that may be nearer are screened eight at a time before.
+    fn at_triangles(
+        &self,
+        group: &Group,
+        first: usize,
+        incumbent: &mut Incumbent,
+        candidates: &mut Candidates,
+    ) -> usize {
+        let (Some(a), Some(b)) = (&self.bodies.0.surface, &self.bodies.1.surface) else { return 0 };
+        let Some(first) = group.listed.get(first) else { return 0 };
+        let relative = &a.tree.relative(&b.tree, self.pose_ab);
+        candidates.clear();
+        let surfaces = &mut SurfaceSurface { a, b, pose_ab: self.pose_ab, relative, incumbent, candidates };
+        surfaces.measure(first.a.index(), first.b.index());
+        let unclear = dispatch_lean!(self.level, simd => screen_unclear(simd, group, surfaces));
+        surfaces.measure_candidates();
+        unclear
     }
 }
 
-/// Screens the nearest pairs of triangles eight at a time, until none that follows can be the nearest.
+/// Screens the pairs of triangles that may be nearer, eight at a time; tells how many these are.
 #[inline(always)]
-fn at_ready<S: Simd>(
+fn screen_unclear<S: Simd>(
     simd: S,
-    ready: &[EightPairs],
-    listed: &[Listed],
-    moved: f32,
-    visitor: &mut SurfaceSurface<'_, '_, Obb, false>,
-) {
-    for (pairs, eight) in ready.iter().zip(listed.chunks(LANES)) {
-        if less(eight[0].lower, moved) > visitor.threshold() {
-            return;
-        }
-        screen(simd, pairs, eight, visitor);
-    }
-}
-
-/// Screens all pairs of triangles that may be the nearest, and leaves with each a bound for the present pose. The ready ones
-/// are a second time among them: that they may be the nearest is known already.
-#[inline(always)]
-fn at_all<S: Simd>(
-    simd: S,
-    listed: &mut [Listed],
-    moved: f32,
-    visitor: &mut SurfaceSurface<'_, '_, Obb, false>,
-) {
-    let (mut eight, mut places) = ([Listed::NOTHING; LANES], [0; LANES]);
-    let mut count = 0;
-    for i in 0..listed.len() {
-        listed[i].lower = less(listed[i].lower, moved);
-        if listed[i].lower <= visitor.threshold() {
-            (eight[count], places[count]) = (listed[i], i);
-            count += 1;
-        }
-        if count == LANES || (count > 0 && i + 1 == listed.len()) {
-            let pairs = EightPairs::new(visitor.a, visitor.b, &eight[..count]);
-            let lower: [f32; LANES] = screen(simd, &pairs, &eight[..count], visitor).into();
-            for (place, lower) in places[..count].iter().zip(lower) {
-                listed[*place].lower = listed[*place].lower.max(lower);
+    group: &Group,
+    surfaces: &mut SurfaceSurface<'_, '_, Obb, false>,
+) -> usize {
+    let (mut eight, mut count, mut unclear) = ([group.listed[0]; LANES], 0, 0);
+    for (pairs, bounds) in group.listed.chunks(LANES).zip(group.bounds.now()) {
+        let all = u64::from(u8::MAX >> (LANES - pairs.len()));
+        let mut near = not_beyond(f32x8::simd_from(simd, *bounds), surfaces.threshold()) & all;
+        while near != 0 {
+            eight[count] = pairs[near.trailing_zeros() as usize];
+            (near, count, unclear) = (near & (near - 1), count + 1, unclear + 1);
+            if count == LANES {
+                screen(simd, &eight, surfaces);
+                count = 0;
             }
-            count = 0;
         }
     }
+    if count > 0 {
+        screen(simd, &eight[..count], surfaces);
+    }
+    unclear
 }
 
-/// Keeps those of eight pairs that may be the nearest; gives lower bounds of their distances.
 #[inline(always)]
-fn screen<S: Simd>(
-    simd: S,
-    pairs: &EightPairs,
-    listed: &[Listed],
-    visitor: &mut SurfaceSurface<'_, '_, Obb, false>,
-) -> f32x8<S> {
-    let one = LaneTriangles::placed(simd, &pairs.a, visitor.relative);
-    let other = LaneTriangles::load(simd, &pairs.b);
-    let slack = triangle_slack(visitor.relative);
-    let mask = u64::from(u8::MAX >> (LANES - listed.len()));
-    visitor.screen(simd, &one, &other, slack, mask, |lane| (listed[lane].a.index(), listed[lane].b.index()))
+fn screen<S: Simd>(simd: S, pairs: &[Listed], surfaces: &mut SurfaceSurface<'_, '_, Obb, false>) {
+    let corners = EightPairs::new(surfaces.a, surfaces.b, pairs);
+    let (one, other) = corners.load(simd, surfaces.relative);
+    let mask = u64::from(u8::MAX >> (LANES - pairs.len()));
+    let slack = triangle_slack(surfaces.relative);
+    let numbers = |lane: usize| (pairs[lane].a.index(), pairs[lane].b.index());
+    surfaces.screen(simd, &one, &other, slack, mask, numbers);
 }
 
 impl Listed {
-    const NOTHING: Self =
-        Self { lower: f32::INFINITY, a: ElementNumber::of_solid(0), b: ElementNumber::of_solid(0) };
-
     fn by_distance(x: &Self, y: &Self) -> std::cmp::Ordering {
         x.lower.total_cmp(&y.lower).then((x.a, x.b).cmp(&(y.a, y.b)))
     }
-}
-
-impl EightPairs {
-    /// Of fewer than eight the last is repeated.
-    fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[Listed]) -> Self {
-        let mut all = Self { a: [[[0.0; LANES]; 3]; 3], b: [[[0.0; LANES]; 3]; 3] };
-        for lane in 0..LANES {
-            let Listed { a: i, b: j, .. } = pairs[lane.min(pairs.len() - 1)];
-            set(&mut all.a, lane, a, i);
-            set(&mut all.b, lane, b, j);
-        }
-        all
-    }
-}
-
-/// As the leaves of the surface's tree have them.
-#[allow(clippy::cast_possible_truncation)] // rounding is meant
-fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface<Obb>, number: ElementNumber) {
-    let anchor = surface.tree.anchor();
-    for (corner, p) in corners.iter_mut().zip(surface.triangle(number.index()).corners()) {
-        for i in 0..3 {
-            corner[i][lane] = (p[i] - anchor[i]) as f32;
-        }
-    }
-}
-
-/// What is left of a bound, rounded down.
-fn less(lower: f32, moved: f32) -> f32 {
-    (lower - moved).next_down()
-}
-
-#[allow(clippy::cast_possible_truncation)] // rounded up right after
-fn round_up(x: f64) -> f32 {
-    (x as f32).next_up()
 }

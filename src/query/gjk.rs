@@ -70,6 +70,14 @@ impl CorePair<'_> {
         [p, self.nearest_on_b(&p)]
     }
 
+    /// Whether the formula for the nearest points costs more than a first look.
+    pub fn has_slow_formula(&self) -> bool {
+        matches!(
+            (self.a, self.b),
+            (Core::Triangle(_), Core::Segment(_)) | (Core::Segment(_), Core::Triangle(_))
+        )
+    }
+
     /// The vertex farthest along a direction: of a along it, of b against it.
     fn support(&self, n: &Vector) -> Vertex {
         let on_a = self.a.support(n).coords;
@@ -77,6 +85,20 @@ impl CorePair<'_> {
         let on_b = rotation * self.b.support(&-rotation.tr_mul(n)).coords + translation;
         Vertex { on_a, difference: on_a - on_b }
     }
+}
+
+impl Nearest {
+    /// Of points found by a formula.
+    pub fn exactly(points: PointPair) -> Self {
+        Self { points, proven: nalgebra::distance(&points[0], &points[1]) }
+    }
+}
+
+/// Whether the direction between two points of the cores proves them farther apart than `limit` (m).
+pub(super) fn are_beyond(pair: &CorePair, [p, q]: PointPair, limit: f64) -> bool {
+    let Some(outward) = (q - p).try_normalize(CONTACT_DISTANCE) else { return false };
+    let vertex = pair.support(&outward);
+    -outward.dot(&vertex.difference) - vertex.rounding() > limit
 }
 
 /// Nearest points, from any two points of the cores on; `None` once the distance is proven larger than `limit` (m).
@@ -96,8 +118,7 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
         let outward = simplex.outward(&(between / -apart));
         let vertex = pair.support(&outward);
         let gap = -outward.dot(&vertex.difference);
-        let rounding = ROUNDING * (vertex.on_a.abs().sum() + vertex.difference.abs().sum());
-        if gap - rounding > limit {
+        if gap - vertex.rounding() > limit {
             return None;
         }
         proven = proven.max(gap);
@@ -121,6 +142,13 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
         }
     }
     Some(Nearest { points, proven: proven.min(apart) })
+}
+
+impl Vertex {
+    /// How far (m) a gap may be off by rounding.
+    fn rounding(&self) -> f64 {
+        ROUNDING * (self.on_a.abs().sum() + self.difference.abs().sum())
+    }
 }
 
 impl Simplex {

@@ -5,6 +5,7 @@
 //! | do they touch? | [`collide`] | a common point, or proof that they are apart |
 //! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
+//! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | numbers that it is certainly between |
 //! | how deep are two solids in each other? | [`signed_distance`] | least translation that separates, negative |
 //!
 //! Bodies touch when their distance is at most [`CONTACT_DISTANCE`](crate::constants::CONTACT_DISTANCE). A mesh is a
@@ -46,5 +47,5 @@ pub use element_pair::{Separation, element_contact, element_separation};
 pub use front::Front;
 pub use penetration::signed_distance;
 pub use scratch::Scratch;
-pub use within_margin::within_margin;
+pub use within_margin::{margin_bounds, within_margin};
 pub use work::Work;

@@ -73,7 +73,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         }
     }
 
-    fn measure(&mut self, i: u32, j: u32) {
+    pub fn measure(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
         let (a, b) = self.triangles(i, j);
         let numbers = (ElementNumber::of_triangle(i), ElementNumber::of_triangle(j));

@@ -172,6 +172,16 @@ impl<S: Simd> LaneTriangles<S> {
         apart - (axis.one_norm() + span * (self.size + other.size)) * (2.0 * slack)
     }
 
+    /// Numbers (m) never smaller than the distances of any of it from a point.
+    #[inline(always)]
+    pub fn farthest_from(&self, simd: S, point: &[f32; 3], slack: f32) -> f32x8<S> {
+        let point = Vectors::splat(simd, point);
+        let to = |corner: Vectors<S>| corner.minus(point).norm();
+        let [p, q, r] = self.corners;
+        let farthest = to(p).max(to(q)).max(to(r));
+        farthest + farthest * (16.0 * f32::EPSILON) + 8.0 * slack
+    }
+
     /// Numbers (m) never larger than the distances: across boxes, and along a `direction` not longer than one in which
     /// something near was found.
     #[inline(always)]
@@ -213,7 +223,13 @@ impl<S: Simd> LaneTriangles<S> {
         let behind = p1.min(p2).min(zero) - q0.max(q1).max(q2);
         let lower = ahead.max(behind) * scale;
         let rounding = (self.size + other.size + length) * (16.0 * f32::EPSILON) + 4.0 * slack;
-        DistanceLanes { lower: lower.min(length) - rounding, upper: length + rounding, between: n }
+        let signed = ahead.simd_ge(behind).select(scale, zero - scale);
+        DistanceLanes {
+            lower: lower.min(length) - rounding,
+            upper: length + rounding,
+            between: n,
+            towards: n.scaled(signed),
+        }
     }
 
     /// Nearest points of every edge of each (Ericson, *Real-Time Collision Detection*, 5.1.9).
@@ -266,6 +282,8 @@ impl<S: Simd> LaneTriangles<S> {
 pub(super) struct DistanceLanes<S: Simd> {
     pub lower: f32x8<S>,
     pub upper: f32x8<S>,
+    /// The direction along which the lower bound holds, from one to the other, of length one up to rounding.
+    pub towards: Vectors<S>,
     /// From a point of one to a point of the other, or back, nearly the nearest ones.
     between: Vectors<S>,
 }

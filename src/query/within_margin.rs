@@ -1,11 +1,15 @@
 //! Do two bodies come within a margin of each other?
 
+use std::time::Instant;
+
 use super::body::CollisionBody;
 use super::collide;
+use super::distance::{DistanceBounds, Effort};
 use super::element_pair::Separation;
 use super::scratch::Scratch;
 use super::search::{Goal, search};
 use crate::bounding_volume::BoundingVolume;
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::MatrixPose;
 
 /// A separation of at most `margin` (m, not negative), not always the least; or `None` if the bodies were proven farther
@@ -23,4 +27,24 @@ pub fn within_margin<B: BoundingVolume>(
     }
     let goal = Goal { limit: margin, enough: margin, ..Goal::EXACT };
     search::<B, false>((a, b), &pose_ab.into(), goal, scratch).best
+}
+
+/// As [`within_margin`], for a limited time: something found within `margin` is `upper`; without it the bodies are farther
+/// apart, proven, unless `interrupted`.
+#[must_use]
+pub fn margin_bounds<B: BoundingVolume>(
+    a: &CollisionBody<B>,
+    b: &CollisionBody<B>,
+    pose_ab: impl Into<MatrixPose>,
+    margin: f64,
+    deadline: Option<Instant>,
+    scratch: &mut Scratch,
+) -> DistanceBounds {
+    let margin = margin.max(CONTACT_DISTANCE);
+    let effort = Effort { deadline, ..Effort::default() };
+    let found =
+        search::<B, false>((a, b), &pose_ab.into(), Goal { limit: margin, enough: margin, effort }, scratch);
+    let lower = if found.best.is_some() { 0.0 } else { margin.min(found.unseen) };
+    let interrupted = found.best.is_none() && found.unseen.is_finite();
+    DistanceBounds { lower, upper: found.best, interrupted }
 }

@@ -5,6 +5,7 @@ mod bodies;
 mod cases;
 mod checker;
 mod command_line;
+mod effort;
 mod hostile;
 mod hostile_requests;
 mod layers;

@@ -37,7 +37,7 @@ pub fn checkers() -> [CollisionChecker; 2] {
     ]
 }
 
-fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configuration {
+pub fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configuration {
     let robot = checker.robot();
     let positions: Vec<f64> = (robot.joint_ids())
         .filter(|j| robot.first_position(*j).is_some())

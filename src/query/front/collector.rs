@@ -1,9 +1,10 @@
 //! Listing the elements of two bodies that are near.
 
-use super::{Listed, MOST, round_up};
+use super::bounds::round_up;
+use super::{Listed, MOST};
 use crate::bounding_volume::{Obb, Relative};
 use crate::bvh::{TriangleLeaf, Visitor, descend};
-use crate::math::MatrixPose;
+use crate::math::{MatrixPose, Vector};
 use crate::query::body::CollisionBody;
 use crate::query::core::RoundedCore;
 use crate::query::element::ElementNumber;
@@ -17,18 +18,18 @@ use crate::query::work::Work;
 use crate::simd::{LANES, Simd, dispatch_lean, not_beyond};
 
 /// Lists all pairs of elements that may be within `beyond` (m), or the nearest of these; what is not listed is farther apart
-/// than is answered.
+/// than is answered. `direction` (frame of a) is the one in which the nearest are apart.
 pub(super) fn collect(
     (a, b): (&CollisionBody, &CollisionBody),
     pose_ab: &MatrixPose,
+    direction: Vector,
     beyond: f64,
     scratch: &mut Scratch,
-    of_solids: &mut Vec<Listed>,
-    of_triangles: &mut Vec<Listed>,
+    (with_solids, of_triangles): (&mut Vec<Listed>, &mut Vec<Listed>),
 ) -> f64 {
     let level = scratch.level();
     let Scratch { work, stack, .. } = scratch;
-    let mut near = Near { beyond: round_up(beyond), pose_ab, work, listed: of_solids };
+    let mut near = Near { beyond: round_up(beyond), pose_ab, work, listed: with_solids };
     if let (Some(a), Some(b)) = (&a.solids, &b.solids) {
         let relative = &a.relative(b, pose_ab);
         dispatch_lean!(level, simd => descend(simd, (a, b), relative, stack, &mut SolidsAndSolids(&mut near)));
@@ -47,11 +48,22 @@ pub(super) fn collect(
     near.listed = of_triangles;
     if let (Some(a), Some(b)) = (&a.surface, &b.surface) {
         let relative = &a.tree.relative(&b.tree, pose_ab);
-        let visitor = &mut Surfaces { near: &mut near, relative };
+        let visitor = &mut Surfaces {
+            near: &mut near,
+            relative,
+            direction: shortened(&pose_ab.rotation.tr_mul(&direction)),
+        };
         dispatch_lean!(level, simd => descend(simd, (&a.tree, &b.tree), relative, stack, visitor));
     }
     near.keep_nearest(MOST);
     f64::from(near.beyond).min(beyond)
+}
+
+/// A unit vector in f32, not longer than one.
+#[allow(clippy::cast_possible_truncation)] // rounding is meant
+fn shortened(n: &Vector) -> [f32; 3] {
+    let n = n * (1.0 - f64::from(8.0 * f32::EPSILON));
+    [n.x as f32, n.y as f32, n.z as f32]
 }
 
 /// The pairs listed so far, and how near others have to be.
@@ -74,7 +86,7 @@ impl Near<'_> {
 
     fn list(&mut self, lower: f32, a: ElementNumber, b: ElementNumber) {
         self.listed.push(Listed { lower, a, b });
-        if self.listed.len() > 4 * MOST {
+        if self.listed.len() > 2 * MOST {
             self.keep_nearest(MOST);
         }
     }
@@ -151,6 +163,8 @@ impl Visitor<SolidLeaf, TriangleLeaf> for SolidsAndSurface<'_, '_> {
 struct Surfaces<'c, 'n> {
     near: &'c mut Near<'n>,
     relative: &'c Relative,
+    /// In which the nearest are apart, in the frame of b's tree; not longer than one.
+    direction: [f32; 3],
 }
 
 impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
@@ -182,7 +196,12 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;
             self.near.work.screened_pairs += u64::from(b.count);
-            let lower = moved.one(simd, lane as usize).bounds(simd, &eight, slack).lower;
+            let one = moved.one(simd, lane as usize);
+            let coarse = one.coarse_bounds(simd, &eight, &self.direction, slack);
+            if not_beyond(coarse, self.near.beyond) & b.mask() == 0 {
+                continue;
+            }
+            let lower = one.bounds(simd, &eight, slack).lower;
             let mut near = not_beyond(lower, self.near.beyond) & b.mask();
             let lower: [f32; LANES] = lower.into();
             while near != 0 {

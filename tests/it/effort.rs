@@ -1,0 +1,116 @@
+//! Tolerances and deadlines: what is told is less, never wrong.
+
+use std::time::{Duration, Instant};
+
+use clearance::checker::{CollisionChecker, CollisionReport, Question, UndecidedPair};
+use clearance::query::Effort;
+use clearance::robot::Configuration;
+
+use crate::random::Random;
+use crate::streams::{checkers, random_state};
+
+const ALL: Question = Question::PairDistances { limit: f64::INFINITY };
+
+fn exact(checker: &CollisionChecker, q: &Configuration) -> CollisionReport {
+    checker.check(q, ALL, &mut checker.workspace())
+}
+
+fn distance_of(report: &CollisionReport, pair: &UndecidedPair) -> f64 {
+    let same = report.pair_distances.iter().find(|p| (p.a, p.b) == (pair.a, pair.b));
+    same.expect("all pairs are told").distance
+}
+
+#[test]
+fn tolerances_are_kept() {
+    let mut random = Random::new(70);
+    let (mut saved, mut full) = (0, 0);
+    for checker in checkers() {
+        let mut workspace = checker.workspace();
+        for _ in 0..60 {
+            let q = random_state(&checker, &mut random);
+            let truth = exact(&checker, &q);
+            let effort = Effort { relative_tolerance: 0.2, absolute_tolerance: 0.01, deadline: None };
+            let limit = f64::INFINITY;
+            let nearest = checker.check(&q, Question::Distance { limit }, &mut workspace);
+            full += nearest.work.screened_pairs;
+            let told = checker.check_with(&q, Question::Distance { limit }, &effort, &mut workspace);
+            saved += told.work.screened_pairs;
+            let (told_nearest, least) = (told.nearest.unwrap(), nearest.nearest.unwrap().distance);
+            assert!(told_nearest.lower <= least && least <= told_nearest.distance + 1e-12);
+            assert!(
+                told_nearest.distance - told_nearest.lower <= (0.2 * told_nearest.distance).max(0.01) + 1e-12
+            );
+            assert_eq!(told.is_free(), truth.is_free(), "tolerances are for distances, not for contact");
+            let every = checker.check_with(&q, ALL, &effort, &mut workspace);
+            assert_eq!(every.is_free(), truth.is_free());
+            for (told, truth) in every.pair_distances.iter().zip(&truth.pair_distances) {
+                assert_eq!((told.a, told.b), (truth.a, truth.b));
+                assert!(told.lower <= truth.distance && truth.distance <= told.distance + 1e-12);
+            }
+        }
+    }
+    assert!(saved < full, "{saved} triangles screened instead of {full}");
+}
+
+/// However early a deadline comes, what is told is true, what is not known is told as open, and no proof is claimed.
+#[test]
+fn deadlines_leave_only_truth() {
+    let mut random = Random::new(71);
+    let mut open = 0;
+    let questions = [
+        Question::Free,
+        Question::Pairs,
+        Question::Distance { limit: f64::INFINITY },
+        ALL,
+        Question::Survey { influence_distance: 0.1, limit: 1.0 },
+    ];
+    for checker in checkers() {
+        let mut workspace = checker.streaming_workspace();
+        for i in 0..60 {
+            let q = random_state(&checker, &mut random);
+            let truth = exact(&checker, &q);
+            for question in questions {
+                // past, and soon: how far one gets until then must not matter
+                let deadline = Instant::now() + Duration::from_micros(i % 6);
+                let effort = Effort { deadline: Some(deadline), ..Effort::default() };
+                let report = checker.check_with(&q, question, &effort, &mut workspace);
+                open += report.undecided.len();
+                assert!(!report.is_free() || truth.is_free(), "{question:?}");
+                for pair in &report.undecided {
+                    let distance = distance_of(&truth, pair);
+                    assert!(pair.lower <= distance && distance <= pair.upper + 1e-12, "{pair:?}: {distance}");
+                }
+                for pair in &report.colliding_pairs {
+                    assert!(truth.colliding_pairs.contains(pair), "{question:?}");
+                }
+                for pair in report.pair_distances.iter().chain(&report.nearest) {
+                    let open =
+                        UndecidedPair { a: pair.a, b: pair.b, lower: pair.lower, upper: pair.distance };
+                    let distance = distance_of(&truth, &open);
+                    assert!(pair.lower <= distance && distance <= pair.distance + 1e-12);
+                }
+            }
+        }
+    }
+    assert!(open > 0, "some deadlines came too early");
+}
+
+/// A deadline that does not come changes nothing.
+#[test]
+fn without_hurry_everything_is_decided() {
+    let mut random = Random::new(72);
+    let effort = Effort { deadline: Some(Instant::now() + Duration::from_secs(3600)), ..Effort::default() };
+    for checker in checkers() {
+        let mut workspace = checker.workspace();
+        for _ in 0..20 {
+            let q = random_state(&checker, &mut random);
+            for question in [Question::Free, Question::Pairs, Question::Distance { limit: 0.5 }, ALL] {
+                let report = checker.check_with(&q, question, &effort, &mut workspace);
+                let truth = checker.check(&q, question, &mut checker.workspace());
+                assert_eq!(report.undecided, []);
+                assert_eq!(report.is_free(), truth.is_free());
+                assert_eq!(report.nearest.map(|n| n.distance), truth.nearest.map(|n| n.distance));
+            }
+        }
+    }
+}
