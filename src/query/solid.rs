@@ -14,17 +14,39 @@ pub(super) struct Solid {
     pub pose: Pose,
 }
 
-/// A solid, and the box around it in f32.
+/// A solid, and the same in f32.
 #[derive(Clone, Debug)]
 pub(super) struct SolidLeaf {
     pub core: RoundedCore,
     /// In the order of the tree.
     pub number: u32,
-    /// The box's axes, in the frame of the tree.
+    /// Its axes, in the frame of the tree.
     pub axes: Axes,
-    /// The box's centre, from the anchor of the tree.
+    /// The centre, from the anchor of the tree.
     pub centre: [f32; 3],
+    pub hull: Hull,
+}
+
+/// A solid in f32, rounded outward: a box, swept by a disc square to its z axis, swept by a ball.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hull {
     pub half_extents: [f32; 3],
+    pub disc: f32,
+    pub ball: f32,
+}
+
+impl From<&Primitive> for Hull {
+    #[allow(clippy::cast_possible_truncation)] // rounded up right after
+    fn from(primitive: &Primitive) -> Self {
+        let (half_extents, disc, ball) = match *primitive {
+            Primitive::Box { half_extents } => (half_extents, 0.0, 0.0),
+            Primitive::Sphere { radius } => ([0.0; 3], 0.0, radius),
+            Primitive::Cylinder { radius, half_length } => ([0.0, 0.0, half_length], radius, 0.0),
+            Primitive::Capsule { radius, half_length } => ([0.0, 0.0, half_length], 0.0, radius),
+        };
+        let up = |x: f64| if x == 0.0 { 0.0 } else { (x as f32).next_up() };
+        Self { half_extents: half_extents.map(up), disc: up(disc), ball: up(ball) }
+    }
 }
 
 impl Content for SolidLeaf {
@@ -44,14 +66,13 @@ impl Content for SolidLeaf {
     #[allow(clippy::cast_possible_truncation)] // rounding is meant
     fn new(anchor: &Point, number: u32, items: &[&Solid]) -> Self {
         let solid = items[0];
-        let h = solid.primitive.half_extents();
         let centre = solid.pose.translation.vector - anchor.coords;
         Self {
             number,
             core: RoundedCore::from(&Element::Primitive { primitive: solid.primitive, pose: solid.pose }),
             axes: Axes::from_columns(solid.pose.rotation.to_rotation_matrix().matrix()),
             centre: std::array::from_fn(|i| centre[i] as f32),
-            half_extents: std::array::from_fn(|i| (h[i] as f32).next_up()),
+            hull: Hull::from(&solid.primitive),
         }
     }
 }
