@@ -50,6 +50,11 @@ impl BoundingVolume for Aabb {
     }
 
     #[inline(always)]
+    fn extents<S: Simd>(simd: S, pack: &ObbPack, direction: &[f32; 3]) -> [f32x8<S>; 2] {
+        Obb::extents(simd, pack, direction)
+    }
+
+    #[inline(always)]
     fn bounds<S: Simd, const SEPARATE: bool>(
         simd: S,
         facing: &FacingObbs<S>,

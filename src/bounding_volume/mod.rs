@@ -33,6 +33,7 @@ pub use sphere::Sphere;
 use std::fmt::Debug;
 
 use crate::math::{RotationMatrix, Vector};
+use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, f32x8};
 
 /// A solid that is cheap to test and holds what it was fitted to.
@@ -69,6 +70,11 @@ pub trait BoundingVolume: Copy + Debug + Send + Sync + 'static {
 
     /// For each volume seen a number never larger than its distance (m) from `other`; cheap rather than tight.
     fn coarse_bounds<S: Simd>(simd: S, seen: &Self::Seen, other: &Self, relative: &Relative) -> f32x8<S>;
+
+    /// For each volume of a pack, between which numbers (m) it lies along a direction of its frame.
+    fn extents<S: Simd>(simd: S, _pack: &Self::Pack, _direction: &[f32; 3]) -> [f32x8<S>; 2] {
+        [f32x8::splat(simd, f32::NEG_INFINITY), f32x8::splat(simd, f32::INFINITY)]
+    }
 
     /// For the volume seen in `lane` numbers never larger than its distances (m) from the eight that face it, but for
     /// rounding of [`Relative::slack`]; negative numbers where they overlap, the more the deeper.

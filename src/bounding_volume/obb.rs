@@ -133,6 +133,14 @@ impl BoundingVolume for Obb {
     }
 
     #[inline(always)]
+    fn extents<S: Simd>(simd: S, pack: &ObbPack, direction: &[f32; 3]) -> [f32x8<S>; 2] {
+        let [x, y, z] = direction;
+        let centre = Vectors::load(simd, &pack.centre).along(direction);
+        let half = Vectors::load(simd, &pack.half_extents).along(&[x.abs(), y.abs(), z.abs()]);
+        [centre - half, centre + half]
+    }
+
+    #[inline(always)]
     fn bounds<S: Simd, const SEPARATE: bool>(
         simd: S,
         facing: &FacingObbs<S>,

@@ -90,6 +90,13 @@ impl Relative {
         [x + self.t[0], y + self.t[1], z + self.t[2]]
     }
 
+    /// Where a's origin is along a direction of b's frame.
+    #[inline(always)]
+    #[must_use]
+    pub fn offset_along(&self, direction: &[f32; 3]) -> f32 {
+        dot(&self.t, direction)
+    }
+
     /// A direction of b's frame along a's axes.
     #[inline(always)]
     #[must_use]
@@ -100,6 +107,15 @@ impl Relative {
             x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
             x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
         ]
+    }
+}
+
+impl Axes {
+    /// A direction of the tree's frame along these axes.
+    #[inline(always)]
+    #[must_use]
+    pub fn turned(&self, v: &[f32; 3]) -> [f32; 3] {
+        turned(&self.0, v)
     }
 }
 

@@ -1,5 +1,6 @@
-//! Top-down construction: three median splits make the eight parts of a node.
+//! Top-down construction: three cuts make the eight parts of a node.
 
+use super::cut::{Extent, best_cut};
 use super::tree::{Content, Leaf, Node, NodeRef, Tree};
 use crate::bounding_volume::{Axes, BoundingVolume, principal_axes};
 use crate::math::{Point, RotationMatrix, Vector};
@@ -29,6 +30,7 @@ impl<B: BoundingVolume, L: Content> Tree<B, L> {
             nodes: Vec::new(),
             leaves: Vec::with_capacity(items.len() / L::CAPACITY + 1),
             points: Vec::new(),
+            extents: Vec::new(),
             anchor,
             corners,
         };
@@ -65,6 +67,7 @@ struct Builder<'i, B: BoundingVolume, L: Content> {
     leaves: Vec<Leaf<B, L>>,
     /// Scratch.
     points: Vec<Vector>,
+    extents: Vec<Extent>,
 }
 
 impl<B: BoundingVolume, L: Content> Builder<'_, B, L> {
@@ -142,19 +145,35 @@ impl<B: BoundingVolume, L: Content> Builder<'_, B, L> {
         ends
     }
 
-    /// Sorts the half with smaller centres along the direction of largest spread to the front; tells how many that are: a
-    /// multiple of what a leaf holds, so that leaves are full.
+    /// Sorts what lies before the best cut to the front; tells how many that are: a multiple of what a leaf holds, so that
+    /// leaves are full.
     fn split(&mut self, order: &mut [u32]) -> Option<usize> {
         if order.len() <= L::CAPACITY {
             return None;
         }
         self.points.clear();
         self.points.extend(order.iter().map(|&i| self.centres[i as usize]));
-        let axes: RotationMatrix = principal_axes(&self.points);
-        let axis: Vector = axes.column(0).into();
-        let half = (order.len() / 2).next_multiple_of(L::CAPACITY).min(order.len() - 1);
+        let axes = principal_axes(&self.points);
+        let mut extents = std::mem::take(&mut self.extents);
+        extents.clear();
+        extents.extend(order.iter().map(|&i| self.extent(i as usize, &axes)));
+        let (axis, count) = best_cut(&extents, L::CAPACITY);
+        self.extents = extents;
+        let axis: Vector = axes.column(axis).into();
         let key = |i: u32| self.centres[i as usize].dot(&axis);
-        order.select_nth_unstable_by(half, |&i, &j| key(i).total_cmp(&key(j)).then(i.cmp(&j)));
-        Some(half)
+        order.select_nth_unstable_by(count, |&i, &j| key(i).total_cmp(&key(j)).then(i.cmp(&j)));
+        Some(count)
+    }
+
+    /// An item along some axes.
+    fn extent(&self, item: usize, axes: &RotationMatrix) -> Extent {
+        let mut lo = Vector::repeat(f64::INFINITY);
+        let mut hi = Vector::repeat(f64::NEG_INFINITY);
+        for p in &self.corners[self.ends[item]..self.ends[item + 1]] {
+            let along = axes.tr_mul(p);
+            lo = lo.inf(&along);
+            hi = hi.sup(&along);
+        }
+        Extent { centre: axes.tr_mul(&self.centres[item]), lo, hi }
     }
 }

@@ -1,7 +1,8 @@
 //! The one traversal: two trees at once, both opened at every step, what may be nearest first.
 
 use super::tree::{NodeRef, Tree};
-use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::bounding_volume::{Axes, BoundingVolume, Relative};
+use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, f32x8, not_beyond};
 
 /// Two subtrees, and a number never larger than their distance (m); negative where their volumes overlap.
@@ -19,6 +20,12 @@ pub trait Visitor<LA, LB> {
 
     /// Subtrees farther apart than this (m) no longer matter. Negative infinity ends the search.
     fn threshold(&self) -> f32;
+
+    /// A direction (frame of b's tree, not longer than one) in which something near was found, along which volumes are
+    /// probably apart, too; zeros if there is none.
+    fn direction(&self) -> [f32; 3] {
+        [0.0; 3]
+    }
 
     fn volume_tests(&mut self, count: u32);
 
@@ -149,10 +156,12 @@ fn open_both<S, B, LA, LB, V>(
         return;
     }
     let facing = B::facing(simd, &node_b.pack, &relative);
+    let along =
+        Along::<S>::new::<B, LA, LB, V>(simd, (&node_a.pack, &node_b.pack), &node_b.axes, &relative, visitor);
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize;
         lanes &= lanes - 1;
-        let bounds = bounds::<S, B, LA, LB, V>(simd, &facing, &seen, lane, &relative);
+        let bounds = along.and(lane, bounds::<S, B, LA, LB, V>(simd, &facing, &seen, lane, &relative));
         let near = not_beyond(bounds, limit) & mask(node_b.child_count);
         each_lane(bounds, near, |j, bound| {
             let lower = bound - relative.slack;
@@ -185,6 +194,48 @@ fn open_one<S, B, LA, LB, LV, LW, V>(
     let bounds = bounds::<S, B, LV, LW, V>(simd, &facing, &seen, 0, &relative);
     let near = not_beyond(bounds, limit) & mask(node.child_count);
     each_lane(bounds, near, |j, bound| push(bound - relative.slack, node.children[j]));
+}
+
+/// Where volumes lie along the visitor's direction.
+#[derive(Clone, Copy)]
+struct Along<S: Simd> {
+    /// None while there is no direction.
+    of_a: Option<[[f32; LANES]; 2]>,
+    of_b: [f32x8<S>; 2],
+    simd: S,
+}
+
+impl<S: Simd> Along<S> {
+    #[inline(always)]
+    fn new<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+        simd: S,
+        (a, b): (&B::Pack, &B::Pack),
+        axes_b: &Axes,
+        relative: &Relative,
+        visitor: &V,
+    ) -> Self {
+        let zero = f32x8::splat(simd, 0.0);
+        let direction = if V::SEPARATE { [0.0; 3] } else { visitor.direction() };
+        if direction == [0.0; 3] {
+            return Self { of_a: None, of_b: [zero; 2], simd };
+        }
+        let in_b = axes_b.turned(&direction);
+        let offset = relative.offset_along(&in_b);
+        let [low, high] = B::extents(simd, a, &relative.along_a(&in_b));
+        Self {
+            of_a: Some([(low + offset).into(), (high + offset).into()]),
+            of_b: B::extents(simd, b, &in_b),
+            simd,
+        }
+    }
+
+    /// Bounds of a volume of a against eight of b, or their gaps along the direction where these are larger.
+    #[inline(always)]
+    fn and(&self, lane: usize, bounds: f32x8<S>) -> f32x8<S> {
+        let Some([low, high]) = &self.of_a else { return bounds };
+        let [low_b, high_b] = self.of_b;
+        bounds.max(low_b - high[lane & 7]).max(f32x8::splat(self.simd, low[lane & 7]) - high_b)
+    }
 }
 
 #[inline(always)]

@@ -4,6 +4,7 @@
 //! packed. One traversal ([`descend`]) serves all volumes and all questions.
 
 mod build;
+mod cut;
 mod descend;
 mod tree;
 mod triangle_leaf;

@@ -196,7 +196,7 @@ impl Look<'_> {
         let (Some(a), Some(b)) = (&self.bodies.0.surface, &self.bodies.1.surface) else { return 0 };
         let Some(first) = group.listed.get(first) else { return 0 };
         let relative = &a.tree.relative(&b.tree, self.pose_ab);
-        candidates.clear();
+        candidates.begin(None);
         let surfaces = &mut SurfaceSurface { a, b, pose_ab: self.pose_ab, relative, incumbent, candidates };
         surfaces.measure(first.a.index(), first.b.index());
         let unclear = dispatch_lean!(self.level, simd => screen_unclear(simd, group, surfaces));

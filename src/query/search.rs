@@ -58,7 +58,7 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     if let (Some(a), Some(b)) = (&a.surface, &b.surface) {
         let relative = &a.tree.relative(&b.tree, pose_ab);
         let incumbent = &mut incumbent;
-        candidates.clear();
+        candidates.begin(if SEPARATE { None } else { Some(relative) });
         let mut visitor = SurfaceSurface::<B, SEPARATE> { a, b, pose_ab, relative, incumbent, candidates };
         descent.run((&a.tree, &b.tree), relative, &mut visitor);
         visitor.measure_candidates();

@@ -42,9 +42,10 @@ impl Candidates {
     /// So many are kept before they are measured.
     const MOST: usize = 32;
 
-    pub fn clear(&mut self) {
+    /// Forgets all; where distances matter, things are probably nearest in the direction in which the trees lie.
+    pub fn begin(&mut self, trees: Option<&Relative>) {
         self.upper = f32::INFINITY;
-        self.direction = [0.0; 3];
+        self.direction = trees.map_or([0.0; 3], |trees| shortened(trees.t));
         self.pairs.clear();
     }
 
@@ -142,6 +143,10 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
         self.incumbent.threshold().min(self.candidates.upper)
     }
 
+    fn direction(&self) -> [f32; 3] {
+        self.candidates.direction
+    }
+
     fn volume_tests(&mut self, count: u32) {
         self.incumbent.work.volume_tests += u64::from(count);
     }
@@ -178,6 +183,13 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
             });
         }
     }
+}
+
+/// In the direction of v, but not longer than one.
+pub(super) fn shortened(v: [f32; 3]) -> [f32; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let scale = if length > 1e-15 { (1.0 - 8.0 * f32::EPSILON) / length } else { 0.0 };
+    v.map(|c| c * scale)
 }
 
 /// How far f32 coordinates of triangles may be off (m), and what counts as contact.

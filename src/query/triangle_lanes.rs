@@ -3,6 +3,7 @@
 //! Coordinates are off by at most `slack` (m); every test grants that error to both triangles, scaled by the edges that
 //! enter it and never by their product, which vanishes for slivers. What passes is decided in f64.
 
+use super::surface_surface::shortened;
 use crate::bounding_volume::Relative;
 use crate::bvh::TriangleLeaf;
 use crate::simd::prelude::*;
@@ -292,10 +293,7 @@ impl<S: Simd> DistanceLanes<S> {
     /// The direction between the points of a lane, not longer than one.
     pub fn direction(&self, lane: usize) -> [f32; 3] {
         let [x, y, z] = self.between.store();
-        let v = [x[lane & 7], y[lane & 7], z[lane & 7]];
-        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        let scale = if length > 1e-15 { (1.0 - 8.0 * f32::EPSILON) / length } else { 0.0 };
-        [v[0] * scale, v[1] * scale, v[2] * scale]
+        shortened([x[lane & 7], y[lane & 7], z[lane & 7]])
     }
 }
 

@@ -174,6 +174,10 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
         self.near.beyond
     }
 
+    fn direction(&self) -> [f32; 3] {
+        self.direction
+    }
+
     fn volume_tests(&mut self, count: u32) {
         self.near.work.volume_tests += u64::from(count);
     }
