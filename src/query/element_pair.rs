@@ -38,6 +38,7 @@ pub fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point
 
 /// Distance and nearest points of two elements.
 #[must_use]
+#[allow(clippy::missing_panics_doc)] // nothing is beyond infinity
 pub fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separation {
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return Separation::of(a.nearest_points(&b.transformed(pose_ab)));

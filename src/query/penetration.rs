@@ -14,6 +14,7 @@ use crate::math::{Point, Pose, Vector};
 /// Exact where one is a sphere or the cores of capsules are apart; elsewhere by EPA, within about 1e-6 of the size of
 /// the solids. Two capsules whose axes cross answer the sum of their radii.
 #[must_use]
+#[allow(clippy::missing_panics_doc)] // nothing is beyond infinity
 pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separation {
     let core_of = |primitive: &Primitive, pose: Pose| {
         RoundedCore::from(&Element::Primitive { primitive: *primitive, pose })

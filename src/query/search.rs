@@ -11,6 +11,7 @@ use super::surface_solid::SurfaceSolid;
 use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Entry, Tree, Visitor, descend};
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::{MatrixPose, Pose};
 use crate::simd::{Level, dispatch_lean};
 
@@ -49,6 +50,11 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     goal: Goal,
     scratch: &mut Scratch,
 ) -> Found {
+    // spheres cost a tenth of what it takes to begin
+    if a.bounding_sphere().lower_bound(b.bounding_sphere(), pose_ab) > goal.limit.max(CONTACT_DISTANCE) {
+        scratch.work.volume_tests += 1;
+        return Found { best: None, unseen: f64::INFINITY };
+    }
     let Scratch { work, stack, candidates, level } = scratch;
     let mut descent = Descent { level: *level, stack, unseen: f64::INFINITY };
     let mut incumbent = Incumbent::new(goal, work);
