@@ -20,7 +20,7 @@ const LOOK_AHEAD: f64 = 0.03;
 const FRONT: f64 = 0.015;
 
 /// States for which a front must be enough to have been worth collecting.
-const COLLECTING: i32 = 4;
+const COLLECTING: i32 = 8;
 
 /// No front is worth more than this many states.
 const MOST_WORTH: i32 = 16;

@@ -34,7 +34,7 @@ use collector::collect;
 use eight_pairs::EightPairs;
 
 /// The nearest pairs that are kept; more would cost as much as a search.
-const MOST: usize = 768;
+const MOST: usize = 512;
 
 /// Two elements, and a number (m) that their distance was not below.
 #[derive(Clone, Copy, Debug, PartialEq)]

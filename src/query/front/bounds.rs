@@ -12,7 +12,7 @@ use crate::simd::prelude::*;
 use crate::simd::{LANES, Level, Simd, Vectors, dispatch_lean, f32x8};
 
 /// When so many pairs may be nearest, new bounds are worth their price.
-const UNCLEAR: usize = 4 * LANES;
+const UNCLEAR: usize = 8 * LANES;
 
 /// Rounding granted, relative to what enters: 16 units in the last place.
 const F32_ROUNDING: f32 = 16.0 / 16_777_216.0;
