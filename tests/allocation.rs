@@ -67,9 +67,12 @@ fn warm_queries_of_bodies_allocate_nothing() {
     let robot = checker.robot();
     let of_links = (robot.links().iter())
         .filter_map(|l| CollisionBody::new(l.collisions.iter().map(|c| (&c.pose_ls, &c.shape))));
-    // not a cylinder: where one barely touches, parry's EPA is asked last, and allocates
-    let primitives =
-        [Primitive::cuboid([0.1, 0.2, 0.3]), Primitive::capsule(0.05, 0.2), Primitive::sphere(0.1)];
+    let primitives = [
+        Primitive::cuboid([0.1, 0.2, 0.3]),
+        Primitive::capsule(0.05, 0.2),
+        Primitive::cylinder(0.07, 0.2),
+        Primitive::sphere(0.1),
+    ];
     let turned = Pose::rotation(clearance::math::Vector::new(0.4, 0.5, 0.6));
     let of_primitives = primitives
         .map(|p| CollisionBody::new([(&turned, &Shape::Primitive(p.unwrap()))]).expect("a body has a shape"));

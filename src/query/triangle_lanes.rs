@@ -177,9 +177,8 @@ impl<S: Simd> LaneTriangles<S> {
     #[inline(always)]
     pub fn farthest_from(&self, simd: S, point: &[f32; 3], slack: f32) -> f32x8<S> {
         let point = Vectors::splat(simd, point);
-        let to = |corner: Vectors<S>| corner.minus(point).norm();
         let [p, q, r] = self.corners;
-        let farthest = to(p).max(to(q)).max(to(r));
+        let farthest = p.minus(point).norm().max(q.minus(point).norm()).max(r.minus(point).norm());
         farthest + farthest * (16.0 * f32::EPSILON) + 8.0 * slack
     }
 
