@@ -229,6 +229,7 @@ impl CapsulePairs {
     /// As [`Self::near`] for one state: a mask per group of eight pairs.
     #[inline(always)]
     pub fn near_one<S: Simd>(&self, simd: S, segments: &[Segment<f32>], margin: f64, masks: &mut [u8]) {
+        assert_eq!(self.groups.len(), masks.len(), "a mask for every group");
         let limit = self.slack(simd, f32x8::splat(simd, extent(segments))) + f32x8::splat(simd, up(margin));
         for (group, mask) in self.groups.iter().zip(masks) {
             let lanes = Lanes::of_eight_pairs(simd, segments, group);
@@ -243,6 +244,7 @@ impl CapsulePairs {
     /// As [`Self::lower_bounds`] for one state: eight bounds per group.
     #[inline(always)]
     pub fn lower_bounds_one<S: Simd>(&self, simd: S, segments: &[Segment<f32>], bounds: &mut [[f32; 8]]) {
+        assert_eq!(self.groups.len(), bounds.len(), "bounds for every group");
         let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
         for (group, bound) in self.groups.iter().zip(bounds) {
             let lanes = Lanes::of_eight_pairs(simd, segments, group);

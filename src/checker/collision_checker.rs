@@ -138,9 +138,10 @@ impl CollisionChecker {
         Workspace { stream: Some(Stream::new(self.identity, self.infos.len())), ..self.workspace() }
     }
 
-    fn workspace_with(&self, scratch: Scratch) -> Workspace {
+    pub(super) fn workspace_with(&self, scratch: Scratch) -> Workspace {
         let groups = self.capsules.group_count();
         Workspace {
+            checker: self.identity,
             frames: vec![Frame::IDENTITY; self.chain.body_count()],
             segments: vec![Segment { centre: [0.0; 3], half: [0.0; 3] }; self.capsules.capsule_count()],
             near: vec![0; groups],

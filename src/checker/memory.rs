@@ -4,8 +4,9 @@
 //! of the first, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
 //! distance from above, and of a pair that stays near, the elements that may be nearest are kept.
 //!
-//! None of this changes an answer: the result of a search depends neither on its limit, as long as that is not below it,
-//! nor on the order in which triangles are met.
+//! None of this changes an answer: a distance that is found depends neither on the limit of the search, as long as that is not
+//! below it, nor on the order in which elements are met. (Which common point of touching bodies is found does; reports have
+//! that of a search of its own.)
 
 use super::pair::Pair;
 use crate::constants::CONTACT_DISTANCE;
@@ -34,7 +35,7 @@ pub(super) struct Memory {
     pose_ab: MatrixPose,
     /// The bodies were not nearer than this (m) at that pose.
     lower: f64,
-    /// The answer at that pose, if it was within the limit that was asked.
+    /// The answer at that pose, if one was looked for.
     found: Option<Separation>,
     /// Points of the bodies that were near each other at that pose.
     near_points: Option<PointPair>,
@@ -76,12 +77,13 @@ impl Memory {
             - CONTACT_DISTANCE
     }
 
-    /// Whether the bodies were found within what was asked.
+    /// Whether the nearest points were found.
     pub fn was_near(&self) -> bool {
         self.found.is_some()
     }
 
-    /// A number never smaller than the bodies' distance (m) at another pose.
+    /// What the bodies' distance (m) at another pose is hardly larger than: nearest points told next to contact may lie a
+    /// little off their bodies, so a search within this may find nothing.
     fn upper_at(&self, pose_ab: &MatrixPose) -> f64 {
         self.near_points.map_or(f64::INFINITY, |[on_a, on_b]| {
             let moved = pose_ab * (&self.pose_ab.inverse() * on_b);

@@ -17,6 +17,7 @@ impl CollisionChecker {
     /// Whether every pair is proven apart; stops at the first that is not.
     #[must_use]
     pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
+        self.suit(workspace);
         if workspace.stream_of(self.identity).is_some() {
             self.candidates(q, CONTACT_DISTANCE, workspace);
             let (effort, mut report) = (Effort::default(), CollisionReport::default());
@@ -51,6 +52,7 @@ impl CollisionChecker {
         effort: &Effort,
         workspace: &mut Workspace,
     ) -> CollisionReport {
+        self.suit(workspace);
         let mut report = CollisionReport::default();
         workspace.scratch.work = Work::default();
         let stream = if effort.is_exact() { None } else { workspace.stream.take() };
@@ -59,6 +61,15 @@ impl CollisionChecker {
         workspace.stream = stream.or(workspace.stream.take());
         report.work = workspace.scratch.work;
         report
+    }
+
+    /// Makes a workspace of another checker one of this; what it remembers of a stream stays the other's.
+    fn suit(&self, workspace: &mut Workspace) {
+        if workspace.checker != self.identity {
+            let scratch = std::mem::take(&mut workspace.scratch);
+            let stream = workspace.stream.take();
+            *workspace = Workspace { stream, ..self.workspace_with(scratch) };
+        }
     }
 
     /// Queues the pairs that may be within `limit` (m), in their order, with numbers (m) never larger than their distances;
@@ -98,7 +109,7 @@ impl CollisionChecker {
             }
             let lower = stream.lower(index);
             if lower <= limit {
-                queue.push(QueuedPair { lower, index });
+                queue.push(QueuedPair { lower: lower.max(0.0), index });
             }
         }
     }
@@ -178,7 +189,7 @@ impl Asked<'_> {
             Question::PairDistances { limit } => self.distances(limit),
             Question::Survey { influence_distance, limit } => {
                 self.distances(influence_distance);
-                if self.report.nearest.is_none() && limit > influence_distance {
+                if self.report.nearest.is_none() && limit > influence_distance.max(0.0) {
                     self.report.undecided.clear();
                     self.least_distance(limit);
                     self.report.believe_contact();
@@ -222,27 +233,30 @@ impl Asked<'_> {
         self.queue(limit);
         let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.queue));
         let mut nearest: Option<(usize, PairDistance)> = None;
+        let mut least_lower = f64::INFINITY;
         while let Some(pair) = heap.pop() {
             let bound = nearest.map_or(limit.max(CONTACT_DISTANCE), |(_, n)| self.effort.lower(n.distance));
             if pair.lower > bound || bound <= 0.0 {
                 break;
             }
-            if let Some(found) = self.distance(pair, bound)
-                && nearest.is_none_or(|(index, n)| (found.distance, pair.index) < (n.distance, index))
-            {
+            let Some(found) = self.distance(pair, bound) else { continue };
+            least_lower = found.lower.min(least_lower);
+            if nearest.is_none_or(|(index, n)| (found.distance, pair.index) < (n.distance, index)) {
                 nearest = Some((pair.index, found));
             }
         }
         self.workspace.queue = heap.into_vec();
         self.report.nearest = nearest.map(|(_, found)| PairDistance {
             // of others it is only known that they are not nearer than the tolerance allows
-            lower: found.lower.min(self.effort.lower(found.distance).max(0.0)),
+            lower: least_lower.min(self.effort.lower(found.distance).max(0.0)),
             ..found
         });
     }
 
     /// Every pair's distance up to `limit`.
     fn distances(&mut self, limit: f64) {
+        // what touches is within any limit
+        let limit = limit.max(0.0);
         self.queue(limit);
         for k in 0..self.workspace.queue.len() {
             let pair = self.workspace.queue[k];
@@ -290,7 +304,8 @@ impl Asked<'_> {
         let index = queued.index;
         let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
         let pair = self.checker.pair(index, frames);
-        let limit = limit + pair.info.padding;
+        // rounded up, so that of equal ones none is left out
+        let limit = (limit + pair.info.padding).next_up();
         let found = match stream.as_mut().filter(|s| s.is_of(self.checker.identity)) {
             Some(stream) => {
                 let found = pair.separation_remembering(limit, stream.memory(index), scratch);
@@ -299,7 +314,12 @@ impl Asked<'_> {
             }
             None => pair.separation(limit, scratch),
         };
-        found.map(|raw| pair.padded(&raw))
+        let raw = found?;
+        if raw.distance == 0.0 {
+            // which common point is found depends on the limit, which must not tell what was asked before
+            return Some(pair.padded(&pair.separation(CONTACT_DISTANCE, scratch).unwrap_or(raw)));
+        }
+        Some(pair.padded(&raw))
     }
 
     fn distance_with_effort(
@@ -331,7 +351,7 @@ fn first_of_near(
     for rank in 0.. {
         let Some(i) = likely.get(rank) else { break };
         let bit = 1 << (i % LANES);
-        // a workspace may have learned from another checker
+        // the list may be that of another checker
         let Some(group) = near.get_mut(i / LANES).filter(|group| **group & bit != 0) else { continue };
         *group &= !bit;
         if touches(i) {

@@ -61,9 +61,9 @@ pub struct CollisionReport {
     pub colliding_pairs: Vec<(Body, Body)>,
     /// The least distance, if the question was for distances and something is within its limit.
     pub nearest: Option<PairDistance>,
-    /// For [`Question::PairDistances`]: every pair within the limit, in the order of the pair list.
+    /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair list.
     pub pair_distances: Vec<PairDistance>,
-    /// Pairs that the deadline left open; none without a deadline.
+    /// Pairs that the deadline left open, of which one may be told twice; none without a deadline.
     pub undecided: Vec<UndecidedPair>,
     /// Volume tests and primitive tests that the answer took.
     pub work: Work,

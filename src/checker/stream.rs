@@ -8,7 +8,7 @@ use super::memory::Memory;
 use super::pair::Pair;
 use crate::robot::TravelRates;
 
-/// Travel (m) after which the sum of many small steps may have rounded by as much as a thousandth of the contact distance.
+/// Travel (m) after which counting begins anew: sums are rounded outward, and large ones coarsely.
 const LONGEST_TRAVEL: f64 = 1e3;
 
 /// What is known about all pairs of one checker.
@@ -46,9 +46,12 @@ impl Stream {
 
     /// Goes on to the next state.
     pub fn advance(&mut self, rates: &TravelRates, positions: &[f64]) {
-        if self.positions.len() == positions.len() {
-            self.travelled += rates.between(&self.positions, positions);
-        }
+        self.travelled += if self.positions.len() == positions.len() {
+            rates.between(&self.positions, positions)
+        } else {
+            f64::INFINITY
+        };
+        self.travelled = self.travelled.next_up();
         self.positions.clear();
         self.positions.extend_from_slice(positions);
         if self.travelled > LONGEST_TRAVEL {
@@ -75,7 +78,7 @@ impl Stream {
 
     /// Notes that a pair's padded distance is now not less than `lower` (m).
     pub fn learn(&mut self, index: usize, lower: f64) {
-        self.horizons[index] = self.horizons[index].max(lower + self.travelled);
+        self.horizons[index] = self.horizons[index].max((lower + self.travelled).next_down());
     }
 
     /// Notes what a pair's memory tells at its present pose.

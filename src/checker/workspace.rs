@@ -9,9 +9,12 @@ use crate::query::Scratch;
 use crate::robot::Frame;
 use crate::simd::LANES;
 
-/// Scratch memory of one thread's queries. Its contents mean nothing to the next query but save it allocations.
+/// Scratch memory of one thread's queries. Its contents save the next query work, and change no answer; given to another
+/// checker than it was made by, it becomes that one's.
 #[derive(Clone, Debug)]
 pub struct Workspace {
+    /// The checker that it suits.
+    pub(super) checker: u64,
     /// Of the chain's bodies in the root frame.
     pub(super) frames: Vec<Frame<f64>>,
     /// Of the capsules around bodies.

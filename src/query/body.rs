@@ -29,7 +29,7 @@ impl CollisionBody {
         Self::with_volumes(shapes)
     }
 
-    /// As [`Self::new`], but what lies wholly inside a closed mesh touches it. Open meshes stay surfaces.
+    /// As [`Self::new`], but what lies wholly inside a closed mesh touches it, if it was made so, too. Open meshes stay surfaces.
     #[must_use]
     pub fn with_solid_meshes<'a>(
         shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape), IntoIter: Clone>,

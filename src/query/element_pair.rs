@@ -144,6 +144,13 @@ fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
     if apart - proven <= CONTACT_DISTANCE || apart == 0.0 {
         return [p, q];
     }
+    // a point inside has no distance, however far the faces are
+    if pair.a.depth(&q).is_some() {
+        return [q, q];
+    }
+    if pair.b.depth(&pair.in_b(&p)).is_some() {
+        return [p, p];
+    }
     let of_faces = |(a, b): (Faces, Faces)| {
         let pairs = a.iter().flat_map(|t| b.iter().map(|u| t.nearest_points(&triangle_at(u, pair.pose_ab))));
         nearest_pair(pairs)

@@ -58,9 +58,13 @@ struct Simplex {
 impl CorePair<'_> {
     /// The point of b nearest to a point, both in the frame of a.
     pub fn nearest_on_b(&self, p: &Point) -> Point {
+        self.pose_ab * self.b.nearest_point(&self.in_b(p))
+    }
+
+    /// A point in the frame of b.
+    pub fn in_b(&self, p: &Point) -> Point {
         let MatrixPose { rotation, translation } = self.pose_ab;
-        let local = Point::from(rotation.tr_mul(&(p.coords - translation)));
-        self.pose_ab * self.b.nearest_point(&local)
+        Point::from(rotation.tr_mul(&(p.coords - translation)))
     }
 
     /// Points of both that are about the nearest: one projected on the other, and back.

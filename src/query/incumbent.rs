@@ -39,10 +39,11 @@ impl<'w> Incumbent<'w> {
         }
     }
 
-    /// [`Self::bound`], rounded up.
+    /// [`Self::bound`], rounded up unless nothing matters any more.
     #[allow(clippy::cast_possible_truncation)] // rounded up right after
     pub fn threshold(&self) -> f32 {
-        (self.bound() as f32).next_up()
+        let bound = self.bound();
+        if bound == f64::NEG_INFINITY { f32::NEG_INFINITY } else { (bound as f32).next_up() }
     }
 
     pub fn is_settled(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use clearance::checker::{CollisionChecker, CollisionReport, Question, UndecidedPair};
+use clearance::checker::{CollisionChecker, CollisionReport, Question, Settings, UndecidedPair};
 use clearance::query::Effort;
 use clearance::robot::Configuration;
 
@@ -113,4 +113,29 @@ fn without_hurry_everything_is_decided() {
             }
         }
     }
+}
+
+/// Paddings that differ: a pair whose tolerance leaves contact open must not be forgotten for a nearer one that is sure.
+#[test]
+fn a_large_tolerance_hides_no_contact() {
+    let mut random = Random::new(73);
+    let effort = Effort { relative_tolerance: 0.6, ..Effort::default() };
+    let [padded, _] = checkers();
+    let settings = Settings { padding: 0.05, pad_self: false, ..Settings::default() };
+    let checker = CollisionChecker::new(padded.robot().clone(), padded.world(), settings).unwrap();
+    let mut workspace = checker.workspace();
+    let mut hits = 0;
+    for _ in 0..400 {
+        let q = random_state(&checker, &mut random);
+        let truth = exact(&checker, &q);
+        hits += u32::from(!truth.is_free());
+        for question in [Question::Distance { limit: f64::INFINITY }, Question::PairDistances { limit: -1.0 }]
+        {
+            let told = checker.check_with(&q, question, &effort, &mut workspace);
+            assert_eq!(told.is_free(), truth.is_free(), "{question:?}");
+        }
+        let told = checker.check(&q, Question::PairDistances { limit: f64::NAN }, &mut workspace);
+        assert_eq!(told.is_free(), truth.is_free(), "no limit is too small for contact");
+    }
+    assert!(hits > 20, "some states collide");
 }

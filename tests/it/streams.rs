@@ -177,3 +177,23 @@ fn streams_of_the_shared_walks() {
         assert!(4 * less.volume_tests < 3 * cost.volume_tests);
     }
 }
+
+/// A workspace serves whatever checker it is given to: one of fewer pairs, of more, of another robot.
+#[test]
+fn a_workspace_suits_every_checker() {
+    let mut random = Random::new(64);
+    let [arm, dual] = checkers();
+    let settings = Settings { check_world: false, ..arm.settings().clone() };
+    let alone = CollisionChecker::new(arm.robot().clone(), arm.world(), settings).unwrap();
+    let all = [&alone, &arm, &dual];
+    let mut workspaces = [alone.workspace(), alone.streaming_workspace(), dual.workspace()];
+    for i in 0..300 {
+        let checker = all[random.below(3) as usize];
+        let q = random_state(checker, &mut random);
+        let workspace = &mut workspaces[i % 3];
+        assert_eq!(checker.is_free(&q, workspace), checker.is_free(&q, &mut checker.workspace()));
+        let question = QUESTIONS[random.below(6) as usize];
+        let fresh = checker.check(&q, question, &mut checker.workspace());
+        assert_eq!(without_work(checker.check(&q, question, workspace)), without_work(fresh));
+    }
+}
