@@ -156,7 +156,13 @@ fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
         nearest_pair(pairs)
     };
     (pair.a.faces().zip(pair.b.faces()))
-        .map_or_else(|| [p, p + (q - p) * (proven.max(0.0) / apart)], of_faces)
+        .map_or_else(|| drawn_together([p, q], proven.max(0.0) / apart), of_faces)
+}
+
+/// Two points that are as far apart as a share of their distance; each goes half the way.
+fn drawn_together([p, q]: PointPair, share: f64) -> PointPair {
+    let aside = (q - p) * (0.5 - 0.5 * share);
+    [p + aside, q - aside]
 }
 
 fn origin_of(pose_ab: &MatrixPose) -> Point {
