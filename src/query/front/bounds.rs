@@ -105,7 +105,7 @@ impl Bounds {
     }
 }
 
-/// What b did, as seen by a point of a.
+/// How a moved, as seen from b.
 struct Motion {
     /// Of the centre, in the frame of b (m).
     shift: [f32; 3],
