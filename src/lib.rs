@@ -27,6 +27,8 @@ pub mod query;
 pub mod robot;
 pub mod world;
 
+pub mod motion;
+
 pub mod checker;
 
 pub mod monitor;

@@ -36,6 +36,11 @@ impl Configuration {
     pub fn positions(&self) -> &[f64] {
         &self.0
     }
+
+    /// Positions between others that were checked.
+    pub(crate) fn trusted(positions: Vec<f64>) -> Self {
+        Self(positions)
+    }
 }
 
 impl RobotModel {
@@ -105,7 +110,16 @@ impl RobotModel {
         &self,
         named: impl IntoIterator<Item = (&'a str, f64)>,
     ) -> Result<Configuration, ConfigurationError> {
-        let mut positions = self.default_configuration().0;
+        self.configuration_over(&self.default_configuration(), named)
+    }
+
+    /// As [`Self::configuration_from_names`], but joints that are not named stay as in `rest`.
+    pub fn configuration_over<'a>(
+        &self,
+        rest: &Configuration,
+        named: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Configuration, ConfigurationError> {
+        let mut positions = rest.0.clone();
         let index: HashMap<&str, usize> =
             (self.position_names.iter()).enumerate().map(|(i, n)| (n.as_str(), i)).collect();
         let mut seen = std::collections::HashSet::new();

@@ -1,0 +1,19 @@
+//! How robots and obstacles move, and what is proven about it; the third of the right tower.
+//!
+//! | what | type |
+//! |---|---|
+//! | one smooth stretch, t from 0 to 1 | [`MotionSegment`] |
+//! | a rigid obstacle on the move | [`MovingObstacle`] |
+//! | stretches one after the other, with times | [`Trajectory`] |
+//! | a proof that a motion is free, as a document | [`Certificate`] |
+
+mod certificate;
+mod moving_obstacle;
+mod segment;
+mod trajectory;
+
+pub(crate) use certificate::sha256;
+pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
+pub use moving_obstacle::MovingObstacle;
+pub use segment::{Deviation, MotionSegment, SegmentError, SegmentText};
+pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};

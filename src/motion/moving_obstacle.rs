@@ -1,0 +1,76 @@
+//! An obstacle that moves evenly: a constant twist.
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::{MatrixPose, Point, Pose, Rotation, Vector};
+
+/// How an obstacle moves while t goes from 0 to 1: its pose is displaced by a shift of `linear` and a turn about `centre`, which
+/// shifts with it. At t = 0 it stands where the world has it. All in the robot's root frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MovingObstacle {
+    /// Name of the obstacle.
+    pub name: String,
+    /// The point (m) that only shifts, at t = 0.
+    pub centre: [f64; 3],
+    /// Shift (m) from t = 0 to t = 1.
+    pub linear: [f64; 3],
+    /// Turn (rad) from t = 0 to t = 1: an axis times an angle.
+    pub angular: [f64; 3],
+    /// A displacement that already happened at t = 0, before the turn and the shift: position and quaternion (x, y, z, w).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<([f64; 3], [f64; 4])>,
+}
+
+impl MovingObstacle {
+    /// From one displacement to another, shifting and turning evenly, by the shortest way; `centre` is a point of the
+    /// obstacle where the world has it.
+    #[must_use]
+    pub fn between(name: &str, centre: Point, from: &Pose, to: &Pose) -> Self {
+        let (start, end) = (from * centre, to * centre);
+        let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
+        let q = from.rotation.coords;
+        Self {
+            name: name.to_owned(),
+            centre: start.coords.into(),
+            linear: (end - start).into(),
+            angular: turn.into(),
+            start: Some((from.translation.vector.into(), [q.x, q.y, q.z, q.w])),
+        }
+    }
+
+    /// By which the obstacle is displaced at t from where the world has it.
+    #[must_use]
+    pub fn displacement(&self, t: f64) -> Pose {
+        let centre = Vector::from(self.centre);
+        let turn = Rotation::from_scaled_axis(Vector::from(self.angular) * t);
+        let shift = centre + Vector::from(self.linear) * t - turn * centre;
+        let moved = Pose::from_parts(shift.into(), turn);
+        match self.start {
+            Some((xyz, [x, y, z, w])) => {
+                let rotation = Rotation::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+                moved * Pose::from_parts(xyz.into(), rotation)
+            }
+            None => moved,
+        }
+    }
+
+    /// [`Self::displacement`], as a matrix.
+    #[must_use]
+    pub fn matrix(&self, t: f64) -> MatrixPose {
+        MatrixPose::from(&self.displacement(t))
+    }
+
+    /// Whether all numbers are finite and the start is a pose.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let finite = |v: &[f64]| v.iter().all(|x| x.is_finite());
+        finite(&self.centre)
+            && finite(&self.linear)
+            && finite(&self.angular)
+            && self.start.is_none_or(|(xyz, q)| {
+                let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+                finite(&xyz) && (length - 1.0).abs() < 1e-3
+            })
+    }
+}

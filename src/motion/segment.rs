@@ -1,0 +1,259 @@
+//! One smooth stretch of a motion.
+
+use serde::{Deserialize, Serialize};
+
+use super::MovingObstacle;
+use crate::math::{Rotation, UnitVector, Vector};
+use crate::robot::{Configuration, JointKind, RobotModel};
+
+/// Numbers of a polynomial of degree five, the constant first.
+pub(crate) type Polynomial = [f64; 6];
+
+/// How all positions of a robot change while t goes from 0 to 1: each a polynomial of degree five at most, but floating joints turn
+/// at even speed, by the shortest way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSegment {
+    positions: Vec<Polynomial>,
+    turns: Vec<Turn>,
+    obstacles: Vec<MovingObstacle>,
+    /// How far (rad, m) each position may be off on the way; empty when it is followed exactly.
+    tube: Vec<f64>,
+    is_straight: bool,
+}
+
+/// The turn of a floating joint.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Turn {
+    /// Where its quaternion begins.
+    pub first: usize,
+    pub from: Rotation,
+    /// In the frame that the joint turns in.
+    pub axis: UnitVector,
+    pub angle: f64,
+}
+
+/// By how much a position may differ from that in the middle of an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// Its velocity in the middle, a unit of t.
+    pub velocity: f64,
+    /// All in all.
+    pub most: f64,
+    /// Beyond what the velocity in the middle makes of it.
+    pub bent: f64,
+}
+
+/// Why numbers are no motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SegmentError {
+    #[error("the motion has {given} positions, but the robot has {expected}")]
+    WrongLength { given: usize, expected: usize },
+    #[error("joint '{0}': its motion is not finite")]
+    NotFinite(String),
+    #[error("floating joint '{0}' can only go straight")]
+    FloatingPolynomial(String),
+    #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
+    Tube { joint: String, value: f64 },
+    #[error("floating joint '{0}' can have no tracking tolerance")]
+    FloatingTube(String),
+    #[error("obstacle '{0}' moves by numbers that are not finite or no rotation")]
+    Obstacle(String),
+}
+
+/// A segment as it stands in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentText {
+    /// Positions at t = 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<Vec<f64>>,
+    /// Positions at t = 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<Vec<f64>>,
+    /// Or a polynomial for each position, the constant first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polynomials: Option<Vec<[f64; 6]>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<MovingObstacle>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tube: Vec<f64>,
+}
+
+impl MotionSegment {
+    /// The straight line in joint space from one configuration of `robot` to another.
+    #[must_use]
+    pub fn straight(robot: &RobotModel, from: &Configuration, to: &Configuration) -> Self {
+        let ends = from.positions().iter().zip(to.positions());
+        let positions = ends.map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect();
+        let turns = floating(robot).map(|(_, first)| Turn::between(first, from.positions(), to.positions()));
+        let turns: Vec<Turn> = turns.collect();
+        Self { positions, turns, obstacles: Vec::new(), tube: Vec::new(), is_straight: true }
+    }
+
+    /// A polynomial for each of the robot's positions.
+    pub fn polynomial(robot: &RobotModel, positions: Vec<[f64; 6]>) -> Result<Self, SegmentError> {
+        let expected = robot.position_names().len();
+        if positions.len() != expected {
+            return Err(SegmentError::WrongLength { given: positions.len(), expected });
+        }
+        for (name, numbers) in robot.position_names().iter().zip(&positions) {
+            let most: f64 = numbers.iter().map(|c| c.abs()).sum();
+            if !(most <= crate::constants::LARGEST_COORDINATE) {
+                return Err(SegmentError::NotFinite(name.clone()));
+            }
+        }
+        if let Some((name, first)) = floating(robot).next() {
+            let stands = |p: &Polynomial| p[1..].iter().all(|c| *c == 0.0);
+            if !positions[first..first + 7].iter().all(stands) {
+                return Err(SegmentError::FloatingPolynomial(name.to_owned()));
+            }
+        }
+        let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
+        Ok(Self { positions, turns: Vec::new(), obstacles: Vec::new(), tube: Vec::new(), is_straight })
+    }
+
+    /// With obstacles that move on the same clock.
+    pub fn with_obstacles(mut self, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
+        if let Some(bad) = obstacles.iter().find(|o| !o.is_sound()) {
+            return Err(SegmentError::Obstacle(bad.name.clone()));
+        }
+        self.obstacles = obstacles;
+        Ok(self)
+    }
+
+    /// With a tolerance (rad, m) for each of the robot's positions: the robot may be anywhere within it.
+    pub fn with_tube(mut self, robot: &RobotModel, tube: Vec<f64>) -> Result<Self, SegmentError> {
+        let expected = robot.position_names().len();
+        if tube.len() != expected {
+            return Err(SegmentError::WrongLength { given: tube.len(), expected });
+        }
+        for (joint, &value) in robot.position_names().iter().zip(&tube) {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(SegmentError::Tube { joint: joint.clone(), value });
+            }
+        }
+        for (joint, first) in floating(robot) {
+            if tube[first..first + 7].iter().any(|t| *t != 0.0) {
+                return Err(SegmentError::FloatingTube(joint.to_owned()));
+            }
+        }
+        self.tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
+        Ok(self)
+    }
+
+    #[must_use]
+    pub fn position_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    #[must_use]
+    pub fn obstacles(&self) -> &[MovingObstacle] {
+        &self.obstacles
+    }
+
+    #[must_use]
+    pub fn tube(&self) -> &[f64] {
+        &self.tube
+    }
+
+    /// Whether every position goes from its first to its last at even speed.
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
+        self.is_straight
+    }
+
+    pub(crate) fn turns(&self) -> &[Turn] {
+        &self.turns
+    }
+
+    /// Writes the positions at t.
+    ///
+    /// # Panics
+    /// When `positions` is not as long as the robot has positions.
+    pub fn positions_at(&self, t: f64, positions: &mut [f64]) {
+        for (position, p) in positions.iter_mut().zip(&self.positions) {
+            *position = if self.is_straight { p[0] + t * p[1] } else { value(p, t) };
+        }
+        for turn in &self.turns {
+            let at = (Rotation::from_axis_angle(&turn.axis, turn.angle * t) * turn.from).coords;
+            positions[turn.first..turn.first + 4].copy_from_slice(at.as_slice());
+        }
+    }
+
+    /// The configuration at t.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Configuration {
+        let mut positions = vec![0.0; self.positions.len()];
+        self.positions_at(t, &mut positions);
+        Configuration::trusted(positions)
+    }
+
+    /// By how much a position differs from that at `middle` within `half_width` of it; not for quaternions.
+    #[must_use]
+    #[inline]
+    pub fn deviation(&self, position: usize, middle: f64, half_width: f64) -> Deviation {
+        let p = &self.positions[position];
+        let off = self.tube.get(position).copied().unwrap_or(0.0);
+        if self.is_straight {
+            return Deviation { velocity: p[1], most: half_width * p[1].abs() + off, bent: off };
+        }
+        // Taylor's numbers at the middle, by repeated synthetic division
+        let mut c = *p;
+        for i in 0..6 {
+            for j in (i..5).rev() {
+                c[j] += middle * c[j + 1];
+            }
+        }
+        let bent = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
+        Deviation { velocity: c[1], most: half_width * c[1].abs() + bent + off, bent: bent + off }
+    }
+
+    /// As it stands in a file.
+    #[must_use]
+    pub fn text(&self) -> SegmentText {
+        let straight = self.is_straight;
+        let mut ends = [vec![0.0; self.positions.len()], vec![0.0; self.positions.len()]];
+        let [from, to] = &mut ends;
+        self.positions_at(0.0, from);
+        self.positions_at(1.0, to);
+        let [from, to] = ends;
+        SegmentText {
+            from: straight.then_some(from),
+            to: straight.then_some(to),
+            polynomials: (!straight).then(|| self.positions.clone()),
+            obstacles: self.obstacles.clone(),
+            tube: self.tube.clone(),
+        }
+    }
+}
+
+fn value(p: &Polynomial, t: f64) -> f64 {
+    p.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+/// Names of floating joints and where their positions begin.
+fn floating(robot: &RobotModel) -> impl Iterator<Item = (&str, usize)> {
+    robot.joint_ids().filter_map(|id| {
+        let joint = robot.joint(id);
+        (joint.kind == JointKind::Floating).then_some(())?;
+        Some((joint.name.as_str(), robot.first_position(id)?))
+    })
+}
+
+impl Turn {
+    fn between(joint: usize, from: &[f64], to: &[f64]) -> Self {
+        let first = joint + 3;
+        let rotation = |q: &[f64]| {
+            Rotation::from_quaternion(nalgebra::Quaternion::new(
+                q[first + 3],
+                q[first],
+                q[first + 1],
+                q[first + 2],
+            ))
+        };
+        let (from, to) = (rotation(from), rotation(to));
+        let turn = to * from.inverse();
+        let axis = turn.axis().unwrap_or(Vector::z_axis());
+        Self { first, from, axis, angle: turn.angle() }
+    }
+}

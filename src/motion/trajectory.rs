@@ -1,0 +1,218 @@
+//! Stretches one after the other: what ROS calls a joint trajectory.
+
+use super::{MotionSegment, SegmentError};
+use crate::robot::{Configuration, ConfigurationError, RobotModel};
+
+/// Segments, and the seconds at which they begin and end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    segments: Vec<MotionSegment>,
+    /// One more than segments; empty where no times were given.
+    times: Vec<f64>,
+}
+
+/// One point of a trajectory, as `trajectory_msgs/JointTrajectoryPoint` has it: velocities and accelerations may be empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrajectoryPoint {
+    pub positions: Vec<f64>,
+    pub velocities: Vec<f64>,
+    pub accelerations: Vec<f64>,
+    /// Seconds.
+    pub time_from_start: f64,
+}
+
+/// Why points are no trajectory.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrajectoryError {
+    #[error("a trajectory needs at least two points, but it has {0}")]
+    TooShort(usize),
+    #[error("point {point}: {error}")]
+    Point { point: usize, error: ConfigurationError },
+    #[error("point {point}: {given} {what} for {expected} joints")]
+    Length { point: usize, what: &'static str, given: usize, expected: usize },
+    #[error("point {point}: its {what} of joint '{joint}' is not finite")]
+    NotFinite { point: usize, what: &'static str, joint: String },
+    #[error("joint '{0}' follows another or has no position of its own: it can have no velocity")]
+    NoPosition(String),
+    #[error("point {point}: time_from_start {time} s does not come after {previous} s")]
+    Time { point: usize, time: f64, previous: f64 },
+    #[error("point {0} has velocities but the trajectory has no times")]
+    NoTimes(usize),
+    #[error("segment {segment}: {error}")]
+    Segment { segment: usize, error: SegmentError },
+}
+
+impl Trajectory {
+    /// Segments without times.
+    #[must_use]
+    pub fn of_segments(segments: Vec<MotionSegment>) -> Self {
+        Self { segments, times: Vec::new() }
+    }
+
+    /// As `trajectory_msgs/JointTrajectory` means it: between two points positions go straight, or as cubic polynomials if both
+    /// have velocities, or as quintic ones if both have accelerations, too. Joints that are not named stay as in `rest`.
+    ///
+    /// Either all times are zero or each comes after the last.
+    pub fn from_points(
+        robot: &RobotModel,
+        joints: &[String],
+        points: &[TrajectoryPoint],
+        rest: &Configuration,
+    ) -> Result<Self, TrajectoryError> {
+        if points.len() < 2 {
+            return Err(TrajectoryError::TooShort(points.len()));
+        }
+        let indices = position_indices(robot, joints)?;
+        let timed = check_times(points)?;
+        let configurations = (points.iter().enumerate())
+            .map(|(point, p)| {
+                check_lengths(point, p, joints)?;
+                let named = joints.iter().map(String::as_str).zip(p.positions.iter().copied());
+                robot.configuration_over(rest, named).map_err(|error| TrajectoryError::Point { point, error })
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let segments = (0..points.len() - 1)
+            .map(|i| {
+                let ends = [&points[i], &points[i + 1]];
+                if ends.iter().any(|p| p.velocities.is_empty()) {
+                    return Ok(MotionSegment::straight(robot, &configurations[i], &configurations[i + 1]));
+                }
+                if !timed {
+                    return Err(TrajectoryError::NoTimes(i));
+                }
+                let bent = polynomials(&indices, ends, [&configurations[i], &configurations[i + 1]]);
+                MotionSegment::polynomial(robot, bent)
+                    .map_err(|error| TrajectoryError::Segment { segment: i, error })
+            })
+            .collect::<Result<_, _>>()?;
+        let times = if timed { points.iter().map(|p| p.time_from_start).collect() } else { Vec::new() };
+        Ok(Self { segments, times })
+    }
+
+    #[must_use]
+    pub fn segments(&self) -> &[MotionSegment] {
+        &self.segments
+    }
+
+    /// The same with each segment changed.
+    pub fn map<E>(self, change: impl FnMut(MotionSegment) -> Result<MotionSegment, E>) -> Result<Self, E> {
+        let segments = self.segments.into_iter().map(change).collect::<Result<_, _>>()?;
+        Ok(Self { segments, times: self.times })
+    }
+
+    /// Seconds from the start at a fraction of a segment; `None` where no times were given.
+    #[must_use]
+    pub fn time(&self, segment: usize, t: f64) -> Option<f64> {
+        let [from, to] = [*self.times.get(segment)?, *self.times.get(segment + 1)?];
+        Some(from + t * (to - from))
+    }
+}
+
+/// Where each named joint's position stands; `None` for those that follow others.
+fn position_indices(robot: &RobotModel, joints: &[String]) -> Result<Vec<Option<usize>>, TrajectoryError> {
+    let index = |name: &String| robot.position_names().iter().position(|n| n == name);
+    let follows = |name: &String| robot.joint_by_name(name).is_some_and(|j| robot.joint(j).mimic.is_some());
+    (joints.iter())
+        .map(|name| match index(name) {
+            None if !follows(name) => Err(TrajectoryError::NoPosition(name.clone())),
+            found => Ok(found),
+        })
+        .collect()
+}
+
+/// Whether there are times.
+fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
+    if points.iter().all(|p| p.time_from_start == 0.0) {
+        return Ok(false);
+    }
+    for (i, pair) in points.windows(2).enumerate() {
+        let [previous, time] = [pair[0].time_from_start, pair[1].time_from_start];
+        if !(time > previous && previous >= 0.0 && time.is_finite()) {
+            return Err(TrajectoryError::Time { point: i + 1, time, previous });
+        }
+    }
+    Ok(true)
+}
+
+fn check_lengths(point: usize, p: &TrajectoryPoint, joints: &[String]) -> Result<(), TrajectoryError> {
+    let given =
+        [("positions", &p.positions), ("velocities", &p.velocities), ("accelerations", &p.accelerations)];
+    for (what, numbers) in given {
+        let needed = what == "positions" || !numbers.is_empty();
+        if needed && numbers.len() != joints.len() {
+            let (given, expected) = (numbers.len(), joints.len());
+            return Err(TrajectoryError::Length { point, what, given, expected });
+        }
+        if let Some(i) = numbers.iter().position(|x| !x.is_finite()) {
+            return Err(TrajectoryError::NotFinite { point, what, joint: joints[i].clone() });
+        }
+    }
+    Ok(())
+}
+
+/// Cubic or quintic pieces between two points with velocities, in t from 0 to 1.
+fn polynomials(
+    indices: &[Option<usize>],
+    [p, q]: [&TrajectoryPoint; 2],
+    [from, to]: [&Configuration; 2],
+) -> Vec<[f64; 6]> {
+    let seconds = q.time_from_start - p.time_from_start;
+    let straight = from.positions().iter().zip(to.positions());
+    let mut pieces: Vec<[f64; 6]> = straight.map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect();
+    for (i, index) in indices.iter().enumerate() {
+        let Some(index) = *index else { continue };
+        let ends = [from.positions()[index], to.positions()[index]];
+        let velocities = [p.velocities[i] * seconds, q.velocities[i] * seconds];
+        pieces[index] = if p.accelerations.is_empty() || q.accelerations.is_empty() {
+            cubic(ends, velocities)
+        } else {
+            quintic(ends, velocities, [p.accelerations[i], q.accelerations[i]].map(|a| a * seconds * seconds))
+        };
+    }
+    pieces
+}
+
+/// The cubic polynomial with these ends and slopes at 0 and 1.
+fn cubic([a, b]: [f64; 2], [v, w]: [f64; 2]) -> [f64; 6] {
+    let d = b - a;
+    [a, v, 3.0 * d - 2.0 * v - w, v + w - 2.0 * d, 0.0, 0.0]
+}
+
+/// The quintic polynomial with these ends, slopes and second derivatives at 0 and 1.
+fn quintic([a, b]: [f64; 2], [v, w]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 6] {
+    let d = b - a;
+    [
+        a,
+        v,
+        0.5 * x,
+        10.0 * d - 6.0 * v - 4.0 * w - 1.5 * x + 0.5 * y,
+        -15.0 * d + 8.0 * v + 7.0 * w + 1.5 * x - y,
+        6.0 * d - 3.0 * (v + w) - 0.5 * (x - y),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values, slopes and second derivatives at both ends.
+    fn ends(p: &[f64; 6]) -> [[f64; 2]; 3] {
+        let at_one = [0, 1, 2].map(|order: i32| {
+            (p.iter().zip(0..))
+                .map(|(c, i)| c * (0..order).map(|k| f64::from(i - k)).product::<f64>())
+                .sum::<f64>()
+        });
+        [[p[0], at_one[0]], [p[1], at_one[1]], [2.0 * p[2], at_one[2]]]
+    }
+
+    #[test]
+    fn polynomials_meet_their_ends() {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        let [positions, velocities, _] = ends(&cubic([0.3, -1.1], [2.0, -0.7]));
+        assert!(near(positions[1], -1.1) && near(velocities[0], 2.0) && near(velocities[1], -0.7));
+        let [positions, velocities, accelerations] = ends(&quintic([0.3, -1.1], [2.0, -0.7], [5.0, -3.0]));
+        assert!(near(positions[0], 0.3) && near(positions[1], -1.1));
+        assert!(near(velocities[0], 2.0) && near(velocities[1], -0.7));
+        assert!(near(accelerations[0], 5.0) && near(accelerations[1], -3.0));
+    }
+}
