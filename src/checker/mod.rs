@@ -14,6 +14,8 @@ mod capsules;
 mod collision_checker;
 mod likely;
 mod memory;
+mod motion;
+
 mod mesh_lint;
 mod pair;
 mod pairs;
@@ -26,6 +28,7 @@ mod workspace;
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};
 pub use mesh_lint::open_meshes;
+pub use motion::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 pub use pairs::{PairList, SkipReason};
 pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};
 pub use settings::{MeshModel, Settings};

@@ -15,5 +15,5 @@ mod trajectory;
 pub(crate) use certificate::sha256;
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
 pub use moving_obstacle::MovingObstacle;
-pub use segment::{Deviation, MotionSegment, SegmentError, SegmentText};
+pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};
