@@ -12,6 +12,7 @@ mod bodies;
 mod capsule_fit;
 mod capsules;
 mod collision_checker;
+mod fingerprint;
 mod likely;
 mod memory;
 mod motion;
@@ -27,6 +28,7 @@ mod workspace;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};
+pub use fingerprint::{model_fingerprint, world_fingerprint};
 pub use mesh_lint::open_meshes;
 pub use motion::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 pub use pairs::{PairList, SkipReason};
