@@ -23,6 +23,7 @@ pub struct CollisionChecker {
     robot: Arc<RobotModel>,
     world: World,
     settings: Settings,
+    pub(super) matrix: Option<AllowedCollisionMatrix>,
     pairs: PairList,
     pub(super) chain: Chain,
     /// By link, then by obstacle; `None` without geometry.
@@ -84,6 +85,7 @@ impl CollisionChecker {
             robot,
             world,
             settings,
+            matrix: matrix.cloned(),
             pairs,
             chain,
             riders,

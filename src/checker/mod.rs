@@ -5,6 +5,9 @@
 //! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
 //! | what hits, how far is the rest? | [`CollisionChecker::check`] |
 //! | the same of many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
+//! | is the way from here to there free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | the same with a proof to show | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
+//! | until when can nothing touch? | [`CollisionChecker::look_ahead`] |
 
 mod allowed;
 mod batch;
@@ -30,7 +33,10 @@ pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};
 pub use fingerprint::{model_fingerprint, world_fingerprint};
 pub use mesh_lint::open_meshes;
-pub use motion::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
+pub use motion::{
+    LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
+    UndecidedReason,
+};
 pub use pairs::{PairList, SkipReason};
 pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};
 pub use settings::{MeshModel, Settings};

@@ -88,7 +88,7 @@ enum Query {
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
-enum Format {
+pub enum Format {
     Text,
     Json,
 }
@@ -129,7 +129,7 @@ struct DistanceAnswer {
 }
 
 #[derive(Serialize)]
-struct Stats {
+pub struct Stats {
     volume_tests: u64,
     screened_pairs: u64,
     primitive_tests: u64,
@@ -145,7 +145,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let robot = checker.robot();
     let states = match (&args.input.states, &args.input.state) {
         (Some(path), _) => states::from_file(path, robot)?,
-        (None, Some(text)) => vec![states::from_text(text, robot)?],
+        (None, Some(text)) => vec![states::from_text("--state", text, robot)?],
         (None, None) => return Err(Failure::Input("give --states or --state".to_owned())),
     };
     if checker.pairs().is_empty() {
@@ -242,10 +242,16 @@ impl Stats {
         for report in reports {
             total += report.work;
         }
+        Self::from(&total)
+    }
+}
+
+impl From<&Work> for Stats {
+    fn from(work: &Work) -> Self {
         Self {
-            volume_tests: total.volume_tests,
-            screened_pairs: total.screened_pairs,
-            primitive_tests: total.primitive_tests,
+            volume_tests: work.volume_tests,
+            screened_pairs: work.screened_pairs,
+            primitive_tests: work.primitive_tests,
         }
     }
 }
@@ -344,7 +350,7 @@ fn state_lines(index: usize, result: &StateAnswer) -> Vec<String> {
 }
 
 /// Writes to stdout; a reader that went away is no fault of ours.
-fn print_line(line: &str) -> Result<(), Failure> {
+pub fn print_line(line: &str) -> Result<(), Failure> {
     use std::io::Write;
     match writeln!(std::io::stdout().lock(), "{line}") {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(internal(e)),
@@ -352,6 +358,6 @@ fn print_line(line: &str) -> Result<(), Failure> {
     }
 }
 
-fn internal(error: impl std::fmt::Display) -> Failure {
+pub fn internal(error: impl std::fmt::Display) -> Failure {
     Failure::Internal(error.to_string())
 }

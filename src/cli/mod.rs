@@ -9,11 +9,13 @@ mod demo;
 mod demo_table;
 mod failure;
 mod model;
+mod motion;
 #[cfg(feature = "ros")]
 mod node;
 mod progress;
 mod states;
 mod timing;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -40,6 +42,10 @@ struct Arguments {
 enum Command {
     /// Check states of a robot for collisions, or tell its distances
     Check(check::CheckArgs),
+    /// Check ways between configurations: proven free, contact, or undecided and why
+    Motion(Box<motion::MotionArgs>),
+    /// Check a certificate that a motion is free, with code that shares nothing with what wrote it
+    Verify(verify::VerifyArgs),
     /// The ROS 2 node: joint states in, collisions and distances out
     #[cfg(feature = "ros")]
     Node(node::NodeArgs),
@@ -62,6 +68,14 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         Some(Command::Check(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             check::run(&args)
+        }
+        Some(Command::Motion(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            motion::run(&args)
+        }
+        Some(Command::Verify(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            verify::run(&args)
         }
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),

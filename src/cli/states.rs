@@ -14,6 +14,13 @@ struct StatesText {
     states: Vec<Vec<f64>>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EdgesText {
+    joints: Vec<String>,
+    edges: Vec<[Vec<f64>; 2]>,
+}
+
 /// States of `robot` from a file: `{"joints": [...], "states": [[...], ...]}`, or CSV with a header of joint names.
 ///
 /// Joints that are not given take their default, mimicking joints follow.
@@ -61,15 +68,60 @@ fn from_csv(text: &str) -> Result<StatesText, String> {
 }
 
 /// One state from text such as `"j1=0.1 j2=-1.2"`; blanks or commas between the joints.
-pub fn from_text(text: &str, robot: &RobotModel) -> Result<Configuration, Failure> {
-    let named = (text.split(|c: char| c == ',' || c.is_whitespace()))
+pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Configuration, Failure> {
+    let named = named(argument, text)?;
+    robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
+}
+
+/// A tolerance for each position: one number for all, or joints by name and zero for the rest. Following joints follow.
+pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
+    let names = robot.position_names();
+    if let Ok(all) = text.trim().parse::<f64>() {
+        return Ok(vec![all; names.len()]);
+    }
+    let mut tube = vec![0.0; names.len()];
+    for (joint, value) in named("--tube", text)? {
+        let index = names.iter().position(|name| name == joint);
+        let index = index.ok_or_else(|| {
+            Failure::Input(format!(
+                "--tube: '{joint}' is no position of the robot; it has {}",
+                names.join(", ")
+            ))
+        })?;
+        tube[index] = value;
+    }
+    Ok(tube)
+}
+
+/// Edges of `robot` from a file: `{"joints": [...], "edges": [[[...], [...]], ...]}`.
+pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configuration; 2]>, Failure> {
+    let file = path.display();
+    let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
+    let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+    let EdgesText { joints, edges } = serde_json::from_str(&text).map_err(|e| bad(&e))?;
+    if edges.is_empty() {
+        return Err(bad(&"there are no edges"));
+    }
+    let end = |i: usize, positions: &[f64]| {
+        let of_edge = |e: &dyn std::fmt::Display| bad(&format!("edge {i}: {e}"));
+        if positions.len() != joints.len() {
+            return Err(of_edge(&format!("{} positions for {} joints", positions.len(), joints.len())));
+        }
+        let named = joints.iter().map(String::as_str).zip(positions.iter().copied());
+        robot.configuration_from_names(named).map_err(|e| of_edge(&e))
+    };
+    (edges.iter().enumerate()).map(|(i, [from, to])| Ok([end(i, from)?, end(i, to)?])).collect()
+}
+
+/// Joints and numbers from text such as `"j1=0.1 j2=-1.2"`.
+fn named<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, Failure> {
+    (text.split(|c: char| c == ',' || c.is_whitespace()))
         .filter(|word| !word.is_empty())
         .map(|word| {
             let value = |v: &str| v.parse::<f64>().ok();
             (word.rsplit_once('='))
                 .and_then(|(joint, v)| Some((joint, value(v)?)))
-                .ok_or_else(|| Failure::Input(format!("--state: '{word}' is not JOINT=NUMBER")))
+                .ok_or_else(|| Failure::Input(format!("{argument}: '{word}' is not JOINT=NUMBER")))
         })
-        .collect::<Result<Vec<_>, _>>()?;
-    robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("--state: {e}")))
+        .collect()
 }

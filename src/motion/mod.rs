@@ -12,10 +12,11 @@ mod fingerprint;
 mod moving_obstacle;
 mod segment;
 mod trajectory;
+mod trajectory_text;
 
-pub(crate) use certificate::sha256;
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
 pub(crate) use fingerprint::Fingerprint;
 pub use moving_obstacle::MovingObstacle;
 pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};
+pub use trajectory_text::TrajectoryTextError;

@@ -18,6 +18,8 @@ pub struct MotionSegment {
     obstacles: Vec<MovingObstacle>,
     /// How far (rad, m) each position may be off on the way; empty when it is followed exactly.
     tube: Vec<f64>,
+    /// How fast each position may come to be off (rad, m, a unit of t²); empty where it does not.
+    spread: Vec<f64>,
     is_straight: bool,
 }
 
@@ -76,7 +78,14 @@ impl MotionSegment {
         let positions = ends.map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect();
         let turns = floating(robot).map(|(_, first)| Turn::between(first, from.positions(), to.positions()));
         let turns: Vec<Turn> = turns.collect();
-        Self { positions, turns, obstacles: Vec::new(), tube: Vec::new(), is_straight: true }
+        Self {
+            positions,
+            turns,
+            obstacles: Vec::new(),
+            tube: Vec::new(),
+            spread: Vec::new(),
+            is_straight: true,
+        }
     }
 
     /// A polynomial for each of the robot's positions.
@@ -98,7 +107,14 @@ impl MotionSegment {
             }
         }
         let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
-        Ok(Self { positions, turns: Vec::new(), obstacles: Vec::new(), tube: Vec::new(), is_straight })
+        Ok(Self {
+            positions,
+            turns: Vec::new(),
+            obstacles: Vec::new(),
+            tube: Vec::new(),
+            spread: Vec::new(),
+            is_straight,
+        })
     }
 
     /// With obstacles that move on the same clock.
@@ -128,6 +144,24 @@ impl MotionSegment {
         }
         self.tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
         Ok(self)
+    }
+
+    /// With accelerations (rad, m, a unit of t²) that each of the positions may have on top of what it does by itself.
+    #[must_use]
+    pub(crate) fn with_spread(self, spread: Vec<f64>) -> Self {
+        Self { spread, ..self }
+    }
+
+    /// The same without tolerances.
+    #[must_use]
+    pub fn nominal(&self) -> Self {
+        Self { tube: Vec::new(), spread: Vec::new(), ..self.clone() }
+    }
+
+    /// Whether the robot may be elsewhere than the motion says.
+    #[must_use]
+    pub fn is_loose(&self) -> bool {
+        !self.tube.is_empty() || !self.spread.is_empty()
     }
 
     #[must_use]
@@ -199,7 +233,9 @@ impl MotionSegment {
     #[inline]
     pub fn deviation(&self, position: usize, middle: f64, half_width: f64) -> Deviation {
         let p = &self.positions[position];
-        let off = self.tube.get(position).copied().unwrap_or(0.0);
+        let latest = middle + half_width;
+        let off = self.tube.get(position).copied().unwrap_or(0.0)
+            + self.spread.get(position).map_or(0.0, |a| 0.5 * a * latest * latest);
         if self.is_straight {
             return Deviation { velocity: p[1], most: half_width * p[1].abs(), bent: 0.0, off };
         }

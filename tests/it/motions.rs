@@ -15,7 +15,9 @@ use serde_json::Value;
 
 use crate::cases::{pose, shape};
 use crate::tally::{Tally, json, shared_folder};
-use crate::truth::{TruthRobot, env_world, robot, scene_checker, scene_configuration, scene_files, truth_robot};
+use crate::truth::{
+    TruthRobot, env_world, robot, scene_checker, scene_configuration, scene_files, truth_robot,
+};
 
 /// How far (a fraction of the edge) the truth's first contact may be from the real one.
 const CONTACT_TIME_ACCURACY: f64 = 1.5e-4;

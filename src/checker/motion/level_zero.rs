@@ -115,7 +115,9 @@ impl CollisionChecker {
     ) {
         let padding = up(self.largest_padding + CONTACT_DISTANCE + super::moment::SLACK);
         let half_width = up(half_width * (1.0 + 1e-6));
-        let margin = |i: usize| (speeds[i] * half_width + off[i]) * (1.0 + 1e-6) + padding;
+        // without any width it is about states
+        let loose = f32::from(u8::from(half_width > 0.0));
+        let margin = |i: usize| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6) + padding;
         let super::MotionScratch { positions, columns, near, .. } = workspace;
         columns.resize(positions.len(), [0.0; LANES]);
         for (lane, middle) in middles.iter().enumerate() {

@@ -14,11 +14,19 @@
 //! | volumes around a motion | `swept_volume` |
 //! | until when nothing can touch | `look_ahead` |
 
+mod certify;
+mod edges;
 mod level_zero;
+mod look_ahead;
 mod moment;
 mod prover;
 mod report;
+mod swept_volume;
+mod trajectory;
 
 pub(super) use level_zero::{Ways, ways_of};
+pub use look_ahead::LookAhead;
 pub(super) use prover::MotionScratch;
 pub use report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
+pub use swept_volume::SweptVolume;
+pub use trajectory::TrajectoryReport;

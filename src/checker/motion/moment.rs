@@ -1,6 +1,5 @@
 //! One pair in the middle of an interval: how far apart, and how much nearer it can come on the way to either end.
 
-use super::MotionScratch;
 use crate::checker::bodies::Rider;
 use crate::checker::capsules::LinkCapsule;
 use crate::checker::collision_checker::CollisionChecker;
@@ -36,6 +35,11 @@ impl Deviations for Around<'_> {
     }
 }
 
+/// How positions deviate in an interval.
+pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl Deviations + '_ {
+    Around { segment, middle: 0.5 * (from + to), half_width: 0.5 * (to - from) }
+}
+
 /// How much nearer a pair can come within an interval, and parts of it around its middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
@@ -69,6 +73,11 @@ impl Approach {
         ((share * self.way).min(first) + self.off) * (1.0 + SLACK) + SLACK
     }
 
+    /// What of that (m) shrinks with the interval.
+    pub fn motion(&self) -> f64 {
+        self.way.min(self.speed + self.bent)
+    }
+
     /// The share of the interval in which the pair comes nearer by less than `room` (m).
     pub fn share(&self, room: f64) -> f64 {
         let room = room * (1.0 - 2.0 * SLACK) - 2.0 * SLACK - self.off;
@@ -94,7 +103,37 @@ pub struct Moment<'c> {
     pub lower: f64,
 }
 
+/// A pair where it is at one moment, and all it reaches.
+pub struct PlacedPair<'c> {
+    pub pair: Pair<'c>,
+    reaches: [Reach; 2],
+}
+
 impl CollisionChecker {
+    /// Pair number `index` at t.
+    pub(super) fn placed_pair<'c>(
+        &'c self,
+        index: usize,
+        segment: &MotionSegment,
+        t: f64,
+        frames: &mut [Frame<f64>],
+        positions: &mut [f64],
+        scratch: &Scratch,
+    ) -> PlacedPair<'c> {
+        let (info, between) = (&self.infos[index], &self.between[index]);
+        let rider = |i: usize| self.riders[i].as_ref().expect("pairs name only bodies with geometry");
+        let (a, b) = (rider(info.bodies.0), rider(info.bodies.1));
+        segment.positions_at(t, positions);
+        dispatch_lean!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
+        let pose_ra = MatrixPose::from(&frames[a.body]);
+        let mover = self.mover(segment, info.bodies.1);
+        let pose_rb = mover.map_or_else(|| MatrixPose::from(&frames[b.body]), |mover| mover.matrix(t));
+        PlacedPair {
+            reaches: [a.reach_at(&pose_ra), b.reach_at(&pose_rb)],
+            pair: Pair { info, bodies: (&a.solid, &b.solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) },
+        }
+    }
+
     /// Pair number `index` at `middle`, and what it can do within `half_width` of it.
     pub(super) fn moment<'c>(
         &'c self,
@@ -102,31 +141,20 @@ impl CollisionChecker {
         segment: &MotionSegment,
         (middle, half_width): (f64, f64),
         frames: &mut [Frame<f64>],
-        motion: &mut MotionScratch,
+        positions: &mut [f64],
         scratch: &Scratch,
     ) -> Moment<'c> {
-        let (info, between) = (&self.infos[index], &self.between[index]);
-        let rider = |i: usize| self.riders[i].as_ref().expect("pairs name only bodies with geometry");
-        let (a, b) = (rider(info.bodies.0), rider(info.bodies.1));
-        segment.positions_at(middle, &mut motion.positions);
-        let positions = &motion.positions;
-        dispatch_lean!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
+        let PlacedPair { pair, reaches } =
+            self.placed_pair(index, segment, middle, frames, positions, scratch);
         let around = Around { segment, middle, half_width };
-        let mover = self.mover(segment, info.bodies.1);
-        let (pose_ra, mut pose_rb) = (MatrixPose::from(&frames[a.body]), MatrixPose::from(&frames[b.body]));
-        if let Some(mover) = mover {
-            pose_rb = mover.matrix(middle);
-        }
-        let reaches = [a.reach_at(&pose_ra), b.reach_at(&pose_rb)];
+        let between = &self.between[index];
         let side = |i: usize| self.chain.side_motion(between.side(i), &reaches[i], frames, &around);
-        let second = mover.map_or_else(|| side(1), |mover| of_obstacle(mover, &reaches[1], &around));
+        let second = match self.mover(segment, pair.info.bodies.1) {
+            Some(mover) => of_obstacle(mover, &reaches[1], &around),
+            None => side(1),
+        };
         let approach = Approach::new(&[side(0), second], &reaches, half_width);
-        let lower = capsule_bound(&reaches);
-        Moment {
-            pair: Pair { info, bodies: (&a.solid, &b.solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) },
-            approach,
-            lower,
-        }
+        Moment { pair, approach, lower: capsule_bound(&reaches) }
     }
 
     /// How a body moves, if it is an obstacle that does.
@@ -159,7 +187,7 @@ fn of_obstacle(mover: &MovingObstacle, reach: &Reach, around: &Around) -> SideMo
 
 impl Rider {
     /// Its capsule, seen from outside.
-    fn reach_at(&self, pose: &MatrixPose) -> Reach {
+    pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
         let LinkCapsule { a, b, radius } = self.capsule;
         let seen = |p: Point| (pose * p).coords;
         Reach { ends: [seen(a), seen(b)], radius: radius * (1.0 + SLACK) + SLACK }

@@ -5,7 +5,7 @@
 //! (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005 bisect). The distance is only asked of the hierarchies where capsules
 //! do not do, and only where the motion is small enough for an answer to be of use.
 
-use super::moment::Moment;
+use super::moment::{Moment, PlacedPair};
 use super::report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 use crate::checker::Body;
 use crate::checker::collision_checker::CollisionChecker;
@@ -14,7 +14,7 @@ use crate::checker::workspace::Workspace;
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::{MatrixPose, Point, Pose};
 use crate::motion::{MotionSegment, Proof};
-use crate::query::{Effort, Work};
+use crate::query::{self, Effort, Work};
 use crate::robot::{Configuration, LinkPoses};
 use crate::simd::LANES;
 
@@ -35,6 +35,9 @@ const LEAST_SHARE: f64 = 0.15;
 
 /// The motion (m) in an interval below which nothing is cut further: about where contact and its absence look alike.
 const FLOOR: f64 = 4e-9;
+
+/// Where states are looked at when any contact will do: each as far as can be from those before it.
+const SAMPLES: [f64; LANES] = [0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875, 1.0];
 
 /// Looks spent on what is nearer than the tolerance, in the hope to decide it.
 const PATIENCE: u32 = 2000;
@@ -80,7 +83,7 @@ enum Look {
     /// Nothing: the distance is between these, and this is the most that the pair moves.
     Open {
         distance: [f64; 2],
-        bound: f64,
+        motion: f64,
     },
 }
 
@@ -125,7 +128,31 @@ impl CollisionChecker {
         options: &MotionOptions,
         workspace: &mut Workspace,
     ) -> MotionReport {
-        self.prove(segment, options, workspace, false).0
+        let report = self.prove(segment, options, workspace, false).0;
+        self.sure_of_contact(report, segment, options, workspace)
+    }
+
+    /// Where a tracking tolerance leaves it open, the motion itself may tell.
+    pub(super) fn sure_of_contact(
+        &self,
+        report: MotionReport,
+        segment: &MotionSegment,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> MotionReport {
+        let MotionVerdict::Undecided { t: [open, _], reason: UndecidedReason::Tube, .. } = report.verdict
+        else {
+            return report;
+        };
+        let nominal = self.prove(&segment.nominal(), options, workspace, false).0;
+        let looks = report.looks + nominal.looks;
+        match nominal.verdict {
+            MotionVerdict::Contact { t: [lo, hi], pair, witness } => {
+                let verdict = MotionVerdict::Contact { t: [lo.min(open), hi], pair, witness };
+                MotionReport { verdict, looks, ..report }
+            }
+            _ => MotionReport { looks, ..report },
+        }
     }
 
     /// As [`Self::check_motion_with`], and all proofs if they are to be kept.
@@ -156,11 +183,15 @@ impl CollisionChecker {
             stopped: None,
         };
         prover.run();
-        prover.look_at_the_start();
+        if options.order == MotionOrder::Earliest {
+            prover.look_at_the_start();
+        }
         let verdict = prover.verdict();
         let Prover { motion, looks, proofs, workspace, .. } = prover;
         workspace.motion = motion;
-        (MotionReport { verdict, looks, work: workspace.scratch.work }, proofs.unwrap_or_default())
+        let mut proofs = proofs.unwrap_or_default();
+        proofs.sort_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
+        (MotionReport { verdict, looks, work: workspace.scratch.work }, proofs)
     }
 }
 
@@ -216,8 +247,13 @@ impl Prover<'_> {
         }
     }
 
-    /// All pieces that level 0 leaves, each looked at once before any of their parts is.
+    /// What collides mostly does so for long: eight states first, then all pieces that level 0 leaves, each looked at once before any of
+    /// their parts is.
     fn any(&mut self, blocks: usize) {
+        if self.some_state_collides() {
+            self.nothing_known_before();
+            return;
+        }
         let mut queue = std::collections::VecDeque::new();
         for block in 0..blocks {
             let ends = self.screen(block, blocks);
@@ -232,16 +268,45 @@ impl Prover<'_> {
         while let Some(piece) = queue.pop_front() {
             self.look_at(piece);
             if self.hit.is_some() || self.stopped.is_some() {
-                // of what comes before nothing is known
-                self.leave_open(
-                    Piece { from: 0.0, ..piece },
-                    [0.0, f64::INFINITY],
-                    UndecidedReason::Tolerance,
-                );
+                self.nothing_known_before();
                 return;
             }
             queue.extend(self.motion.stack.drain(..));
         }
+    }
+
+    /// Whether the robot collides at one of eight fractions, each as far as can be from those before it.
+    fn some_state_collides(&mut self) -> bool {
+        self.screen_at(SAMPLES, 0.0);
+        for (lane, t) in SAMPLES.into_iter().enumerate() {
+            for pair in 0..self.motion.near.len() {
+                if self.motion.near[pair] & (1 << lane) != 0 && self.touches(pair, t) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    fn touches(&mut self, index: usize, t: f64) -> bool {
+        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        let positions = &mut self.motion.positions;
+        let PlacedPair { pair, .. } =
+            self.checker.placed_pair(index, self.segment, t, frames, positions, scratch);
+        self.looks += 1;
+        let (a, b) = pair.bodies;
+        let Some(found) = query::within_margin(a, b, pair.pose_ab, pair.info.padding, scratch) else {
+            return false;
+        };
+        self.cutoff = t;
+        self.hit = Some((index, self.checker.in_root(&pair, &found.witness_points[0], self.segment, t)));
+        true
+    }
+
+    /// Of what comes before a hit nothing is known.
+    fn nothing_known_before(&mut self) {
+        let piece = Piece { pair: 0, from: 0.0, to: 1.0 };
+        self.leave_open(piece, [0.0, f64::INFINITY], UndecidedReason::Tolerance);
     }
 
     /// Level 0 of a block; returns the ends of its eight intervals.
@@ -252,6 +317,12 @@ impl Prover<'_> {
         let middles = std::array::from_fn(|lane| 0.5 * (end(lane) + end(lane + 1)));
         #[allow(clippy::cast_precision_loss)]
         let half_width = 0.5 / (blocks * LANES) as f64;
+        self.screen_at(middles, half_width);
+        ends
+    }
+
+    /// Level 0 of eight intervals.
+    fn screen_at(&mut self, middles: [f64; LANES], half_width: f64) {
         let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
         let level = self.workspace.scratch.level();
         self.checker.screen_intervals(
@@ -264,7 +335,6 @@ impl Prover<'_> {
         (self.motion.speeds, self.motion.off) = (speeds, off);
         self.workspace.scratch.work.volume_tests += (self.checker.infos.len() * LANES) as u64;
         self.mark_movers();
-        ends
     }
 
     /// Level 0 knows nothing of obstacles that move.
@@ -314,25 +384,25 @@ impl Prover<'_> {
                 self.motion.stack.push(cut(high, to));
                 self.motion.stack.push(cut(from, low));
             }
-            Look::Open { distance, bound } => self.push_open(piece, distance, bound),
+            Look::Open { distance, motion } => self.push_open(piece, distance, motion),
         }
     }
 
     /// Cuts a piece in two unless there is no use.
-    fn push_open(&mut self, piece: Piece, distance: [f64; 2], bound: f64) {
+    fn push_open(&mut self, piece: Piece, distance: [f64; 2], motion: f64) {
         let Piece { pair, from, to } = piece;
         let middle = 0.5 * (from + to);
-        if bound <= self.options.tolerance {
-            let hopeless = bound <= FLOOR || self.patience == 0 || !(from < middle && middle < to);
-            if to >= self.cutoff || hopeless {
-                let tube = !self.segment.tube().is_empty();
-                let reason = if tube { UndecidedReason::Tube } else { UndecidedReason::Tolerance };
-                return self.leave_open(piece, distance, reason);
+        let cannot_be_cut = !(from < middle && middle < to);
+        if motion <= self.options.tolerance || cannot_be_cut {
+            if self.segment.is_loose() {
+                self.leave_open(piece, distance, UndecidedReason::Tube);
+                self.cutoff = self.cutoff.min(from);
+                return;
+            }
+            if to >= self.cutoff || motion <= FLOOR || self.patience == 0 || cannot_be_cut {
+                return self.leave_open(piece, distance, UndecidedReason::Tolerance);
             }
             self.patience -= 1;
-        }
-        if !(from < middle && middle < to) {
-            return self.leave_open(piece, distance, UndecidedReason::Tolerance);
         }
         self.motion.stack.push(Piece { pair, from: middle, to });
         self.motion.stack.push(Piece { pair, from, to: middle });
@@ -355,20 +425,27 @@ impl Prover<'_> {
         self.looks += 1;
         let Workspace { frames, scratch, .. } = &mut *self.workspace;
         let interval = (middle, half_width);
-        let moment =
-            self.checker.moment(piece.pair, self.segment, interval, frames, &mut self.motion, scratch);
+        let moment = self.checker.moment(
+            piece.pair,
+            self.segment,
+            interval,
+            frames,
+            &mut self.motion.positions,
+            scratch,
+        );
         scratch.work.volume_tests += 1;
         let Moment { pair, approach, lower } = &moment;
         let padding = pair.info.padding;
-        let bound = approach.within(1.0);
+        let (bound, motion) = (approach.within(1.0), approach.motion());
         if lower - padding > bound {
             return Look::Proven { share: 1.0, lower: *lower, bound };
         }
-        if bound > WORTH_ASKING {
-            return moment.proven(*lower).unwrap_or(Look::Open { distance: [0.0, f64::INFINITY], bound });
+        let unknown = [(lower - padding).max(0.0), f64::INFINITY];
+        if motion > WORTH_ASKING {
+            return moment.proven(*lower).unwrap_or(Look::Open { distance: unknown, motion });
         }
         if self.is_over() {
-            return Look::Open { distance: [0.0, f64::INFINITY], bound };
+            return Look::Open { distance: unknown, motion };
         }
         let effort = Effort { relative_tolerance: ROUGHLY, ..Effort::default() };
         let limit = bound + padding + CONTACT_DISTANCE;
@@ -378,7 +455,7 @@ impl Prover<'_> {
             return Look::Hit(self.checker.in_root(pair, &near.witness_points[0], self.segment, middle));
         }
         let distance = [(found.lower - padding).max(0.0), near.distance - padding];
-        moment.proven(found.lower).unwrap_or(Look::Open { distance, bound })
+        moment.proven(found.lower).unwrap_or(Look::Open { distance, motion })
     }
 
     /// Whether to stop here.
@@ -395,7 +472,7 @@ impl Prover<'_> {
 
     fn verdict(&mut self) -> MotionVerdict {
         let ids = |pair: usize| self.checker.infos[pair].ids;
-        let open = self.open.filter(|open| open.piece.from < self.cutoff);
+        let open = self.open.filter(|open| open.piece.from <= self.cutoff);
         let free_until = open.map_or(self.cutoff, |open| open.piece.from);
         // who stops early has not looked at everything before that
         let free_until = if self.stopped.is_some() { free_until.min(self.seen_until) } else { free_until };

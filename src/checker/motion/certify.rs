@@ -1,0 +1,56 @@
+//! What is proven of a motion, as a document.
+
+use super::report::{MotionOptions, MotionReport};
+use super::trajectory::TrajectoryReport;
+use crate::checker::collision_checker::CollisionChecker;
+use crate::checker::fingerprint::{model_fingerprint, world_fingerprint};
+use crate::checker::workspace::Workspace;
+use crate::motion::{Certificate, MotionSegment, SegmentProof, Trajectory};
+
+impl CollisionChecker {
+    /// As [`Self::check_motion_with`], and the certificate of a free motion.
+    #[must_use]
+    pub fn certify_motion(
+        &self,
+        segment: &MotionSegment,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> (MotionReport, Option<Certificate>) {
+        let (report, proofs) = self.prove(segment, options, workspace, true);
+        let report = self.sure_of_contact(report, segment, options, workspace);
+        let proof = SegmentProof { motion: segment.text(), proofs };
+        let certificate = report.is_free().then(|| self.certificate(vec![proof]));
+        (report, certificate)
+    }
+
+    /// As [`Self::check_trajectory`], and the certificate of a free trajectory.
+    #[must_use]
+    pub fn certify_trajectory(
+        &self,
+        trajectory: &Trajectory,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> (TrajectoryReport, Option<Certificate>) {
+        let mut all = Vec::new();
+        let report = self.each_segment(trajectory, |segment| {
+            let (report, proofs) = self.prove(segment, options, workspace, true);
+            all.push(SegmentProof { motion: segment.text(), proofs });
+            self.sure_of_contact(report, segment, options, workspace)
+        });
+        let certificate = report.is_free().then(|| self.certificate(all));
+        (report, certificate)
+    }
+
+    fn certificate(&self, segments: Vec<SegmentProof>) -> Certificate {
+        let names = |(a, b)| [self.body_name(a).to_owned(), self.body_name(b).to_owned()];
+        let pairs = self.infos.iter().map(|info| names(info.ids)).collect();
+        Certificate::new(self.robot(), self.fingerprints(), pairs, segments)
+    }
+
+    /// SHA-256 of the model with its settings, and of the world.
+    #[must_use]
+    pub fn fingerprints(&self) -> [String; 2] {
+        let model = model_fingerprint(self.robot(), self.settings(), self.matrix.as_ref());
+        [model, world_fingerprint(self.world())]
+    }
+}

@@ -1,0 +1,23 @@
+//! Many motions at once.
+
+use rayon::prelude::*;
+
+use super::report::{MotionOptions, MotionReport};
+use crate::checker::collision_checker::CollisionChecker;
+use crate::motion::MotionSegment;
+
+impl CollisionChecker {
+    /// Answers about many motions, in their order: the same for any number of threads, unless there is a deadline.
+    ///
+    /// Runs on the threads of the rayon pool it is called in.
+    #[must_use]
+    pub fn check_motions(&self, segments: &[MotionSegment], options: &MotionOptions) -> Vec<MotionReport> {
+        (segments.par_iter())
+            .with_min_len(4)
+            .map_init(
+                || self.workspace(),
+                |workspace, segment| self.check_motion_with(segment, options, workspace),
+            )
+            .collect()
+    }
+}

@@ -1,0 +1,59 @@
+//! Until when can nothing touch, wherever the robot goes?
+//!
+//! From a state with joint velocities a robot whose joints accelerate by no more than their limits is, after a time τ, within ½ a τ² of
+//! where its velocities alone would bring it: a tube around a straight motion that widens with time (Hubbard 1995, *Collision detection for
+//! interactive graphics applications*, calls such bounds space-time bounds).
+
+use super::report::{MotionOptions, MotionVerdict};
+use crate::checker::Body;
+use crate::checker::collision_checker::CollisionChecker;
+use crate::checker::workspace::Workspace;
+use crate::motion::{MotionSegment, SegmentError};
+use crate::robot::Configuration;
+
+/// Resolution of the answer: motion (m) that no longer matters.
+const RESOLUTION: f64 = 2e-3;
+
+/// What is certain about the near future.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookAhead {
+    /// No pair touches earlier (s).
+    pub free_for: f64,
+    /// The pair that may touch then; `None` if none can before the horizon.
+    pub first: Option<(Body, Body)>,
+}
+
+impl CollisionChecker {
+    /// A time (s) before which no pair can touch, up to `horizon` (s), if the robot now moves with `velocities` (rad/s, m/s, one a
+    /// position) and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints have to stand.
+    pub fn look_ahead(
+        &self,
+        q: &Configuration,
+        velocities: &[f64],
+        accelerations: &[f64],
+        horizon: f64,
+        workspace: &mut Workspace,
+    ) -> Result<LookAhead, SegmentError> {
+        let expected = q.positions().len();
+        for given in [velocities.len(), accelerations.len()] {
+            if given != expected {
+                return Err(SegmentError::WrongLength { given, expected });
+            }
+        }
+        let way = |(q, v): (&f64, &f64)| [*q, v * horizon, 0.0, 0.0, 0.0, 0.0];
+        let lines = q.positions().iter().zip(velocities).map(way).collect();
+        let segment = MotionSegment::polynomial(self.robot(), lines)?;
+        let spread: Vec<f64> = accelerations.iter().map(|a| a.abs() * horizon * horizon).collect();
+        if let Some(bad) = spread.iter().position(|a| !a.is_finite()) {
+            return Err(SegmentError::NotFinite(self.robot().position_names()[bad].clone()));
+        }
+        let options = MotionOptions { tolerance: RESOLUTION, ..MotionOptions::default() };
+        let (report, _) = self.prove(&segment.with_spread(spread), &options, workspace, true);
+        Ok(match report.verdict {
+            MotionVerdict::Free => LookAhead { free_for: horizon, first: None },
+            MotionVerdict::Contact { t, pair, .. } | MotionVerdict::Undecided { t, pair, .. } => {
+                LookAhead { free_for: t[0] * horizon, first: Some(pair) }
+            }
+        })
+    }
+}

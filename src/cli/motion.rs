@@ -1,0 +1,430 @@
+//! `clearance motion`: ways in, proofs or contacts out.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use clearance::checker::{
+    Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, UndecidedReason,
+};
+use clearance::motion::{Certificate, MotionSegment, Trajectory};
+use clearance::query::Work;
+use clearance::robot::{Configuration, RobotModel};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::check::{Format, Stats, internal, print_line};
+use super::failure::Failure;
+use super::model::{self, ModelArgs, WorldArgs};
+use super::progress::Progress;
+use super::states;
+use super::timing::{self, Timing};
+
+#[derive(Args)]
+pub struct MotionArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    world: WorldArgs,
+
+    #[command(flatten)]
+    input: WayArgs,
+
+    /// Where a straight way ends
+    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "from")]
+    to: Option<String>,
+
+    /// How far the robot may be from its way: one number (rad, m) for every joint, or "j1=0.01 j2=0.02"
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    tube: Option<String>,
+
+    /// What keeps farther apart than this many metres is always decided
+    #[arg(long, value_name = "M", default_value_t = 5e-4, allow_negative_numbers = true)]
+    tolerance: f64,
+
+    /// Which contact to look for
+    #[arg(long, value_enum, default_value_t = Order::Earliest)]
+    order: Order,
+
+    /// Give up on a way after this many seconds, and say so
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    deadline: Option<f64>,
+
+    /// Write the proof that the way is free here, as JSON
+    #[arg(long, value_name = "FILE")]
+    certificate: Option<PathBuf>,
+
+    /// Tell volumes around what each link sweeps over, in this many intervals (with --format json)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    swept_volumes: Option<u32>,
+
+    /// Leave out pairs of links
+    #[arg(long)]
+    no_self: bool,
+
+    /// Leave out pairs of a link and an obstacle
+    #[arg(long)]
+    no_world: bool,
+
+    /// Threads to check on
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+
+    /// How the answer is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    /// Time this many passes over the ways, on one thread
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    repeat: u32,
+}
+
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+struct WayArgs {
+    /// Straight ways in joint space: JSON {"joints": [...], "edges": [[[...], [...]], ...]}
+    #[arg(long, value_name = "FILE")]
+    edges: Option<PathBuf>,
+
+    /// One trajectory: the YAML or JSON of a trajectory_msgs/JointTrajectory
+    #[arg(long, value_name = "FILE")]
+    trajectory: Option<PathBuf>,
+
+    /// Where a straight way begins, such as "j1=0.1 j2=-1.2"
+    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "to")]
+    from: Option<String>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+enum Order {
+    /// The earliest: all before it is proven free
+    Earliest,
+    /// Any, as soon as possible
+    Any,
+}
+
+/// The JSON answer.
+#[derive(Serialize)]
+struct Answer {
+    robot: String,
+    joints: Vec<String>,
+    pairs_checked: usize,
+    load_seconds: f64,
+    results: Vec<WayAnswer>,
+    stats: Stats,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    timing: Option<Timing>,
+}
+
+#[derive(Serialize)]
+struct WayAnswer {
+    verdict: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    t: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pair: Option<[String; 2]>,
+    /// A common point (root frame) at the second t.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    witness_point: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distance: Option<[Option<f64>; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'static str>,
+    /// Of a trajectory: which straight or bent piece it is about, and seconds from the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segment: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    swept_volumes: Option<Vec<SweptVolumeAnswer>>,
+    #[serde(skip)]
+    reason_text: String,
+}
+
+/// A capsule: all points within `radius` of the line from `a` to `b`.
+#[derive(Serialize)]
+struct SweptVolumeAnswer {
+    link: String,
+    segment: usize,
+    t: [f64; 2],
+    a: [f64; 3],
+    b: [f64; 3],
+    radius: f64,
+}
+
+pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
+    let options = args.options()?;
+    let start = Instant::now();
+    let checker = checker(args)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let robot = checker.robot();
+    let ways = args.ways(robot)?;
+    if checker.pairs().is_empty() {
+        log::warn!("there is no pair to check: every motion counts as free");
+    }
+    let reports = check_all(&checker, &ways, &options, args)?;
+    if let Some(path) = &args.certificate {
+        write_certificate(&checker, &ways, &options, path)?;
+    }
+    let timing = time_passes(&checker, &ways, &options, args.repeat);
+    let mut work = Work::default();
+    reports.iter().for_each(|r| work += r.work);
+    let is_trajectory = args.input.trajectory.is_some();
+    let results = reports.iter().zip(&ways).map(|(report, way)| {
+        let swept = args.swept_volumes.map(|n| swept_volumes(&checker, way, n as usize));
+        WayAnswer { swept_volumes: swept, ..WayAnswer::new(report, &checker, is_trajectory) }
+    });
+    let answer = Answer {
+        robot: robot.name().to_owned(),
+        joints: robot.position_names().to_vec(),
+        pairs_checked: checker.pairs().len(),
+        load_seconds,
+        results: results.collect(),
+        stats: Stats::from(&work),
+        timing,
+    };
+    match args.format {
+        Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
+        Format::Text => print_line(&text(&answer))?,
+    }
+    let all_free = reports.iter().all(TrajectoryReport::is_free);
+    Ok(ExitCode::from(u8::from(!all_free)))
+}
+
+fn checker(args: &MotionArgs) -> Result<CollisionChecker, Failure> {
+    let robot = args.model.load()?;
+    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
+    let mut settings = args.model.settings();
+    settings.check_self = !args.no_self;
+    settings.check_world = !args.no_world;
+    model::checker(robot, &loaded, settings)
+}
+
+impl MotionArgs {
+    fn options(&self) -> Result<MotionOptions, Failure> {
+        let positive = |name: &str, value: f64| {
+            let sound = value.is_finite() && value > 0.0;
+            sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be more than zero")))
+        };
+        let deadline = self.deadline.map(|s| positive("--deadline", s)).transpose()?;
+        let deadline = deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
+        Ok(MotionOptions {
+            tolerance: positive("--tolerance", self.tolerance)?,
+            order: match self.order {
+                Order::Earliest => MotionOrder::Earliest,
+                Order::Any => MotionOrder::Any,
+            },
+            deadline: deadline.and_then(|span| Instant::now().checked_add(span)),
+            ..MotionOptions::default()
+        })
+    }
+
+    /// What is to be checked: each way as a trajectory.
+    fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
+        let straight = |[from, to]: [Configuration; 2]| {
+            Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)])
+        };
+        let ways = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
+            (Some(path), ..) => states::edges_from_file(path, robot)?.into_iter().map(straight).collect(),
+            (_, Some(path), ..) => vec![trajectory(path, robot)?],
+            (.., Some(from), Some(to)) => {
+                let end = |name: &str, text: &str| states::from_text(name, text, robot);
+                vec![straight([end("--from", from)?, end("--to", to)?])]
+            }
+            _ => return Err(Failure::Input("give --edges, --trajectory, or --from and --to".to_owned())),
+        };
+        match &self.tube {
+            None => Ok(ways),
+            Some(text) => {
+                let tube = states::tube_from_text(text, robot)?;
+                let loosened = |way: Trajectory| way.map(|s| s.with_tube(robot, tube.clone()));
+                ways.into_iter().map(loosened).collect::<Result<_, _>>().map_err(Failure::input)
+            }
+        }
+    }
+}
+
+fn trajectory(path: &Path, robot: &RobotModel) -> Result<Trajectory, Failure> {
+    let file = path.display();
+    let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
+    let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+    Trajectory::from_yaml(robot, &text, &robot.default_configuration()).map_err(|e| bad(&e))
+}
+
+/// One report a way, in the ways' order, for any number of threads.
+fn check_all(
+    checker: &CollisionChecker,
+    ways: &[Trajectory],
+    options: &MotionOptions,
+    args: &MotionArgs,
+) -> Result<Vec<TrajectoryReport>, Failure> {
+    let progress = Progress::new(ways.len());
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(args.threads).min(ways.len().max(1)))
+        .build()
+        .map_err(internal)?;
+    Ok(pool.install(|| {
+        (ways.par_iter())
+            .map_init(
+                || checker.workspace(),
+                |workspace, way| {
+                    let report = checker.check_trajectory(way, options, workspace);
+                    progress.piece_done();
+                    report
+                },
+            )
+            .collect()
+    }))
+}
+
+fn time_passes(
+    checker: &CollisionChecker,
+    ways: &[Trajectory],
+    options: &MotionOptions,
+    passes: u32,
+) -> Option<Timing> {
+    let mut workspace = checker.workspace();
+    timing::measure(passes, ways.len(), || {
+        for way in ways {
+            std::hint::black_box(checker.check_trajectory(way, options, &mut workspace));
+        }
+    })
+}
+
+/// The certificate of the only way, if it is free.
+fn write_certificate(
+    checker: &CollisionChecker,
+    ways: &[Trajectory],
+    options: &MotionOptions,
+    path: &Path,
+) -> Result<(), Failure> {
+    let [way] = ways else {
+        return Err(Failure::Input(format!("--certificate is for one way, but {} are given", ways.len())));
+    };
+    let (report, certificate) = checker.certify_trajectory(way, options, &mut checker.workspace());
+    let Some(certificate) = certificate else {
+        log::warn!("no certificate is written: the way is {}", verdict_name(&report.verdict));
+        return Ok(());
+    };
+    let text = Certificate::to_json(&certificate) + "\n";
+    std::fs::write(path, text).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
+}
+
+fn swept_volumes(checker: &CollisionChecker, way: &Trajectory, intervals: usize) -> Vec<SweptVolumeAnswer> {
+    let mut workspace = checker.workspace();
+    let segments = way.segments().iter().enumerate();
+    segments
+        .flat_map(|(segment, motion)| {
+            let volumes = checker.swept_volumes(motion, intervals, &mut workspace);
+            volumes.into_iter().map(move |v| (segment, v))
+        })
+        .map(|(segment, v)| SweptVolumeAnswer {
+            link: checker.body_name(Body::Link(v.link)).to_owned(),
+            segment,
+            t: v.t,
+            a: v.a.coords.into(),
+            b: v.b.coords.into(),
+            radius: v.radius,
+        })
+        .collect()
+}
+
+fn verdict_name(verdict: &MotionVerdict) -> &'static str {
+    match verdict {
+        MotionVerdict::Free => "free",
+        MotionVerdict::Contact { .. } => "contact",
+        MotionVerdict::Undecided { .. } => "undecided",
+    }
+}
+
+impl WayAnswer {
+    fn new(report: &TrajectoryReport, checker: &CollisionChecker, is_trajectory: bool) -> Self {
+        let names = |(a, b): (Body, Body)| {
+            let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
+            names.sort();
+            names
+        };
+        let free = report.is_free();
+        let mut answer = Self {
+            verdict: verdict_name(&report.verdict),
+            t: None,
+            pair: None,
+            witness_point: None,
+            distance: None,
+            reason: None,
+            segment: (is_trajectory && !free).then_some(report.segment),
+            time: report.time,
+            swept_volumes: None,
+            reason_text: String::new(),
+        };
+        match report.verdict {
+            MotionVerdict::Free => {}
+            MotionVerdict::Contact { t, pair, witness } => {
+                (answer.t, answer.pair) = (Some(t), Some(names(pair)));
+                answer.witness_point = witness.map(|p| p.coords.into());
+            }
+            MotionVerdict::Undecided { t, pair, distance, reason } => {
+                (answer.t, answer.pair) = (Some(t), Some(names(pair)));
+                answer.distance = Some(distance.map(|d| d.is_finite().then_some(d)));
+                answer.reason = Some(reason_code(reason));
+                answer.reason_text = reason.to_string();
+            }
+        }
+        answer
+    }
+
+    fn text(&self) -> String {
+        let mut line = self.verdict.to_uppercase();
+        if self.verdict == "free" {
+            line = "free, proven".to_owned();
+        }
+        if let Some([a, b]) = &self.pair {
+            line += &format!(": {a} – {b}");
+        }
+        if let Some([lo, hi]) = self.t {
+            line += &match self.verdict {
+                "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
+                _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
+            };
+        }
+        if let Some(segment) = self.segment {
+            line += &format!(", in segment {segment}");
+        }
+        if let Some([lo, _]) = self.time {
+            line += &format!(" after {lo:.3} s");
+        }
+        line
+    }
+}
+
+fn reason_code(reason: UndecidedReason) -> &'static str {
+    match reason {
+        UndecidedReason::Tolerance => "tolerance",
+        UndecidedReason::Tube => "tube",
+        UndecidedReason::Deadline => "deadline",
+        UndecidedReason::Budget => "budget",
+    }
+}
+
+/// A line a way, and a summary.
+fn text(answer: &Answer) -> String {
+    let mut lines: Vec<String> =
+        (answer.results.iter().enumerate()).map(|(i, r)| format!("motion {i}: {}", r.text())).collect();
+    let free = answer.results.iter().filter(|r| r.verdict == "free").count();
+    lines.push(format!(
+        "{}: {free} of {} motions free; {} pairs checked; loaded in {:.3} s",
+        answer.robot,
+        answer.results.len(),
+        answer.pairs_checked,
+        answer.load_seconds
+    ));
+    if let Some(t) = answer.timing {
+        lines.push(format!(
+            "{:.3} µs a motion (best of {} passes; median {:.3} µs)",
+            t.us_min, t.passes, t.us_median
+        ));
+    }
+    lines.join("\n")
+}

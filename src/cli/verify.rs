@@ -1,0 +1,67 @@
+//! `clearance verify`: is a certificate a proof?
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use clearance::motion::Certificate;
+use clearance::verifier::{self, Verified};
+use serde_json::json;
+
+use super::check::{Format, print_line};
+use super::failure::Failure;
+use super::model::{ModelArgs, WorldArgs};
+
+#[derive(Args)]
+pub struct VerifyArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    world: WorldArgs,
+
+    /// What `clearance motion --certificate` wrote
+    #[arg(value_name = "CERTIFICATE.json")]
+    certificate: PathBuf,
+
+    /// The certificate leaves out pairs of links
+    #[arg(long)]
+    no_self: bool,
+
+    /// The certificate leaves out pairs of a link and an obstacle
+    #[arg(long)]
+    no_world: bool,
+
+    /// How the answer is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// Exit code 0: it is a proof; 1: it is none, and why.
+pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
+    let robot = args.model.load()?;
+    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
+    let mut settings = args.model.settings();
+    settings.check_self = !args.no_self;
+    settings.check_world = !args.no_world;
+    let file = args.certificate.display();
+    let text =
+        std::fs::read_to_string(&args.certificate).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+    let certificate: Certificate = serde_json::from_str(&text)
+        .map_err(|e| Failure::Input(format!("{file}: this is no certificate: {e}")))?;
+    let verified = verifier::verify(&robot, &loaded.world, &settings, loaded.allowed.as_ref(), &certificate);
+    match (args.format, &verified) {
+        (Format::Text, Ok(Verified { segments, pairs, proofs, .. })) => print_line(&format!(
+            "proven free: {proofs} proofs for {pairs} pairs in {segments} segment(s) hold"
+        ))?,
+        (Format::Text, Err(refusal)) => print_line(&format!("NOT PROVEN: {refusal}"))?,
+        (Format::Json, Ok(v)) => print_line(
+            &json!({"verified": true, "segments": v.segments, "pairs": v.pairs, "proofs": v.proofs})
+                .to_string(),
+        )?,
+        (Format::Json, Err(refusal)) => {
+            print_line(&json!({"verified": false, "reason": refusal.to_string()}).to_string())?;
+        }
+    }
+    Ok(ExitCode::from(u8::from(verified.is_err())))
+}
