@@ -31,7 +31,8 @@ class EdgeComparison:
         self.clearance, self.extent = clearance, extent
         self.problems: list[str] = []
         self._file, self._neutral, self._own = file, neutral, list[Child]()
-        self.counts = draw_edges(neutral, loaded["coal_cpp"], file, extent.seed, extent.edges)
+        judge = loaded["coal_cpp"]
+        self.counts = draw_edges(neutral, judge, file, extent.seed, extent.edges, extent.patience)
         self._children = {"clearance": clearance, **loaded}
         for child in self._children.values():
             child.ask("edges", file)
@@ -44,6 +45,7 @@ class EdgeComparison:
             child.ask("edges", self._file)
         except Failed as failure:
             self.problems.append(str(failure))
+            child.close()
             return
         self._own.append(child)
         self._children[child.name] = child

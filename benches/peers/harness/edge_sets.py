@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,16 +74,20 @@ class Edge:
     goal: State
 
 
-def draw_edges(neutral: Path, coal: Child, out: Path, seed: int, wanted: int) -> dict[str, int]:
+def draw_edges(
+    neutral: Path, coal: Child, out: Path, seed: int, wanted: int, patience: float
+) -> dict[str, int]:
     """Writes sets `free-LENGTH` and `colliding-LENGTH` into `out`; how many edges each has.
 
     `coal` has loaded the neutral file; it tells the free edges from those that collide, so that this library has no
-    say in what is asked.
+    say in what is asked. Where colliding edges are rare, the search for more of them ends after `patience` (s) for each
+    length; those that are found are the same in every run.
     """
-    draw, space = random.Random(seed), _space(neutral, coal)
+    space = _space(neutral, coal)
     sets: dict[str, list[Edge]] = {}
     for length in LENGTHS:
-        sets |= _of_length(draw, space, coal, out, length, wanted)
+        draw = random.Random(f"{seed} {length}")
+        sets |= _of_length(draw, space, coal, out, length, wanted, time.monotonic() + patience)
     _write(out, sets)
     return {name: len(edges) for name, edges in sets.items()}
 
@@ -92,12 +97,13 @@ def name_of(kind: str, length: float) -> str:
 
 
 def _of_length(
-    draw: random.Random, space: Space, coal: Child, scratch: Path, length: float, wanted: int
+    draw: random.Random, space: Space, coal: Child, scratch: Path, length: float, wanted: int, end: float
 ) -> dict[str, list[Edge]]:
     found: dict[str, list[Edge]] = {"1": [], "0": []}
     enough = {"1": wanted, "0": wanted if length in COLLIDING_LENGTHS else 0}
     for _ in range(MOST_TRIES):
-        if not space.starts or all(len(found[word]) >= enough[word] for word in found):
+        colliding_enough = len(found["0"]) >= enough["0"] or time.monotonic() > end
+        if not space.starts or (len(found["1"]) >= enough["1"] and colliding_enough):
             break
         starts = [draw.choice(space.starts) for _ in range(wanted)]
         edges = [Edge(s, goal) for s in starts if (goal := space.goal(draw, s, length)) is not None]
