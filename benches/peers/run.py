@@ -12,7 +12,7 @@ from pathlib import Path
 from harness import environment, report, subjects
 from harness.agreement import compare
 from harness.child import Child, Failed
-from harness.edge_comparison import MOST_PAIRS, EdgeComparison, Extent
+from harness.edge_comparison import MOST_CAST_PAIRS, MOST_FCL_PAIRS, EdgeComparison, Extent
 from harness.edge_sets import name_of
 from harness.race import Voice, race
 from harness.results import GAPS, MEASURES, TOUCHING, Measured, MeshPairResult, Results, RobotResult
@@ -95,10 +95,11 @@ class Comparison:
         options, made, contestants = self.options, self.made, self.contestants
         extent = Extent(options.edges, options.few_edges, options.rounds, options.patience, options.seed)
         edges = EdgeComparison(self.clearance, loaded, extent, self.folder / "neutral", self.folder / "edges")
-        if int(result.facts["pairs"]) <= MOST_PAIRS:
-            edges.start(lambda: Child("python_fcl", [made.python, contestants / "python_fcl.py"]))
-            if python := made.tesseract:
-                edges.start(lambda: Child("tesseract_cast", [python, contestants / "tesseract_cast.py"]))
+        pairs = int(result.facts["pairs"])
+        if pairs <= MOST_FCL_PAIRS:
+            edges.start(Child("python_fcl", [made.python, contestants / "python_fcl.py"]))
+        if made.tesseract and pairs <= MOST_CAST_PAIRS:
+            edges.start(Child("tesseract_cast", [made.tesseract, contestants / "tesseract_cast.py"]))
         result.edges = edges.measure()
         edges.close()
         result.problems += edges.problems

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +10,9 @@ from .edge_measures import EdgeAgreement, EdgeMeasure, EdgeMeasured, EdgePeer, E
 from .edge_sets import JUDGED_EVERY, draw_edges, name_of
 from .race import Voice, race
 
-# More pairs than this are too many for those that take milliseconds for a pair.
-MOST_PAIRS = 400
+# More pairs than this are too many for FCL's advancement and for Tesseract's casts.
+MOST_FCL_PAIRS = 60
+MOST_CAST_PAIRS = 400
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,8 @@ class EdgeComparison:
         for child in self._children.values():
             child.ask("edges", file)
 
-    def start(self, make: Callable[[], Child]) -> None:
-        """With another contestant; where it cannot load the robot, without it."""
-        child = make()
+    def start(self, child: Child) -> None:
+        """With another contestant, which ends with this comparison; where it cannot load the robot, without it."""
         try:
             child.ask("load", self._neutral)
             child.ask("edges", self._file)

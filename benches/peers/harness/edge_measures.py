@@ -34,7 +34,8 @@ class EdgeMeasure:
 
 PINOCCHIO = EdgePeer("pinocchio_coal_0.02", "pinocchio_coal", "-0.02")
 COAL = EdgePeer("coal_cpp_0.01", "coal_cpp", "-0.01")
-FCL = EdgePeer("python_fcl_ca", "python_fcl", "", samples=False)
+FCL = EdgePeer("python_fcl_ca", "python_fcl", "-pairs", samples=False)
+FCL_SPHERES = EdgePeer("python_fcl_ca_spheres", "python_fcl", "-spheres", samples=False)
 CAST = EdgePeer("tesseract_cast", "tesseract_cast", "-whole", samples=False)
 CASTS = EdgePeer("tesseract_cast_0.05", "tesseract_cast", "-0.05", samples=False)
 
@@ -44,7 +45,12 @@ EDGE_MEASURES = {
     ),
     "every 0.01": EdgeMeasure("Free edges, against samples every 0.01 rad", "free", (0.1, 0.5, 2.0), "edge", (COAL,)),
     "continuous": EdgeMeasure(
-        "Free edges, against continuous checks", "free", (0.1, 0.5), "edge", (FCL, CAST, CASTS), few=True
+        "Free edges, against continuous checks",
+        "free",
+        (0.1, 0.5),
+        "edge",
+        (FCL, FCL_SPHERES, CAST, CASTS),
+        few=True,
     ),
     "colliding": EdgeMeasure(
         "Colliding edges, any contact, against samples every 0.02 rad",
@@ -58,7 +64,8 @@ EDGE_MEASURES = {
 EDGE_VOICES = {
     PINOCCHIO.name: "`pinocchio_coal`, along edges sampled every 0.02 rad, stopping at the first hit",
     COAL.name: "`coal_cpp`, along edges sampled every 0.01 rad, stopping at the first hit",
-    FCL.name: "FCL's conservative advancement through python-fcl, pair by pair; transforms are given",
+    FCL.name: "FCL's conservative advancement through python-fcl for every pair; transforms are given",
+    FCL_SPHERES.name: "the same, only for pairs whose spheres can meet on the way",
     CAST.name: "Tesseract's Bullet cast, one for a whole edge; transforms are given",
     CASTS.name: "the same, a cast every 0.05 rad",
 }

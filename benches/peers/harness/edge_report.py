@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .edge_comparison import MOST_PAIRS
+from .edge_comparison import MOST_CAST_PAIRS, MOST_FCL_PAIRS
 from .edge_measures import EDGE_MEASURES, EdgeMeasure, EdgeMeasured
 from .edge_sets import JUDGED_EVERY
 from .markdown import microseconds, table
@@ -18,8 +18,8 @@ def edges(results: Results) -> list[str]:
         "Straight motions in joint space, self-collision only; lengths are Euclidean norms over all joints.",
         f"Coal sampled every {JUDGED_EVERY} rad tells the free ones from those that collide. `clearance` proves the"
         " whole edge, with a tolerance of 0.5 mm; samples prove nothing.",
-        "µs an edge: best round / median round (ratio of medians to `clearance`). Continuous checks are asked about"
-        f" robots of at most {MOST_PAIRS} pairs.",
+        "µs an edge: best round / median round (ratio of medians to `clearance`). FCL's advancement is asked about robots"
+        f" of at most {MOST_FCL_PAIRS} pairs, Tesseract's cast of at most {MOST_CAST_PAIRS}.",
         "",
         *results.edge_notes,
         *([""] if results.edge_notes else []),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .edge_measures import CAST, CASTS, COAL, FCL, PINOCCHIO
+from .edge_measures import CAST, CASTS, COAL, FCL, FCL_SPHERES, PINOCCHIO
 from .results import GAPS, Results, geometric_mean
 
 STATE_BOOLEAN = [("free", "random"), ("free", "free")]
@@ -32,6 +32,7 @@ def requirements(results: Results) -> list[Requirement]:
         _edges(results, "Certified edge against Pinocchio + Coal every 0.02 rad", "every 0.02", PINOCCHIO.name, 15, 40),
         _edges(results, "Certified edge against careful Coal in C++ every 0.01 rad", "every 0.01", COAL.name, 4, 12),
         _edges(results, "Certified edge against FCL's conservative advancement", "continuous", FCL.name, 50, 500),
+        _edges(results, "The same with a sphere test before FCL's", "continuous", FCL_SPHERES.name, 50, 500),
         _edges(results, "Certified edge against Tesseract's Bullet cast", "continuous", CAST.name, 50, 500),
         _edges(results, "The same with a cast every 0.05 rad", "continuous", CASTS.name, 50, 500),
         _edges(results, "Colliding edge against Pinocchio + Coal every 0.02 rad", "colliding", PINOCCHIO.name, 5, 20),
