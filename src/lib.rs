@@ -9,8 +9,9 @@
 //!
 //! Read the modules top to bottom; each uses only the ones above it. Two towers stand on `geometry`: the left one
 //! (`bounding_volume`, `bvh`, `query`) answers questions about two posed solids and has never heard of a robot; the
-//! right one (`robot`, `world`) knows links, joints and obstacles and has never heard of a hierarchy. `checker` is the
-//! bridge; `monitor` decides what a node says; only `node` knows ROS.
+//! right one (`robot`, `world`, `motion`) knows links, joints and obstacles and has never heard of a hierarchy. `checker` is
+//! the bridge; `verifier` believes none of it and checks its proofs again; `monitor` decides what a node says; only `node`
+//! knows ROS.
 //!
 //! Units everywhere: metres, radians, seconds.
 
@@ -30,6 +31,8 @@ pub mod world;
 pub mod motion;
 
 pub mod checker;
+
+pub mod verifier;
 
 pub mod monitor;
 

@@ -14,7 +14,7 @@ use super::{PairList, SettingsError};
 use crate::geometry::{Primitive, Shape};
 use crate::math::{MatrixPose, Point, Pose};
 use crate::query::CollisionBody;
-use crate::robot::{Chain, Frame, RobotModel, TravelRates};
+use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
 use crate::world::World;
 
 /// A link or an obstacle, in the frame of the body of the chain that it rides on.
@@ -119,6 +119,12 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Option<R
     });
     let ranges: HashMap<usize, [f64; 2]> = limited.collect();
     chain.travel_rates(&reach, |index| ranges.get(&index).copied())
+}
+
+/// By pair: the joints between its bodies.
+pub(super) fn joints_between(chain: &Chain, riders: &[Option<Rider>], infos: &[PairInfo]) -> Vec<Between> {
+    let body = |i: usize| riders[i].as_ref().map_or(0, |rider| rider.body);
+    infos.iter().map(|info| chain.between(body(info.bodies.0), body(info.bodies.1))).collect()
 }
 
 /// The pairs of a list, by index of rider.

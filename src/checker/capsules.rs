@@ -188,13 +188,33 @@ impl CapsulePairs {
     /// For each pair, in which of eight states it may be as near as `margin` (m, not negative): a bit per state.
     #[inline(always)]
     pub fn near<S: Simd>(&self, simd: S, segments: &[Segment<f32x8<S>>], margin: f64, masks: &mut [u8]) {
-        let limit = self.slack(simd, extent_8(simd, segments)) + f32x8::splat(simd, up(margin));
-        for (group, masks) in self.groups.iter().zip(masks.chunks_mut(8)) {
+        let margin = up(margin);
+        self.near_within(
+            simd,
+            segments,
+            #[inline(always)]
+            |_| margin,
+            masks,
+        );
+    }
+
+    /// As [`Self::near`], with a margin for each pair.
+    #[inline(always)]
+    pub fn near_within<S: Simd>(
+        &self,
+        simd: S,
+        segments: &[Segment<f32x8<S>>],
+        margin: impl Fn(usize) -> f32,
+        masks: &mut [u8],
+    ) {
+        let slack = self.slack(simd, extent_8(simd, segments));
+        for ((group, masks), first) in self.groups.iter().zip(masks.chunks_mut(8)).zip((0..).step_by(8)) {
             // spheres of all pairs before axes of any: where a branch hangs on chance, fewer are better
             let mut left = 0u8;
             for (lane, mask) in masks.iter_mut().enumerate() {
                 let lanes =
                     Lanes::of_eight_states(&segments[group.first[lane]], &segments[group.second[lane]]);
+                let limit = slack + f32x8::splat(simd, margin(first + lane));
                 *mask = lanes.spheres_near(f32x8::splat(simd, group.reach[lane]) + limit);
                 left |= u8::from(*mask != 0) << lane;
             }
@@ -203,7 +223,8 @@ impl CapsulePairs {
                 left &= left - 1;
                 let lanes =
                     Lanes::of_eight_states(&segments[group.first[lane]], &segments[group.second[lane]]);
-                let radii = f32x8::splat(simd, group.radii[lane]) + limit;
+                let radii = f32x8::splat(simd, group.radii[lane])
+                    + (slack + f32x8::splat(simd, margin(first + lane)));
                 masks[lane] &= lanes.near_along(lanes.w, radii);
                 if masks[lane] != 0 {
                     masks[lane] &= lanes.near_along(lanes.direction(&group.constants(simd, lane)), radii);

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::bodies::{Rider, capsule_pairs, link_padding, pair_infos, riders, travel_rates};
+use super::bodies::{Rider, capsule_pairs, joints_between, link_padding, pair_infos, riders, travel_rates};
 use super::capsules::{CapsulePairs, Segment};
 use super::likely::LikelyPairs;
+use super::motion::{MotionScratch, Ways, ways_of};
 use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::Settings;
 use super::stream::Stream;
 use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::query::Scratch;
-use crate::robot::{Chain, Frame, RobotModel, TravelRates};
+use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
 use crate::simd::LANES;
 use crate::world::World;
 
@@ -32,6 +33,9 @@ pub struct CollisionChecker {
     pub(super) capsules: CapsulePairs,
     /// The largest padding (m) of any pair.
     pub(super) largest_padding: f64,
+    /// By pair: the joints between its bodies.
+    pub(super) between: Vec<Between>,
+    pub(super) ways: Ways,
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
     /// No two checkers built in one process have the same.
@@ -73,6 +77,8 @@ impl CollisionChecker {
         let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::max);
         let world = world.clone();
         let rates = travel_rates(&robot, &chain, &riders);
+        let between = joints_between(&chain, &riders, &infos);
+        let ways = ways_of(&chain, &riders, &infos, &between);
         let identity = BUILT.fetch_add(1, Ordering::Relaxed);
         Ok(Self {
             robot,
@@ -84,6 +90,8 @@ impl CollisionChecker {
             infos,
             capsules,
             largest_padding,
+            between,
+            ways,
             rates,
             identity,
         })
@@ -149,6 +157,7 @@ impl CollisionChecker {
             queue: Vec::with_capacity(self.pairs.len()),
             likely: LikelyPairs::new(),
             scratch,
+            motion: MotionScratch::default(),
             stream: None,
         }
     }

@@ -12,8 +12,11 @@ mod bodies;
 mod capsule_fit;
 mod capsules;
 mod collision_checker;
+mod fingerprint;
 mod likely;
 mod memory;
+mod motion;
+
 mod mesh_lint;
 mod pair;
 mod pairs;
@@ -25,7 +28,9 @@ mod workspace;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};
+pub use fingerprint::{model_fingerprint, world_fingerprint};
 pub use mesh_lint::open_meshes;
+pub use motion::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 pub use pairs::{PairList, SkipReason};
 pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};
 pub use settings::{MeshModel, Settings};

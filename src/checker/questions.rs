@@ -64,7 +64,7 @@ impl CollisionChecker {
     }
 
     /// Makes a workspace of another checker one of this; what it remembers of a stream stays the other's.
-    fn suit(&self, workspace: &mut Workspace) {
+    pub(super) fn suit(&self, workspace: &mut Workspace) {
         if workspace.checker != self.identity {
             let scratch = std::mem::take(&mut workspace.scratch);
             let stream = workspace.stream.take();

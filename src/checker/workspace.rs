@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::capsules::Segment;
 use super::likely::LikelyPairs;
+use super::motion::MotionScratch;
 use super::stream::Stream;
 use crate::query::Scratch;
 use crate::robot::Frame;
@@ -27,6 +28,8 @@ pub struct Workspace {
     pub(super) queue: Vec<QueuedPair>,
     pub(super) likely: LikelyPairs,
     pub(super) scratch: Scratch,
+    /// For motions.
+    pub(super) motion: MotionScratch,
     /// For streams of states.
     pub(super) stream: Option<Stream>,
 }

@@ -8,12 +8,14 @@
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
 mod certificate;
+mod fingerprint;
 mod moving_obstacle;
 mod segment;
 mod trajectory;
 
 pub(crate) use certificate::sha256;
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
+pub(crate) use fingerprint::Fingerprint;
 pub use moving_obstacle::MovingObstacle;
-pub use segment::{Deviation, MotionSegment, SegmentError, SegmentText};
+pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::MovingObstacle;
 use crate::math::{Rotation, UnitVector, Vector};
-use crate::robot::{Configuration, JointKind, RobotModel};
+use crate::robot::{Configuration, Deviation, JointKind, RobotModel};
 
 /// Numbers of a polynomial of degree five, the constant first.
 pub(crate) type Polynomial = [f64; 6];
@@ -30,17 +30,6 @@ pub(crate) struct Turn {
     /// In the frame that the joint turns in.
     pub axis: UnitVector,
     pub angle: f64,
-}
-
-/// By how much a position may differ from that in the middle of an interval.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Deviation {
-    /// Its velocity in the middle, a unit of t.
-    pub velocity: f64,
-    /// All in all.
-    pub most: f64,
-    /// Beyond what the velocity in the middle makes of it.
-    pub bent: f64,
 }
 
 /// Why numbers are no motion.
@@ -162,8 +151,25 @@ impl MotionSegment {
         self.is_straight
     }
 
-    pub(crate) fn turns(&self) -> &[Turn] {
-        &self.turns
+    /// The turn of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle (rad a unit of t).
+    #[must_use]
+    pub fn turn_of(&self, first: usize) -> Option<(UnitVector, f64)> {
+        let turn = self.turns.iter().find(|turn| turn.first == first + 3)?;
+        Some((turn.axis, turn.angle))
+    }
+
+    /// The fastest (a unit of t) that a position ever changes.
+    #[must_use]
+    pub fn top_speed(&self, position: usize) -> f64 {
+        let p = &self.positions[position];
+        if self.is_straight { p[1].abs() } else { largest_slope(p) }
+    }
+
+    /// The farthest that a position ever is from zero, tolerance included.
+    #[must_use]
+    pub fn range(&self, position: usize) -> f64 {
+        let Deviation { most, off, .. } = self.deviation(position, 0.5, 0.5);
+        value(&self.positions[position], 0.5).abs() + most + off
     }
 
     /// Writes the positions at t.
@@ -195,7 +201,7 @@ impl MotionSegment {
         let p = &self.positions[position];
         let off = self.tube.get(position).copied().unwrap_or(0.0);
         if self.is_straight {
-            return Deviation { velocity: p[1], most: half_width * p[1].abs() + off, bent: off };
+            return Deviation { velocity: p[1], most: half_width * p[1].abs(), bent: 0.0, off };
         }
         // Taylor's numbers at the middle, by repeated synthetic division
         let mut c = *p;
@@ -205,7 +211,7 @@ impl MotionSegment {
             }
         }
         let bent = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
-        Deviation { velocity: c[1], most: half_width * c[1].abs() + bent + off, bent: bent + off }
+        Deviation { velocity: c[1], most: half_width * c[1].abs() + bent, bent, off }
     }
 
     /// As it stands in a file.
@@ -229,6 +235,23 @@ impl MotionSegment {
 
 fn value(p: &Polynomial, t: f64) -> f64 {
     p.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+/// A number not less than any slope between 0 and 1: the derivative lies within the hull of its Bernstein coefficients.
+fn largest_slope(p: &Polynomial) -> f64 {
+    let derivative = [p[1], 2.0 * p[2], 3.0 * p[3], 4.0 * p[4], 5.0 * p[5]];
+    // C(i, k) / C(4, k)
+    const SHARES: [[f64; 5]; 5] = [
+        [1.0, 0.0, 0.0, 0.0, 0.0],
+        [1.0, 1.0 / 4.0, 0.0, 0.0, 0.0],
+        [1.0, 2.0 / 4.0, 1.0 / 6.0, 0.0, 0.0],
+        [1.0, 3.0 / 4.0, 3.0 / 6.0, 1.0 / 4.0, 0.0],
+        [1.0, 1.0, 1.0, 1.0, 1.0],
+    ];
+    let coefficient =
+        |shares: &[f64; 5]| shares.iter().zip(&derivative).map(|(s, d)| s * d).sum::<f64>().abs();
+    let size: f64 = derivative.iter().map(|d| d.abs()).sum();
+    SHARES.iter().map(coefficient).fold(0.0, f64::max) + 1e-14 * size
 }
 
 /// Names of floating joints and where their positions begin.

@@ -21,7 +21,10 @@ mod urdf_door;
 mod warning;
 mod xml;
 
-pub use chain::{Chain, ChainJoint, Frame, Motion, Seat, Source as PositionSource, TravelRates};
+pub use chain::{
+    Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
+    Source as PositionSource, TravelRates,
+};
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};

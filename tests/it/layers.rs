@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// A module and those it may use, as `lib.rs` lists them.
-const LAYERS: [(&str, &[&str]); 12] = [
+const LAYERS: [(&str, &[&str]); 14] = [
     ("constants", &[]),
     ("math", &["constants"]),
     ("simd", &[]),
@@ -14,13 +14,15 @@ const LAYERS: [(&str, &[&str]); 12] = [
     ("query", &["constants", "math", "simd", "geometry", "bounding_volume", "bvh"]),
     ("robot", &["constants", "math", "simd", "geometry"]),
     ("world", &["constants", "math", "geometry", "robot"]),
-    ("checker", &["constants", "math", "simd", "geometry", "query", "robot", "world"]),
+    ("motion", &["constants", "math", "geometry", "robot", "world"]),
+    ("checker", &["constants", "math", "simd", "geometry", "query", "robot", "world", "motion"]),
+    ("verifier", &["constants", "math", "geometry", "robot", "world", "motion", "checker"]),
     ("monitor", &["constants", "math", "geometry", "query", "robot", "world", "checker"]),
     ("node", &["constants", "math", "geometry", "query", "robot", "world", "checker", "monitor"]),
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 15] = [
+const HOMES: [(&str, &str); 16] = [
     ("fearless_simd", "src/simd/"),
     ("parry3d_f64", "src/query/narrow_phase.rs"),
     ("urdf_rs", "src/robot/"),
@@ -28,6 +30,7 @@ const HOMES: [(&str, &str); 15] = [
     ("stl_io", "src/robot/mesh_formats/"),
     ("tobj", "src/robot/mesh_formats/"),
     ("percent_encoding", "src/robot/"),
+    ("sha2", "src/motion/"),
     ("ros2_client", "src/node/"),
     ("rustdds", "src/node/"),
     ("ros2_interfaces_jazzy_serde", "src/node/"),
@@ -104,6 +107,8 @@ fn a_planted_use_is_found() {
         ("src/monitor/mod.rs", "use crate::node::run;"),
         ("src/query/collide.rs", "use parry3d_f64::query::gjk;"),
         ("src/checker/pairs.rs", "use urdf_rs::Robot;"),
+        ("src/verifier/apart.rs", "use crate::query::CollisionBody;"),
+        ("src/checker/fingerprint.rs", "use sha2::Sha256;"),
         ("src/monitor/monitor.rs", "use ros2_client::Node;"),
     ] {
         assert_eq!(violations(path, planted).len(), 1, "{path}: {planted}");

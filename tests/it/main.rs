@@ -9,6 +9,7 @@ mod effort;
 mod hostile;
 mod hostile_requests;
 mod layers;
+mod motions;
 mod random;
 mod reference;
 mod robots;

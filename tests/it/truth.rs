@@ -17,7 +17,7 @@ use crate::tally::{Tally, json, shared_folder};
 /// How far (m) the distances of Coal, rounded to 1e-6 and with a GJK tolerance of 1e-6, may be from the truth.
 const COAL_ACCURACY: f64 = 1.6e-6;
 
-fn robot(robots: &Path, name: &str, use_srdf: bool) -> RobotModel {
+pub fn robot(robots: &Path, name: &str, use_srdf: bool) -> RobotModel {
     let list = json(&robots.join("robots.json"));
     let entry = (list.as_array().unwrap().iter()).find(|r| r["name"] == name).unwrap();
     let path = |field: &str| robots.join(entry[field].as_str().unwrap());
@@ -26,7 +26,7 @@ fn robot(robots: &Path, name: &str, use_srdf: bool) -> RobotModel {
         .unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-fn named(value: &Value) -> Vec<(&str, f64)> {
+pub fn named(value: &Value) -> Vec<(&str, f64)> {
     let joints = value.as_object().unwrap();
     joints.iter().map(|(j, v)| (j.as_str(), v.as_f64().unwrap())).collect()
 }
@@ -58,7 +58,7 @@ fn hits(checker: &CollisionChecker, pairs: &[(Body, Body)]) -> Vec<(String, Stri
     found
 }
 
-fn world_of(objects: &[Value], meshes: &MeshFiles) -> World {
+pub fn world_of(objects: &[Value], meshes: &MeshFiles) -> World {
     let mut world = World::default();
     for object in objects {
         let added = world.add(Obstacle {
@@ -192,10 +192,7 @@ fn path_samples_of_the_scenes() {
     let (Some(scenes), Some(robots)) = (shared_folder("scenes"), shared_folder("robots")) else { return };
     let meshes = MeshFiles::under(&scenes);
     let mut tally = Tally::new("scenes, path_samples");
-    let mut files: Vec<_> = std::fs::read_dir(&scenes).unwrap().map(|e| e.unwrap().path()).collect();
-    files.retain(|f| f.extension().is_some_and(|e| e == "json"));
-    files.sort();
-    for file in files {
+    for file in scene_files(&scenes) {
         let scene = json(&file);
         let robot = Arc::new(robot(&robots, scene["robot"].as_str().unwrap(), true));
         for problem in scene["problems"].as_array().unwrap() {
@@ -212,6 +209,23 @@ fn scene_problem(
     meshes: &MeshFiles,
     tally: &mut Tally,
 ) {
+    let checker = scene_checker(scene, problem, robot, meshes);
+    let mut workspace = checker.workspace();
+    for sample in problem["path_samples"].as_array().unwrap() {
+        let t = sample["t"].as_f64().unwrap();
+        let q = scene_configuration(problem, robot, t);
+        let case = format!("{} at {t}", problem["id"].as_str().unwrap());
+        tally.add(&case, &sample_disagreements(&checker, &q, sample, &mut workspace));
+    }
+}
+
+/// A robot among a problem's obstacles.
+pub fn scene_checker(
+    scene: &Value,
+    problem: &Value,
+    robot: &Arc<RobotModel>,
+    meshes: &MeshFiles,
+) -> CollisionChecker {
     let list = |v: Option<&Value>| v.and_then(Value::as_array).cloned().unwrap_or_default();
     let mut obstacles = list(scene.get("shared_obstacles"));
     obstacles.extend(list(problem.get("obstacles")));
@@ -220,19 +234,24 @@ fn scene_problem(
     for pair in list(problem.get("allowed_pairs")) {
         allowed.set(pair[0].as_str().unwrap(), pair[1].as_str().unwrap(), true);
     }
-    let checker =
-        CollisionChecker::with_matrix(robot.clone(), &world, Settings::default(), Some(&allowed)).unwrap();
-    let mut workspace = checker.workspace();
-    for sample in problem["path_samples"].as_array().unwrap() {
-        let t = sample["t"].as_f64().unwrap();
-        let others = named(&problem["other_joints"]);
-        let (start, goal) = (named(&problem["start"]), &problem["goal"]);
-        let between = start.iter().map(|&(j, s)| (j, s + t * (goal[j].as_f64().unwrap() - s)));
-        let own: Vec<_> = between.chain(others.into_iter().filter(|(j, _)| goal.get(j).is_none())).collect();
-        let q = robot.configuration_from_names(own).unwrap();
-        let case = format!("{} at {t}", problem["id"].as_str().unwrap());
-        tally.add(&case, &sample_disagreements(&checker, &q, sample, &mut workspace));
-    }
+    CollisionChecker::with_matrix(robot.clone(), &world, Settings::default(), Some(&allowed)).unwrap()
+}
+
+/// Where a problem's straight line from start to goal is at t.
+pub fn scene_configuration(problem: &Value, robot: &RobotModel, t: f64) -> clearance::Configuration {
+    let others = named(&problem["other_joints"]);
+    let (start, goal) = (named(&problem["start"]), &problem["goal"]);
+    let between = start.iter().map(|&(j, s)| (j, s + t * (goal[j].as_f64().unwrap() - s)));
+    let own: Vec<_> = between.chain(others.into_iter().filter(|(j, _)| goal.get(j).is_none())).collect();
+    robot.configuration_from_names(own).unwrap()
+}
+
+/// The files of the shared scenes, in order.
+pub fn scene_files(scenes: &Path) -> Vec<std::path::PathBuf> {
+    let mut files: Vec<_> = std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|f| f.extension().is_some_and(|e| e == "json"));
+    files.sort();
+    files
 }
 
 fn sample_disagreements(
@@ -269,13 +288,13 @@ fn sample_disagreements(
 }
 
 /// A robot of the truth folder and its pairs in the truth's order.
-struct TruthRobot {
-    checker: CollisionChecker,
-    joint_order: Vec<String>,
+pub struct TruthRobot {
+    pub checker: CollisionChecker,
+    pub joint_order: Vec<String>,
     link_pairs: Vec<(String, String)>,
 }
 
-fn truth_robot(folder: &Path) -> TruthRobot {
+pub fn truth_robot(folder: &Path) -> TruthRobot {
     let srdf = folder.join("robot.srdf");
     let robot = RobotModel::load(&folder.join("robot.urdf"), Some(&srdf), &[]).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
@@ -451,7 +470,7 @@ fn robots_against_primitives_and_a_mesh_world() {
     }
 }
 
-fn env_world(objects: &[Value], folder: &Path) -> World {
+pub fn env_world(objects: &[Value], folder: &Path) -> World {
     // the mesh lies beside the robot's folder, which is outside the robot's own roots
     let meshes = MeshFiles::under(folder.parent().unwrap());
     let mut world = World::default();

@@ -1,0 +1,95 @@
+//! What a certificate is about, as hashes: the robot as it is checked, and its surroundings.
+
+use super::{AllowedCollisionMatrix, MeshModel, PairList, Settings};
+use crate::geometry::{Primitive, Shape};
+use crate::math::{Pose, UnitVector};
+use crate::motion::Fingerprint;
+use crate::robot::{Joint, JointKind, RobotModel};
+use crate::world::World;
+
+/// SHA-256 of all that decides how the robot moves, where it is solid, and what of it is checked: links, shapes, joints but their
+/// limits, paddings, what a mesh is, pairs of links. File names and the order of the URDF's attributes do not matter.
+#[must_use]
+pub fn model_fingerprint(
+    robot: &RobotModel,
+    settings: &Settings,
+    matrix: Option<&AllowedCollisionMatrix>,
+) -> String {
+    let mut print = Fingerprint::default();
+    print.text("clearance model 1").text(robot.name()).count(robot.links().len());
+    for link in robot.links() {
+        let padding = settings.link_padding.get(&link.name).copied().unwrap_or(settings.padding);
+        print.text(&link.name).numbers(&[padding]).count(link.collisions.len());
+        for collision in &link.collisions {
+            add_shape(&mut print, &collision.pose_ls, &collision.shape);
+        }
+    }
+    print.count(robot.joints().len());
+    for joint in robot.joints() {
+        add_joint(&mut print, joint);
+    }
+    let solid = settings.mesh_model == MeshModel::Solid;
+    let choices = [settings.pad_self, settings.check_self, settings.check_world, solid];
+    print.indices(&choices.map(u32::from));
+    let pairs = PairList::new(robot, &World::default(), matrix);
+    let pairs = pairs.restricted(settings.check_self, settings.check_world);
+    print.count(pairs.len());
+    for (a, b) in pairs.self_pairs() {
+        print.indices(&[a.0, b.0]);
+    }
+    print.finish()
+}
+
+/// SHA-256 of the obstacles: names, shapes, poses.
+#[must_use]
+pub fn world_fingerprint(world: &World) -> String {
+    let mut print = Fingerprint::default();
+    print.text("clearance world 1").count(world.obstacles().len());
+    for obstacle in world.obstacles() {
+        print.text(&obstacle.name).count(obstacle.shapes.len());
+        for placed in &obstacle.shapes {
+            add_shape(&mut print, &placed.pose_rs, &placed.shape);
+        }
+    }
+    print.finish()
+}
+
+fn add_joint(print: &mut Fingerprint, joint: &Joint) {
+    print.text(&joint.name).indices(&[joint.parent.0, joint.child.0]).pose(&joint.pose_pj);
+    let axis = |axis: &UnitVector| vec![axis.x, axis.y, axis.z];
+    let (kind, axis) = match &joint.kind {
+        JointKind::Fixed => ("fixed", vec![]),
+        // limits aside these are the same
+        JointKind::Revolute(a) | JointKind::Continuous(a) => ("turning", axis(a)),
+        JointKind::Prismatic(a) => ("prismatic", axis(a)),
+        JointKind::Floating => ("floating", vec![]),
+        JointKind::Planar(a) => ("planar", axis(a)),
+    };
+    print.text(kind).numbers(&axis);
+    match joint.mimic {
+        Some(m) => print.count(1).indices(&[m.joint.0]).numbers(&[m.multiplier, m.offset]),
+        None => print.count(0),
+    };
+}
+
+fn add_shape(print: &mut Fingerprint, pose: &Pose, shape: &Shape) {
+    print.pose(pose).text(shape.kind());
+    match shape {
+        Shape::Primitive(Primitive::Box { half_extents }) => print.numbers(half_extents),
+        Shape::Primitive(Primitive::Sphere { radius }) => print.numbers(&[*radius]),
+        Shape::Primitive(
+            Primitive::Cylinder { radius, half_length } | Primitive::Capsule { radius, half_length },
+        ) => print.numbers(&[*radius, *half_length]),
+        Shape::Mesh(mesh) => {
+            print.count(mesh.vertices().len());
+            for p in mesh.vertices() {
+                print.numbers(&[p.x, p.y, p.z]);
+            }
+            print.count(mesh.triangles().len());
+            for t in mesh.triangles() {
+                print.indices(t);
+            }
+            print
+        }
+    };
+}

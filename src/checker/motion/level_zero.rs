@@ -1,0 +1,165 @@
+//! Level 0 of a motion: capsules of all pairs, eight intervals at once.
+
+use crate::checker::bodies::Rider;
+use crate::checker::capsules::Segment;
+use crate::checker::collision_checker::CollisionChecker;
+use crate::checker::pair::PairInfo;
+use crate::constants::CONTACT_DISTANCE;
+use crate::math::UnitVector;
+use crate::motion::MotionSegment;
+use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Simd, dispatch, f32x8, f64x8};
+
+/// Where each body's ways stand in a list of all.
+#[derive(Clone, Debug)]
+pub struct Ways {
+    /// By rider.
+    starts: Vec<usize>,
+    /// By pair: the two ways that matter.
+    of_pairs: Vec<[usize; 2]>,
+    /// By rider: how far it reaches (m) from its body's origin.
+    reach: Vec<f64>,
+}
+
+/// The places of all ways.
+pub fn ways_of(chain: &Chain, riders: &[Option<Rider>], infos: &[PairInfo], between: &[Between]) -> Ways {
+    let (mut starts, mut reach, mut next) = (Vec::new(), Vec::new(), 0);
+    for rider in riders {
+        starts.push(next);
+        reach.push(rider.as_ref().map_or(0.0, Rider::reach));
+        next += rider.as_ref().map_or(0, |rider| chain.depth(rider.body) + 1);
+    }
+    let places = |(info, between): (&PairInfo, &Between)| {
+        [starts[info.bodies.0] + between.side(0).len(), starts[info.bodies.1] + between.side(1).len()]
+    };
+    let of_pairs = infos.iter().zip(between).map(places).collect();
+    Ways { starts, of_pairs, reach }
+}
+
+/// How positions deviate within one unit of t, at their fastest.
+struct AtTopSpeed<'s>(&'s MotionSegment);
+
+impl Deviations for AtTopSpeed<'_> {
+    fn of(&self, position: usize) -> Deviation {
+        Deviation { most: self.0.top_speed(position), ..Deviation::default() }
+    }
+
+    fn half_width(&self) -> f64 {
+        1.0
+    }
+
+    fn turn(&self, first: usize) -> Option<(UnitVector, f64)> {
+        self.0.turn_of(first)
+    }
+}
+
+/// How far tolerances let positions be off.
+struct Off<'s>(&'s MotionSegment);
+
+impl Deviations for Off<'_> {
+    fn of(&self, position: usize) -> Deviation {
+        Deviation { off: self.0.tube().get(position).copied().unwrap_or(0.0), ..Deviation::default() }
+    }
+
+    fn half_width(&self) -> f64 {
+        0.0
+    }
+
+    fn turn(&self, _: usize) -> Option<(UnitVector, f64)> {
+        None
+    }
+}
+
+impl CollisionChecker {
+    /// For each pair, how far (m) it may come nearer in one unit of t, and how far tolerances let it be nearer.
+    pub(super) fn approach_speeds(
+        &self,
+        segment: &MotionSegment,
+        ways: &mut Vec<f64>,
+        speeds: &mut Vec<f32>,
+    ) {
+        self.fill_ways(&AtTopSpeed(segment), segment, ways);
+        speeds.clear();
+        speeds.extend(self.ways.of_pairs.iter().map(|[a, b]| up(ways[*a] + ways[*b])));
+    }
+
+    /// For each pair, how much (m) nearer tolerances let it be.
+    pub(super) fn tolerated(&self, segment: &MotionSegment, ways: &mut Vec<f64>, off: &mut Vec<f32>) {
+        off.clear();
+        if segment.tube().is_empty() {
+            off.resize(self.infos.len(), 0.0);
+            return;
+        }
+        self.fill_ways(&Off(segment), segment, ways);
+        off.extend(self.ways.of_pairs.iter().map(|[a, b]| up(ways[*a] + ways[*b])));
+    }
+
+    fn fill_ways(&self, deviations: &impl Deviations, segment: &MotionSegment, ways: &mut Vec<f64>) {
+        ways.clear();
+        for (rider, reach) in self.riders.iter().zip(&self.ways.reach) {
+            let Some(rider) = rider else { continue };
+            self.chain.stretched_ways(rider.body, *reach, deviations, |i| segment.range(i), ways);
+        }
+        debug_assert!(self.ways.starts.last().is_none_or(|last| *last <= ways.len()));
+    }
+
+    /// For each pair, in which of the eight intervals of this half width around `middles` capsules do not prove it apart.
+    pub(super) fn screen_intervals(
+        &self,
+        segment: &MotionSegment,
+        (middles, half_width): ([f64; LANES], f64),
+        (speeds, off): (&[f32], &[f32]),
+        workspace: &mut super::MotionScratch,
+        level: crate::simd::Level,
+    ) {
+        let padding = up(self.largest_padding + CONTACT_DISTANCE + super::moment::SLACK);
+        let half_width = up(half_width * (1.0 + 1e-6));
+        let margin = |i: usize| (speeds[i] * half_width + off[i]) * (1.0 + 1e-6) + padding;
+        let super::MotionScratch { positions, columns, near, .. } = workspace;
+        columns.resize(positions.len(), [0.0; LANES]);
+        for (lane, middle) in middles.iter().enumerate() {
+            segment.positions_at(*middle, positions);
+            for (column, position) in columns.iter_mut().zip(&*positions) {
+                column[lane] = *position;
+            }
+        }
+        near.resize(self.infos.len(), 0);
+        dispatch!(level, simd => self.screen_columns(simd, columns, margin, near));
+    }
+
+    #[inline(always)]
+    fn screen_columns<S: Simd>(
+        &self,
+        simd: S,
+        columns: &[[f64; LANES]],
+        margin: impl Fn(usize) -> f32,
+        near: &mut [u8],
+    ) {
+        let zero = f32x8::splat(simd, 0.0);
+        let mut frames = vec![Frame::<f64x8<S>>::splat(simd, &Frame::IDENTITY); self.chain.body_count()];
+        let mut segments =
+            vec![Segment { centre: [zero; 3], half: [zero; 3] }; self.capsules.capsule_count()];
+        self.chain.frames(
+            simd,
+            #[inline(always)]
+            |i| f64x8::from_slice(simd, &columns[i]),
+            &mut frames,
+        );
+        self.capsules.place(&frames, &mut segments);
+        self.capsules.near_within(simd, &segments, margin, near);
+    }
+}
+
+/// The nearest f32 that is not below; infinite for what is no number.
+#[allow(clippy::cast_possible_truncation)] // rounded up right after
+fn up(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) >= x {
+        nearest
+    } else if x.is_nan() {
+        f32::INFINITY
+    } else {
+        nearest.next_up()
+    }
+}

@@ -1,0 +1,24 @@
+//! Is the way from here to there free? Certified motion: an answer `Free` is a proof for every t in [0, 1].
+//!
+//! An interval of the motion is free for a pair if the pair's distance in the middle is more than what it can lose on the way to
+//! either end; that bound is derived in `docs/derivations/motion-bound.md`. What is not proven is cut into pieces
+//! until it is, or a contact is found, or the motion within a piece is less than the tolerance.
+//!
+//! | step | file |
+//! |---|---|
+//! | capsules of all pairs, eight intervals at once | `level_zero` |
+//! | one pair at one moment: how far apart, how far for | `moment` |
+//! | one motion: which intervals to look at, what is found | `prover` |
+//! | what is proven, as a document | `certify` |
+//! | many motions; stretches one after the other | `edges`, `trajectory` |
+//! | volumes around a motion | `swept_volume` |
+//! | until when nothing can touch | `look_ahead` |
+
+mod level_zero;
+mod moment;
+mod prover;
+mod report;
+
+pub(super) use level_zero::{Ways, ways_of};
+pub(super) use prover::MotionScratch;
+pub use report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};

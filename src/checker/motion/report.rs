@@ -1,0 +1,100 @@
+//! What is asked of a motion, and what is answered.
+
+use std::time::Instant;
+
+use crate::checker::Body;
+use crate::math::Point;
+use crate::query::Work;
+
+/// How a motion is to be checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionOptions {
+    /// Within an interval in which no body moves more than this (m) an open question may stay open: whatever keeps farther apart is
+    /// always decided.
+    pub tolerance: f64,
+    pub order: MotionOrder,
+    /// When to stop with what is known so far.
+    pub deadline: Option<Instant>,
+    /// After how many looks at a pair to stop.
+    pub budget: u64,
+}
+
+/// Which contact is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MotionOrder {
+    /// The earliest: all before it is proven free.
+    #[default]
+    Earliest,
+    /// Any, as soon as possible.
+    Any,
+}
+
+impl Default for MotionOptions {
+    fn default() -> Self {
+        Self { tolerance: 5e-4, order: MotionOrder::Earliest, deadline: None, budget: u64::MAX }
+    }
+}
+
+/// Whether a motion is free.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MotionVerdict {
+    /// Proven: no pair touches anywhere in [0, 1].
+    Free,
+    /// A pair touches.
+    Contact {
+        /// Free before the first, proven; colliding at the second.
+        t: [f64; 2],
+        pair: (Body, Body),
+        /// A common point (root frame) at the second t, if one is known.
+        witness: Option<Point>,
+    },
+    /// Neither was found.
+    Undecided {
+        /// Free before the first, proven; from there to the second it is open, and after it, too, unless the reason is the
+        /// tolerance.
+        t: [f64; 2],
+        pair: (Body, Body),
+        /// In the middle of the interval the pair's distance (m, padding taken off) is between these.
+        distance: [f64; 2],
+        reason: UndecidedReason,
+    },
+}
+
+/// Why a motion could not be decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UndecidedReason {
+    /// A pair comes nearer than the tolerance, and no contact was found.
+    Tolerance,
+    /// Within the tracking tolerance a pair may touch.
+    Tube,
+    Deadline,
+    Budget,
+}
+
+impl std::fmt::Display for UndecidedReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Tolerance => "nearer than the tolerance",
+            Self::Tube => "may touch within the tracking tolerance",
+            Self::Deadline => "deadline exceeded",
+            Self::Budget => "budget used up",
+        })
+    }
+}
+
+/// The answer about one motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionReport {
+    pub verdict: MotionVerdict,
+    /// How often a pair was looked at, one interval at a time.
+    pub looks: u64,
+    /// Volume tests and primitive tests that the answer took.
+    pub work: Work,
+}
+
+impl MotionReport {
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.verdict == MotionVerdict::Free
+    }
+}

@@ -1,0 +1,49 @@
+//! A hash of things too big to be written as text first.
+
+use sha2::{Digest, Sha256};
+
+use crate::math::Pose;
+
+/// SHA-256 over texts and numbers, fed one after the other; texts and lists bring their lengths, so that none can pass for
+/// another.
+#[derive(Default)]
+pub(crate) struct Fingerprint(Sha256);
+
+impl Fingerprint {
+    pub fn text(&mut self, text: &str) -> &mut Self {
+        self.count(text.len());
+        self.0.update(text.as_bytes());
+        self
+    }
+
+    pub fn count(&mut self, count: usize) -> &mut Self {
+        self.0.update((count as u64).to_le_bytes());
+        self
+    }
+
+    /// Bit by bit.
+    pub fn numbers(&mut self, numbers: &[f64]) -> &mut Self {
+        self.count(numbers.len());
+        for number in numbers {
+            self.0.update(number.to_bits().to_le_bytes());
+        }
+        self
+    }
+
+    pub fn indices(&mut self, indices: &[u32]) -> &mut Self {
+        for index in indices {
+            self.0.update(index.to_le_bytes());
+        }
+        self
+    }
+
+    pub fn pose(&mut self, pose: &Pose) -> &mut Self {
+        let (t, q) = (pose.translation.vector, pose.rotation.coords);
+        self.numbers(&[t.x, t.y, t.z, q.x, q.y, q.z, q.w])
+    }
+
+    /// In hexadecimal digits.
+    pub fn finish(self) -> String {
+        self.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}

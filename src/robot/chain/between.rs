@@ -1,0 +1,304 @@
+//! The joints between two bodies: where one stands as seen from the other, and how far they can move.
+//!
+//! All is seen from the bodies' lowest common ancestor; joints nearer to the root move both alike. The bounds are derived in
+//! `docs/derivations/motion-bound.md`, whose symbols are used here.
+
+use super::{Body, Chain, Frame, Step};
+use crate::math::{UnitVector, Vector};
+use crate::simd::prelude::*;
+use crate::simd::{Simd, f64x8, sin_cos};
+
+/// Two bodies' ways to their lowest common ancestor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Between {
+    ancestor: usize,
+    /// By side: bodies from the most distal one to the ancestor, which is left out.
+    sides: [Vec<usize>; 2],
+}
+
+/// By how much a position may differ, within an interval, from that in the middle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// Its velocity in the middle, a unit of t.
+    pub velocity: f64,
+    /// δ: how far it goes in the interval, either way.
+    pub most: f64,
+    /// Of that, what lies beyond the way that the velocity in the middle makes.
+    pub bent: f64,
+    /// How far it may be off whatever the interval is; not part of the others.
+    pub off: f64,
+}
+
+/// How positions deviate within an interval.
+pub trait Deviations {
+    /// Of a position; not of quaternions.
+    fn of(&self, position: usize) -> Deviation;
+
+    /// Half the width of the interval, in t.
+    fn half_width(&self) -> f64;
+
+    /// The turn of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle a unit of t.
+    fn turn(&self, first: usize) -> Option<(UnitVector, f64)>;
+}
+
+/// All points within `radius` of a segment; seen from the ancestor.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    pub ends: [Vector; 2],
+    pub radius: f64,
+}
+
+/// How one of the bodies moves, seen from the ancestor.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SideMotion {
+    /// W, of the interval's width alone.
+    pub way: f64,
+    /// What tolerances add to W.
+    pub off: f64,
+    /// R.
+    pub remainder: f64,
+    /// K, of the interval's width alone.
+    pub bent: f64,
+    /// Velocity (a unit of t) of what passes through the ancestor's origin, and angular velocity.
+    pub velocity: Vector,
+    pub angular: Vector,
+}
+
+impl Chain {
+    /// The ways of two bodies to their lowest common ancestor.
+    #[must_use]
+    pub fn between(&self, a: usize, b: usize) -> Between {
+        let up = |mut body: usize| {
+            let mut way = vec![body];
+            while body != 0 {
+                body = self.bodies[body - 1].parent;
+                way.push(body);
+            }
+            way
+        };
+        let (mut a, mut b) = (up(a), up(b));
+        let mut ancestor = 0;
+        while let (Some(x), Some(y)) = (a.last(), b.last())
+            && x == y
+        {
+            ancestor = *x;
+            a.pop();
+            b.pop();
+        }
+        Between { ancestor, sides: [a, b] }
+    }
+
+    /// Writes the frames of the bodies between two, and of the two, in their lowest common ancestor.
+    #[inline(always)]
+    pub fn frames_between<S: Simd>(
+        &self,
+        simd: S,
+        between: &Between,
+        positions: &[f64],
+        frames: &mut [Frame<f64>],
+    ) {
+        let q = |i: usize| positions[i];
+        frames[between.ancestor] = Frame::IDENTITY;
+        for side in &between.sides {
+            for eight in side.rchunks(8) {
+                let mut angles = [0.0; 8];
+                for (angle, body) in angles.iter_mut().zip(eight) {
+                    *angle = self.bodies[body - 1].angle(q);
+                }
+                let (sin, cos) = sin_cos(f64x8::simd_from(simd, angles));
+                for (lane, &i) in eight.iter().enumerate().rev() {
+                    let body = &self.bodies[i - 1];
+                    frames[i] = body.frame((), q, &frames[body.parent], |_| (sin[lane], cos[lane]));
+                }
+            }
+        }
+    }
+
+    /// How one of two bodies moves, from their frames: the body at the end of a side, whose points lie within `reach`.
+    #[must_use]
+    pub fn side_motion(
+        &self,
+        side: &[usize],
+        reach: &Reach,
+        frames: &[Frame<f64>],
+        deviations: &impl Deviations,
+    ) -> SideMotion {
+        let mut motion = SideMotion::default();
+        for &i in side {
+            self.bodies[i - 1].add_motion(&mut motion, reach, &frames[i], frames, deviations);
+        }
+        motion
+    }
+
+    /// For each joint from a body up to the root: how far anything within `reach` metres of the body's origin may move, at most, by
+    /// the joints before it: bounds W with the reaches of chains that are stretched, which hold wherever joints stand. One more than
+    /// there are joints. `range` tells how far a position ever is from zero.
+    pub fn stretched_ways(
+        &self,
+        mut body: usize,
+        reach: f64,
+        deviations: &impl Deviations,
+        range: impl Fn(usize) -> f64,
+        ways: &mut Vec<f64>,
+    ) {
+        let (mut extent, mut way) = (reach, 0.0);
+        ways.push(way);
+        while body != 0 {
+            let joint = &self.bodies[body - 1];
+            let stretch = joint.add_stretched_way(&mut way, extent, deviations, &range);
+            extent += norm(joint.origin) + stretch;
+            ways.push(way);
+            body = joint.parent;
+        }
+    }
+
+    /// How many joints there are between a body and the root.
+    #[must_use]
+    pub fn depth(&self, mut body: usize) -> usize {
+        let mut depth = 0;
+        while body != 0 {
+            body = self.bodies[body - 1].parent;
+            depth += 1;
+        }
+        depth
+    }
+}
+
+impl Between {
+    /// Bodies on the way from one of the two to the ancestor, which is left out.
+    #[must_use]
+    pub fn side(&self, side: usize) -> &[usize] {
+        &self.sides[side]
+    }
+}
+
+impl Body {
+    /// Adds how far this joint moves what lies within `extent` of its origin; returns how far it slides itself.
+    fn add_stretched_way(
+        &self,
+        way: &mut f64,
+        extent: f64,
+        deviations: &impl Deviations,
+        range: impl Fn(usize) -> f64,
+    ) -> f64 {
+        match &self.step {
+            Step::Turn(_, source) => {
+                let d = deviations.of(source.index);
+                *way += source.multiplier.abs() * (d.most + d.off) * extent;
+                0.0
+            }
+            Step::Shift(_, source) => {
+                let d = deviations.of(source.index);
+                *way += source.multiplier.abs() * (d.most + d.off);
+                source.multiplier.abs() * range(source.index) + source.offset.abs()
+            }
+            Step::Float(_, first) => {
+                let shift = (0..3).map(|k| deviations.of(first + k).most).sum::<f64>();
+                let turn = deviations.turn(*first).map_or(0.0, |(_, angle)| angle.abs());
+                *way += shift + turn * deviations.half_width() * extent;
+                (0..3).map(|k| range(first + k)).sum()
+            }
+        }
+    }
+
+    /// Adds the motion of this body's joint to that of one that hangs on it.
+    #[inline]
+    fn add_motion(
+        &self,
+        motion: &mut SideMotion,
+        reach: &Reach,
+        frame: &Frame<f64>,
+        frames: &[Frame<f64>],
+        deviations: &impl Deviations,
+    ) {
+        match &self.step {
+            Step::Turn(_, source) => {
+                let deviation = deviations.of(source.index).times(source.multiplier);
+                motion.turn(&Vector::from(frame.r[2]), &Vector::from(frame.t), &deviation, reach);
+            }
+            Step::Shift(axis, source) => {
+                let deviation = deviations.of(source.index).times(source.multiplier);
+                motion.shift(Vector::from(frames[self.parent].turn(*axis)) * deviation.velocity, &deviation);
+            }
+            Step::Float(columns, first) => {
+                let joint = frames[self.parent].then(&Frame { r: *columns, t: self.origin });
+                let out = |v: [f64; 3]| Vector::from(joint.turn(v));
+                if let Some((axis, angle)) = deviations.turn(*first) {
+                    let most = angle.abs() * deviations.half_width();
+                    let deviation = Deviation { velocity: angle, most, ..Deviation::default() };
+                    motion.turn(&out(axis.into_inner().into()), &Vector::from(frame.t), &deviation, reach);
+                }
+                let along = [0, 1, 2].map(|k| deviations.of(first + k));
+                let length =
+                    |of: fn(&Deviation) -> f64| along.iter().map(|d| of(d).powi(2)).sum::<f64>().sqrt();
+                let deviation = Deviation {
+                    velocity: 0.0,
+                    most: length(|d| d.most),
+                    bent: length(|d| d.bent),
+                    off: length(|d| d.off),
+                };
+                motion.shift(out(along.map(|d| d.velocity)), &deviation);
+            }
+        }
+    }
+}
+
+impl Deviation {
+    #[inline]
+    fn times(&self, multiplier: f64) -> Self {
+        let size = multiplier.abs();
+        Self {
+            velocity: self.velocity * multiplier,
+            most: self.most * size,
+            bent: self.bent * size,
+            off: self.off * size,
+        }
+    }
+}
+
+impl Reach {
+    /// A number not less than the distance (m) of any of its points from an axis.
+    #[inline]
+    fn from_axis(&self, axis: &Vector, origin: &Vector) -> f64 {
+        let [p, q] = [axis.cross(&(self.ends[0] - origin)), axis.cross(&(self.ends[1] - origin))];
+        p.norm_squared().max(q.norm_squared()).sqrt() + self.radius
+    }
+
+    /// The most that any of its points moves a unit of t.
+    #[inline]
+    #[must_use]
+    pub fn speed(&self, velocity: &Vector, angular: &Vector) -> f64 {
+        let [p, q] = [velocity + angular.cross(&self.ends[0]), velocity + angular.cross(&self.ends[1])];
+        p.norm_squared().max(q.norm_squared()).sqrt() + angular.norm() * self.radius
+    }
+}
+
+impl SideMotion {
+    /// Adds a joint that turns, nearer to the ancestor than those before.
+    #[inline]
+    pub fn turn(&mut self, axis: &Vector, origin: &Vector, deviation: &Deviation, reach: &Reach) {
+        let Deviation { velocity, most, bent, off } = *deviation;
+        let moved = self.way + self.off;
+        let far = reach.from_axis(axis, origin) + moved;
+        self.remainder += (most + off) * (moved + 0.5 * (most + off) * far);
+        self.way += most * far;
+        self.off += off * far;
+        self.bent += bent * far;
+        let angular = axis * velocity;
+        self.angular += angular;
+        self.velocity += origin.cross(&angular);
+    }
+
+    /// Adds a joint that slides.
+    #[inline]
+    pub fn shift(&mut self, velocity: Vector, deviation: &Deviation) {
+        self.way += deviation.most;
+        self.off += deviation.off;
+        self.bent += deviation.bent;
+        self.velocity += velocity;
+    }
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    Vector::from(v).norm()
+}

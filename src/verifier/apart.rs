@@ -1,0 +1,97 @@
+//! Are two bodies proven to be at least so far apart?
+
+use super::body::{Body, Content, Node};
+use super::direction;
+use super::element::gap;
+use crate::math::{MatrixPose, Vector};
+
+/// The question, and how far the answer has come.
+pub(super) struct Apart<'b> {
+    a: &'b Body,
+    b: &'b Body,
+    pose_ab: MatrixPose,
+    /// Components' amounts of the rotation.
+    spread: crate::math::RotationMatrix,
+    target: f64,
+    /// Unit direction along which elements were apart last, in the frame of a and in that of b; and their components' amounts.
+    n: [Vector; 2],
+    n_abs: [Vector; 2],
+    pub element_tests: u64,
+}
+
+impl<'b> Apart<'b> {
+    /// Two bodies at a pose; `hint` is a direction, in the frame of a, along which they may be apart.
+    pub fn new(a: &'b Body, b: &'b Body, pose_ab: MatrixPose, target: f64) -> Self {
+        let spread = pose_ab.rotation.abs();
+        let zero = [Vector::zeros(); 2];
+        let mut apart = Self { a, b, pose_ab, spread, target, n: zero, n_abs: zero, element_tests: 0 };
+        let between = &apart.pose_ab * b.root().centre - a.root().centre;
+        apart.look_along(between.try_normalize(0.0).unwrap_or_else(Vector::zeros));
+        apart
+    }
+
+    /// Whether all elements are proven at least the target apart.
+    pub fn prove(&mut self) -> bool {
+        self.nodes(0, 0)
+    }
+
+    fn look_along(&mut self, n: Vector) {
+        self.n = [n, self.pose_ab.rotation.tr_mul(&n)];
+        self.n_abs = self.n.map(|n| n.abs());
+    }
+
+    fn nodes(&mut self, i: usize, j: usize) -> bool {
+        let (x, y) = (self.a.node(i), self.b.node(j));
+        if self.volumes_apart(x, y) {
+            return true;
+        }
+        let pairs = match (x.content, y.content) {
+            (Content::Element(e), Content::Element(f)) => return self.elements(e, f),
+            (Content::Children([l, r]), Content::Element(_)) => [(l, j), (r, j)],
+            (Content::Children([l, r]), _) if x.radius >= y.radius => [(l, j), (r, j)],
+            (_, Content::Children([l, r])) => [(i, l), (i, r)],
+        };
+        // the nearer first: it finds the direction that serves for the rest
+        let between = |(i, j): (usize, usize)| self.between(self.a.node(i), self.b.node(j)).norm_squared();
+        let first = usize::from(between(pairs[1]) < between(pairs[0]));
+        [first, 1 - first].iter().all(|k| self.nodes(pairs[*k].0, pairs[*k].1))
+    }
+
+    /// From one centre to the other, in the frame of a.
+    fn between(&self, x: &Node, y: &Node) -> Vector {
+        &self.pose_ab * y.centre - x.centre
+    }
+
+    /// Whether the balls, or the boxes along the last direction or along their own axes, are the target apart.
+    fn volumes_apart(&self, x: &Node, y: &Node) -> bool {
+        let between = self.between(x, y);
+        let reach = x.radius + y.radius + self.target;
+        if between.norm_squared() >= reach * reach {
+            return true;
+        }
+        let along = between.dot(&self.n[0]) - self.n_abs[0].dot(&x.half) - self.n_abs[1].dot(&y.half);
+        if along >= self.target {
+            return true;
+        }
+        // the box around the other box, along one's own axes
+        let squared = |gap: Vector| gap.map(|g| g.max(0.0)).norm_squared();
+        let enough = self.target * self.target;
+        squared(between.abs() - x.half - self.spread * y.half) >= enough || {
+            let between_b = self.pose_ab.rotation.tr_mul(&between);
+            squared(between_b.abs() - y.half - self.spread.tr_mul(&x.half)) >= enough
+        }
+    }
+
+    fn elements(&mut self, e: usize, f: usize) -> bool {
+        self.element_tests += 1;
+        let (e, f) = (self.a.element(e), self.b.element(f));
+        if gap(e, f, &self.pose_ab, &self.n[0]) >= self.target {
+            return true;
+        }
+        match direction::find(e, f, &self.pose_ab, self.target) {
+            Some(n) => self.look_along(n),
+            None => return false,
+        }
+        true
+    }
+}

@@ -1,0 +1,142 @@
+//! The convex things that bodies are made of, and all that is believed about them: how far they reach in a direction, and corners
+//! whose hull holds them.
+
+use std::f64::consts::PI;
+
+use crate::geometry::{Primitive, Triangle};
+use crate::math::{MatrixPose, Point, Pose, Vector};
+
+/// A triangle of a mesh, or a primitive, in the frame of its body.
+#[derive(Clone, Debug)]
+pub(super) enum Element {
+    Triangle(Triangle),
+    Solid(Box<Solid>),
+}
+
+/// A primitive as a sum: a centre, up to three segments through it, a disc, and a ball. What it has not is zero.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    centre: Point,
+    /// Half of each segment.
+    halves: [Vector; 3],
+    /// Two radii of the disc, square to each other.
+    disc: [Vector; 2],
+    ball: f64,
+    /// Their hull holds all but the ball.
+    corners: Vec<Point>,
+}
+
+/// Corners of the polygon around a disc; a multiple of four, so that the square around the disc holds it.
+const POLYGON: u32 = 16;
+
+impl Element {
+    pub fn triangle(triangle: &Triangle, pose: &Pose) -> Self {
+        Self::Triangle(triangle.transformed(pose))
+    }
+
+    pub fn primitive(primitive: &Primitive, pose: &Pose) -> Self {
+        let along = |x: f64, y: f64, z: f64| pose.rotation * Vector::new(x, y, z);
+        let zero = Vector::zeros();
+        let (halves, disc, ball) = match *primitive {
+            Primitive::Box { half_extents: [x, y, z] } => {
+                ([along(x, 0.0, 0.0), along(0.0, y, 0.0), along(0.0, 0.0, z)], [zero; 2], 0.0)
+            }
+            Primitive::Sphere { radius } => ([zero; 3], [zero; 2], radius),
+            Primitive::Capsule { radius, half_length } => {
+                ([along(0.0, 0.0, half_length), zero, zero], [zero; 2], radius)
+            }
+            Primitive::Cylinder { radius, half_length } => {
+                let disc = [along(radius, 0.0, 0.0), along(0.0, radius, 0.0)];
+                ([along(0.0, 0.0, half_length), zero, zero], disc, 0.0)
+            }
+        };
+        let centre = Point::from(pose.translation.vector);
+        let corners = corners(&centre, &halves, &disc);
+        Self::Solid(Box::new(Solid { centre, halves, disc, ball, corners }))
+    }
+
+    /// The largest n·x of its points x.
+    pub fn support(&self, n: &Vector) -> f64 {
+        match self {
+            Self::Triangle(Triangle { a, b, c }) => {
+                n.dot(&a.coords).max(n.dot(&b.coords)).max(n.dot(&c.coords))
+            }
+            Self::Solid(solid) => {
+                let segments: f64 = solid.halves.iter().map(|half| n.dot(half).abs()).sum();
+                let disc = n.dot(&solid.disc[0]).hypot(n.dot(&solid.disc[1]));
+                n.dot(&solid.centre.coords) + segments + disc + solid.ball * n.norm()
+            }
+        }
+    }
+
+    /// A point, the ball left out, whose n·x is the largest.
+    pub fn extreme(&self, n: &Vector) -> Point {
+        match self {
+            Self::Triangle(triangle) => {
+                let corners = triangle.corners();
+                let heights = corners.map(|p| n.dot(&p.coords));
+                let first = if heights[1] > heights[0] { 1 } else { 0 };
+                corners[if heights[2] > heights[first] { 2 } else { first }]
+            }
+            Self::Solid(solid) => {
+                let mut point = solid.centre;
+                for half in &solid.halves {
+                    point += if n.dot(half) < 0.0 { -half } else { *half };
+                }
+                let [u, v] = &solid.disc;
+                let (x, y) = (n.dot(u), n.dot(v));
+                let length = x.hypot(y);
+                if length > 0.0 { point + u * (x / length) + v * (y / length) } else { point }
+            }
+        }
+    }
+
+    /// Radius of the ball that is added to all the rest.
+    pub fn ball(&self) -> f64 {
+        if let Self::Solid(solid) = self { solid.ball } else { 0.0 }
+    }
+
+    /// The largest value of a convex function that changes by no more than `slope` a metre, or more.
+    pub fn greatest(&self, slope: f64, function: impl Fn(&Point) -> f64) -> f64 {
+        match self {
+            Self::Triangle(Triangle { a, b, c }) => function(a).max(function(b)).max(function(c)),
+            Self::Solid(solid) => solid.corners.iter().map(function).fold(0.0, f64::max) + slope * solid.ball,
+        }
+    }
+
+    /// Smallest and largest coordinates.
+    pub fn bounds(&self) -> [Point; 2] {
+        match self {
+            Self::Triangle(Triangle { a, b, c }) => [a.inf(b).inf(c), a.sup(b).sup(c)],
+            Self::Solid(_) => {
+                let axes = [Vector::x(), Vector::y(), Vector::z()];
+                let high = axes.map(|axis| self.support(&axis));
+                let low = axes.map(|axis| -self.support(&-axis));
+                [Point::from(low), Point::from(high)]
+            }
+        }
+    }
+}
+
+fn corners(centre: &Point, halves: &[Vector; 3], disc: &[Vector; 2]) -> Vec<Point> {
+    let mut corners = vec![*centre];
+    for half in halves.iter().filter(|half| **half != Vector::zeros()) {
+        corners = corners.iter().flat_map(|c| [c - half, c + half]).collect();
+    }
+    if disc[0] == Vector::zeros() {
+        return corners;
+    }
+    let half_angle = PI / f64::from(POLYGON);
+    let polygon: Vec<Vector> = (0..POLYGON)
+        .map(|i| f64::from(2 * i + 1) * half_angle)
+        .map(|angle| (disc[0] * angle.cos() + disc[1] * angle.sin()) / half_angle.cos())
+        .collect();
+    corners.iter().flat_map(|c| polygon.iter().map(move |p| c + p)).collect()
+}
+
+/// How far two elements are apart at least, by the two planes square to `n`, a unit direction in the frame of `a`. Negative if the
+/// planes do not lie between them.
+pub(super) fn gap(a: &Element, b: &Element, pose_ab: &MatrixPose, n: &Vector) -> f64 {
+    let n_b = pose_ab.rotation.tr_mul(n);
+    n.dot(&pose_ab.translation) - b.support(&-n_b) - a.support(n)
+}

@@ -1,0 +1,96 @@
+//! Whether anything of one body lies inside a closed mesh of another.
+//!
+//! Where surfaces are apart, each connected part of one is wholly inside or wholly outside the other: one point of each decides.
+//! Inside is where the surface winds around a point (van Oosterom & Strackee 1983 give a triangle's solid angle).
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::geometry::{Shape, TriangleMesh};
+use crate::math::{MatrixPose, Point, Pose};
+
+/// The closed meshes of a body, and a point of each connected part of it.
+#[derive(Debug)]
+pub(super) struct Interior {
+    closed: Vec<(Pose, Arc<TriangleMesh>, [Point; 2])>,
+    parts: Vec<Point>,
+}
+
+impl Interior {
+    pub fn new(shapes: &[(Pose, &Shape)]) -> Self {
+        let mut interior = Self { closed: Vec::new(), parts: Vec::new() };
+        for (pose, shape) in shapes {
+            match shape {
+                Shape::Primitive(_) => interior.parts.push(Point::from(pose.translation.vector)),
+                Shape::Mesh(mesh) => {
+                    interior.parts.extend(parts(mesh).iter().map(|p| pose * p));
+                    if mesh.is_closed() {
+                        interior.closed.push((*pose, Arc::clone(mesh), mesh.bounds().into()));
+                    }
+                }
+            }
+        }
+        interior
+    }
+
+    /// Whether a part of either lies in the other.
+    pub fn overlap(&self, other: &Self, pose: &MatrixPose) -> bool {
+        let back = pose.inverse();
+        other.parts.iter().any(|p| self.holds(&(pose * *p)))
+            || self.parts.iter().any(|p| other.holds(&(&back * *p)))
+    }
+
+    fn holds(&self, point: &Point) -> bool {
+        self.closed.iter().any(|(pose, mesh, [low, high])| {
+            let p = pose.inverse_transform_point(point);
+            (0..3).all(|i| low[i] <= p[i] && p[i] <= high[i]) && turns(mesh, &p).abs() > 0.5
+        })
+    }
+}
+
+/// How often a mesh winds around a point.
+fn turns(mesh: &TriangleMesh, p: &Point) -> f64 {
+    let angle = |i: usize| {
+        let [a, b, c] = mesh.triangle(i).corners().map(|corner| corner - p);
+        let [x, y, z] = [a, b, c].map(|v| v.norm());
+        let across = x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y;
+        a.dot(&b.cross(&c)).atan2(across)
+    };
+    (0..mesh.triangles().len()).map(angle).sum::<f64>() / (2.0 * PI)
+}
+
+/// A corner of each connected part; corners at one place are one.
+fn parts(mesh: &TriangleMesh) -> Vec<Point> {
+    let mut places: HashMap<[u64; 3], usize> = HashMap::new();
+    let place_of: Vec<usize> = (mesh.vertices().iter())
+        .map(|p| {
+            let next = places.len();
+            // -0.0 and 0.0 are one place
+            *places.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(next)
+        })
+        .collect();
+    let mut triangles_at: Vec<Vec<usize>> = vec![Vec::new(); places.len()];
+    for (i, t) in mesh.triangles().iter().enumerate() {
+        for &v in t {
+            triangles_at[place_of[v as usize]].push(i);
+        }
+    }
+    let mut seen = vec![false; mesh.triangles().len()];
+    let mut parts = Vec::new();
+    for start in 0..seen.len() {
+        if seen[start] {
+            continue;
+        }
+        parts.push(mesh.triangle(start).a);
+        let mut open = vec![start];
+        while let Some(i) = open.pop() {
+            if !std::mem::replace(&mut seen[i], true) {
+                for &v in &mesh.triangles()[i] {
+                    open.append(&mut triangles_at[place_of[v as usize]]);
+                }
+            }
+        }
+    }
+    parts
+}

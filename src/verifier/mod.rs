@@ -1,0 +1,38 @@
+//! Checks certificates, and shares nothing with what makes them: the smallest code that has to be trusted.
+//!
+//! A certificate claims that a robot can make a motion and hits nothing ([`Certificate`](crate::motion::Certificate)). Nothing in
+//! it is believed. The kinematics here are the plain ones; there is no tree of volumes, no lane, no rounding to f32 of the
+//! engine's. What has to be right for an accepted certificate to be true:
+//!
+//! | file | what |
+//! |---|---|
+//! | `documents` | it is about this robot, world and motion; every pair is listed; segments follow each other |
+//! | `coverage` | for every pair, intervals cover all of every segment |
+//! | `course`, `moment` | lines that joints turn about and slide along, and by how much, from the URDF's tree |
+//! | `bound` | how much nearer a pair can come within an interval (`docs/derivations/motion-bound.md`) |
+//! | `element` | how far a triangle or primitive reaches in a direction, and its corners |
+//! | `body`, `apart` | every two elements are proven apart, by boxes or by a direction along which they are |
+//! | `interior` | nothing lies inside a closed mesh, if these are solids |
+//!
+//! What finds the directions (`direction`) need not be right: a bad direction proves nothing, and the certificate is refused.
+
+mod apart;
+mod body;
+mod bound;
+mod course;
+mod coverage;
+mod direction;
+mod documents;
+mod element;
+mod interior;
+mod moment;
+mod refusal;
+mod subjects;
+#[expect(clippy::module_inception, reason = "the verifier is the one thing that this module makes")]
+mod verifier;
+
+#[cfg(test)]
+mod tests;
+
+pub use refusal::{Refusal, Verified};
+pub use verifier::{Verifier, verify};

@@ -1,0 +1,108 @@
+//! No sampled point of any robot comes nearer to another than the bound says.
+
+use super::scenes::{ALL_KINDS, motion, point_of, robot, world};
+use crate::checker::Settings;
+use crate::math::{Point, Pose};
+use crate::motion::MotionSegment;
+use crate::robot::{LinkPoses, RobotModel};
+use crate::testing::Random;
+use crate::verifier::Verifier;
+use crate::verifier::course::Course;
+use crate::verifier::verifier::{Interval, Pass};
+use crate::world::World;
+
+/// Where a body is at t, the robot anywhere in its tube.
+struct Scene<'s> {
+    robot: &'s RobotModel,
+    world: &'s World,
+    motion: &'s MotionSegment,
+    poses: LinkPoses,
+    t: f64,
+}
+
+impl Scene<'_> {
+    fn go_to(&mut self, t: f64, off: impl Fn(usize) -> f64) {
+        let mut positions = self.motion.at(t).positions().to_vec();
+        for (i, (position, tube)) in positions.iter_mut().zip(self.motion.tube()).enumerate() {
+            *position += tube * off(i);
+        }
+        self.t = t;
+        self.robot.forward_kinematics(&self.robot.configuration(&positions).unwrap(), &mut self.poses);
+    }
+
+    fn pose(&self, body: usize) -> Pose {
+        let Some(obstacle) = body.checked_sub(self.robot.links().len()) else {
+            return *self.poses.pose(self.robot.link_ids().nth(body).unwrap());
+        };
+        let name = &self.world.obstacles()[obstacle].name;
+        let mover = self.motion.obstacles().iter().find(|m| m.name == *name);
+        mover.map_or(Pose::identity(), |m| m.displacement(self.t))
+    }
+}
+
+/// Random points of both bodies, each in its body's frame.
+fn point_pairs(random: &mut Random, pass: &Pass, pair: usize) -> Vec<[Point; 2]> {
+    let bodies = pass.bodies(pair).map(|(_, body, _)| body);
+    let mut point = |i: usize| {
+        let elements = bodies[i].elements();
+        let element = &elements[random.below(elements.len())];
+        point_of(random, element)
+    };
+    (0..6).map(|_| [point(0), point(1)]).collect()
+}
+
+/// Which share of the rough and of the exact bound sampled points used up at most.
+fn worst(random: &mut Random, extent: f64) -> f64 {
+    let robot = robot(random, &ALL_KINDS);
+    let world = world(random, 0.5);
+    let motion = motion(random, &robot, extent);
+    let verifier = Verifier::new(&robot, &world, &Settings::default(), None).unwrap();
+    let course = Course::new(&robot, &world, 0, motion.clone()).unwrap();
+    let mut pass = Pass::new(&verifier, 0, &course);
+    let mut scene =
+        Scene { robot: &robot, world: &world, motion: &motion, poses: LinkPoses::new(&robot), t: 0.0 };
+    let from = random.within(0.5) + 0.5;
+    let to = (from + random.within(0.4).abs() * random.within(1.0).abs()).min(1.0);
+    let interval = Interval::new(from, to);
+    pass.go_to(interval);
+    let mut worst: f64 = 0.0;
+    for pair in 0..verifier.subject.pairs.len() {
+        pass.place(pair);
+        let rough = pass.bound(pair, interval, false);
+        let exact = pass.bound(pair, interval, true);
+        assert!(exact <= rough * (1.0 + 1e-9) + 1e-12, "{exact} > {rough}");
+        let points = point_pairs(random, &pass, pair);
+        let indices = pass.bodies(pair).map(|(index, ..)| index);
+        let distances = |scene: &Scene| {
+            let poses = indices.map(|i| scene.pose(i));
+            points
+                .iter()
+                .map(|[a, b]| nalgebra::distance(&(poses[0] * a), &(poses[1] * b)))
+                .collect::<Vec<_>>()
+        };
+        scene.go_to(interval.middle, |_| 0.0);
+        let before = distances(&scene);
+        for k in 0..12 {
+            let t = [from, to, interval.middle + random.within(interval.half_width)][k % 3].clamp(from, to);
+            let signs = random.bits();
+            let share = if k < 6 { 1.0 } else { random.within(1.0) };
+            scene.go_to(t, |i| if signs >> (i % 64) & 1 == 0 { share } else { -share });
+            for (before, now) in before.iter().zip(distances(&scene)) {
+                assert!(before - now <= exact + 1e-9, "{before} to {now}, but at most {exact}: pair {pair}");
+                worst = worst.max((before - now) / exact.max(1e-6));
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn no_point_comes_nearer_than_bound() {
+    for extent in [0.01, 0.1, 1.0, 3.0] {
+        let mut random = Random::new(71);
+        let worst = (0..400).map(|_| worst(&mut random, extent)).fold(0.0, f64::max);
+        println!("motions of {extent}: up to {worst:.4} of the bound");
+        // the samples come near enough to it to find one that is too small
+        assert!(worst > 0.5, "{worst}");
+    }
+}

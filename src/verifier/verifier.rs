@@ -1,0 +1,232 @@
+//! Whether a certificate proves what it claims.
+
+use super::apart::Apart;
+use super::body::Body;
+use super::bound::{Approach, Side};
+use super::course::{Course, Rate, link_paths};
+use super::documents::{self, Subject};
+use super::moment::Moment;
+use super::{Refusal, Verified, coverage, subjects};
+use crate::checker::{AllowedCollisionMatrix, Settings, model_fingerprint, world_fingerprint};
+use crate::motion::{Certificate, Proof};
+use crate::robot::RobotModel;
+use crate::world::World;
+
+/// How far (m) distances may be below what is claimed: where the search for nearest points of round solids stops.
+const CLAIM_SLACK: f64 = 1e-9;
+
+/// What is added to a bound, in m and as a share of it (`docs/derivations/motion-bound.md`).
+const BOUND_SLACK: f64 = 1e-9;
+
+/// Verifies certificates about one robot in one world; bodies are built once.
+#[derive(Debug)]
+pub struct Verifier<'r> {
+    pub(super) robot: &'r RobotModel,
+    pub(super) world: &'r World,
+    pub(super) subject: Subject,
+    /// By link, then by obstacle.
+    bodies: Vec<Option<Body>>,
+    /// By link: the steps that move it.
+    paths: Vec<Vec<usize>>,
+}
+
+/// As [`Verifier::verify`], for one certificate.
+pub fn verify(
+    robot: &RobotModel,
+    world: &World,
+    settings: &Settings,
+    matrix: Option<&AllowedCollisionMatrix>,
+    certificate: &Certificate,
+) -> Result<Verified, Refusal> {
+    Verifier::new(robot, world, settings, matrix)?.verify(certificate)
+}
+
+impl<'r> Verifier<'r> {
+    /// Decides what has to be proven. A scene's matrix, if given, decides the pairs instead of the SRDF.
+    ///
+    /// # Errors
+    /// When the paddings make no sense for this robot.
+    pub fn new(
+        robot: &'r RobotModel,
+        world: &'r World,
+        settings: &Settings,
+        matrix: Option<&AllowedCollisionMatrix>,
+    ) -> Result<Self, Refusal> {
+        let pairs = subjects::pairs(robot, world, settings, matrix)?;
+        let bodies = subjects::bodies(robot, world, settings, &pairs);
+        let model = model_fingerprint(robot, settings, matrix);
+        let subject = Subject { model, world: world_fingerprint(world), pairs };
+        Ok(Self { robot, world, subject, bodies, paths: link_paths(robot) })
+    }
+
+    /// Accepts a certificate only if all that it claims is proven here again.
+    pub fn verify(&self, certificate: &Certificate) -> Result<Verified, Refusal> {
+        documents::check(certificate, self.robot, &self.subject)?;
+        let pairs = self.subject.pairs.len();
+        let mut verified = Verified { segments: certificate.segments.len(), pairs, ..Verified::default() };
+        let mut last = None;
+        for (segment, proof) in certificate.segments.iter().enumerate() {
+            let motion = certificate.segment(self.robot, segment);
+            let motion = motion.map_err(|error| Refusal::Motion { segment, error })?;
+            let course = Course::new(self.robot, self.world, segment, motion)?;
+            documents::check_ends(segment, last.as_ref(), &course, self.robot, self.world)?;
+            coverage::check(segment, &proof.proofs, &self.subject.pairs)?;
+            let mut pass = Pass::new(self, segment, &course);
+            pass.proofs(&proof.proofs)?;
+            verified.add(&pass.verified);
+            last = Some(course);
+        }
+        Ok(verified)
+    }
+}
+
+/// One segment under way.
+pub(super) struct Pass<'p, 'r> {
+    verifier: &'p Verifier<'r>,
+    segment: usize,
+    course: &'p Course,
+    moment: Moment,
+    /// By step, for the interval at hand.
+    rates: Vec<Rate>,
+    verified: Verified,
+}
+
+/// A proof's interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Interval {
+    pub middle: f64,
+    pub half_width: f64,
+}
+
+impl Interval {
+    pub fn new(from: f64, to: f64) -> Self {
+        let middle = 0.5 * (from + to);
+        Self { middle, half_width: (to - middle).max(middle - from) }
+    }
+}
+
+impl<'p, 'r> Pass<'p, 'r> {
+    pub fn new(verifier: &'p Verifier<'r>, segment: usize, course: &'p Course) -> Self {
+        let moment = Moment::new(verifier.robot, verifier.bodies.len());
+        Self { verifier, segment, course, moment, rates: Vec::new(), verified: Verified::default() }
+    }
+
+    /// Checks all proofs, those of one middle together.
+    fn proofs(&mut self, proofs: &[Proof]) -> Result<(), Refusal> {
+        let intervals = proofs.iter().map(|p| Interval::new(p.1, p.2)).zip(0..);
+        let mut order: Vec<(Interval, usize)> = intervals.collect();
+        order.sort_by(|(i, _), (j, _)| {
+            i.middle.total_cmp(&j.middle).then(i.half_width.total_cmp(&j.half_width))
+        });
+        let mut seen = vec![false; self.verifier.subject.pairs.len()];
+        let mut last = None;
+        for (interval, proof) in order {
+            if last != Some(interval) {
+                self.go_to(interval);
+                last = Some(interval);
+            }
+            let pair = proofs[proof].0;
+            self.place(pair);
+            self.proof(proof, &proofs[proof], interval)?;
+            // surfaces stay apart, so what is outside once is so throughout
+            if !std::mem::replace(&mut seen[pair], true) {
+                self.outside(pair)?;
+            }
+        }
+        self.verified.proofs = proofs.len();
+        Ok(())
+    }
+
+    pub fn go_to(&mut self, interval: Interval) {
+        if self.moment.t != interval.middle {
+            self.moment.go_to(self.verifier.robot, self.course, interval.middle);
+        }
+        let rates = self.course.steps.iter().map(|step| step.rate(interval.middle, interval.half_width));
+        self.rates.clear();
+        self.rates.extend(rates);
+    }
+
+    pub fn bodies(&self, pair: usize) -> [(usize, &'p Body, &'p [usize]); 2] {
+        let Verifier { subject, bodies, paths, .. } = self.verifier;
+        subject.pairs[pair].bodies.map(|index| {
+            let path = match index.checked_sub(paths.len()) {
+                None => paths[index].as_slice(),
+                Some(obstacle) => self.course.obstacle_path(obstacle),
+            };
+            (index, bodies[index].as_ref().expect("pairs name only bodies with geometry"), path)
+        })
+    }
+
+    pub fn place(&mut self, pair: usize) {
+        for (index, body, path) in self.bodies(pair) {
+            self.moment.place(self.verifier.robot, self.course, index, body, path);
+        }
+    }
+
+    /// Proves one pair apart on one interval.
+    fn proof(&mut self, proof: usize, claim: &Proof, interval: Interval) -> Result<(), Refusal> {
+        let Proof(pair, _, _, lower, bound) = *claim;
+        let subject = &self.verifier.subject.pairs[pair];
+        let (segment, padding) = (self.segment, subject.padding);
+        let keeps = |found: f64| found <= bound * (1.0 + BOUND_SLACK) + BOUND_SLACK;
+        let leaves = |found: f64| found * (1.0 + BOUND_SLACK) + BOUND_SLACK + padding < lower;
+        let mut found = self.bound(pair, interval, false);
+        if !(keeps(found) && leaves(found)) {
+            self.verified.exact_bounds += 1;
+            found = self.bound(pair, interval, true).min(found);
+        }
+        if !keeps(found) {
+            return Err(Refusal::Bound { segment, proof, bound, found });
+        }
+        if !leaves(found) {
+            return Err(Refusal::Margin { segment, proof, lower, found, padding });
+        }
+        let needed = found + padding + self.moment.rounding(subject.bodies);
+        if self.apart(pair, needed.max(lower - CLAIM_SLACK)) {
+            return Ok(());
+        }
+        let (pair, at) = (subject.names.clone(), interval.middle);
+        Err(Refusal::Near { segment, proof, pair, at, lower })
+    }
+
+    /// By how much a pair that is placed may come nearer in the interval.
+    pub fn bound(&mut self, pair: usize, interval: Interval, exact: bool) -> f64 {
+        let both = self.bodies(pair);
+        if exact {
+            for (index, body, path) in both {
+                self.moment.measure(index, body, path);
+            }
+        }
+        let placed = both.map(|(index, ..)| self.moment.placed(index));
+        let shared = both[0].2.iter().zip(both[1].2).take_while(|(a, b)| a == b).count();
+        let side = |i: usize| {
+            let placed = placed[i];
+            let reach = if exact { placed.exact_reach.as_ref() } else { None }.unwrap_or(&placed.reach);
+            Side { path: &both[i].2[shared..], reach: &reach[shared..] }
+        };
+        let approach = Approach { bodies: both.map(|(_, body, _)| body), placed, sides: [side(0), side(1)] };
+        approach.bound(self.moment.lines(), &self.rates, interval.half_width, exact)
+    }
+
+    /// Whether a pair that is placed is proven `target` (m) apart.
+    pub fn apart(&mut self, pair: usize, target: f64) -> bool {
+        let [(i, a, _), (j, b, _)] = self.bodies(pair);
+        let pose_ab = self.moment.placed(i).pose_rb.relative(&self.moment.placed(j).pose_rb);
+        let mut apart = Apart::new(a, b, pose_ab, target);
+        let proven = apart.prove();
+        self.verified.element_tests += apart.element_tests;
+        proven
+    }
+
+    /// Refuses a pair of which one lies inside the other's closed mesh, where these are solids.
+    fn outside(&self, pair: usize) -> Result<(), Refusal> {
+        let [(i, a, _), (j, b, _)] = self.bodies(pair);
+        let (Some(a), Some(b)) = (&a.interior, &b.interior) else { return Ok(()) };
+        let pose_ab = self.moment.placed(i).pose_rb.relative(&self.moment.placed(j).pose_rb);
+        if !a.overlap(b, &pose_ab) {
+            return Ok(());
+        }
+        let pair = self.verifier.subject.pairs[pair].names.clone();
+        Err(Refusal::Inside { segment: self.segment, pair, at: self.moment.t })
+    }
+}
