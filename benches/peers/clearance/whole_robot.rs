@@ -30,6 +30,8 @@ const BUILDS: usize = 3;
 
 pub struct WholeRobot {
     checker: CollisionChecker,
+    /// What decides the checker's pairs in place of the SRDF.
+    matrix: Option<AllowedCollisionMatrix>,
     workspace: Workspace,
     states: BTreeMap<&'static str, Vec<Configuration>>,
     edges: EdgeSets,
@@ -54,7 +56,8 @@ impl WholeRobot {
         )?);
         let mut random = Random::new(seed.parse()?);
         let space = Space::new(&robot);
-        let (checker, touching_by_design) = checker_of(&robot, &space.uniform(&robot, &mut random, 200)?)?;
+        let (checker, matrix, touching_by_design) =
+            checker_of(&robot, &space.uniform(&robot, &mut random, 200)?)?;
         let uniform = match given("states", random_file) {
             Ok(file) => from_file(&robot, Path::new(&file))?,
             Err(_) => space.uniform(&robot, &mut random, count.parse()?)?,
@@ -74,7 +77,7 @@ impl WholeRobot {
         }
         neutral.finish()?;
         let edges = EdgeSets::new();
-        Ok(Self { workspace: checker.workspace(), checker, states, edges, touching_by_design })
+        Ok(Self { workspace: checker.workspace(), checker, matrix, states, edges, touching_by_design })
     }
 
     /// `key=value` words for the report.
@@ -121,7 +124,7 @@ impl WholeRobot {
 
     /// `key=value` words: what making and verifying certificates of a set's edges costs; `None` if it cannot be asked.
     pub fn certificate_costs(&self, set: &str) -> Outcome<Option<String>> {
-        let costs = certificates::costs(&self.checker, first_few(&self.edges, set)?)?;
+        let costs = certificates::costs(&self.checker, self.matrix.as_ref(), first_few(&self.edges, set)?)?;
         Ok(costs.map(|costs| costs.summary()))
     }
 
@@ -178,8 +181,11 @@ where
     Ok(&all[..count.min(all.len())])
 }
 
-/// The checker without pairs that touch by design, and how many those are.
-fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(CollisionChecker, usize)> {
+/// The checker without pairs that touch by design, the matrix that it takes, and how many pairs those are.
+fn checker_of(
+    robot: &Arc<RobotModel>,
+    sample: &[Configuration],
+) -> Outcome<(CollisionChecker, Option<AllowedCollisionMatrix>, usize)> {
     let given = CollisionChecker::new(robot.clone(), &World::default(), Settings::default())?;
     let mut workspace = given.workspace();
     let mut hits: BTreeMap<(LinkId, LinkId), usize> = BTreeMap::new();
@@ -195,7 +201,7 @@ fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(Col
         .map(|(pair, _)| pair)
         .collect();
     if by_design.is_empty() {
-        return Ok((given, 0));
+        return Ok((given, None, 0));
     }
     // a matrix replaces the SRDF: it must allow what the SRDF allowed, too
     let kept: BTreeSet<_> =
@@ -208,5 +214,5 @@ fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(Col
     }
     let checker =
         CollisionChecker::with_matrix(robot.clone(), &World::default(), Settings::default(), Some(&matrix))?;
-    Ok((checker, by_design.len()))
+    Ok((checker, Some(matrix), by_design.len()))
 }
