@@ -53,7 +53,8 @@ class EdgeComparison:
         found: EdgesMeasured = {}
         for key, measure, length in asked():
             name = name_of(measure.kind, length)
-            if name in self.counts:
+            anyone = any(peer.contestant in self._children for peer in measure.peers)
+            if anyone and name in self.counts:
                 found[key, length] = self._measured(measure, name, self.counts[name])
         return found
 
