@@ -6,8 +6,12 @@
 
 #[path = "clearance/answer.rs"]
 mod answer;
+#[path = "clearance/certificates.rs"]
+mod certificates;
 #[path = "clearance/draw.rs"]
 mod draw;
+#[path = "clearance/edges.rs"]
+mod edges;
 #[path = "clearance/mesh_pair.rs"]
 mod mesh_pair;
 #[path = "clearance/neutral.rs"]
@@ -22,6 +26,7 @@ mod whole_robot;
 use std::error::Error;
 use std::hint::black_box;
 use std::io::{BufRead, Write};
+use std::path::Path;
 
 use answer::Answer;
 use cpu_time::ProcessTime;
@@ -37,7 +42,7 @@ enum Subject {
 }
 
 impl Subject {
-    /// Asks `question` about every state of `set`; false where the library has no call for it.
+    /// Asks `question` about every state or edge of `set`; false where the library has no call for it.
     fn ask(&mut self, question: &str, set: &str, hear: impl FnMut(Answer)) -> Outcome<bool> {
         match self {
             Self::Robot(robot) => robot.ask(question, set, hear),
@@ -81,6 +86,11 @@ fn reply(line: &str, subject: &mut Option<Subject>) -> Outcome<Option<String>> {
             *subject = Some(Subject::Meshes(Box::new(pair)));
             Ok(Some(summary))
         }
+        (["edges", file], Some(Subject::Robot(robot))) => {
+            robot.take_edges(Path::new(file))?;
+            Ok(Some(String::new()))
+        }
+        (["certificates", set], Some(Subject::Robot(robot))) => robot.certificate_costs(set),
         (["pass", question, set, repeats], Some(subject)) => {
             let repeats: u32 = repeats.parse()?;
             let start = ProcessTime::now();

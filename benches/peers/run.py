@@ -12,8 +12,13 @@ from pathlib import Path
 from harness import environment, report, subjects
 from harness.agreement import compare
 from harness.child import Child, Failed
+from harness.edge_comparison import MOST_CAST_PAIRS, MOST_FCL_PAIRS, EdgeComparison, Extent
+from harness.edge_sets import name_of
 from harness.race import Voice, race
 from harness.results import GAPS, MEASURES, TOUCHING, Measured, MeshPairResult, Results, RobotResult
+
+# The edges whose certificates are made and verified.
+CERTIFIED = name_of("free", 1.0)
 
 
 def arguments() -> argparse.Namespace:
@@ -24,6 +29,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--states", type=int, default=500, help="states drawn where no file gives them")
     parser.add_argument("--distance-states", type=int, default=200, help="of the free ones")
     parser.add_argument("--walk", type=int, default=1000, help="steps of the walk")
+    parser.add_argument("--edges", type=int, default=20, help="edges of a robot and length; 0: none")
+    parser.add_argument("--few-edges", type=int, default=5, help="of those, for continuous checks")
+    parser.add_argument("--edges-only", action="store_true", help="no states, and no pairs of meshes")
     parser.add_argument("--poses", type=int, default=50, help="poses of a pair of meshes and gap")
     parser.add_argument("--patience", type=float, default=30, help="seconds for one contestant and measure")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
@@ -36,8 +44,8 @@ class Comparison:
     """The contestants' processes, and what they are asked one subject after the other."""
 
     def __init__(self, options: argparse.Namespace, made: environment.Environment, folder: Path) -> None:
-        self.options, self.folder = options, folder
-        contestants = environment.PEERS / "contestants"
+        self.options, self.made, self.folder = options, made, folder
+        self.contestants = contestants = environment.PEERS / "contestants"
         self.clearance = Child("clearance", [made.clearance, "serve"])
         self.coal = Child("coal_cpp", [made.coal])
         self.pinocchio = Child("pinocchio_coal", [made.python, contestants / "pinocchio_coal.py"])
@@ -69,7 +77,10 @@ class Comparison:
                 voices.append(Voice(peer.name, peer))
             except Failed as failure:
                 result.problems.append(str(failure))
-        for question, states in MEASURES:
+        if options.edges:
+            loaded = {voice.name: voice.child for voice in voices if voice.child in (self.coal, self.pinocchio)}
+            self._edges(result, loaded)
+        for question, states in MEASURES if not options.edges_only else ():
             count = int(result.facts[states])
             if question == "distance":
                 count = min(count, options.distance_states)
@@ -77,6 +88,23 @@ class Comparison:
                 some = f"{states}:{count}"
                 result.measures[question, states] = self._measure(voices, question, some, count)
         return result
+
+    def _edges(self, result: RobotResult, loaded: dict[str, Child]) -> None:
+        if self.coal.name not in loaded:  # nobody to judge
+            return
+        options, made, contestants = self.options, self.made, self.contestants
+        extent = Extent(options.edges, options.few_edges, options.rounds, options.patience, options.seed)
+        edges = EdgeComparison(self.clearance, loaded, extent, self.folder / "neutral", self.folder / "edges")
+        pairs = int(result.facts["pairs"])
+        if pairs <= MOST_FCL_PAIRS:
+            edges.start(Child("python_fcl", [made.python, contestants / "python_fcl.py"]))
+        if made.tesseract and pairs <= MOST_CAST_PAIRS:
+            edges.start(Child("tesseract_cast", [made.tesseract, contestants / "tesseract_cast.py"]))
+        result.edges = edges.measure()
+        edges.close()
+        result.problems += edges.problems
+        if CERTIFIED in edges.counts:
+            result.certificates = _facts(self.clearance.ask("certificates", CERTIFIED))
 
     def mesh_pair(self, source: subjects.MeshPairSource) -> MeshPairResult:
         options, neutral = self.options, self.folder / "neutral"
@@ -127,14 +155,14 @@ def main() -> int:
         print(f"peers: {missing}", file=sys.stderr)
         return 2
     os.sched_setaffinity(0, {options.core})  # the children inherit it; this process sleeps while they work
-    results = Results()
+    results = Results(edge_notes=made.notes)
     with tempfile.TemporaryDirectory() as folder:
         comparison = Comparison(options, made, Path(folder))
         try:
             for robot in robots:
                 print(f"robot {robot.name}", file=sys.stderr)
                 results.robots.append(comparison.robot(robot))
-            for pair in found.mesh_pairs[: options.pairs]:
+            for pair in found.mesh_pairs[: 0 if options.edges_only else options.pairs]:
                 print(f"meshes {pair.name}", file=sys.stderr)
                 results.mesh_pairs.append(comparison.mesh_pair(pair))
         except Failed as failure:

@@ -1,7 +1,7 @@
 //! What one question about one state is answered with.
 
 use clearance::CollisionReport;
-use clearance::checker::Body;
+use clearance::checker::{Body, MotionVerdict};
 use clearance::robot::LinkId;
 
 /// An answer as the library gives it; it is put into words only where it is compared, never where it is timed.
@@ -11,6 +11,7 @@ pub enum Answer {
     Pairs(CollisionReport),
     /// The least distance (m), unless it is beyond the limit of the question.
     Distance(Option<f64>),
+    Edge(MotionVerdict),
 }
 
 impl std::fmt::Display for Answer {
@@ -25,6 +26,9 @@ impl std::fmt::Display for Answer {
             }
             Self::Distance(Some(distance)) => write!(f, "{distance}"),
             Self::Distance(None) => f.write_str("far"),
+            Self::Edge(MotionVerdict::Free) => f.write_str("1"),
+            Self::Edge(MotionVerdict::Contact { .. }) => f.write_str("0"),
+            Self::Edge(MotionVerdict::Undecided { .. }) => f.write_str("undecided"),
         }
     }
 }

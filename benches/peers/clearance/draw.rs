@@ -36,6 +36,11 @@ impl Space {
         Self { bounds }
     }
 
+    /// The interval of every position; that of a position which stays is a point.
+    pub fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
     fn draw(&self, random: &mut Random) -> Vec<f64> {
         self.bounds.iter().map(|&(lower, upper)| random.between(lower, upper)).collect()
     }

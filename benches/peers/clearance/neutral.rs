@@ -130,6 +130,11 @@ impl Neutral {
         Ok(())
     }
 
+    /// Of every position; for who draws states.
+    pub fn limits(&mut self, bounds: &[(f64, f64)]) -> io::Result<()> {
+        bounds.iter().try_for_each(|(lower, upper)| writeln!(self.0, "limits\t{lower}\t{upper}"))
+    }
+
     pub fn poses(&mut self, set: &str, poses: &[Pose]) -> io::Result<()> {
         writeln!(self.0, "states\t{set}\t{}", poses.len())?;
         for p in poses {

@@ -1,10 +1,11 @@
 //! A whole robot against itself: its states, and the library's calls about them.
 
+use std::borrow::Borrow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::AllowedCollisionMatrix;
+use clearance::checker::{AllowedCollisionMatrix, MotionOrder};
 use clearance::geometry::Shape;
 use clearance::robot::LinkId;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, Workspace, World};
@@ -12,9 +13,10 @@ use cpu_time::ProcessTime;
 
 use crate::answer::{Answer, link_pairs};
 use crate::draw::{Space, from_file};
+use crate::edges::EdgeSets;
 use crate::neutral::Neutral;
 use crate::random::Random;
-use crate::{Outcome, own};
+use crate::{Outcome, certificates, edges, own};
 
 /// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has
 /// such a rule; without it the published PR2 is never free: its upper arms reach into its shoulders.
@@ -28,8 +30,11 @@ const BUILDS: usize = 3;
 
 pub struct WholeRobot {
     checker: CollisionChecker,
+    /// What decides the checker's pairs in place of the SRDF.
+    matrix: Option<AllowedCollisionMatrix>,
     workspace: Workspace,
     states: BTreeMap<&'static str, Vec<Configuration>>,
+    edges: EdgeSets,
     touching_by_design: usize,
 }
 
@@ -51,7 +56,8 @@ impl WholeRobot {
         )?);
         let mut random = Random::new(seed.parse()?);
         let space = Space::new(&robot);
-        let (checker, touching_by_design) = checker_of(&robot, &space.uniform(&robot, &mut random, 200)?)?;
+        let (checker, matrix, touching_by_design) =
+            checker_of(&robot, &space.uniform(&robot, &mut random, 200)?)?;
         let uniform = match given("states", random_file) {
             Ok(file) => from_file(&robot, Path::new(&file))?,
             Err(_) => space.uniform(&robot, &mut random, count.parse()?)?,
@@ -65,11 +71,13 @@ impl WholeRobot {
         let states = BTreeMap::from([("random", uniform), ("free", free), ("walk", walk)]);
         let mut neutral = Neutral::create(Path::new(out), robot.name())?;
         neutral.robot(&checker)?;
+        neutral.limits(space.bounds())?;
         for (set, states) in &states {
             neutral.states(set, states)?;
         }
         neutral.finish()?;
-        Ok(Self { workspace: checker.workspace(), checker, states, touching_by_design })
+        let edges = EdgeSets::new();
+        Ok(Self { workspace: checker.workspace(), checker, matrix, states, edges, touching_by_design })
     }
 
     /// `key=value` words for the report.
@@ -108,15 +116,33 @@ impl WholeRobot {
         Ok(words.join("\t"))
     }
 
-    /// Asks about every state of `set`, which is a name or, for its first few states, `name:count`.
+    /// Takes the edges of a file in place of those it had.
+    pub fn take_edges(&mut self, file: &Path) -> Outcome<()> {
+        self.edges = edges::read(self.checker.robot(), file)?;
+        Ok(())
+    }
+
+    /// `key=value` words: what making and verifying certificates of a set's edges costs; `None` if it cannot be asked.
+    pub fn certificate_costs(&self, set: &str) -> Outcome<Option<String>> {
+        let costs = certificates::costs(&self.checker, self.matrix.as_ref(), first_few(&self.edges, set)?)?;
+        Ok(costs.map(|costs| costs.summary()))
+    }
+
+    /// Asks about every state or edge of `set`, which is a name or, for its first few, `name:count`.
     pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {
-        let Self { checker, workspace, states, .. } = self;
-        let (name, count) = set.split_once(':').map_or((set, None), |(name, count)| (name, Some(count)));
-        let states = states.get(name).ok_or_else(|| format!("no states '{name}'"))?;
-        let states = match count {
-            Some(count) => &states[..count.parse::<usize>()?.min(states.len())],
-            None => states,
+        let Self { checker, workspace, states, edges, .. } = self;
+        let order = match question {
+            "edge" => Some(MotionOrder::Earliest),
+            "edge-any" => Some(MotionOrder::Any),
+            _ => None,
         };
+        if let Some(order) = order {
+            for edge in first_few(edges, set)? {
+                hear(Answer::Edge(edges::verdict(checker, edge, order, workspace)));
+            }
+            return Ok(true);
+        }
+        let states = first_few(states, set)?;
         let mut least_distance = |limit: f64| {
             for q in states {
                 let report = checker.check(q, Question::Distance { limit }, workspace);
@@ -144,8 +170,22 @@ impl WholeRobot {
     }
 }
 
-/// The checker without pairs that touch by design, and how many those are.
-fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(CollisionChecker, usize)> {
+/// What `set` names: all of them or, written `name:count`, the first few.
+fn first_few<'a, K, T>(sets: &'a BTreeMap<K, Vec<T>>, set: &str) -> Outcome<&'a [T]>
+where
+    K: Ord + Borrow<str>,
+{
+    let (name, count) = set.split_once(':').map_or((set, None), |(name, count)| (name, Some(count)));
+    let all = sets.get(name).ok_or_else(|| format!("there is no set '{name}'"))?;
+    let count = count.map_or(Ok(all.len()), str::parse)?;
+    Ok(&all[..count.min(all.len())])
+}
+
+/// The checker without pairs that touch by design, the matrix that it takes, and how many pairs those are.
+fn checker_of(
+    robot: &Arc<RobotModel>,
+    sample: &[Configuration],
+) -> Outcome<(CollisionChecker, Option<AllowedCollisionMatrix>, usize)> {
     let given = CollisionChecker::new(robot.clone(), &World::default(), Settings::default())?;
     let mut workspace = given.workspace();
     let mut hits: BTreeMap<(LinkId, LinkId), usize> = BTreeMap::new();
@@ -161,7 +201,7 @@ fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(Col
         .map(|(pair, _)| pair)
         .collect();
     if by_design.is_empty() {
-        return Ok((given, 0));
+        return Ok((given, None, 0));
     }
     // a matrix replaces the SRDF: it must allow what the SRDF allowed, too
     let kept: BTreeSet<_> =
@@ -174,5 +214,5 @@ fn checker_of(robot: &Arc<RobotModel>, sample: &[Configuration]) -> Outcome<(Col
     }
     let checker =
         CollisionChecker::with_matrix(robot.clone(), &World::default(), Settings::default(), Some(&matrix))?;
-    Ok((checker, by_design.len()))
+    Ok((checker, Some(matrix), by_design.len()))
 }

@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 
+#include "edges.hpp"
 #include "neutral.hpp"
 
 using neutral::Pose;
@@ -86,9 +87,18 @@ class Contestant {
   template <class Hear>
   bool ask(const std::string& question, const std::string& set, Hear hear) {
     const size_t colon = set.find(':');
+    const auto first_few = [&](size_t all) {
+      return colon == std::string::npos ? all : std::min<size_t>(all, std::stoul(set.substr(colon + 1)));
+    };
+    if (question.rfind("edge-", 0) == 0) {
+      const auto& edges = edges_.at(set.substr(0, colon));
+      const bool any = question.rfind("edge-any-", 0) == 0;
+      const double step = neutral::number(question.substr(question.rfind('-') + 1));
+      for (size_t i = 0; i < first_few(edges.size()); ++i) hear(edge_free(edges[i], step, any));
+      return true;
+    }
     const auto& states = robot_.states.at(set.substr(0, colon));
-    const size_t count =
-        colon == std::string::npos ? states.size() : std::min<size_t>(states.size(), std::stoul(set.substr(colon + 1)));
+    const size_t count = first_few(states.size());
     const coal::Transform3s* given = given_ ? transforms_.at(set).data() : nullptr;
     const auto each = [&](auto answer) {
       for (size_t i = 0; i < count; ++i) {
@@ -104,6 +114,8 @@ class Contestant {
     if (question == "near") return each([&] { return distance(kNear); });
     return false;
   }
+
+  void take(neutral::Edges edges) { edges_ = std::move(edges); }
 
   std::string say(bool free) const { return free ? "1" : "0"; }
   std::string say(double distance) const {
@@ -131,6 +143,9 @@ class Contestant {
   std::vector<size_t> hits_;
   bool given_ = false;  // states are poses, given as Coal wants them: no kinematics to compute
   std::map<std::string, std::vector<coal::Transform3s>> transforms_;
+  neutral::Edges edges_;
+  std::map<std::pair<size_t, bool>, std::vector<size_t>> orders_;  // of samples, by their number
+  neutral::State sample_;
   coal::CollisionRequest collision_request_{coal::NO_REQUEST, 1};  // no contacts, one is enough
   coal::CollisionResult collision_;
   coal::DistanceRequest distance_request_{false};  // no nearest points
@@ -181,6 +196,19 @@ class Contestant {
   bool free() {
     for (Check& c : checks_)
       if (touches(c)) return false;
+    return true;
+  }
+
+  // Whether all samples along an edge are free, none farther than `step` from the next; stops at the first hit.
+  bool edge_free(const neutral::Edge& edge, double step, bool any) {
+    const size_t steps = edge.steps(step);
+    auto& order = orders_[{steps, any}];
+    if (order.empty()) order = any ? neutral::van_der_corput(steps) : neutral::in_turn(steps);
+    for (size_t i : order) {
+      edge.at(static_cast<double>(i) / static_cast<double>(steps), sample_);
+      place(sample_);
+      if (!free()) return false;
+    }
     return true;
   }
 
@@ -236,6 +264,10 @@ static std::string reply(const std::vector<std::string>& w, std::unique_ptr<Cont
     return "ok\t";
   }
   if (!contestant) throw std::runtime_error("nothing is loaded");
+  if (w[0] == "edges") {
+    contestant->take(neutral::edges(w.at(1)));
+    return "ok\t";
+  }
   bool known = true;
   std::string out;
   if (w[0] == "pass") {

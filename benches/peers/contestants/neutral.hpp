@@ -124,7 +124,7 @@ class Reader {
     } else if (w[0] == "states") {
       auto& states = robot.states[w.at(1)];
       for (size_t n = std::stoul(w.at(2)); n > 0; --n) states.push_back(numbers(next()));
-    } else {
+    } else if (w[0] != "limits") {  // those are for who draws edges
       Primitive p{w[0], index_.at(w.at(1)), {}, pose(w, w.size() - 12)};
       for (size_t i = 2; i + 12 < w.size(); ++i) p.sizes.push_back(number(w[i]));
       robot.primitives.push_back(p);

@@ -6,10 +6,11 @@ import gc
 import math
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
+import edges
 import numpy as np
 
 
@@ -52,8 +53,7 @@ class Robot:
 
     def chosen(self, name: str) -> np.ndarray:
         """The states of `name`, or of `name:count` the first few."""
-        name, _, count = name.partition(":")
-        return self.states[name][: int(count)] if count else self.states[name]
+        return first_few(self.states, name)
 
     def link_poses(self, q: np.ndarray) -> dict[str, np.ndarray]:
         poses: dict[str, np.ndarray] = {}
@@ -105,16 +105,25 @@ def read(path: str) -> Robot:
             robot.pairs.append((words[0], words[1]))
         elif what == "states":
             robot.states[words[0]] = rows(int(words[1]), float)
-        else:
+        elif what != "limits":  # those are for who draws edges
             sizes, pose = [float(w) for w in words[1:-12]], _pose(words[-12:])
             robot.primitives.append(Primitive(what, words[0], sizes, pose))
     return robot
 
 
+def first_few(sets: Mapping[str, Any], name: str) -> Any:
+    """What `name` names or, written `name:count`, the first few."""
+    name, _, count = name.partition(":")
+    return sets[name][: int(count)] if count else sets[name]
+
+
 class Contestant(Protocol):
-    """What a Python contestant must have: calls that take nothing but the state, and answers in words."""
+    """What a Python contestant must have: calls that take nothing but the state or edge, and answers in words."""
 
     def load(self, words: list[str]) -> None: ...
+
+    def take_edges(self, sets: dict[str, np.ndarray]) -> None:
+        """These edges take the place of those it had. What is prepared here is not timed."""
 
     def calls(self, question: str, states: str) -> tuple[Callable[[object], object], list[object]] | None:
         """What is timed: a function, and what it is called with; None for a question it does not know."""
@@ -136,6 +145,9 @@ def serve(contestant: Contestant) -> None:
 def _reply(contestant: Contestant, words: list[str]) -> str:
     if words[0] == "load":
         contestant.load(words[1:])
+        return "ok\t"
+    if words[0] == "edges":
+        contestant.take_edges(edges.read(words[1]))
         return "ok\t"
     calls = contestant.calls(words[1], words[2])
     if calls is None:

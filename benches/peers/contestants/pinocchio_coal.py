@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 
+import edges
 import neutral
 import numpy as np
 import pinocchio as pin
+from pinocchio_joints import Joints
 
 
 class PinocchioCoal:
@@ -23,7 +24,8 @@ class PinocchioCoal:
         self.geometry_data = self.geometry.createData()
         for request in self.geometry_data.collisionRequests:
             request.break_distance = 0.0
-        self.states = {name: [self._state(q) for q in states] for name, states in self.robot.states.items()}
+        self.joints = Joints(self.model, self.robot)
+        self.states = {name: list(self.joints.states(states)) for name, states in self.robot.states.items()}
 
     def _check_triangles(self) -> None:
         """The comparison is worth nothing unless both read the same meshes."""
@@ -45,18 +47,18 @@ class PinocchioCoal:
                     self.geometry.addCollisionPair(pin.CollisionPair(i, j))
                     self.pair_names.append(f"{a}-{b}")
 
-    def _state(self, q: np.ndarray) -> np.ndarray:
-        """Pinocchio's order of joints; a continuous joint is its cosine and sine, a mimicking one has its own value."""
-        out = pin.neutral(self.model)
-        for link in self.robot.links.values():
-            if link.kind not in ("turns", "slides"):
-                continue
-            joint = self.model.joints[self.model.getJointId(link.joint)]
-            value = link.value(q)
-            out[joint.idx_q : joint.idx_q + joint.nq] = (
-                [math.cos(value), math.sin(value)] if joint.nq == 2 else [value]
-            )
-        return out
+    def take_edges(self, sets: dict[str, np.ndarray]) -> None:
+        self.edges = sets
+
+    def _free_along(self, edge: tuple[np.ndarray, np.ndarray]) -> bool:
+        """Interpolates all samples of an edge at once, as NumPy is quick, and stops at the first hit."""
+        (start, end), fractions = edge
+        samples = self.joints.states(start + fractions[:, None] * (end - start))
+        model, data, geometry, geometry_data = self.model, self.data, self.geometry, self.geometry_data
+        for q in samples:
+            if pin.computeCollisions(model, data, geometry, geometry_data, q, True):
+                return False
+        return True
 
     def calls(self, question: str, states: str) -> tuple[Callable[[object], object], list[object]] | None:
         model, data, geometry, geometry_data = self.model, self.data, self.geometry, self.geometry_data
@@ -65,16 +67,22 @@ class PinocchioCoal:
             "pairs": lambda q: pin.computeCollisions(model, data, geometry, geometry_data, q, False),
             "distance": lambda q: pin.computeDistances(model, data, geometry, geometry_data, q),
         }
+        if question.startswith("edge-"):
+            order = edges.van_der_corput if question.startswith("edge-any-") else edges.in_turn
+            step = float(question.rpartition("-")[2])
+            some = neutral.first_few(self.edges, states)
+            return self._free_along, [(e, order(edges.steps(e, step))) for e in some]
         if question not in questions:
             return None
-        name, _, count = states.partition(":")
-        return questions[question], self.states[name][: int(count)] if count else self.states[name]
+        return questions[question], neutral.first_few(self.states, states)
 
     def answers(self, question: str, states: str) -> Iterable[str]:
         call, arguments = self.calls(question, states) or (None, [])
         for q in arguments:
             found = call(q)
-            if question == "free":
+            if question.startswith("edge-"):
+                yield "1" if found else "0"
+            elif question == "free":
                 yield "0" if found else "1"
             elif question == "pairs":
                 results = zip(self.pair_names, self.geometry_data.collisionResults)

@@ -9,7 +9,8 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,7 +32,10 @@ class Environment:
     python: Path
     coal: Path
     clearance: Path
+    # None where it cannot be installed; `notes` say why.
+    tesseract: Path | None
     versions: dict[str, str]
+    notes: list[str]
 
 
 def prepare() -> Environment:
@@ -42,14 +46,28 @@ def prepare() -> Environment:
     for tool, source in tools.items():
         if shutil.which(tool) is None:
             raise MissingTool(f"needs {tool} ({source})")
-    venv = _cache() / f"peers-{_hash([PEERS / 'requirements.txt'], sys.version)}"
+    with _venv("peers", PEERS / "requirements.txt") as venv:
+        coal = _build_coal(venv)
+    # apart from the others, so that neither takes the other's NumPy, and so that all else goes on without it
+    tesseract, notes = None, []
+    try:
+        with _venv("tesseract", PEERS / "requirements-tesseract.txt") as apart:
+            tesseract = apart / "bin/python"
+    except MissingTool as missing:
+        notes.append(f"Tesseract is left out: {str(missing).strip().splitlines()[-1]}")
+    python = venv / "bin/python"
+    return Environment(python, coal, _build_clearance(), tesseract, _versions(python, tesseract), notes)
+
+
+@contextmanager
+def _venv(name: str, requirements: Path) -> Iterator[Path]:
+    """A Python environment, made if it is missing; nobody else adds to it meanwhile."""
+    venv = _cache() / f"{name}-{_hash([requirements], sys.version)}"
     venv.parent.mkdir(parents=True, exist_ok=True)
     with open(venv.with_suffix(".lock"), "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # two runs at once wait for each other
-        _make_venv(venv)
-        coal = _build_coal(venv)
-    python = venv / "bin/python"
-    return Environment(python, coal, _build_clearance(), _versions(python))
+        _make_venv(venv, requirements)
+        yield venv
 
 
 def _cache() -> Path:
@@ -80,7 +98,7 @@ def _clean() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name not in mixing}
 
 
-def _make_venv(venv: Path) -> None:
+def _make_venv(venv: Path, requirements: Path) -> None:
     complete = venv / ".complete"  # written last: a folder without it is what an interrupted run left
     if complete.exists():
         return
@@ -88,7 +106,7 @@ def _make_venv(venv: Path) -> None:
     shutil.rmtree(venv, ignore_errors=True)
     _run([sys.executable, "-m", "venv", venv], "no virtual environment (Debian: apt-get install python3-venv)")
     pip: list[str | Path] = [venv / "bin/pip", "install", "-q", "--disable-pip-version-check"]
-    pip += ["-r", PEERS / "requirements.txt"]
+    pip += ["-r", requirements]
     _run(pip, f"the peers cannot be installed for Python {sys.version.split()[0]}")
     complete.touch()
 
@@ -96,7 +114,7 @@ def _make_venv(venv: Path) -> None:
 def _build_coal(venv: Path) -> Path:
     folder = PEERS / "contestants"
     source = folder / "coal.cpp"
-    program = venv / f"coal-{_hash([source, folder / 'neutral.hpp'])}"
+    program = venv / f"coal-{_hash([source, *sorted(folder.glob('*.hpp'))])}"
     if program.exists():
         return program
     print("building the C++ contestant", file=sys.stderr)
@@ -120,10 +138,10 @@ def _build_clearance() -> Path:
     raise MissingTool("cargo built no program 'peer'")
 
 
-def _versions(python: Path) -> dict[str, str]:
-    wheels = json.loads(_run([python, "-m", "pip", "list", "--format=json"], "pip does not list"))
-    wanted = ("pin", "coal", "python-fcl", "numpy", "cmeel-eigen")
-    found = {wheel["name"]: wheel["version"] for wheel in wheels if wheel["name"] in wanted}
+def _versions(python: Path, tesseract: Path | None) -> dict[str, str]:
+    found = _wheels(python, ("pin", "coal", "python-fcl", "numpy", "cmeel-eigen"))
+    if tesseract:
+        found |= _wheels(tesseract, ("tesseract-robotics",))
     found["Python"] = sys.version.split()[0]
     found["rustc"] = _run(["rustc", "--version"], "no rustc").split()[1]
     found["g++"] = _run(["g++", "-dumpfullversion"], "no g++").strip()
@@ -131,3 +149,8 @@ def _versions(python: Path) -> dict[str, str]:
     changed = _run(["git", "status", "--porcelain", "--untracked-files=no"], "no status").strip()
     found["clearance"] = commit + (" with changes" if changed else "")
     return found
+
+
+def _wheels(python: Path, wanted: tuple[str, ...]) -> dict[str, str]:
+    wheels = json.loads(_run([python, "-m", "pip", "list", "--format=json"], "pip does not list"))
+    return {wheel["name"]: wheel["version"] for wheel in wheels if wheel["name"] in wanted}

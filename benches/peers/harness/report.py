@@ -5,9 +5,11 @@ from __future__ import annotations
 import datetime
 import os
 import subprocess
-from collections.abc import Iterable
 
 from .agreement import DISTANCE_TOLERANCE
+from .edge_measures import EDGE_VOICES
+from .edge_report import edges
+from .markdown import microseconds, table
 from .required import requirements
 from .results import GAPS, MEASURES, TOUCHING, Measured, RobotResult, Results
 
@@ -34,16 +36,12 @@ def markdown(results: Results, versions: dict[str, str], rounds: int, core: int,
         *_contestants(),
         *_robots(results),
         *_whole_robots(results),
+        *edges(results),
         *_mesh_pairs(results),
         *_costs(results),
         *_disagreements(results),
     ]
     return "\n".join(parts).rstrip() + "\n"
-
-
-def _table(head: list[str], rows: Iterable[list[str]]) -> list[str]:
-    body = [f"| {' | '.join(row)} |" for row in rows]
-    return [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}", *body, ""]
 
 
 def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
@@ -67,11 +65,12 @@ def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
 
 def _required(results: Results) -> list[str]:
     rows = [[r.measure, r.at_least, r.aim, r.measured, r.reached] for r in requirements(results)]
-    return ["## Required", "", *_table(["measure", "at least", "aim", "measured", "reached"], rows)]
+    return ["## Required", "", *table(["measure", "at least", "aim", "measured", "reached"], rows)]
 
 
 def _contestants() -> list[str]:
-    return ["## Contestants", "", *_table(["name", "what it is"], [[f"`{n}`", t] for n, t in VOICES.items()])]
+    rows = [[f"`{name}`", text] for name, text in (VOICES | EDGE_VOICES).items()]
+    return ["## Contestants", "", *table(["name", "what it is"], rows)]
 
 
 def _robots(results: Results) -> list[str]:
@@ -79,7 +78,7 @@ def _robots(results: Results) -> list[str]:
         return []
     head = ["robot", "triangles", "pairs", "left out: touch by design", "states random / free"]
     head += ["hierarchies built in", "bytes a triangle", "level 0 a state"]
-    return ["## Robots", "", *_table(head, [_robot(r) for r in results.robots])]
+    return ["## Robots", "", *table(head, [_robot(r) for r in results.robots])]
 
 
 def _robot(robot: RobotResult) -> list[str]:
@@ -97,12 +96,8 @@ def _cell(measured: Measured, voice: str) -> str:
     if voice not in measured.timings:
         return "–"
     timing, ratio = measured.timings[voice], measured.ratio(voice)
-    times = f"{_microseconds(timing.best)} / {_microseconds(timing.median)}"
+    times = f"{microseconds(timing.best)} / {microseconds(timing.median)}"
     return times if voice == "clearance" or ratio is None else f"{times} ({ratio:.2f}x)"
-
-
-def _microseconds(value: float) -> str:
-    return f"{value:.3f}" if value < 1 else f"{value:.2f}" if value < 100 else f"{value:.0f}"
 
 
 def _whole_robots(results: Results) -> list[str]:
@@ -112,7 +107,7 @@ def _whole_robots(results: Results) -> list[str]:
         voices = [v for v in VOICES if any(v in r.measures[measure].timings for r in robots)]
         if robots:
             rows = [[r.name, *(_cell(r.measures[measure], v) for v in voices)] for r in robots]
-            parts += [f"## {title}", "", *_table(["robot", *(f"`{v}`" for v in voices)], rows)]
+            parts += [f"## {title}", "", *table(["robot", *(f"`{v}`" for v in voices)], rows)]
     return parts
 
 
@@ -134,7 +129,7 @@ def _mesh_pairs(results: Results) -> list[str]:
         for peer in peers:
             means = [results.bucket(question, bucket, peer) for bucket in buckets]
             rows.append([f"**mean, `{peer}`**", "", *("–" if mean is None else f"**{mean:.2f}x**" for mean in means)])
-        parts += _table(["pair", "triangles", *buckets], rows)
+        parts += table(["pair", "triangles", *buckets], rows)
     return [*parts, "Means are geometric.", ""]
 
 
@@ -142,7 +137,7 @@ def _bucket_cell(measured: Measured | None, peers: tuple[str, ...]) -> str:
     if measured is None:
         return "–"
     ratios = [ratio for peer in peers if (ratio := measured.ratio(peer)) is not None]
-    return f"{_microseconds(measured.timings['clearance'].best)} ({', '.join(f'{ratio:.2f}x' for ratio in ratios)})"
+    return f"{microseconds(measured.timings['clearance'].best)} ({', '.join(f'{ratio:.2f}x' for ratio in ratios)})"
 
 
 def _costs(results: Results) -> list[str]:
@@ -155,7 +150,7 @@ def _costs(results: Results) -> list[str]:
             rows.append([pair.name, volume, question, n_bv, c_bv, n_p, c_p, f"{total:.2f}"])
     if not rows:
         return [*parts, "The library does not tell it yet.", ""]
-    return [*parts, *_table(["pair", "volume", "question", "N_bv", "C_bv (ns)", "N_p", "C_p (ns)", "T (µs)"], rows)]
+    return [*parts, *table(["pair", "volume", "question", "N_bv", "C_bv (ns)", "N_p", "C_p (ns)", "T (µs)"], rows)]
 
 
 def _disagreements(results: Results) -> list[str]:
@@ -177,4 +172,4 @@ def _disagreements(results: Results) -> list[str]:
         f" {DISTANCE_TOLERANCE:.0e} m); {sum(int(row[3].split()[0]) for row in rows)} differ."
     )
     head = ["subject", "question", "contestant", "differ", "worst", "example (distances in m)"]
-    return ["## Answers", "", text, "", *(_table(head, rows) if rows else []), *problems, ""]
+    return ["## Answers", "", text, "", *(table(head, rows) if rows else []), *problems, ""]

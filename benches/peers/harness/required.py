@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .edge_measures import CAST, CASTS, COAL, FCL, FCL_SPHERES, PINOCCHIO
 from .results import GAPS, Results, geometric_mean
 
 STATE_BOOLEAN = [("free", "random"), ("free", "free")]
@@ -28,6 +29,15 @@ def requirements(results: Results) -> list[Requirement]:
         _buckets(results, "Mesh pair boolean against Coal's query, gaps 0.1–100 mm", "free", "coal_cpp_bare", 15),
         _buckets(results, "The same with a sphere test before Coal's query", "free", "coal_cpp", 15),
         _buckets(results, "Mesh pair exact distance against Coal's query", "distance", "coal_cpp", 12),
+        _edges(results, "Certified edge against Pinocchio + Coal every 0.02 rad", "every 0.02", PINOCCHIO.name, 15, 40),
+        _edges(results, "Certified edge against careful Coal in C++ every 0.01 rad", "every 0.01", COAL.name, 4, 12),
+        _edges(results, "Certified edge against FCL's conservative advancement", "continuous", FCL.name, 50, 500),
+        _edges(results, "The same with a sphere test before FCL's", "continuous", FCL_SPHERES.name, 50, 500),
+        _edges(results, "Certified edge against Tesseract's Bullet cast", "continuous", CAST.name, 50, 500),
+        _edges(results, "The same with a cast every 0.05 rad", "continuous", CASTS.name, 50, 500),
+        _edges(results, "Colliding edge against Pinocchio + Coal every 0.02 rad", "colliding", PINOCCHIO.name, 5, 20),
+        _disagreements(results),
+        _figure("Verifying a certificate, of making it", _certificates(results), 100, 100, "x"),
         _figure("Level 0 with kinematics, a state", _level_0(results), 100, 50, "ns"),
         _streamed(results),
         _figure("Building all hierarchies, 200 000 triangles", _build_seconds(results), 1, 0.2, "s"),
@@ -50,6 +60,33 @@ def _ratios(
     mean = geometric_mean(list(ratios.values()))
     measured = f"{ratios[worst]:.2f}x at worst ({worst}), {mean:.2f}x in the mean of {len(ratios)} robots"
     return Requirement(name, f"{least}x", f"{aim}x", measured, _verdict(ratios[worst] >= least, ratios[worst] >= aim))
+
+
+def _edges(results: Results, name: str, key: str, peer: str, least: float, aim: float) -> Requirement:
+    """Every robot must reach what is required, at every length."""
+    ratios = results.edge_ratios(key, peer)
+    if not ratios:
+        return Requirement(name, f"{least}x", f"{aim}x", "not measured", "–")
+    worst = min(ratios, key=lambda at: ratios[at])
+    where, mean = f"{worst[0]}, {worst[1]:g} rad", geometric_mean(list(ratios.values()))
+    robots = len({robot for robot, _ in ratios})
+    measured = f"{ratios[worst]:.2f}x at worst ({where}), {mean:.2f}x in the mean of {robots} robots"
+    return Requirement(name, f"{least}x", f"{aim}x", measured, _verdict(ratios[worst] >= least, ratios[worst] >= aim))
+
+
+def _disagreements(results: Results) -> Requirement:
+    """An edge that is free here and in which a sample hits."""
+    answers = [a for robot in results.robots for measured in robot.edges.values() for a in measured.agreements]
+    name, count = "Edges called free in which a sample hits", sum(a.disagreements for a in answers)
+    if not answers:
+        return Requirement(name, "0", "0", "not measured", "–")
+    measured = f"{count} of {sum(a.compared for a in answers)}"
+    return Requirement(name, "0", "0", measured, _verdict(count == 0, count == 0))
+
+
+def _certificates(results: Results) -> list[float | None]:
+    words = [robot.certificates for robot in results.robots if robot.certificates]
+    return [float(w["verifying_s"]) / float(w["making_s"]) for w in words]
 
 
 def _buckets(results: Results, name: str, question: str, peer: str, aim: float) -> Requirement:

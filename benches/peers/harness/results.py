@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from .agreement import Agreement
+from .edge_measures import EdgesMeasured
 from .race import Timing
 
 # The measures of a whole robot: question, set of states, and what they are called in the report.
@@ -40,6 +41,9 @@ class RobotResult:
     facts: dict[str, str]
     figures: dict[str, str] = field(default_factory=dict)
     measures: dict[tuple[str, str], Measured] = field(default_factory=dict)
+    edges: EdgesMeasured = field(default_factory=dict)
+    # What certificates cost; empty where the library does not tell.
+    certificates: dict[str, str] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
 
 
@@ -57,6 +61,8 @@ class MeshPairResult:
 class Results:
     robots: list[RobotResult] = field(default_factory=list)
     mesh_pairs: list[MeshPairResult] = field(default_factory=list)
+    # What is missing from the edges.
+    edge_notes: list[str] = field(default_factory=list)
 
     def ratios(self, measures: list[tuple[str, str]], peer: str, of: str = "clearance") -> dict[str, float]:
         """The ratio of every robot; of several measures the worst."""
@@ -67,6 +73,15 @@ class Results:
             if known:
                 found[robot.name] = min(known)
         return found
+
+    def edge_ratios(self, key: str, peer: str) -> dict[tuple[str, float], float]:
+        """Of every robot and length."""
+        return {
+            (robot.name, length): ratio
+            for robot in self.robots
+            for (measure, length), measured in robot.edges.items()
+            if measure == key and (ratio := measured.ratio(peer)) is not None
+        }
 
     def bucket(self, question: str, gap: str, peer: str) -> float | None:
         """Geometric mean over mesh pairs of the peer's ratio."""
