@@ -62,7 +62,6 @@ impl Trajectory {
         if points.len() < 2 {
             return Err(TrajectoryError::TooShort(points.len()));
         }
-        let indices = position_indices(robot, joints)?;
         let timed = check_times(points)?;
         let configurations = (points.iter().enumerate())
             .map(|(point, p)| {
@@ -71,6 +70,7 @@ impl Trajectory {
                 robot.configuration_over(rest, named).map_err(|error| TrajectoryError::Point { point, error })
             })
             .collect::<Result<Vec<_>, _>>()?;
+        let indices = position_indices(robot, joints)?;
         let segments = (0..points.len() - 1)
             .map(|i| {
                 let ends = [&points[i], &points[i + 1]];

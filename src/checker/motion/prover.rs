@@ -229,7 +229,8 @@ impl Prover<'_> {
         }
     }
 
-    /// Blocks of eight intervals in their order, and in each interval all pairs that level 0 leaves.
+    /// Blocks of eight intervals in their order, and where a run of intervals begins in which level 0 leaves a pair, that pair in all of
+    /// the run: what is always near often moves little.
     fn earliest(&mut self, blocks: usize) {
         for block in 0..blocks {
             let ends = self.screen(block, blocks);
@@ -239,8 +240,8 @@ impl Prover<'_> {
                     return;
                 }
                 for pair in 0..self.motion.near.len() {
-                    if self.motion.near[pair] & (1 << lane) != 0 {
-                        self.pair_in(Piece { pair, from: ends[lane], to: ends[lane + 1] });
+                    if let Some(end) = run_from(self.motion.near[pair], lane) {
+                        self.pair_in(Piece { pair, from: ends[lane], to: ends[end] });
                     }
                 }
             }
@@ -257,10 +258,10 @@ impl Prover<'_> {
         let mut queue = std::collections::VecDeque::new();
         for block in 0..blocks {
             let ends = self.screen(block, blocks);
-            for lane in van_der_corput() {
+            for lane in 0..LANES {
                 for (pair, near) in self.motion.near.iter().enumerate() {
-                    if near & (1 << lane) != 0 {
-                        queue.push_back(Piece { pair, from: ends[lane], to: ends[lane + 1] });
+                    if let Some(end) = run_from(*near, lane) {
+                        queue.push_back(Piece { pair, from: ends[lane], to: ends[end] });
                     }
                 }
             }
@@ -525,7 +526,8 @@ fn blocks(fastest: f32) -> usize {
     (intervals.max(1.0) as usize).div_ceil(LANES)
 }
 
-/// The eight lanes, each as far as can be from those before it.
-fn van_der_corput() -> [usize; LANES] {
-    [4, 2, 6, 1, 5, 3, 7, 0]
+/// Where the run of set bits that begins at a lane ends; `None` if none begins there.
+fn run_from(near: u8, lane: usize) -> Option<usize> {
+    let begins = near & (1 << lane) != 0 && (lane == 0 || near & (1 << (lane - 1)) == 0);
+    begins.then(|| lane + (near >> lane).trailing_ones() as usize)
 }
