@@ -99,7 +99,8 @@ impl Body {
                 }
                 for (child, top) in tops {
                     // a bound that is no number leaves nothing out
-                    if !(top <= best.0) {
+                    let beyond = top <= best.0;
+                    if !beyond {
                         self.climb(child, (n, n_abs), best);
                     }
                 }

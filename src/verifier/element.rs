@@ -75,7 +75,7 @@ impl Element {
             Self::Triangle(triangle) => {
                 let corners = triangle.corners();
                 let heights = corners.map(|p| n.dot(&p.coords));
-                let first = if heights[1] > heights[0] { 1 } else { 0 };
+                let first = usize::from(heights[1] > heights[0]);
                 corners[if heights[2] > heights[first] { 2 } else { first }]
             }
             Self::Solid(solid) => {

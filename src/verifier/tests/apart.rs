@@ -17,7 +17,7 @@ fn proven(a: &Body, b: &Body, pose_ab: &Pose, target: f64) -> bool {
 }
 
 fn shapes(random: &mut Random, extent: f64) -> Vec<(Pose, Shape)> {
-    (0..1 + random.below(3))
+    (0..=random.below(3))
         .map(|_| {
             let shape = if random.below(2) == 0 { mesh(random, extent) } else { primitive(random, extent) };
             (random.pose(extent), shape)

@@ -16,7 +16,7 @@ pub fn robot(random: &mut Random, kinds: &[&str]) -> RobotModel {
     let mut text = "<robot name='tree'>".to_owned();
     let links = 3 + random.below(5);
     for i in 0..links {
-        let shapes: String = (0..1 + random.below(2)).map(|_| shape(random)).collect();
+        let shapes: String = (0..=random.below(2)).map(|_| shape(random)).collect();
         write!(text, "<link name='l{i}'>{shapes}</link>").unwrap();
     }
     let mut leader = None;

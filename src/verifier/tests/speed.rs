@@ -1,5 +1,6 @@
 //! What verifying costs; it only prints: `cargo test --release speed -- --ignored --nocapture`.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -18,7 +19,7 @@ const ARM: &str = include_str!("../../../urdf/demo_arm/demo_arm.urdf");
 /// A ball of 2 · 2 · `n`² triangles.
 fn ball(n: u32, radius: f64) -> Shape {
     let corner = |i: u32, j: u32| {
-        let (polar, around) = (f64::from(i) / f64::from(n) * 3.1416, f64::from(j) / f64::from(n) * 3.1416);
+        let (polar, around) = (f64::from(i) / f64::from(n) * PI, f64::from(j) / f64::from(n) * PI);
         Point::new(polar.sin() * around.cos(), polar.sin() * around.sin(), polar.cos()) * radius
     };
     let wide = 2 * n + 1;
