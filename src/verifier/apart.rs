@@ -2,8 +2,11 @@
 
 use super::body::{Body, Content, Node};
 use super::direction;
-use super::element::gap;
+use super::element::{gap, gap_of_supports};
 use crate::math::{MatrixPose, Vector};
+
+/// Most steps of the search for a direction between two nodes: if it takes longer, their children are easier.
+const MOST_STEPS: usize = 30;
 
 /// The question, and how far the answer has come.
 pub(super) struct Apart<'b> {
@@ -26,7 +29,7 @@ impl<'b> Apart<'b> {
         let zero = [Vector::zeros(); 2];
         let mut apart = Self { a, b, pose_ab, spread, target, n: zero, n_abs: zero, element_tests: 0 };
         let between = &apart.pose_ab * b.root().centre - a.root().centre;
-        apart.look_along(between.try_normalize(0.0).unwrap_or_else(Vector::zeros));
+        apart.look_along(between.try_normalize(0.0).unwrap_or(Vector::x()));
         apart
     }
 
@@ -45,8 +48,14 @@ impl<'b> Apart<'b> {
         if self.volumes_apart(x, y) {
             return true;
         }
+        if let (Content::Element(e), Content::Element(f)) = (x.content, y.content) {
+            return self.elements(e, f);
+        }
+        if self.hulls_apart(i, j) {
+            return true;
+        }
         let pairs = match (x.content, y.content) {
-            (Content::Element(e), Content::Element(f)) => return self.elements(e, f),
+            (Content::Element(_), Content::Element(_)) => return false,
             (Content::Children([l, r]), Content::Element(_)) => [(l, j), (r, j)],
             (Content::Children([l, r]), _) if x.radius >= y.radius => [(l, j), (r, j)],
             (_, Content::Children([l, r])) => [(i, l), (i, r)],
@@ -80,6 +89,24 @@ impl<'b> Apart<'b> {
             let between_b = self.pose_ab.rotation.tr_mul(&between);
             squared(between_b.abs() - y.half - self.spread.tr_mul(&x.half)) >= enough
         }
+    }
+
+    /// Whether some direction separates all below one node from all below the other.
+    fn hulls_apart(&mut self, i: usize, j: usize) -> bool {
+        let found = direction::steps(|n| self.look(i, j, n), self.n[0], 0.0, self.target, MOST_STEPS);
+        let Some(n) = found.filter(|n| self.look(i, j, n).0 >= self.target) else { return false };
+        self.look_along(n);
+        true
+    }
+
+    /// How far apart all below two nodes is along a unit direction, and the way between the foremost points.
+    fn look(&self, i: usize, j: usize, n: &Vector) -> (f64, Vector) {
+        let n_b = self.pose_ab.rotation.tr_mul(n);
+        let (reach_a, e) = self.a.support(i, n);
+        let (reach_b, f) = self.b.support(j, &-n_b);
+        let p = e.extreme(n) + n * e.ball();
+        let q = f.extreme(&-n_b) - n_b * f.ball();
+        (gap_of_supports(reach_a, reach_b, &self.pose_ab, n), &self.pose_ab * q - p)
     }
 
     fn elements(&mut self, e: usize, f: usize) -> bool {

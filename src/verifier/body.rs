@@ -76,6 +76,38 @@ impl Body {
         })
     }
 
+    /// The largest n·x of all points x below a node, and the element where it is.
+    pub fn support(&self, node: usize, n: &Vector) -> (f64, &Element) {
+        let mut best = (f64::NEG_INFINITY, 0);
+        self.climb(node, (n, &n.abs()), &mut best);
+        (best.0, &self.elements[best.1])
+    }
+
+    fn climb(&self, node: usize, (n, n_abs): (&Vector, &Vector), best: &mut (f64, usize)) {
+        let top = |node: usize| n.dot(&self.nodes[node].centre.coords) + n_abs.dot(&self.nodes[node].half);
+        match self.nodes[node].content {
+            Content::Element(e) => {
+                let support = self.elements[e].support(n);
+                if support > best.0 {
+                    *best = (support, e);
+                }
+            }
+            Content::Children([l, r]) => {
+                let mut tops = [(l, top(l)), (r, top(r))];
+                if tops[1].1 > tops[0].1 {
+                    tops.swap(0, 1);
+                }
+                for (child, top) in tops {
+                    // a bound that is no number leaves nothing out
+                    let beyond = top <= best.0;
+                    if !beyond {
+                        self.climb(child, (n, n_abs), best);
+                    }
+                }
+            }
+        }
+    }
+
     /// The largest value of a convex, never negative function that changes by no more than `slope` a metre, or more. Only what may
     /// hold it is looked at.
     pub fn greatest(&self, slope: f64, function: impl Fn(&Point) -> f64) -> f64 {

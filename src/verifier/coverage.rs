@@ -42,8 +42,9 @@ fn well_formed(segment: usize, proof: usize, p: &Proof, pairs: &[Pair]) -> Resul
         return Err(Refusal::Lengths { segment, proof, lower, bound });
     }
     let padding = of.padding;
-    if !(lower > bound + padding) {
-        return Err(Refusal::Short { segment, proof, lower, bound, padding });
+    if lower > bound + padding {
+        Ok(())
+    } else {
+        Err(Refusal::Short { segment, proof, lower, bound, padding })
     }
-    Ok(())
 }

@@ -13,7 +13,13 @@ pub(super) fn find(a: &Element, b: &Element, pose_ab: &MatrixPose, target: f64) 
         let tb = tb.transformed(&Pose::from(pose_ab));
         return of_triangles(ta, &tb).find(|n| gap(a, b, pose_ab, n) >= target);
     }
-    steps(a, b, pose_ab, target).filter(|n| gap(a, b, pose_ab, n) >= target)
+    // the gap along n, and the point of b − a farthest against n, the balls left out
+    let look = |n: &Vector| {
+        let n_b = pose_ab.rotation.tr_mul(n);
+        (gap(a, b, pose_ab, n), pose_ab * b.extreme(&-n_b) - a.extreme(n))
+    };
+    let start = pose_ab.translation.try_normalize(0.0).unwrap_or(Vector::x());
+    steps(look, start, a.ball() + b.ball(), target, MOST_STEPS).filter(|n| gap(a, b, pose_ab, n) >= target)
 }
 
 /// Directions between two triangles, the likeliest first: between nearest points, which are rough where these all but touch; then
@@ -32,26 +38,30 @@ fn of_triangles(a: &Triangle, b: &Triangle) -> impl Iterator<Item = Vector> + us
 }
 
 /// The method of Gilbert, Johnson & Keerthi 1988: towards the point of b − a nearest to the origin, in the hull of at most four
-/// points of it at a time.
-fn steps(a: &Element, b: &Element, pose_ab: &MatrixPose, target: f64) -> Option<Vector> {
-    let balls = a.ball() + b.ball();
-    // the point of b − a farthest against n
-    let extreme = |n: &Vector| {
-        let n_b = pose_ab.rotation.tr_mul(n);
-        pose_ab * b.extreme(&-n_b) - a.extreme(n)
-    };
-    let start = extreme(&pose_ab.translation);
-    let mut hull = [Point::from(start); 4];
-    let mut nearest = start;
-    for _ in 0..MOST_STEPS {
+/// points of it at a time. `look` gives the gap along a direction and the point of b − a farthest against it, which may be deeper
+/// inside by `balls`. `None` when a and b are found to be nearer than the target, or after too many steps.
+pub(super) fn steps(
+    look: impl Fn(&Vector) -> (f64, Vector),
+    start: Vector,
+    balls: f64,
+    target: f64,
+    most_steps: usize,
+) -> Option<Vector> {
+    let (gap, mut nearest) = look(&start);
+    if gap >= target {
+        return Some(start);
+    }
+    let mut hull = [Point::from(nearest); 4];
+    for _ in 0..most_steps {
         let n = nearest.try_normalize(0.0)?;
-        if gap(a, b, pose_ab, &n) >= target {
+        let (gap, farthest) = look(&n);
+        if gap >= target {
             return Some(n);
         }
         if nearest.norm() - balls < target {
             return None;
         }
-        hull[3] = Point::from(extreme(&n));
+        hull[3] = Point::from(farthest);
         (nearest, hull) = nearest_of(&hull);
     }
     None

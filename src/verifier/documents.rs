@@ -93,7 +93,8 @@ pub(super) fn check_ends(
     let to = course.motion.at(0.0);
     turn_alike(robot, &mut from, to.positions());
     for ((from, to), position) in from.iter().zip(to.positions()).zip(robot.position_names()) {
-        if !((from - to).abs() <= JOINED) {
+        let joined = (from - to).abs() <= JOINED;
+        if !joined {
             return Err(Refusal::Jump { segment, position: position.clone(), from: *from, to: *to });
         }
     }
@@ -117,7 +118,9 @@ fn turn_alike(robot: &RobotModel, positions: &mut [f64], other: &[f64]) {
         };
         let (own, other) = (&mut positions[first + 3..first + 7], &other[first + 3..first + 7]);
         if own.iter().zip(other).map(|(p, q)| p * q).sum::<f64>() < 0.0 {
-            own.iter_mut().for_each(|c| *c = -*c);
+            for c in own {
+                *c = -*c;
+            }
         }
     }
 }

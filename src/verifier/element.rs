@@ -75,7 +75,7 @@ impl Element {
             Self::Triangle(triangle) => {
                 let corners = triangle.corners();
                 let heights = corners.map(|p| n.dot(&p.coords));
-                let first = if heights[1] > heights[0] { 1 } else { 0 };
+                let first = usize::from(heights[1] > heights[0]);
                 corners[if heights[2] > heights[first] { 2 } else { first }]
             }
             Self::Solid(solid) => {
@@ -138,5 +138,11 @@ fn corners(centre: &Point, halves: &[Vector; 3], disc: &[Vector; 2]) -> Vec<Poin
 /// planes do not lie between them.
 pub(super) fn gap(a: &Element, b: &Element, pose_ab: &MatrixPose, n: &Vector) -> f64 {
     let n_b = pose_ab.rotation.tr_mul(n);
-    n.dot(&pose_ab.translation) - b.support(&-n_b) - a.support(n)
+    gap_of_supports(a.support(n), b.support(&-n_b), pose_ab, n)
+}
+
+/// The same of any two things, from how far they reach towards each other.
+pub(super) fn gap_of_supports(a: f64, b: f64, pose_ab: &MatrixPose, n: &Vector) -> f64 {
+    let is_unit = (n.norm_squared() - 1.0).abs() <= 1e-14;
+    if is_unit { n.dot(&pose_ab.translation) - b - a } else { f64::NEG_INFINITY }
 }

@@ -17,7 +17,7 @@ fn proven(a: &Body, b: &Body, pose_ab: &Pose, target: f64) -> bool {
 }
 
 fn shapes(random: &mut Random, extent: f64) -> Vec<(Pose, Shape)> {
-    (0..1 + random.below(3))
+    (0..=random.below(3))
         .map(|_| {
             let shape = if random.below(2) == 0 { mesh(random, extent) } else { primitive(random, extent) };
             (random.pose(extent), shape)
@@ -93,7 +93,8 @@ fn sampled_points_are_never_nearer() {
         let pose = Pose::from_parts((random.direction().into_inner() * 0.7).into(), random.rotation());
         let point = |random: &mut Random, body: &Body| {
             let elements = body.elements();
-            point_of(random, &elements[random.below(elements.len())])
+            let element = &elements[random.below(elements.len())];
+            point_of(random, element)
         };
         let nearest = (0..100)
             .map(|_| nalgebra::distance(&point(&mut random, &a), &(pose * point(&mut random, &b))))

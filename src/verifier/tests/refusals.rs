@@ -39,7 +39,8 @@ fn straight(robot: &RobotModel, from: &[f64], to: &[f64]) -> MotionSegment {
 
 /// The ball that comes, on its way from one place to another.
 fn coming(from: [f64; 3], to: [f64; 3]) -> Vec<MovingObstacle> {
-    let [from, to] = [from, to].map(|v| Pose::from_parts(Vector::from(v).into(), Default::default()));
+    let [from, to] =
+        [from, to].map(|v| Pose::from_parts(Vector::from(v).into(), nalgebra::UnitQuaternion::identity()));
     vec![MovingObstacle::between("comes", Point::new(3.0, 0.0, 0.5), &from, &to)]
 }
 
@@ -363,12 +364,12 @@ fn assert_cannot_pass(
     verifier.verify(&forgery).unwrap_err();
     let mut random = Random::new(76);
     for _ in 0..300 {
-        let parts = 1 + random.below(40);
+        let parts = 1 + u32::try_from(random.below(40)).unwrap();
         for segment in &mut forgery.segments {
             segment.proofs.clear();
             for pair in 0..verifier.subject.pairs.len() {
                 let padding = verifier.subject.pairs[pair].padding;
-                let end = |k: usize| k as f64 / parts as f64;
+                let end = |k: u32| f64::from(k) / f64::from(parts);
                 let bound = [1e-9, 0.01, 0.5, 3.0][random.below(4)] * (1.0 + random.within(1.0));
                 let lower = bound + padding + [1e-8, 1e-3, 1.0][random.below(3)];
                 segment.proofs.extend((0..parts).map(|k| Proof(pair, end(k), end(k + 1), lower, bound)));
@@ -401,8 +402,8 @@ fn a_motion_that_hits_cannot_pass() {
 fn what_lies_inside_a_closed_mesh_is_refused_where_meshes_are_solid() {
     let robot = two_link();
     let mut world = World::default();
-    let mut random = Random::new(77);
-    let shape = scenes::mesh(&mut random, 50.0);
+    let ends = [[9., 0., 0.], [-9., 0., 0.], [0., 9., 0.], [0., -9., 0.], [0., 0., 9.], [0., 0., -9.]];
+    let shape = scenes::eight_faces(ends.map(Point::from));
     let pose_rs = Pose::identity();
     world.add(Obstacle { name: "hall".to_owned(), shapes: vec![ObstacleShape { pose_rs, shape }] }).unwrap();
     let motion = [straight(&robot, &[0.0, 0.0], &[0.5, 0.5])];

@@ -16,7 +16,7 @@ pub fn robot(random: &mut Random, kinds: &[&str]) -> RobotModel {
     let mut text = "<robot name='tree'>".to_owned();
     let links = 3 + random.below(5);
     for i in 0..links {
-        let shapes: String = (0..1 + random.below(2)).map(|_| shape(random)).collect();
+        let shapes: String = (0..=random.below(2)).map(|_| shape(random)).collect();
         write!(text, "<link name='l{i}'>{shapes}</link>").unwrap();
     }
     let mut leader = None;
@@ -66,14 +66,18 @@ fn shape(random: &mut Random) -> String {
 pub fn mesh(random: &mut Random, extent: f64) -> Shape {
     let [x, y, z] = [0, 1, 2].map(|_| extent * (0.05 + random.within(1.0).abs()));
     let corners = [[x, 0., 0.], [-x, 0., 0.], [0., y, 0.], [0., -y, 0.], [0., 0., z], [0., 0., -z]];
-    let corners = corners.map(|c| Point::from(c) + random.vector(0.2 * extent)).to_vec();
+    eight_faces(corners.map(|c| Point::from(c) + random.vector(0.2 * extent)))
+}
+
+/// A closed mesh over the ends of three crossing lines.
+pub fn eight_faces(corners: [Point; 6]) -> Shape {
     let mut faces = Vec::new();
     for top in [4, 5] {
         for (a, b) in [(0, 2), (2, 1), (1, 3), (3, 0)] {
             faces.push(if top == 4 { [a, b, top] } else { [b, a, top] });
         }
     }
-    Shape::Mesh(Arc::new(TriangleMesh::new(corners, faces).unwrap()))
+    Shape::Mesh(Arc::new(TriangleMesh::new(corners.to_vec(), faces).unwrap()))
 }
 
 /// A primitive of any kind.
