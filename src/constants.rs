@@ -12,6 +12,10 @@ pub const VOLUME_SLACK: f64 = 64.0 / 16_777_216.0;
 /// a test of triangles gets a quarter of the slack.
 pub const PLACEMENT_SLACK: f64 = 4.0 * 16.0 * f64::EPSILON;
 
+/// Room (m, and relative) for the rounding of kinematics, motion bounds and distances when a motion is proven free: kinematics are
+/// good to 1e-14 m a metre, distances to a few roundings, so this is many times over.
+pub const MOTION_SLACK: f64 = 1e-9;
+
 /// The share of a volume test's slack that a triangle's f32 coordinate may be off by: 16 units in the last place of the
 /// coordinates that enter, about 1 µm a metre. What f32 cannot decide within this is decided in f64.
 pub const TRIANGLE_SHARE: f32 = 0.25;

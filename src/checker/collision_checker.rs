@@ -1,7 +1,7 @@
 //! Questions about states of a robot in a world.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use super::bodies::{Rider, capsule_pairs, joints_between, link_padding, pair_infos, riders, travel_rates};
 use super::capsules::{CapsulePairs, Segment};
@@ -39,6 +39,8 @@ pub struct CollisionChecker {
     pub(super) ways: Ways,
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
+    /// Of the model and the world, once somebody asked.
+    pub(super) fingerprints: OnceLock<[String; 2]>,
     /// No two checkers built in one process have the same.
     pub(super) identity: u64,
 }
@@ -95,6 +97,7 @@ impl CollisionChecker {
             between,
             ways,
             rates,
+            fingerprints: OnceLock::new(),
             identity,
         })
     }

@@ -16,6 +16,7 @@
 //! Rotations are not renormalised: a step's columns are off by a few roundings of 1.1e-16, which add up to less than
 //! 1e-11 over a chain of 10,000 joints.
 
+mod approach;
 mod between;
 mod compile;
 mod travel;
@@ -26,6 +27,7 @@ use crate::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{Real, Simd, f64x8, sin_cos};
 
+pub use approach::Approach;
 pub use between::{Between, Deviation, Deviations, Reach, SideMotion};
 pub use travel::TravelRates;
 

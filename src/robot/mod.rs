@@ -22,7 +22,7 @@ mod warning;
 mod xml;
 
 pub use chain::{
-    Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
+    Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
     Source as PositionSource, TravelRates,
 };
 pub use configuration::{Configuration, ConfigurationError};

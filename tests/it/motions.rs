@@ -9,6 +9,7 @@ use clearance::checker::{
 use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::verifier::Verifier;
 use clearance::world::{Obstacle, ObstacleShape, World};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -189,6 +190,53 @@ fn floating_shape(shape: &Value) -> RobotModel {
         <joint name='free' type='floating'><parent link='root'/><child link='a'/></joint></robot>"
     );
     RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap()
+}
+
+/// Every edge that is proven free has a certificate that holds, and none of another motion does.
+#[test]
+fn certificates_of_the_truth_are_verified() {
+    let Some(truth) = shared_folder("truth") else { return };
+    for name in ["ur5", "panda"] {
+        let folder = truth.join(name);
+        let robot = truth_robot(&folder);
+        let model = robot.checker.robot();
+        for scope in ["self", "self+env_prim_100"] {
+            let world = match scope.strip_prefix("self+") {
+                Some(env) => {
+                    let objects = json(&folder.join(format!("{env}.json")))["objects"].clone();
+                    env_world(objects.as_array().unwrap(), &folder)
+                }
+                None => World::default(),
+            };
+            let settings = Settings::default();
+            let checker = CollisionChecker::new(model.clone(), &world, settings.clone()).unwrap();
+            let verifier = Verifier::new(model, &world, &settings, None).unwrap();
+            let step = if scope == "self" { 1 } else { 10 };
+            let edges: Vec<Edge> =
+                edges(&folder, model, &robot.joint_order, scope).into_iter().step_by(step).collect();
+            let wrong: Vec<String> = (edges.par_iter().enumerate())
+                .map_init(
+                    || checker.workspace(),
+                    |workspace, (i, edge)| {
+                        let options = MotionOptions::default();
+                        let (report, certificate) =
+                            checker.certify_motion(&edge.segment, &options, workspace);
+                        let mut wrong = edge.disagreements(&report, MotionOrder::Earliest);
+                        if let Some(certificate) = certificate
+                            && let Err(refusal) = verifier.verify(&certificate)
+                        {
+                            wrong.push(format!("{refusal}"));
+                        }
+                        (!wrong.is_empty()).then(|| format!("edge {i}: {}", wrong.join("; ")))
+                    },
+                )
+                .flatten()
+                .collect();
+            let mut tally = Tally::new(&format!("truth/{name}/truth_edges.json {scope}, certificates"));
+            tally.add_all(edges.len(), wrong);
+            tally.finish(1000 / step);
+        }
+    }
 }
 
 /// Both ends are free, and so are the poses that most samplings look at.

@@ -44,13 +44,15 @@ impl CollisionChecker {
     fn certificate(&self, segments: Vec<SegmentProof>) -> Certificate {
         let names = |(a, b)| [self.body_name(a).to_owned(), self.body_name(b).to_owned()];
         let pairs = self.infos.iter().map(|info| names(info.ids)).collect();
-        Certificate::new(self.robot(), self.fingerprints(), pairs, segments)
+        Certificate::new(self.robot(), self.fingerprints().clone(), pairs, segments)
     }
 
     /// SHA-256 of the model with its settings, and of the world.
     #[must_use]
-    pub fn fingerprints(&self) -> [String; 2] {
-        let model = model_fingerprint(self.robot(), self.settings(), self.matrix.as_ref());
-        [model, world_fingerprint(self.world())]
+    pub fn fingerprints(&self) -> &[String; 2] {
+        self.fingerprints.get_or_init(|| {
+            let model = model_fingerprint(self.robot(), self.settings(), self.matrix.as_ref());
+            [model, world_fingerprint(self.world())]
+        })
     }
 }

@@ -4,7 +4,7 @@ use crate::checker::bodies::Rider;
 use crate::checker::capsules::Segment;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::PairInfo;
-use crate::constants::CONTACT_DISTANCE;
+use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
 use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
@@ -113,7 +113,7 @@ impl CollisionChecker {
         workspace: &mut super::MotionScratch,
         level: crate::simd::Level,
     ) {
-        let padding = up(self.largest_padding + CONTACT_DISTANCE + super::moment::SLACK);
+        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
         let half_width = up(half_width * (1.0 + 1e-6));
         // without any width it is about states
         let loose = f32::from(u8::from(half_width > 0.0));

@@ -4,14 +4,12 @@ use crate::checker::bodies::Rider;
 use crate::checker::capsules::LinkCapsule;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::Pair;
+use crate::constants::MOTION_SLACK;
 use crate::math::{MatrixPose, Point, UnitVector, Vector};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::query::Scratch;
-use crate::robot::{Deviation, Deviations, Frame, Reach, SideMotion};
+use crate::robot::{Approach, Deviation, Deviations, Frame, Reach, SideMotion};
 use crate::simd::dispatch_lean;
-
-/// Room (m) for the rounding of kinematics, bounds and distances: 1e-14 m a metre, many times over.
-pub const SLACK: f64 = 1e-9;
 
 /// The positions of a segment around a moment.
 struct Around<'s> {
@@ -38,61 +36,6 @@ impl Deviations for Around<'_> {
 /// How positions deviate in an interval.
 pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl Deviations + '_ {
     Around { segment, middle: 0.5 * (from + to), half_width: 0.5 * (to - from) }
-}
-
-/// How much nearer a pair can come within an interval, and parts of it around its middle.
-#[derive(Clone, Copy, Debug)]
-pub struct Approach {
-    /// W, without tolerances.
-    way: f64,
-    /// Half the width times the relative speed.
-    speed: f64,
-    /// Remainders of the bound of first order.
-    bent: f64,
-    /// What tolerances let it be nearer, in both bounds.
-    off: f64,
-    /// Remainders that do not shrink with the interval, since tolerances do not.
-    stiff: f64,
-}
-
-impl Approach {
-    fn new(sides: &[SideMotion; 2], reaches: &[Reach; 2], half_width: f64) -> Self {
-        let [a, b] = sides;
-        let (velocity, angular) = (b.velocity - a.velocity, b.angular - a.angular);
-        let speed =
-            reaches.iter().map(|reach| reach.speed(&velocity, &angular)).fold(f64::INFINITY, f64::min);
-        let off = a.off + b.off;
-        let remainder = a.remainder + b.remainder;
-        let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
-        Self { way: a.way + b.way, speed: half_width * speed, bent: bent + a.bent + b.bent, off, stiff }
-    }
-
-    /// The most (m) that the pair comes nearer in the part of the interval that has this share of its width.
-    pub fn within(&self, share: f64) -> f64 {
-        let first = share * (self.speed + share * self.bent) + self.stiff;
-        ((share * self.way).min(first) + self.off) * (1.0 + SLACK) + SLACK
-    }
-
-    /// What of that (m) shrinks with the interval.
-    pub fn motion(&self) -> f64 {
-        self.way.min(self.speed + self.bent)
-    }
-
-    /// The share of the interval in which the pair comes nearer by less than `room` (m).
-    pub fn share(&self, room: f64) -> f64 {
-        let room = room * (1.0 - 2.0 * SLACK) - 2.0 * SLACK - self.off;
-        if room <= 0.0 {
-            return 0.0;
-        }
-        let of_way = room / self.way;
-        let rest = room - self.stiff;
-        // the positive root of bent s² + speed s = rest, stable for small bent
-        let root = (self.speed * self.speed + 4.0 * self.bent * rest).sqrt();
-        let of_first = if rest > 0.0 { 2.0 * rest / (self.speed + root) } else { 0.0 };
-        // where nothing moves, all of it; and no number proves nothing
-        let share = if self.way > 0.0 { of_way.max(of_first) } else { 1.0 };
-        if share >= 0.0 { share.min(1.0) } else { 0.0 }
-    }
 }
 
 /// A pair in the middle of an interval.
@@ -190,13 +133,13 @@ impl Rider {
     pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
         let LinkCapsule { a, b, radius } = self.capsule;
         let seen = |p: Point| (pose * p).coords;
-        Reach { ends: [seen(a), seen(b)], radius: radius * (1.0 + SLACK) + SLACK }
+        Reach { ends: [seen(a), seen(b)], radius: radius * (1.0 + MOTION_SLACK) + MOTION_SLACK }
     }
 
     /// How far (m) it reaches from its body's origin.
     pub fn reach(&self) -> f64 {
         let ends = [self.capsule.a, self.capsule.b].map(|p| p.coords.norm());
-        (ends[0].max(ends[1]) + self.capsule.radius) * (1.0 + SLACK) + SLACK
+        (ends[0].max(ends[1]) + self.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK
     }
 }
 
@@ -218,7 +161,7 @@ fn capsule_bound([a, b]: &[Reach; 2]) -> f64 {
     let n = w + v * t - u * s;
     let length = n.norm();
     if length > 0.0 {
-        (n.dot(&w) - n.dot(&u).abs() - n.dot(&v).abs()) / length - a.radius - b.radius - SLACK
+        (n.dot(&w) - n.dot(&u).abs() - n.dot(&v).abs()) / length - a.radius - b.radius - MOTION_SLACK
     } else {
         -a.radius - b.radius
     }

@@ -21,6 +21,7 @@ mod laws;
 mod ledger;
 mod links;
 mod meshes;
+mod motions;
 mod oracles;
 mod outline;
 mod parts;
