@@ -17,5 +17,6 @@ mod snapshots;
 mod soundness;
 mod streams;
 mod tally;
+mod trajectories;
 mod triangles;
 mod truth;

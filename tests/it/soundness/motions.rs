@@ -113,6 +113,7 @@ impl Subject {
             let positions: Vec<f64> = way.map(|(a, b)| a + t * (b - a)).collect();
             self.checker.robot().configuration(&positions).unwrap()
         };
+        let is_free = *verdict == MotionVerdict::Free;
         let free_until = match verdict {
             MotionVerdict::Free => 1.0,
             MotionVerdict::Contact { t: [lo, hi], .. } => {
@@ -132,7 +133,9 @@ impl Subject {
         };
         let question = Question::Distance { limit: NEAR + 2.0 * COARSE };
         let mut last: Option<(f64, f64)> = None;
-        for t in std::iter::once(0.0).chain(steps(COARSE)).chain([1.0]).take_while(|t| *t <= free_until) {
+        for t in
+            std::iter::once(0.0).chain(steps(COARSE)).chain([1.0]).take_while(|t| is_free || *t < free_until)
+        {
             let found = self.checker.check(&at(t), question, workspace);
             if !found.is_free() {
                 return vec![format!("{verdict:?}, but it collides at {t}")];

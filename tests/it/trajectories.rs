@@ -1,0 +1,306 @@
+//! What is asked about motions beyond straight edges, on robots whose answers can be worked out with pencil and paper.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clearance::checker::{
+    CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, Settings, UndecidedReason,
+};
+use clearance::geometry::{Primitive, Shape};
+use clearance::math::{Pose, Vector};
+use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
+use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::verifier::{Refusal, verify};
+use clearance::world::{Obstacle, ObstacleShape, World};
+
+/// Where, with `joint1` at 0, folding `joint2` brings the ball of `two_link` to the cube (derived in its URDF).
+const FOLDED: f64 = 2.836_899_95;
+
+fn two_link() -> Arc<RobotModel> {
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/two_link/two_link.urdf");
+    Arc::new(RobotModel::load(&urdf, None, &[]).unwrap())
+}
+
+fn checker(robot: &Arc<RobotModel>, world: &World, settings: Settings) -> CollisionChecker {
+    CollisionChecker::new(robot.clone(), world, settings).unwrap()
+}
+
+fn alone(robot: &Arc<RobotModel>) -> CollisionChecker {
+    checker(robot, &World::default(), Settings::default())
+}
+
+fn at(robot: &RobotModel, q1: f64, q2: f64) -> Configuration {
+    robot.configuration_from_names([("joint1", q1), ("joint2", q2)]).unwrap()
+}
+
+fn ask(checker: &CollisionChecker, segment: &MotionSegment) -> MotionReport {
+    checker.check_motion_with(segment, &MotionOptions::default(), &mut checker.workspace())
+}
+
+fn obstacle(name: &str, primitive: Primitive, xyz: [f64; 3]) -> World {
+    let shape = ObstacleShape {
+        pose_rs: Pose::translation(xyz[0], xyz[1], xyz[2]),
+        shape: Shape::Primitive(primitive),
+    };
+    let mut world = World::default();
+    world.add(Obstacle { name: name.to_owned(), shapes: vec![shape] }).unwrap();
+    world
+}
+
+/// Where the contact lies, which has to be known within `width`.
+fn contact(report: &MotionReport, width: f64) -> f64 {
+    let MotionVerdict::Contact { t: [lo, hi], .. } = report.verdict else { panic!("{report:?}") };
+    assert!(lo <= hi && hi - lo <= width, "{report:?}");
+    0.5 * (lo + hi)
+}
+
+#[test]
+fn the_first_contact_is_where_it_is() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let report = checker.check_motion(&at(&robot, 0.0, 0.0), &at(&robot, 0.0, 3.0), &mut checker.workspace());
+    assert!((contact(&report, 1e-3) * 3.0 - FOLDED).abs() < 1e-3);
+    let free = checker.check_motion(&at(&robot, 0.0, 0.0), &at(&robot, 0.0, 2.83), &mut checker.workspace());
+    assert!(free.is_free(), "{free:?}");
+    let start = checker.check_motion(&at(&robot, 0.0, 3.0), &at(&robot, 0.0, 0.0), &mut checker.workspace());
+    assert!(matches!(start.verdict, MotionVerdict::Contact { t: [0.0, 0.0], .. }), "{start:?}");
+}
+
+#[test]
+fn padding_brings_contact_forward() {
+    let robot = two_link();
+    let settings = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
+    let checker = checker(&robot, &World::default(), settings);
+    let report = checker.check_motion(&at(&robot, 0.0, 0.0), &at(&robot, 0.0, 3.0), &mut checker.workspace());
+    // both links are padded: the ball is within 2 cm of the cube where sin q2 = 0.32
+    let padded = std::f64::consts::PI - 0.32_f64.asin();
+    assert!((contact(&report, 1e-3) * 3.0 - padded).abs() < 1e-3);
+}
+
+/// A wall a millimetre thin that no end pose touches, swept by a bar; and a full turn between equal poses.
+#[test]
+fn a_bullet_does_not_go_through_paper() {
+    let urdf =
+        "<robot name='bar'><link name='root'/><link name='bar'><collision><origin xyz='0.5 0 0'/><geometry>
+        <box size='1 0.002 0.002'/></geometry></collision></link><joint name='spin' type='continuous'>
+        <parent link='root'/><child link='bar'/><axis xyz='0 0 1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let paper = obstacle("paper", Primitive::cuboid([0.001, 0.2, 0.2]).unwrap(), [-0.7, 0.0, 0.0]);
+    let checker = checker(&robot, &paper, Settings::default());
+    let spin = |turn: f64| robot.configuration(&[turn]).unwrap();
+    let tau = std::f64::consts::TAU;
+    for order in [MotionOrder::Earliest, MotionOrder::Any] {
+        for (from, to) in [(0.0, tau), (-3.0, 3.3), (3.0, 3.3), (0.0, 100.0 * tau)] {
+            let segment = MotionSegment::straight(&robot, &spin(from), &spin(to));
+            let options = MotionOptions { order, ..MotionOptions::default() };
+            let report = checker.check_motion_with(&segment, &options, &mut checker.workspace());
+            assert!(matches!(report.verdict, MotionVerdict::Contact { .. }), "{from} {to}: {report:?}");
+        }
+        assert!(ask(&checker, &MotionSegment::straight(&robot, &spin(-2.9), &spin(2.9))).is_free());
+    }
+}
+
+#[test]
+fn a_tracking_tolerance_leaves_open_what_it_may_touch() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let way = |until: f64, off: f64| {
+        let (from, to) = (at(&robot, 0.0, 0.0), at(&robot, 0.0, until));
+        MotionSegment::straight(&robot, &from, &to).with_tube(&robot, vec![off; 2]).unwrap()
+    };
+    assert!(ask(&checker, &way(2.6, 0.05)).is_free());
+    let open = ask(&checker, &way(2.8, 0.05));
+    let MotionVerdict::Undecided { t: [lo, _], reason, .. } = open.verdict else { panic!("{open:?}") };
+    assert_eq!(reason, UndecidedReason::Tube);
+    // both joints may be off, and with them any of the tip by up to 0.1 m or so
+    assert!(lo * 2.8 < FOLDED - 0.05 && lo * 2.8 > 2.6, "{open:?}");
+    let hit = ask(&checker, &way(3.0, 0.05));
+    assert!(
+        matches!(hit.verdict, MotionVerdict::Contact { t: [lo, hi], .. } if lo * 3.0 < FOLDED - 0.05 && hi * 3.0 > FOLDED)
+    );
+}
+
+/// A ball that comes towards the tip and passes in front of it, or hits it.
+#[test]
+fn obstacles_move_on_the_same_clock() {
+    let robot = two_link();
+    let world = obstacle("ball", Primitive::sphere(0.1).unwrap(), [2.0, 2.0, 0.0]);
+    let checker = checker(&robot, &world, Settings::default());
+    let still = at(&robot, 0.0, 0.0);
+    let ball = |linear: [f64; 3]| MovingObstacle {
+        name: "ball".to_owned(),
+        centre: [2.0, 2.0, 0.0],
+        linear,
+        angular: [0.0, 0.0, 1.0],
+        start: None,
+    };
+    let motion =
+        |linear| MotionSegment::straight(&robot, &still, &still).with_obstacles(vec![ball(linear)]).unwrap();
+    // the tip's ball is at (2, 0): they touch when the centres are 0.2 apart
+    let report = ask(&checker, &motion([0.0, -2.0, 0.0]));
+    assert!((contact(&report, 1e-3) - 0.9).abs() < 1e-3);
+    assert!(ask(&checker, &motion([0.0, -1.75, 0.0])).is_free());
+    // the arm turns out of the way meanwhile
+    let away = MotionSegment::straight(&robot, &still, &at(&robot, -1.0, 0.0));
+    assert!(ask(&checker, &away.with_obstacles(vec![ball([0.0, -2.0, 0.0])]).unwrap()).is_free());
+}
+
+#[test]
+fn trajectories_tell_segment_and_time() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let joints = ["joint1", "joint2"].map(str::to_owned);
+    let point = |q2: f64, v2: Option<f64>, time: f64| TrajectoryPoint {
+        positions: vec![0.0, q2],
+        velocities: v2.map_or_else(Vec::new, |v| vec![0.0, v]),
+        accelerations: Vec::new(),
+        time_from_start: time,
+    };
+    let rest = robot.default_configuration();
+    let ask = |points: &[TrajectoryPoint]| {
+        let trajectory = Trajectory::from_points(&robot, &joints, points, &rest).unwrap();
+        checker.check_trajectory(&trajectory, &MotionOptions::default(), &mut checker.workspace())
+    };
+    let straight = ask(&[point(0.0, None, 0.0), point(2.0, None, 2.0), point(3.0, None, 3.0)]);
+    assert_eq!(straight.segment, 1);
+    let [lo, hi] = straight.time.unwrap();
+    assert!(lo <= FOLDED + 1e-6 && FOLDED <= hi + 1e-6 && hi - lo < 1e-3, "{straight:?}");
+    // straight pieces stay below, the cubic one overshoots
+    assert!(ask(&[point(2.6, None, 0.0), point(2.6, None, 1.0)]).is_free());
+    let bent = ask(&[point(2.6, Some(1.5), 0.0), point(2.6, Some(-1.5), 1.0)]);
+    assert!(matches!(bent.verdict, MotionVerdict::Contact { .. }), "{bent:?}");
+    // at most 2.6 + 1.5/4 · 0.6
+    assert!(ask(&[point(2.6, Some(0.9), 0.0), point(2.6, Some(-0.9), 1.0)]).is_free());
+}
+
+#[test]
+fn who_runs_out_of_time_says_so() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let segment = MotionSegment::straight(&robot, &at(&robot, 0.0, 0.0), &at(&robot, 0.0, 2.83));
+    for (options, wanted) in [
+        (
+            MotionOptions { deadline: Some(Instant::now()), ..MotionOptions::default() },
+            UndecidedReason::Deadline,
+        ),
+        (MotionOptions { budget: 3, ..MotionOptions::default() }, UndecidedReason::Budget),
+    ] {
+        let report = checker.check_motion_with(&segment, &options, &mut checker.workspace());
+        let MotionVerdict::Undecided { reason, t, .. } = report.verdict else { panic!("{report:?}") };
+        assert!(reason == wanted && t[0] < 1.0 && t[1] == 1.0, "{report:?}");
+    }
+}
+
+#[test]
+fn threads_and_instruction_sets_change_no_answer() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let segments: Vec<MotionSegment> = (0..200)
+        .map(|i| {
+            let from = at(&robot, 0.03 * f64::from(i), 2.8 - 0.02 * f64::from(i % 50));
+            MotionSegment::straight(&robot, &from, &at(&robot, 1.0, 2.84 - 0.001 * f64::from(i % 7)))
+        })
+        .collect();
+    let options = MotionOptions::default();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| checker.check_motions(&segments, &options))
+    };
+    let one = on(1);
+    assert!(one == on(2) && one == on(5));
+    let mut portable = checker.portable_workspace();
+    for (segment, report) in segments.iter().zip(&one) {
+        assert_eq!(*report, checker.check_motion_with(segment, &options, &mut portable));
+    }
+}
+
+/// What the capsules of a swept volume promise: no point of a link ever lies outside.
+#[test]
+fn swept_volumes_hold_what_is_swept() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let (from, to) = (at(&robot, -1.0, 0.5), at(&robot, 1.5, -2.0));
+    let segment = MotionSegment::straight(&robot, &from, &to);
+    let tip = robot.link_by_name("tip").unwrap();
+    for intervals in [1, 7, 100] {
+        let volumes = checker.swept_volumes(&segment, intervals, &mut checker.workspace());
+        for i in 0..=1000 {
+            let t = f64::from(i) / 1000.0;
+            let mut poses = clearance::robot::LinkPoses::new(&robot);
+            robot.forward_kinematics(&segment.at(t), &mut poses);
+            for end in [Vector::zeros(), Vector::x()] {
+                let ball = poses.pose(tip) * clearance::math::Point::from(end);
+                let holds = volumes.iter().filter(|v| v.link == tip && v.t[0] <= t && t <= v.t[1]).any(|v| {
+                    let axis = v.b - v.a;
+                    let along = (axis.dot(&(ball - v.a)) / axis.norm_squared()).clamp(0.0, 1.0);
+                    (ball - (v.a + axis * along)).norm() + 0.1 <= v.radius + 1e-9
+                });
+                assert!(holds, "{intervals} intervals, t = {t}");
+            }
+        }
+        let widest = volumes.iter().map(|v| v.radius).fold(0.0, f64::max);
+        assert!(intervals < 100 || widest < 0.3, "many intervals make tight volumes: {widest}");
+    }
+}
+
+#[test]
+fn nothing_touches_before_the_look_ahead_says() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let q = at(&robot, 0.0, 2.0);
+    let mut workspace = checker.workspace();
+    let still = checker.look_ahead(&q, &[0.0; 2], &[0.0; 2], 1.0, &mut workspace).unwrap();
+    assert_eq!((still.free_for, still.first), (1.0, None));
+    // joint2 closes 0.8369 rad at 1 rad/s, and sooner if it may accelerate by 2 rad/s²
+    let coasting = checker.look_ahead(&q, &[0.0, 1.0], &[0.0; 2], 2.0, &mut workspace).unwrap();
+    let real = FOLDED - 2.0;
+    assert!(
+        coasting.free_for <= real && coasting.free_for > 0.97 * real && coasting.first.is_some(),
+        "{coasting:?}"
+    );
+    let pushing = checker.look_ahead(&q, &[0.0, 1.0], &[0.0, 2.0], 2.0, &mut workspace).unwrap();
+    let soonest = (-1.0 + (1.0 + 4.0 * real).sqrt()) / 2.0;
+    assert!(pushing.free_for <= soonest && pushing.free_for > 0.8 * soonest, "{pushing:?} {soonest}");
+}
+
+/// A digest that fits makes no proof: what is claimed is looked at.
+#[test]
+fn altered_certificates_are_refused() {
+    let robot = two_link();
+    let (settings, world) = (Settings::default(), World::default());
+    let checker = checker(&robot, &world, settings.clone());
+    let (from, to) = (at(&robot, 0.0, 0.0), at(&robot, 0.3, 2.83));
+    let segment = MotionSegment::straight(&robot, &from, &to);
+    let options = MotionOptions::default();
+    let (_, certificate) = checker.certify_motion(&segment, &options, &mut checker.workspace());
+    let certificate = certificate.unwrap();
+    let verdict = |c: &Certificate| verify(&robot, &world, &settings, None, c);
+    assert_eq!(verdict(&certificate).unwrap().proofs, certificate.segments[0].proofs.len());
+    assert_eq!(Certificate::from_json(&certificate.to_json()).unwrap(), certificate);
+
+    let resealed = |change: &dyn Fn(&mut Certificate)| {
+        let mut altered = certificate.clone();
+        change(&mut altered);
+        assert!(matches!(verdict(&altered), Err(Refusal::Digest)), "the old digest");
+        altered.motion = altered.motion_hash();
+        altered.digest = altered.content_hash();
+        altered
+    };
+    type Change = dyn Fn(&mut Certificate);
+    let changes: [(&str, &Change); 8] = [
+        ("a goal further on", &|c| c.segments[0].motion.to.as_mut().unwrap()[1] = 2.9),
+        ("another start", &|c| c.segments[0].motion.from.as_mut().unwrap()[1] = -2.5),
+        ("a proof less", &|c| {
+            c.segments[0].proofs.pop();
+        }),
+        ("a longer interval", &|c| c.segments[0].proofs[0].2 += 0.05),
+        ("a larger distance", &|c| c.segments[0].proofs.iter_mut().for_each(|p| p.3 += 0.05)),
+        ("a smaller bound", &|c| c.segments[0].proofs.iter_mut().for_each(|p| p.4 *= 0.5)),
+        ("another model", &|c| c.model = "0".repeat(64)),
+        ("other pairs", &|c| c.pairs[0][1] = "upper".to_owned()),
+    ];
+    for (name, change) in changes {
+        assert!(verdict(&resealed(change)).is_err(), "{name}");
+    }
+}
