@@ -170,7 +170,9 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     }
     let timing = time_passes(&checker, &ways, &options, args.repeat);
     let mut work = Work::default();
-    reports.iter().for_each(|r| work += r.work);
+    for report in &reports {
+        work += report.work;
+    }
     let is_trajectory = args.input.trajectory.is_some();
     let results = reports.iter().zip(&ways).map(|(report, way)| {
         let swept = args.swept_volumes.map(|n| swept_volumes(&checker, way, n as usize));
@@ -376,26 +378,16 @@ impl WayAnswer {
     }
 
     fn text(&self) -> String {
-        let mut line = self.verdict.to_uppercase();
-        if self.verdict == "free" {
-            line = "free, proven".to_owned();
-        }
-        if let Some([a, b]) = &self.pair {
-            line += &format!(": {a} – {b}");
-        }
-        if let Some([lo, hi]) = self.t {
-            line += &match self.verdict {
-                "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
-                _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
-            };
-        }
-        if let Some(segment) = self.segment {
-            line += &format!(", in segment {segment}");
-        }
-        if let Some([lo, _]) = self.time {
-            line += &format!(" after {lo:.3} s");
-        }
-        line
+        let verdict =
+            if self.verdict == "free" { "free, proven".to_owned() } else { self.verdict.to_uppercase() };
+        let pair = self.pair.as_ref().map_or_else(String::new, |[a, b]| format!(": {a} – {b}"));
+        let when = self.t.map_or_else(String::new, |[lo, hi]| match self.verdict {
+            "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
+            _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
+        });
+        let segment = self.segment.map_or_else(String::new, |segment| format!(", in segment {segment}"));
+        let time = self.time.map_or_else(String::new, |[lo, _]| format!(" after {lo:.3} s"));
+        [verdict, pair, when, segment, time].concat()
     }
 }
 

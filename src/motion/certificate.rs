@@ -7,8 +7,8 @@
 //! altered by accident; what it claims is not to be trusted but checked.
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
+use super::Fingerprint;
 use super::segment::SegmentText;
 use super::{MotionSegment, SegmentError};
 use crate::robot::{ConfigurationError, RobotModel};
@@ -110,6 +110,7 @@ impl Certificate {
 
     /// One line of JSON.
     #[must_use]
+    #[allow(clippy::missing_panics_doc)] // it never does
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).expect("numbers and texts have a JSON form")
     }
@@ -142,7 +143,7 @@ impl Certificate {
             }
             _ => return Err(CertificateError::NoMotion(segment)),
         };
-        let motion = motion.with_obstacles(text.obstacles.clone()).map_err(of_segment)?;
+        let motion = motion.with_movers(text.obstacles.clone()).map_err(of_segment)?;
         if text.tube.is_empty() {
             return Ok(motion);
         }
@@ -157,5 +158,7 @@ fn motion_hash(joints: &[String], segments: &[SegmentProof]) -> String {
 /// Of a thing's JSON; shortest forms of numbers make it the same everywhere.
 pub(crate) fn sha256(thing: &impl Serialize) -> String {
     let text = serde_json::to_vec(thing).expect("numbers and texts have a JSON form");
-    Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect()
+    let mut print = Fingerprint::default();
+    print.bytes(&text);
+    print.finish()
 }

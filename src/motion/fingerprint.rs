@@ -12,7 +12,12 @@ pub(crate) struct Fingerprint(Sha256);
 impl Fingerprint {
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.count(text.len());
-        self.0.update(text.as_bytes());
+        self.bytes(text.as_bytes())
+    }
+
+    /// As they are, without their length.
+    pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
+        self.0.update(bytes);
         self
     }
 

@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::MovingObstacle;
+use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Rotation, UnitVector, Vector};
-use crate::robot::{Configuration, Deviation, JointKind, RobotModel};
+use crate::robot::{Configuration, ConfigurationError, Deviation, JointKind, RobotModel};
+use crate::world::World;
 
 /// Numbers of a polynomial of degree five, the constant first.
 pub(crate) type Polynomial = [f64; 6];
@@ -41,12 +43,18 @@ pub enum SegmentError {
     WrongLength { given: usize, expected: usize },
     #[error("joint '{0}': its motion is not finite")]
     NotFinite(String),
+    #[error(transparent)]
+    Start(#[from] ConfigurationError),
     #[error("floating joint '{0}' can only go straight")]
     FloatingPolynomial(String),
     #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
     Tube { joint: String, value: f64 },
     #[error("floating joint '{0}' can have no tracking tolerance")]
     FloatingTube(String),
+    #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
+    UnknownObstacle(String),
+    #[error("obstacle '{0}' is to move in two ways")]
+    ObstacleTwice(String),
     #[error("obstacle '{0}' moves by numbers that are not finite or no rotation")]
     Obstacle(String),
 }
@@ -89,23 +97,27 @@ impl MotionSegment {
     }
 
     /// A polynomial for each of the robot's positions.
-    pub fn polynomial(robot: &RobotModel, positions: Vec<[f64; 6]>) -> Result<Self, SegmentError> {
+    pub fn polynomial(robot: &RobotModel, mut positions: Vec<[f64; 6]>) -> Result<Self, SegmentError> {
         let expected = robot.position_names().len();
         if positions.len() != expected {
             return Err(SegmentError::WrongLength { given: positions.len(), expected });
         }
         for (name, numbers) in robot.position_names().iter().zip(&positions) {
             let most: f64 = numbers.iter().map(|c| c.abs()).sum();
-            if !(most <= crate::constants::LARGEST_COORDINATE) {
+            if most.is_nan() || most > LARGEST_COORDINATE {
                 return Err(SegmentError::NotFinite(name.clone()));
             }
         }
-        if let Some((name, first)) = floating(robot).next() {
+        for (name, first) in floating(robot) {
             let stands = |p: &Polynomial| p[1..].iter().all(|c| *c == 0.0);
             if !positions[first..first + 7].iter().all(stands) {
                 return Err(SegmentError::FloatingPolynomial(name.to_owned()));
             }
         }
+        // this makes quaternions as long as they have to be
+        let start: Vec<f64> = positions.iter().map(|p| p[0]).collect();
+        let start = robot.configuration(&start)?;
+        positions.iter_mut().zip(start.positions()).for_each(|(p, q)| p[0] = *q);
         let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
         Ok(Self {
             positions,
@@ -117,8 +129,21 @@ impl MotionSegment {
         })
     }
 
-    /// With obstacles that move on the same clock.
-    pub fn with_obstacles(mut self, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
+    /// With obstacles of `world` that move on the same clock.
+    pub fn with_obstacles(self, world: &World, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
+        for (i, mover) in obstacles.iter().enumerate() {
+            if world.obstacles().iter().all(|o| o.name != mover.name) {
+                return Err(SegmentError::UnknownObstacle(mover.name.clone()));
+            }
+            if obstacles[..i].iter().any(|other| other.name == mover.name) {
+                return Err(SegmentError::ObstacleTwice(mover.name.clone()));
+            }
+        }
+        self.with_movers(obstacles)
+    }
+
+    /// As [`Self::with_obstacles`], whether or not there are such obstacles.
+    pub(crate) fn with_movers(mut self, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
         if let Some(bad) = obstacles.iter().find(|o| !o.is_sound()) {
             return Err(SegmentError::Obstacle(bad.name.clone()));
         }
@@ -273,17 +298,18 @@ fn value(p: &Polynomial, t: f64) -> f64 {
     p.iter().rev().fold(0.0, |sum, c| sum * t + c)
 }
 
+/// C(i, k) / C(4, k): the part that each coefficient of a polynomial of degree four has in its Bernstein coefficients.
+const SHARES: [[f64; 5]; 5] = [
+    [1.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, 1.0 / 4.0, 0.0, 0.0, 0.0],
+    [1.0, 2.0 / 4.0, 1.0 / 6.0, 0.0, 0.0],
+    [1.0, 3.0 / 4.0, 3.0 / 6.0, 1.0 / 4.0, 0.0],
+    [1.0, 1.0, 1.0, 1.0, 1.0],
+];
+
 /// A number not less than any slope between 0 and 1: the derivative lies within the hull of its Bernstein coefficients.
 fn largest_slope(p: &Polynomial) -> f64 {
     let derivative = [p[1], 2.0 * p[2], 3.0 * p[3], 4.0 * p[4], 5.0 * p[5]];
-    // C(i, k) / C(4, k)
-    const SHARES: [[f64; 5]; 5] = [
-        [1.0, 0.0, 0.0, 0.0, 0.0],
-        [1.0, 1.0 / 4.0, 0.0, 0.0, 0.0],
-        [1.0, 2.0 / 4.0, 1.0 / 6.0, 0.0, 0.0],
-        [1.0, 3.0 / 4.0, 3.0 / 6.0, 1.0 / 4.0, 0.0],
-        [1.0, 1.0, 1.0, 1.0, 1.0],
-    ];
     let coefficient =
         |shares: &[f64; 5]| shares.iter().zip(&derivative).map(|(s, d)| s * d).sum::<f64>().abs();
     let size: f64 = derivative.iter().map(|d| d.abs()).sum();

@@ -160,7 +160,7 @@ fn cast_disagreements(case: &Value, meshes: &MeshFiles) -> Vec<String> {
     };
     let [from, to] = ["pose_start", "pose_end"].map(|end| configuration(&a[end]));
     let mover = MovingObstacle::between("b", Point::origin(), &pose(&b["pose_start"]), &pose(&b["pose_end"]));
-    let segment = MotionSegment::straight(&robot, &from, &to).with_obstacles(vec![mover]).unwrap();
+    let segment = MotionSegment::straight(&robot, &from, &to).with_obstacles(&world, vec![mover]).unwrap();
     let report = checker.check_motion_with(&segment, &MotionOptions::default(), &mut checker.workspace());
     let expect = &case["expect"];
     let right = match &report.verdict {

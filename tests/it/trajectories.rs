@@ -135,15 +135,19 @@ fn obstacles_move_on_the_same_clock() {
         angular: [0.0, 0.0, 1.0],
         start: None,
     };
-    let motion =
-        |linear| MotionSegment::straight(&robot, &still, &still).with_obstacles(vec![ball(linear)]).unwrap();
+    let motion = |linear| {
+        MotionSegment::straight(&robot, &still, &still).with_obstacles(&world, vec![ball(linear)]).unwrap()
+    };
     // the tip's ball is at (2, 0): they touch when the centres are 0.2 apart
     let report = ask(&checker, &motion([0.0, -2.0, 0.0]));
     assert!((contact(&report, 1e-3) - 0.9).abs() < 1e-3);
     assert!(ask(&checker, &motion([0.0, -1.75, 0.0])).is_free());
+    let unknown = MotionSegment::straight(&robot, &still, &still);
+    let nowhere = MovingObstacle { name: "bal".to_owned(), ..ball([0.0; 3]) };
+    assert!(unknown.with_obstacles(&world, vec![nowhere]).is_err(), "it would stand where it is");
     // the arm turns out of the way meanwhile
     let away = MotionSegment::straight(&robot, &still, &at(&robot, -1.0, 0.0));
-    assert!(ask(&checker, &away.with_obstacles(vec![ball([0.0, -2.0, 0.0])]).unwrap()).is_free());
+    assert!(ask(&checker, &away.with_obstacles(&world, vec![ball([0.0, -2.0, 0.0])]).unwrap()).is_free());
 }
 
 #[test]
@@ -260,9 +264,11 @@ fn nothing_touches_before_the_look_ahead_says() {
         "{coasting:?}"
     );
     let pushing = checker.look_ahead(&q, &[0.0, 1.0], &[0.0, 2.0], 2.0, &mut workspace).unwrap();
-    let soonest = (-1.0 + (1.0 + 4.0 * real).sqrt()) / 2.0;
+    let soonest = 0.5 * ((1.0 + 4.0 * real).sqrt() - 1.0);
     assert!(pushing.free_for <= soonest && pushing.free_for > 0.8 * soonest, "{pushing:?} {soonest}");
 }
+
+type Change = dyn Fn(&mut Certificate);
 
 /// A digest that fits makes no proof: what is claimed is looked at.
 #[test]
@@ -287,7 +293,6 @@ fn altered_certificates_are_refused() {
         altered.digest = altered.content_hash();
         altered
     };
-    type Change = dyn Fn(&mut Certificate);
     let changes: [(&str, &Change); 8] = [
         ("a goal further on", &|c| c.segments[0].motion.to.as_mut().unwrap()[1] = 2.9),
         ("another start", &|c| c.segments[0].motion.from.as_mut().unwrap()[1] = -2.5),

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use clearance::checker::AllowedCollisionMatrix;
-use clearance::motion::Certificate;
+use clearance::checker::{AllowedCollisionMatrix, MotionOptions};
+use clearance::motion::{Certificate, MotionSegment};
 use clearance::verifier::Verifier;
 use clearance::{CollisionChecker, Settings, Workspace, World};
 use cpu_time::ProcessTime;
@@ -62,11 +62,10 @@ pub fn costs(
 
 /// The proof that an edge is free, if it is.
 fn certificate(
-    _checker: &CollisionChecker,
-    [_from, _to]: &Edge,
-    _workspace: &mut Workspace,
+    checker: &CollisionChecker,
+    [from, to]: &Edge,
+    workspace: &mut Workspace,
 ) -> Option<Certificate> {
-    // Missing: `MotionSegment::straight` and the call that makes a certificate of it, with the tolerance of `edges.rs`,
-    // once the checker has such a call.
-    None
+    let segment = MotionSegment::straight(checker.robot(), from, to);
+    checker.certify_motion(&segment, &MotionOptions::default(), workspace).1
 }

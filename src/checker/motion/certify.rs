@@ -1,7 +1,7 @@
 //! What is proven of a motion, as a document.
 
 use super::report::{MotionOptions, MotionReport};
-use super::trajectory::TrajectoryReport;
+use super::trajectory::{TrajectoryReport, each_segment};
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::fingerprint::{model_fingerprint, world_fingerprint};
 use crate::checker::workspace::Workspace;
@@ -32,7 +32,7 @@ impl CollisionChecker {
         workspace: &mut Workspace,
     ) -> (TrajectoryReport, Option<Certificate>) {
         let mut all = Vec::new();
-        let report = self.each_segment(trajectory, |segment| {
+        let report = each_segment(trajectory, |segment| {
             let (report, proofs) = self.prove(segment, options, workspace, true);
             all.push(SegmentProof { motion: segment.text(), proofs });
             self.sure_of_contact(report, segment, options, workspace)

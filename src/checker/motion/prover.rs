@@ -520,7 +520,7 @@ impl Moment<'_> {
 }
 
 /// How many blocks of eight intervals make motions at level 0 small.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
 fn blocks(fastest: f32) -> usize {
     let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).min(MOST_INTERVALS as f32);
     (intervals.max(1.0) as usize).div_ceil(LANES)

@@ -34,27 +34,27 @@ impl CollisionChecker {
         options: &MotionOptions,
         workspace: &mut Workspace,
     ) -> TrajectoryReport {
-        self.each_segment(trajectory, |segment| self.check_motion_with(segment, options, workspace))
+        each_segment(trajectory, |segment| self.check_motion_with(segment, options, workspace))
     }
+}
 
-    pub(super) fn each_segment(
-        &self,
-        trajectory: &Trajectory,
-        mut check: impl FnMut(&MotionSegment) -> MotionReport,
-    ) -> TrajectoryReport {
-        let (mut looks, mut work) = (0, Work::default());
-        for (i, segment) in trajectory.segments().iter().enumerate() {
-            let report = check(segment);
-            looks += report.looks;
-            work += report.work;
-            let t = match report.verdict {
-                MotionVerdict::Free => continue,
-                MotionVerdict::Contact { t, .. } | MotionVerdict::Undecided { t, .. } => t,
-            };
-            let time = trajectory.time(i, t[0]).zip(trajectory.time(i, t[1])).map(|(lo, hi)| [lo, hi]);
-            return TrajectoryReport { verdict: report.verdict, segment: i, time, looks, work };
-        }
-        let segment = trajectory.segments().len().saturating_sub(1);
-        TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
+/// Asks about one segment after the other until one is not free.
+pub(super) fn each_segment(
+    trajectory: &Trajectory,
+    mut check: impl FnMut(&MotionSegment) -> MotionReport,
+) -> TrajectoryReport {
+    let (mut looks, mut work) = (0, Work::default());
+    for (i, segment) in trajectory.segments().iter().enumerate() {
+        let report = check(segment);
+        looks += report.looks;
+        work += report.work;
+        let t = match report.verdict {
+            MotionVerdict::Free => continue,
+            MotionVerdict::Contact { t, .. } | MotionVerdict::Undecided { t, .. } => t,
+        };
+        let time = trajectory.time(i, t[0]).zip(trajectory.time(i, t[1])).map(|(lo, hi)| [lo, hi]);
+        return TrajectoryReport { verdict: report.verdict, segment: i, time, looks, work };
     }
+    let segment = trajectory.segments().len().saturating_sub(1);
+    TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
 }

@@ -259,7 +259,7 @@ impl Deviation {
 impl Reach {
     /// A number not less than the distance (m) of any of its points from an axis.
     #[inline]
-    fn from_axis(&self, axis: &Vector, origin: &Vector) -> f64 {
+    fn farthest_from(&self, axis: &Vector, origin: &Vector) -> f64 {
         let [p, q] = [axis.cross(&(self.ends[0] - origin)), axis.cross(&(self.ends[1] - origin))];
         p.norm_squared().max(q.norm_squared()).sqrt() + self.radius
     }
@@ -279,7 +279,7 @@ impl SideMotion {
     pub fn turn(&mut self, axis: &Vector, origin: &Vector, deviation: &Deviation, reach: &Reach) {
         let Deviation { velocity, most, bent, off } = *deviation;
         let moved = self.way + self.off;
-        let far = reach.from_axis(axis, origin) + moved;
+        let far = reach.farthest_from(axis, origin) + moved;
         self.remainder += (most + off) * (moved + 0.5 * (most + off) * far);
         self.way += most * far;
         self.off += off * far;

@@ -55,7 +55,7 @@ fn tour(robot: &RobotModel) -> Vec<MotionSegment> {
         coming([-0.3, 0.2, 0.0], [0.1, 0.0, 0.0]),
         coming([0.1, 0.0, 0.0], [0.0; 3]),
     ];
-    [first, second, third].into_iter().zip(moves).map(|(s, m)| s.with_obstacles(m).unwrap()).collect()
+    [first, second, third].into_iter().zip(moves).map(|(s, m)| s.with_movers(m).unwrap()).collect()
 }
 
 fn settings() -> Settings {
@@ -394,7 +394,7 @@ fn a_motion_that_hits_cannot_pass() {
     // it stands, and the ball comes
     let still = [straight(&robot, &[0.0, 0.0], &[0.0, 0.0])];
     let hit = coming([0.0; 3], [-1.0, 0.0, -0.5]);
-    let hit = [straight(&robot, &[0.0, 0.0], &[0.0, 0.0]).with_obstacles(hit).unwrap()];
+    let hit = [straight(&robot, &[0.0, 0.0], &[0.0, 0.0]).with_movers(hit).unwrap()];
     assert_cannot_pass(&verifier, &settings(), &still, &hit);
 }
 

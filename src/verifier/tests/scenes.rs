@@ -158,11 +158,11 @@ pub fn motion(random: &mut Random, robot: &RobotModel, extent: f64) -> MotionSeg
         start: None,
     };
     match random.below(4) {
-        0 => motion.with_obstacles(vec![mover("mesh", random), mover("solid", random)]).unwrap(),
+        0 => motion.with_movers(vec![mover("mesh", random), mover("solid", random)]).unwrap(),
         1 => {
             let [from, to] = [0, 1].map(|_| random.pose(0.3));
             let between = MovingObstacle::between("mesh", Point::from(random.vector(0.5)), &from, &to);
-            motion.with_obstacles(vec![between]).unwrap()
+            motion.with_movers(vec![between]).unwrap()
         }
         _ => motion,
     }
