@@ -250,9 +250,29 @@ impl CapsulePairs {
     /// As [`Self::near`] for one state: a mask per group of eight pairs.
     #[inline(always)]
     pub fn near_one<S: Simd>(&self, simd: S, segments: &[Segment<f32>], margin: f64, masks: &mut [u8]) {
+        let margin = [up(margin); 8];
+        self.near_one_within(
+            simd,
+            segments,
+            #[inline(always)]
+            |_| margin,
+            masks,
+        );
+    }
+
+    /// As [`Self::near_one`], with a margin for each pair of a group.
+    #[inline(always)]
+    pub fn near_one_within<S: Simd>(
+        &self,
+        simd: S,
+        segments: &[Segment<f32>],
+        margins: impl Fn(usize) -> [f32; 8],
+        masks: &mut [u8],
+    ) {
         assert_eq!(self.groups.len(), masks.len(), "a mask for every group");
-        let limit = self.slack(simd, f32x8::splat(simd, extent(segments))) + f32x8::splat(simd, up(margin));
-        for (group, mask) in self.groups.iter().zip(masks) {
+        let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
+        for (i, (group, mask)) in self.groups.iter().zip(masks).enumerate() {
+            let limit = slack + f32x8::simd_from(simd, margins(i));
             let lanes = Lanes::of_eight_pairs(simd, segments, group);
             let (reach, radii) = (f32x8::simd_from(simd, group.reach), f32x8::simd_from(simd, group.radii));
             *mask = group.used & lanes.spheres_near(reach + limit);

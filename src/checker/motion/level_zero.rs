@@ -4,12 +4,13 @@ use crate::checker::bodies::Rider;
 use crate::checker::capsules::Segment;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::PairInfo;
+use crate::checker::workspace::Workspace;
 use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
 use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, dispatch, f32x8, f64x8};
+use crate::simd::{LANES, Simd, dispatch, dispatch_lean, f32x8, f64x8};
 
 /// Where each body's ways stand in a list of all.
 #[derive(Clone, Debug)]
@@ -113,11 +114,7 @@ impl CollisionChecker {
         workspace: &mut super::MotionScratch,
         level: crate::simd::Level,
     ) {
-        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
-        let half_width = up(half_width * (1.0 + 1e-6));
-        // without any width it is about states
-        let loose = f32::from(u8::from(half_width > 0.0));
-        let margin = |i: usize| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6) + padding;
+        let margin = self.margins(half_width, speeds, off);
         let super::MotionScratch { positions, columns, near, .. } = workspace;
         columns.resize(positions.len(), [0.0; LANES]);
         for (lane, middle) in middles.iter().enumerate() {
@@ -128,6 +125,42 @@ impl CollisionChecker {
         }
         near.resize(self.infos.len(), 0);
         dispatch!(level, simd => self.screen_columns(simd, columns, margin, near));
+    }
+
+    /// By pair: nearer than this (m) it may come to touch within an interval of this half width.
+    fn margins<'m>(
+        &self,
+        half_width: f64,
+        speeds: &'m [f32],
+        off: &'m [f32],
+    ) -> impl Fn(usize) -> f32 + use<'m> {
+        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
+        let half_width = up(half_width * (1.0 + 1e-6));
+        // without any width it is about states
+        let loose = f32::from(u8::from(half_width > 0.0));
+        move |i| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6) + padding
+    }
+
+    /// For each group of eight pairs, which of them capsules do not prove apart in the whole motion: from its middle alone.
+    pub(super) fn screen_whole(
+        &self,
+        segment: &MotionSegment,
+        (speeds, off): (&[f32], &[f32]),
+        positions: &mut [f64],
+        workspace: &mut Workspace,
+    ) {
+        segment.positions_at(0.5, positions);
+        let margin = self.margins(0.5, speeds, off);
+        // a group that is not full repeats its last pair
+        let last = self.infos.len().saturating_sub(1);
+        let margins = |group: usize| std::array::from_fn(|lane| margin((8 * group + lane).min(last)));
+        let Workspace { frames, segments, near, scratch, .. } = workspace;
+        scratch.work.volume_tests += self.infos.len() as u64;
+        dispatch_lean!(scratch.level(), simd => {
+            self.chain.frames_of_one(simd, positions, frames);
+            self.capsules.place(frames, segments);
+            self.capsules.near_one_within(simd, segments, margins, near);
+        });
     }
 
     #[inline(always)]

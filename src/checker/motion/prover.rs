@@ -24,6 +24,9 @@ const WORTH_ASKING: f64 = 0.04;
 /// The motion (m) in an interval at level 0 that is aimed at.
 const LEVEL_ZERO_MOTION: f32 = 0.1;
 
+/// Motions (m) either way from the middle that are looked at as one interval.
+const SHORT_MOTION: f32 = 0.07;
+
 /// Most intervals at level 0.
 const MOST_INTERVALS: usize = 1024;
 
@@ -205,6 +208,7 @@ impl Prover<'_> {
         let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::max);
         let blocks = blocks(fastest);
         match self.options.order {
+            MotionOrder::Earliest if 0.5 * fastest <= SHORT_MOTION => self.short(),
             MotionOrder::Earliest => self.earliest(blocks),
             MotionOrder::Any => self.any(blocks),
         }
@@ -226,6 +230,18 @@ impl Prover<'_> {
     fn all_pairs_alone(&mut self) {
         for pair in 0..self.checker.infos.len() {
             self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
+        }
+    }
+
+    /// Where little moves, the middle tells enough of all but a few pairs.
+    fn short(&mut self) {
+        let MotionScratch { speeds, off, positions, .. } = &mut self.motion;
+        self.checker.screen_whole(self.segment, (speeds, off), positions, self.workspace);
+        for pair in 0..self.checker.infos.len() {
+            let near = self.workspace.near[pair / LANES] & (1 << (pair % LANES)) != 0;
+            if near || self.checker.mover(self.segment, self.checker.infos[pair].bodies.1).is_some() {
+                self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
+            }
         }
     }
 
