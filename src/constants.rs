@@ -12,6 +12,9 @@ pub const VOLUME_SLACK: f64 = 64.0 / 16_777_216.0;
 /// a test of triangles gets a quarter of the slack.
 pub const PLACEMENT_SLACK: f64 = 4.0 * 16.0 * f64::EPSILON;
 
+/// What kinematics may be off by, for every metre of coordinates and every radian of angles that enter: 45 roundings of f64.
+pub const KINEMATICS_ROUNDING: f64 = 1e-14;
+
 /// Room (m, and relative) for the rounding of kinematics, motion bounds and distances when a motion is proven free: kinematics are
 /// good to 1e-14 m a metre, distances to a few roundings, so this is many times over.
 pub const MOTION_SLACK: f64 = 1e-9;

@@ -161,14 +161,18 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
     let ways = args.ways(robot)?;
+    if args.certificate.is_some() && ways.len() != 1 {
+        let count = ways.len();
+        return Err(Failure::Input(format!("--certificate is for one way, but {count} are given")));
+    }
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every motion counts as free");
     }
     let reports = check_all(&checker, &ways, &options, args)?;
     if let Some(path) = &args.certificate {
-        write_certificate(&checker, &ways, &options, path)?;
+        write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
     }
-    let timing = time_passes(&checker, &ways, &options, args.repeat);
+    let timing = time_passes(&checker, &ways, &options, args);
     let mut work = Work::default();
     for report in &reports {
         work += report.work;
@@ -210,30 +214,39 @@ impl MotionArgs {
             let sound = value.is_finite() && value > 0.0;
             sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be more than zero")))
         };
-        let deadline = self.deadline.map(|s| positive("--deadline", s)).transpose()?;
-        let deadline = deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
+        self.deadline.map(|s| positive("--deadline", s)).transpose()?;
+        if self.swept_volumes.is_some() && self.format == Format::Text {
+            return Err(Failure::Input("--swept-volumes are told with --format json only".to_owned()));
+        }
         Ok(MotionOptions {
             tolerance: positive("--tolerance", self.tolerance)?,
             order: match self.order {
                 Order::Earliest => MotionOrder::Earliest,
                 Order::Any => MotionOrder::Any,
             },
-            deadline: deadline.and_then(|span| Instant::now().checked_add(span)),
             ..MotionOptions::default()
         })
+    }
+
+    /// The options for a way that is begun now.
+    fn starting_now(&self, options: &MotionOptions) -> MotionOptions {
+        let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
+        MotionOptions { deadline: span.and_then(|span| Instant::now().checked_add(span)), ..options.clone() }
     }
 
     /// What is to be checked: each way as a trajectory.
     fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
         let straight = |[from, to]: [Configuration; 2]| {
-            Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)])
+            Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)]).map_err(Failure::input)
         };
         let ways = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
-            (Some(path), ..) => states::edges_from_file(path, robot)?.into_iter().map(straight).collect(),
+            (Some(path), ..) => {
+                states::edges_from_file(path, robot)?.into_iter().map(straight).collect::<Result<_, _>>()?
+            }
             (_, Some(path), ..) => vec![trajectory(path, robot)?],
             (.., Some(from), Some(to)) => {
                 let end = |name: &str, text: &str| states::from_text(name, text, robot);
-                vec![straight([end("--from", from)?, end("--to", to)?])]
+                vec![straight([end("--from", from)?, end("--to", to)?])?]
             }
             _ => return Err(Failure::Input("give --edges, --trajectory, or --from and --to".to_owned())),
         };
@@ -272,7 +285,7 @@ fn check_all(
             .map_init(
                 || checker.workspace(),
                 |workspace, way| {
-                    let report = checker.check_trajectory(way, options, workspace);
+                    let report = checker.check_trajectory(way, &args.starting_now(options), workspace);
                     progress.piece_done();
                     report
                 },
@@ -285,12 +298,12 @@ fn time_passes(
     checker: &CollisionChecker,
     ways: &[Trajectory],
     options: &MotionOptions,
-    passes: u32,
+    args: &MotionArgs,
 ) -> Option<Timing> {
     let mut workspace = checker.workspace();
-    timing::measure(passes, ways.len(), || {
+    timing::measure(args.repeat, ways.len(), || {
         for way in ways {
-            std::hint::black_box(checker.check_trajectory(way, options, &mut workspace));
+            std::hint::black_box(checker.check_trajectory(way, &args.starting_now(options), &mut workspace));
         }
     })
 }
@@ -298,16 +311,14 @@ fn time_passes(
 /// The certificate of the only way, if it is free.
 fn write_certificate(
     checker: &CollisionChecker,
-    ways: &[Trajectory],
+    way: &Trajectory,
     options: &MotionOptions,
     path: &Path,
 ) -> Result<(), Failure> {
-    let [way] = ways else {
-        return Err(Failure::Input(format!("--certificate is for one way, but {} are given", ways.len())));
-    };
     let (report, certificate) = checker.certify_trajectory(way, options, &mut checker.workspace());
     let Some(certificate) = certificate else {
-        log::warn!("no certificate is written: the way is {}", verdict_name(&report.verdict));
+        let verdict = verdict_name(&report.verdict);
+        log::warn!("the way is {verdict}: no certificate is written to {}", path.display());
         return Ok(());
     };
     let text = Certificate::to_json(&certificate) + "\n";
@@ -368,7 +379,7 @@ impl WayAnswer {
                 answer.witness_point = witness.map(|p| p.coords.into());
             }
             MotionVerdict::Undecided { t, pair, distance, reason } => {
-                (answer.t, answer.pair) = (Some(t), Some(names(pair)));
+                (answer.t, answer.pair) = (Some(t), pair.map(names));
                 answer.distance = Some(distance.map(|d| d.is_finite().then_some(d)));
                 answer.reason = Some(reason_code(reason));
                 answer.reason_text = reason.to_string();
@@ -382,6 +393,8 @@ impl WayAnswer {
             if self.verdict == "free" { "free, proven".to_owned() } else { self.verdict.to_uppercase() };
         let pair = self.pair.as_ref().map_or_else(String::new, |[a, b]| format!(": {a} – {b}"));
         let when = self.t.map_or_else(String::new, |[lo, hi]| match self.verdict {
+            // in any order nothing before is looked at
+            "contact" if lo == 0.0 && hi > 0.0 => format!(", colliding at t = {hi:.6}"),
             "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
             _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
         });
@@ -397,6 +410,8 @@ fn reason_code(reason: UndecidedReason) -> &'static str {
         UndecidedReason::Tube => "tube",
         UndecidedReason::Deadline => "deadline",
         UndecidedReason::Budget => "budget",
+        UndecidedReason::Overflow => "overflow",
+        UndecidedReason::UnknownObstacle => "unknown_obstacle",
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use clearance::robot::{Configuration, RobotModel};
+use clearance::robot::{Configuration, JointKind, RobotModel};
 use serde::Deserialize;
 
 use super::failure::Failure;
@@ -77,7 +77,14 @@ pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Confi
 pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
     let names = robot.position_names();
     if let Ok(all) = text.trim().parse::<f64>() {
-        return Ok(vec![all; names.len()]);
+        let mut tube = vec![all; names.len()];
+        // a floating joint has none
+        for joint in robot.joint_ids().filter(|j| robot.joint(*j).kind == JointKind::Floating) {
+            if let Some(first) = robot.first_position(joint) {
+                tube[first..first + 7].fill(0.0);
+            }
+        }
+        return Ok(tube);
     }
     let mut tube = vec![0.0; names.len()];
     for (joint, value) in named("--tube", text)? {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::motion::Certificate;
+use clearance::motion::{Certificate, SegmentText};
 use clearance::verifier::{self, Verified};
 use serde_json::json;
 
@@ -32,6 +32,10 @@ pub struct VerifyArgs {
     #[arg(long)]
     no_world: bool,
 
+    /// Obstacles may move as the certificate says
+    #[arg(long)]
+    moving_obstacles: bool,
+
     /// How the answer is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -49,10 +53,18 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
         std::fs::read_to_string(&args.certificate).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
     let certificate: Certificate = serde_json::from_str(&text)
         .map_err(|e| Failure::Input(format!("{file}: this is no certificate: {e}")))?;
+    let movers = certificate.segments.iter().flat_map(|s| &s.motion.obstacles);
+    if let Some(mover) = movers.into_iter().find(|_| !args.moving_obstacles) {
+        let name = &mover.name;
+        return Err(Failure::Input(format!(
+            "{file}: the proof supposes that obstacle '{name}' moves; say --moving-obstacles if it does"
+        )));
+    }
     let verified = verifier::verify(&robot, &loaded.world, &settings, loaded.allowed.as_ref(), &certificate);
     match (args.format, &verified) {
         (Format::Text, Ok(Verified { segments, pairs, proofs, .. })) => print_line(&format!(
-            "proven free: {proofs} proofs for {pairs} pairs in {segments} segment(s) hold"
+            "proven free: {proofs} proofs for {pairs} pairs in {segments} segment(s) hold\n{}",
+            ends(&certificate)
         ))?,
         (Format::Text, Err(refusal)) => print_line(&format!("NOT PROVEN: {refusal}"))?,
         (Format::Json, Ok(v)) => print_line(
@@ -64,4 +76,23 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::from(u8::from(verified.is_err())))
+}
+
+/// Which motion it is about.
+fn ends(certificate: &Certificate) -> String {
+    let end = |text: Option<&SegmentText>, last: bool| -> String {
+        let Some(text) = text else { return String::new() };
+        let polynomials = text
+            .polynomials
+            .as_ref()
+            .map(|all| all.iter().map(|p| if last { p.iter().sum() } else { p[0] }).collect::<Vec<f64>>());
+        let straight = if last { text.to.clone() } else { text.from.clone() };
+        let positions = straight.or(polynomials).unwrap_or_default();
+        let named = certificate.joints.iter().zip(&positions).map(|(joint, q)| format!("{joint}={q}"));
+        named.collect::<Vec<_>>().join(" ")
+    };
+    let segments = &certificate.segments;
+    let from = end(segments.first().map(|s| &s.motion), false);
+    let to = end(segments.last().map(|s| &s.motion), true);
+    format!("from {from}\nto   {to}")
 }

@@ -17,6 +17,7 @@ mod trajectory_text;
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
 pub(crate) use fingerprint::Fingerprint;
 pub use moving_obstacle::MovingObstacle;
+pub(crate) use segment::floating;
 pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};
 pub use trajectory_text::TrajectoryTextError;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::constants::LARGEST_COORDINATE;
 use crate::math::{MatrixPose, Point, Pose, Rotation, Vector};
 
 /// How an obstacle moves while t goes from 0 to 1: its pose is displaced by a shift of `linear` and a turn about `centre`, which
@@ -61,10 +62,10 @@ impl MovingObstacle {
         MatrixPose::from(&self.displacement(t))
     }
 
-    /// Whether all numbers are finite and the start is a pose.
+    /// Whether all numbers can be computed with and the start is a pose.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        let finite = |v: &[f64]| v.iter().all(|x| x.is_finite());
+        let finite = |v: &[f64]| v.iter().all(|x| x.abs() <= LARGEST_COORDINATE);
         finite(&self.centre)
             && finite(&self.linear)
             && finite(&self.angular)

@@ -23,6 +23,8 @@ pub struct MotionSegment {
     /// How fast each position may come to be off (rad, m, a unit of t²); empty where it does not.
     spread: Vec<f64>,
     is_straight: bool,
+    /// No position is ever larger than this (rad, m), nor is what it is computed from.
+    size: f64,
 }
 
 /// The turn of a floating joint.
@@ -45,6 +47,12 @@ pub enum SegmentError {
     NotFinite(String),
     #[error(transparent)]
     Start(#[from] ConfigurationError),
+    #[error(
+        "a joint goes as far as {0:e}, farther than the {LARGEST_COORDINATE:e} that can be computed with"
+    )]
+    TooFar(f64),
+    #[error("the horizon must be zero or more seconds, but is {0}")]
+    Horizon(f64),
     #[error("floating joint '{0}' can only go straight")]
     FloatingPolynomial(String),
     #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
@@ -86,14 +94,19 @@ impl MotionSegment {
         let positions = ends.map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect();
         let turns = floating(robot).map(|(_, first)| Turn::between(first, from.positions(), to.positions()));
         let turns: Vec<Turn> = turns.collect();
-        Self {
-            positions,
-            turns,
-            obstacles: Vec::new(),
-            tube: Vec::new(),
-            spread: Vec::new(),
-            is_straight: true,
-        }
+        Self::new(robot, positions, turns)
+    }
+
+    fn new(robot: &RobotModel, positions: Vec<Polynomial>, turns: Vec<Turn>) -> Self {
+        let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
+        let most = |p: &Polynomial| p.iter().map(|c| c.abs()).sum::<f64>();
+        let following = robot.mimicking_joints().filter_map(|(_, mimic)| {
+            let p = &positions[robot.first_position(mimic.joint)?];
+            Some(mimic.multiplier.abs() * most(p) + mimic.offset.abs())
+        });
+        let size = positions.iter().map(most).chain(following).fold(0.0, f64::max);
+        let (obstacles, tube, spread) = (Vec::new(), Vec::new(), Vec::new());
+        Self { positions, turns, obstacles, tube, spread, is_straight, size }
     }
 
     /// A polynomial for each of the robot's positions.
@@ -118,15 +131,11 @@ impl MotionSegment {
         let start: Vec<f64> = positions.iter().map(|p| p[0]).collect();
         let start = robot.configuration(&start)?;
         positions.iter_mut().zip(start.positions()).for_each(|(p, q)| p[0] = *q);
-        let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
-        Ok(Self {
-            positions,
-            turns: Vec::new(),
-            obstacles: Vec::new(),
-            tube: Vec::new(),
-            spread: Vec::new(),
-            is_straight,
-        })
+        let segment = Self::new(robot, positions, Vec::new());
+        if segment.size > LARGEST_COORDINATE {
+            return Err(SegmentError::TooFar(segment.size));
+        }
+        Ok(segment)
     }
 
     /// With obstacles of `world` that move on the same clock.
@@ -187,6 +196,12 @@ impl MotionSegment {
     #[must_use]
     pub fn is_loose(&self) -> bool {
         !self.tube.is_empty() || !self.spread.is_empty()
+    }
+
+    /// A number (rad, m) not less than any position, nor than what it is computed from.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.size
     }
 
     #[must_use]
@@ -317,7 +332,7 @@ fn largest_slope(p: &Polynomial) -> f64 {
 }
 
 /// Names of floating joints and where their positions begin.
-fn floating(robot: &RobotModel) -> impl Iterator<Item = (&str, usize)> {
+pub(crate) fn floating(robot: &RobotModel) -> impl Iterator<Item = (&str, usize)> {
     robot.joint_ids().filter_map(|id| {
         let joint = robot.joint(id);
         (joint.kind == JointKind::Floating).then_some(())?;

@@ -11,6 +11,9 @@ pub struct Trajectory {
     times: Vec<f64>,
 }
 
+/// How far (rad, m) the end of a segment may be from the start of the next: what rounding makes of polynomials.
+const JOINED: f64 = 1e-9;
+
 /// One point of a trajectory, as `trajectory_msgs/JointTrajectoryPoint` has it: velocities and accelerations may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajectoryPoint {
@@ -38,15 +41,27 @@ pub enum TrajectoryError {
     Time { point: usize, time: f64, previous: f64 },
     #[error("point {0} has velocities but the trajectory has no times")]
     NoTimes(usize),
+    #[error("segment {segment} begins {jump} rad or m off where the last one ends")]
+    Jump { segment: usize, jump: f64 },
     #[error("segment {segment}: {error}")]
     Segment { segment: usize, error: SegmentError },
 }
 
 impl Trajectory {
-    /// Segments without times.
-    #[must_use]
-    pub fn of_segments(segments: Vec<MotionSegment>) -> Self {
-        Self { segments, times: Vec::new() }
+    /// Segments without times, each beginning where the last ends.
+    pub fn of_segments(segments: Vec<MotionSegment>) -> Result<Self, TrajectoryError> {
+        if segments.is_empty() {
+            return Err(TrajectoryError::TooShort(0));
+        }
+        for (i, two) in segments.windows(2).enumerate() {
+            let (end, start) = (two[0].at(1.0), two[1].at(0.0));
+            let off = |(a, b): (&f64, &f64)| (a - b).abs();
+            let jump = end.positions().iter().zip(start.positions()).map(off).fold(0.0, f64::max);
+            if jump > JOINED || end.positions().len() != start.positions().len() {
+                return Err(TrajectoryError::Jump { segment: i + 1, jump });
+            }
+        }
+        Ok(Self { segments, times: Vec::new() })
     }
 
     /// As `trajectory_msgs/JointTrajectory` means it: between two points positions go straight, or as cubic polynomials if both

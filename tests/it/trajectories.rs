@@ -121,6 +121,58 @@ fn a_tracking_tolerance_leaves_open_what_it_may_touch() {
     );
 }
 
+/// What a tolerance leaves open ends the search, but a contact is told where it is.
+#[test]
+fn contact_within_a_tracking_tolerance_is_contact() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let (from, to) = (at(&robot, 0.0, 2.82), at(&robot, 0.0, 2.86));
+    let segment = MotionSegment::straight(&robot, &from, &to).with_tube(&robot, vec![0.002; 2]).unwrap();
+    let report = ask(&checker, &segment);
+    let MotionVerdict::Contact { t: [lo, hi], .. } = report.verdict else { panic!("{report:?}") };
+    assert!(!checker.is_free(&segment.at(hi), &mut checker.workspace()), "{report:?}");
+    assert!(2.82 + 0.04 * lo < FOLDED - 0.002, "{report:?}");
+}
+
+/// Numbers that overflow prove nothing, and what would stand still although it is to move is not free.
+#[test]
+fn what_cannot_be_computed_is_not_free() {
+    let robot = two_link();
+    let world = obstacle("ball", Primitive::sphere(0.1).unwrap(), [2.0, 2.0, 0.0]);
+    let q = at(&robot, 0.0, 0.0);
+    let still = || MotionSegment::straight(&robot, &q, &q);
+    let mover = |linear, angular| MovingObstacle {
+        name: "ball".to_owned(),
+        centre: [2.0, 2.0, 0.0],
+        linear,
+        angular,
+        start: None,
+    };
+    for (linear, angular) in [([0.0; 3], [1e200, 0.0, 0.0]), ([f64::NAN, 0.0, 0.0], [0.0; 3])] {
+        assert!(still().with_obstacles(&world, vec![mover(linear, angular)]).is_err());
+    }
+    let moving = still().with_obstacles(&world, vec![mover([0.0; 3], [0.0; 3])]).unwrap();
+    let report = ask(&alone(&robot), &moving);
+    let unknown = UndecidedReason::UnknownObstacle;
+    assert!(matches!(report.verdict, MotionVerdict::Undecided { reason, .. } if reason == unknown));
+}
+
+/// Work is bounded, whatever is asked.
+#[test]
+fn no_motion_takes_for_ever() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let inside = checker.check_motion(&at(&robot, 0.0, 3.0), &at(&robot, 0.0, 3.0), &mut checker.workspace());
+    assert!(matches!(inside.verdict, MotionVerdict::Contact { t: [0.0, 0.0], .. }), "{inside:?}");
+    assert!(inside.looks < 50, "{inside:?}");
+    let spin = MotionSegment::straight(&robot, &at(&robot, 0.0, 2.8), &at(&robot, 3e7, 2.8));
+    for order in [MotionOrder::Earliest, MotionOrder::Any] {
+        let options = MotionOptions { order, budget: 10_000, tolerance: 1e-300, ..MotionOptions::default() };
+        let report = checker.check_motion_with(&spin, &options, &mut checker.workspace());
+        assert!(!report.is_free() && report.looks < 20_000, "{report:?}");
+    }
+}
+
 /// A ball that comes towards the tip and passes in front of it, or hits it.
 #[test]
 fn obstacles_move_on_the_same_clock() {
@@ -206,16 +258,18 @@ fn threads_and_instruction_sets_change_no_answer() {
             MotionSegment::straight(&robot, &from, &at(&robot, 1.0, 2.84 - 0.001 * f64::from(i % 7)))
         })
         .collect();
-    let options = MotionOptions::default();
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| checker.check_motions(&segments, &options))
-    };
-    let one = on(1);
-    assert!(one == on(2) && one == on(5));
-    let mut portable = checker.portable_workspace();
-    for (segment, report) in segments.iter().zip(&one) {
-        assert_eq!(*report, checker.check_motion_with(segment, &options, &mut portable));
+    for order in [MotionOrder::Earliest, MotionOrder::Any] {
+        let options = MotionOptions { order, ..MotionOptions::default() };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| checker.check_motions(&segments, &options))
+        };
+        let one = on(1);
+        assert!(one == on(2) && one == on(5));
+        let mut portable = checker.portable_workspace();
+        for (segment, report) in segments.iter().zip(&one) {
+            assert_eq!(*report, checker.check_motion_with(segment, &options, &mut portable));
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::report::{MotionOptions, MotionVerdict};
 use crate::checker::Body;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::workspace::Workspace;
-use crate::motion::{MotionSegment, SegmentError};
+use crate::motion::{MotionSegment, SegmentError, floating};
 use crate::robot::Configuration;
 
 /// Resolution of the answer: motion (m) that no longer matters.
@@ -40,6 +40,14 @@ impl CollisionChecker {
                 return Err(SegmentError::WrongLength { given, expected });
             }
         }
+        if !horizon.is_finite() || horizon < 0.0 {
+            return Err(SegmentError::Horizon(horizon));
+        }
+        for (joint, first) in floating(self.robot()) {
+            if accelerations[first..first + 7].iter().any(|a| *a != 0.0) {
+                return Err(SegmentError::FloatingTube(joint.to_owned()));
+            }
+        }
         let way = |(q, v): (&f64, &f64)| [*q, v * horizon, 0.0, 0.0, 0.0, 0.0];
         let lines = q.positions().iter().zip(velocities).map(way).collect();
         let segment = MotionSegment::polynomial(self.robot(), lines)?;
@@ -51,9 +59,10 @@ impl CollisionChecker {
         let (report, _) = self.prove(&segment.with_spread(spread), &options, workspace, true);
         Ok(match report.verdict {
             MotionVerdict::Free => LookAhead { free_for: horizon, first: None },
-            MotionVerdict::Contact { t, pair, .. } | MotionVerdict::Undecided { t, pair, .. } => {
+            MotionVerdict::Contact { t, pair, .. } => {
                 LookAhead { free_for: t[0] * horizon, first: Some(pair) }
             }
+            MotionVerdict::Undecided { t, pair, .. } => LookAhead { free_for: t[0] * horizon, first: pair },
         })
     }
 }

@@ -96,7 +96,7 @@ impl CollisionChecker {
             Some(mover) => of_obstacle(mover, &reaches[1], &around),
             None => side(1),
         };
-        let approach = Approach::new(&[side(0), second], &reaches, half_width);
+        let approach = Approach::new(&[side(0), second], &reaches, half_width, segment.size());
         Moment { pair, approach, lower: capsule_bound(&reaches) }
     }
 
@@ -162,7 +162,9 @@ fn capsule_bound([a, b]: &[Reach; 2]) -> f64 {
     let length = n.norm();
     if length > 0.0 {
         (n.dot(&w) - n.dot(&u).abs() - n.dot(&v).abs()) / length - a.radius - b.radius - MOTION_SLACK
-    } else {
+    } else if length == 0.0 {
         -a.radius - b.radius
+    } else {
+        f64::NEG_INFINITY
     }
 }

@@ -5,6 +5,8 @@
 //! (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005 bisect). The distance is only asked of the hierarchies where capsules
 //! do not do, and only where the motion is small enough for an answer to be of use.
 
+use std::time::Instant;
+
 use super::moment::{Moment, PlacedPair};
 use super::report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 use crate::checker::Body;
@@ -42,6 +44,12 @@ const FLOOR: f64 = 4e-9;
 /// Where states are looked at when any contact will do: each as far as can be from those before it.
 const SAMPLES: [f64; LANES] = [0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875, 1.0];
 
+/// Looks between two glances at the clock.
+const LOOKS_A_GLANCE: u64 = 16;
+
+/// Most pieces that wait in a queue; what comes beyond is looked at first.
+const MOST_QUEUED: usize = 1 << 18;
+
 /// Looks spent on what is nearer than the tolerance, in the hope to decide it.
 const PATIENCE: u32 = 2000;
 
@@ -74,20 +82,22 @@ struct Open {
     reason: UndecidedReason,
 }
 
+/// A pair that touches.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    pair: usize,
+    t: f64,
+    point: Option<Point>,
+}
+
 /// What a look found.
 enum Look {
-    Hit(Option<Point>),
+    /// The pair touches; in the whole interval it moves by this much (m).
+    Hit(Option<Point>, f64),
     /// A part of the interval around its middle is free: its share, and what proves it.
-    Proven {
-        share: f64,
-        lower: f64,
-        bound: f64,
-    },
+    Proven { share: f64, lower: f64, bound: f64 },
     /// Nothing: the distance is between these, and this is the most that the pair moves.
-    Open {
-        distance: [f64; 2],
-        motion: f64,
-    },
+    Open { distance: [f64; 2], motion: f64 },
 }
 
 /// A motion that is looked at, and what is known so far.
@@ -101,8 +111,10 @@ pub(super) struct Prover<'a> {
     seen_until: f64,
     /// Nothing after this matters: something is known to collide there.
     cutoff: f64,
-    hit: Option<(usize, Option<Point>)>,
+    hit: Option<Hit>,
+    /// The earliest interval that stays open, and where the last of them ends.
     open: Option<Open>,
+    open_until: f64,
     patience: u32,
     looks: u64,
     /// What was proven, if it is to be kept.
@@ -133,6 +145,19 @@ impl CollisionChecker {
     ) -> MotionReport {
         let report = self.prove(segment, options, workspace, false).0;
         self.sure_of_contact(report, segment, options, workspace)
+    }
+
+    /// What would stand where it is although it is to move must not be taken for free.
+    fn refusal(&self, segment: &MotionSegment) -> Option<MotionVerdict> {
+        let known = |name: &str| self.world().obstacles().iter().any(|o| o.name == name);
+        let unknown = segment.obstacles().iter().any(|mover| !known(&mover.name));
+        let reason = UndecidedReason::UnknownObstacle;
+        unknown.then_some(MotionVerdict::Undecided {
+            t: [0.0, 1.0],
+            pair: None,
+            distance: [0.0, f64::INFINITY],
+            reason,
+        })
     }
 
     /// Where a tracking tolerance leaves it open, the motion itself may tell.
@@ -168,6 +193,9 @@ impl CollisionChecker {
     ) -> (MotionReport, Vec<Proof>) {
         self.suit(workspace);
         workspace.scratch.work = Work::default();
+        if let Some(verdict) = self.refusal(segment) {
+            return (MotionReport { verdict, looks: 0, work: Work::default() }, Vec::new());
+        }
         let mut motion = std::mem::take(&mut workspace.motion);
         motion.positions.resize(segment.position_count(), 0.0);
         let mut prover = Prover {
@@ -180,6 +208,7 @@ impl CollisionChecker {
             cutoff: f64::INFINITY,
             hit: None,
             open: None,
+            open_until: 0.0,
             patience: PATIENCE,
             looks: 0,
             proofs: keep.then(Vec::new),
@@ -187,7 +216,7 @@ impl CollisionChecker {
         };
         prover.run();
         if options.order == MotionOrder::Earliest {
-            prover.look_at_the_start();
+            prover.look_at_the_ends();
         }
         let verdict = prover.verdict();
         let Prover { motion, looks, proofs, workspace, .. } = prover;
@@ -200,6 +229,7 @@ impl CollisionChecker {
 
 impl Prover<'_> {
     fn run(&mut self) {
+        self.motion.stack.clear();
         if self.proofs.is_some() {
             return self.all_pairs_alone();
         }
@@ -214,14 +244,14 @@ impl Prover<'_> {
         }
     }
 
-    /// A motion that cannot be free from its start on may collide there.
-    fn look_at_the_start(&mut self) {
-        let first = self.open.filter(|open| open.piece.from == 0.0);
-        let (Some((pair, _)), Some(open)) = (self.hit, first) else { return };
-        for pair in [pair, open.piece.pair] {
-            if let Look::Hit(point) = self.look(Piece { pair, from: 0.0, to: 0.0 }, 0.0, 0.0) {
-                self.cutoff = 0.0;
-                self.hit = Some((pair, point));
+    /// A motion that is not proven free from its start on, or to its end, may collide there.
+    fn look_at_the_ends(&mut self) {
+        let Some(open) = self.open.filter(|_| self.stopped.is_none()) else { return };
+        let pairs = [Some(open.piece.pair), self.hit.map(|hit| hit.pair)];
+        for pair in pairs.into_iter().flatten() {
+            let collides_at_start = open.piece.from == 0.0 && self.touches(pair, 0.0);
+            if collides_at_start || (self.hit.is_none() && open.piece.to == 1.0 && self.touches(pair, 1.0)) {
+                return;
             }
         }
     }
@@ -288,7 +318,11 @@ impl Prover<'_> {
                 self.nothing_known_before();
                 return;
             }
-            queue.extend(self.motion.stack.drain(..));
+            if queue.len() < MOST_QUEUED {
+                queue.extend(self.motion.stack.drain(..));
+            } else {
+                self.motion.stack.drain(..).for_each(|piece| queue.push_front(piece));
+            }
         }
     }
 
@@ -316,7 +350,8 @@ impl Prover<'_> {
             return false;
         };
         self.cutoff = t;
-        self.hit = Some((index, self.checker.in_root(&pair, &found.witness_points[0], self.segment, t)));
+        let point = self.checker.in_root(&pair, &found.witness_points[0], self.segment, t);
+        self.hit = Some(Hit { pair: index, t, point });
         true
     }
 
@@ -389,17 +424,24 @@ impl Prover<'_> {
         let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
         let cut = |from: f64, to: f64| Piece { pair, from, to };
         match self.look(piece, middle, half_width) {
-            Look::Hit(point) => {
+            Look::Hit(point, motion) => {
                 self.cutoff = middle;
-                self.hit = Some((pair, point));
-                self.motion.stack.push(cut(from, middle));
+                self.hit = Some(Hit { pair, t: middle, point });
+                if motion <= self.tolerance() {
+                    self.leave_open(cut(from, middle), [0.0; 2], UndecidedReason::Tolerance);
+                } else {
+                    self.motion.stack.push(cut(from, middle));
+                }
             }
             Look::Proven { share, lower, bound } if share >= 1.0 => self.keep(piece, lower, bound),
             Look::Proven { share, lower, bound } => {
                 let (low, high) = (middle - share * half_width, middle + share * half_width);
                 self.keep(cut(low, high), lower, bound);
-                self.motion.stack.push(cut(high, to));
-                self.motion.stack.push(cut(from, low));
+                for rest in [cut(high, to), cut(from, low)] {
+                    if rest.from < rest.to {
+                        self.motion.stack.push(rest);
+                    }
+                }
             }
             Look::Open { distance, motion } => self.push_open(piece, distance, motion),
         }
@@ -410,7 +452,10 @@ impl Prover<'_> {
         let Piece { pair, from, to } = piece;
         let middle = 0.5 * (from + to);
         let cannot_be_cut = !(from < middle && middle < to);
-        if motion <= self.options.tolerance || cannot_be_cut {
+        if !motion.is_finite() {
+            return self.leave_open(piece, distance, UndecidedReason::Overflow);
+        }
+        if motion <= self.tolerance() || cannot_be_cut {
             if self.segment.is_loose() {
                 self.leave_open(piece, distance, UndecidedReason::Tube);
                 self.cutoff = self.cutoff.min(from);
@@ -425,7 +470,13 @@ impl Prover<'_> {
         self.motion.stack.push(Piece { pair, from, to: middle });
     }
 
+    /// The motion (m) in an interval that may stay open.
+    fn tolerance(&self) -> f64 {
+        self.options.tolerance.max(FLOOR)
+    }
+
     fn leave_open(&mut self, piece: Piece, distance: [f64; 2], reason: UndecidedReason) {
+        self.open_until = self.open_until.max(piece.to);
         if self.open.is_none_or(|open| piece.from < open.piece.from) {
             self.open = Some(Open { piece, distance, reason });
         }
@@ -440,6 +491,9 @@ impl Prover<'_> {
     /// Looks at a pair in the middle of a piece.
     fn look(&mut self, piece: Piece, middle: f64, half_width: f64) -> Look {
         self.looks += 1;
+        if self.is_over() {
+            return Look::Open { distance: [0.0, f64::INFINITY], motion: 0.0 };
+        }
         let Workspace { frames, scratch, .. } = &mut *self.workspace;
         let interval = (middle, half_width);
         let moment = self.checker.moment(
@@ -461,15 +515,15 @@ impl Prover<'_> {
         if motion > WORTH_ASKING {
             return moment.proven(*lower).unwrap_or(Look::Open { distance: unknown, motion });
         }
-        if self.is_over() {
-            return Look::Open { distance: unknown, motion };
-        }
-        let effort = Effort { relative_tolerance: ROUGHLY, ..Effort::default() };
+        // of a distance that padding and tolerances take most of, a share is too much
+        let roughly = if padding > 0.0 || self.segment.is_loose() { 0.0 } else { ROUGHLY };
+        let effort = Effort { relative_tolerance: roughly, ..Effort::default() };
         let limit = bound + padding + CONTACT_DISTANCE;
         let found = pair.separation_bounds(limit, &effort, &mut self.workspace.scratch);
         let Some(near) = found.upper else { return Look::Proven { share: 1.0, lower: limit, bound } };
         if near.distance <= padding.max(CONTACT_DISTANCE) {
-            return Look::Hit(self.checker.in_root(pair, &near.witness_points[0], self.segment, middle));
+            let point = self.checker.in_root(pair, &near.witness_points[0], self.segment, middle);
+            return Look::Hit(point, motion);
         }
         let distance = [(found.lower - padding).max(0.0), near.distance - padding];
         moment.proven(found.lower).unwrap_or(Look::Open { distance, motion })
@@ -480,7 +534,9 @@ impl Prover<'_> {
         if self.stopped.is_none() {
             if self.looks > self.options.budget {
                 self.stopped = Some(UndecidedReason::Budget);
-            } else if self.options.deadline.is_some_and(|deadline| std::time::Instant::now() >= deadline) {
+            } else if self.looks % LOOKS_A_GLANCE == 1
+                && self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            {
                 self.stopped = Some(UndecidedReason::Deadline);
             }
         }
@@ -493,20 +549,24 @@ impl Prover<'_> {
         let free_until = open.map_or(self.cutoff, |open| open.piece.from);
         // who stops early has not looked at everything before that
         let free_until = if self.stopped.is_some() { free_until.min(self.seen_until) } else { free_until };
-        if let Some((pair, witness)) = self.hit {
-            return MotionVerdict::Contact { t: [free_until, self.cutoff], pair: ids(pair), witness };
+        if let Some(Hit { pair, t, point }) = self.hit {
+            return MotionVerdict::Contact { t: [free_until.min(t), t], pair: ids(pair), witness: point };
         }
         match (open, self.stopped) {
             (None, None) => MotionVerdict::Free,
             (open, Some(reason)) => MotionVerdict::Undecided {
                 t: [free_until.min(1.0), 1.0],
-                pair: ids(open.map_or(0, |open| open.piece.pair)),
+                pair: open.map(|open| ids(open.piece.pair)),
                 distance: open.map_or([0.0, f64::INFINITY], |open| open.distance),
                 reason,
             },
             (Some(open), None) => MotionVerdict::Undecided {
-                t: [open.piece.from, open.piece.to],
-                pair: ids(open.piece.pair),
+                // who may touch within a tolerance ends the search
+                t: [
+                    open.piece.from,
+                    if open.reason == UndecidedReason::Tube { 1.0 } else { self.open_until },
+                ],
+                pair: Some(ids(open.piece.pair)),
                 distance: open.distance,
                 reason: open.reason,
             },

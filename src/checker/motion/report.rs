@@ -15,7 +15,7 @@ pub struct MotionOptions {
     pub order: MotionOrder,
     /// When to stop with what is known so far.
     pub deadline: Option<Instant>,
-    /// After how many looks at a pair to stop.
+    /// After how many looks at a pair to stop; some microseconds each.
     pub budget: u64,
 }
 
@@ -31,7 +31,7 @@ pub enum MotionOrder {
 
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { tolerance: 5e-4, order: MotionOrder::Earliest, deadline: None, budget: u64::MAX }
+        Self { tolerance: 5e-4, order: MotionOrder::Earliest, deadline: None, budget: 10_000_000 }
     }
 }
 
@@ -50,10 +50,10 @@ pub enum MotionVerdict {
     },
     /// Neither was found.
     Undecided {
-        /// Free before the first, proven; from there to the second it is open, and after it, too, unless the reason is the
-        /// tolerance.
+        /// Free before the first, proven, and after the second; in between a part of it is open.
         t: [f64; 2],
-        pair: (Body, Body),
+        /// The pair that is open first; `None` if none was looked at.
+        pair: Option<(Body, Body)>,
         /// In the middle of the interval the pair's distance (m, padding taken off) is between these.
         distance: [f64; 2],
         reason: UndecidedReason,
@@ -69,6 +69,10 @@ pub enum UndecidedReason {
     Tube,
     Deadline,
     Budget,
+    /// Numbers are too large to be computed with.
+    Overflow,
+    /// An obstacle is to move that the world has not.
+    UnknownObstacle,
 }
 
 impl std::fmt::Display for UndecidedReason {
@@ -78,6 +82,8 @@ impl std::fmt::Display for UndecidedReason {
             Self::Tube => "may touch within the tracking tolerance",
             Self::Deadline => "deadline exceeded",
             Self::Budget => "budget used up",
+            Self::Overflow => "numbers are too large to be computed with",
+            Self::UnknownObstacle => "an obstacle is to move that the world has not",
         })
     }
 }

@@ -1,7 +1,7 @@
 //! How much nearer two bodies of a robot can come during a motion: the bounds of `docs/derivations/motion-bound.md`.
 
 use super::{Reach, SideMotion};
-use crate::constants::MOTION_SLACK;
+use crate::constants::{KINEMATICS_ROUNDING, MOTION_SLACK};
 
 /// How much nearer a pair can come within an interval, and parts of it around its middle.
 #[derive(Clone, Copy, Debug)]
@@ -16,12 +16,15 @@ pub struct Approach {
     off: f64,
     /// Remainders that do not shrink with the interval, since tolerances do not.
     stiff: f64,
+    /// What kinematics may be off by.
+    rounding: f64,
 }
 
 impl Approach {
-    /// Of two bodies whose motions and reaches are these, in an interval of this half width.
+    /// Of two bodies whose motions and reaches are these, in an interval of this half width; no position is ever larger than `size`
+    /// (rad, m). Where numbers overflow the pair may come nearer by any length.
     #[must_use]
-    pub fn new(sides: &[SideMotion; 2], reaches: &[Reach; 2], half_width: f64) -> Self {
+    pub fn new(sides: &[SideMotion; 2], reaches: &[Reach; 2], half_width: f64, size: f64) -> Self {
         let [a, b] = sides;
         let (velocity, angular) = (b.velocity - a.velocity, b.angular - a.angular);
         let speed =
@@ -29,14 +32,29 @@ impl Approach {
         let off = a.off + b.off;
         let remainder = a.remainder + b.remainder;
         let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
-        Self { way: a.way + b.way, speed: half_width * speed, bent: bent + a.bent + b.bent, off, stiff }
+        let extent: f64 = reaches.iter().map(Reach::extent).sum();
+        let rounding = KINEMATICS_ROUNDING * (10.0 + size) * extent;
+        let found = Self {
+            way: a.way + b.way,
+            speed: half_width * speed,
+            bent: bent + a.bent + b.bent,
+            off,
+            stiff,
+            rounding,
+        };
+        let Self { way, speed, bent, off, stiff, rounding } = found;
+        if (way + speed + bent + off + stiff + rounding).is_finite() { found } else { Self::ANY }
     }
+
+    /// Nothing is known.
+    const ANY: Self =
+        Self { way: f64::INFINITY, speed: f64::INFINITY, bent: 0.0, off: 0.0, stiff: 0.0, rounding: 0.0 };
 
     /// The most (m) that the pair comes nearer in the part of the interval that has this share of its width.
     #[must_use]
     pub fn within(&self, share: f64) -> f64 {
         let first = share * (self.speed + share * self.bent) + self.stiff;
-        ((share * self.way).min(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK
+        ((share * self.way).min(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK + self.rounding
     }
 
     /// What of that (m) shrinks with the interval.
@@ -48,8 +66,9 @@ impl Approach {
     /// The share of the interval in which the pair comes nearer by less than `room` (m).
     #[must_use]
     pub fn share(&self, room: f64) -> f64 {
-        let room = room * (1.0 - 2.0 * MOTION_SLACK) - 2.0 * MOTION_SLACK - self.off;
-        if room <= 0.0 {
+        let room = room * (1.0 - 2.0 * MOTION_SLACK) - 2.0 * MOTION_SLACK - self.rounding - self.off;
+        // no number proves nothing
+        if room.is_nan() || room <= 0.0 {
             return 0.0;
         }
         let of_way = room / self.way;
@@ -57,9 +76,8 @@ impl Approach {
         // the positive root of bent s² + speed s = rest, stable for small bent
         let root = (self.speed * self.speed + 4.0 * self.bent * rest).sqrt();
         let of_first = if rest > 0.0 { 2.0 * rest / (self.speed + root) } else { 0.0 };
-        // where nothing moves, all of it; and no number proves nothing
-        let share = if self.way > 0.0 { of_way.max(of_first) } else { 1.0 };
-        if share >= 0.0 { share.min(1.0) } else { 0.0 }
+        // where nothing moves, all of it
+        if self.way == 0.0 { 1.0 } else { of_way.max(of_first).clamp(0.0, 1.0) }
     }
 }
 
@@ -164,7 +182,7 @@ mod tests {
             radius: capsules[i].radius,
         });
         let sides = [0, 1].map(|i| chain.side_motion(between.side(i), &reaches[i], &seen, wave));
-        Approach::new(&sides, &reaches, wave.half_width)
+        Approach::new(&sides, &reaches, wave.half_width, 10.0)
     }
 
     fn point_in(capsule: &Reach, random: &mut Random) -> Vector {

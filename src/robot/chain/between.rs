@@ -264,6 +264,12 @@ impl Reach {
         p.norm_squared().max(q.norm_squared()).sqrt() + self.radius
     }
 
+    /// How far any of its points is from the origin, at most, in the 1-norm.
+    #[must_use]
+    pub fn extent(&self) -> f64 {
+        self.ends.iter().map(|p| p.abs().sum()).fold(0.0, f64::max) + 2.0 * self.radius
+    }
+
     /// The most that any of its points moves a unit of t.
     #[inline]
     #[must_use]
