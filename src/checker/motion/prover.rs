@@ -441,10 +441,11 @@ impl Prover<'_> {
             return Look::Proven { share: 1.0, lower: *lower, bound };
         }
         let unknown = [(lower - padding).max(0.0), f64::INFINITY];
-        if motion > WORTH_ASKING {
-            return moment.proven(*lower).unwrap_or(Look::Open { distance: unknown, motion });
+        let far = (motion > WORTH_ASKING).then(|| moment.proven(*lower));
+        if let Some(Some(proven)) = far {
+            return proven;
         }
-        if self.is_over() {
+        if self.is_over() || far.is_some() {
             return Look::Open { distance: unknown, motion };
         }
         let effort = Effort { relative_tolerance: ROUGHLY, ..Effort::default() };
