@@ -93,7 +93,8 @@ fn sampled_points_are_never_nearer() {
         let pose = Pose::from_parts((random.direction().into_inner() * 0.7).into(), random.rotation());
         let point = |random: &mut Random, body: &Body| {
             let elements = body.elements();
-            point_of(random, &elements[random.below(elements.len())])
+            let element = &elements[random.below(elements.len())];
+            point_of(random, element)
         };
         let nearest = (0..100)
             .map(|_| nalgebra::distance(&point(&mut random, &a), &(pose * point(&mut random, &b))))
