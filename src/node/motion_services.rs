@@ -29,23 +29,23 @@ enum Request {
 }
 
 enum Answer {
-    Motion(RequestId, Box<CheckMotionResponse>),
-    Trajectory(RequestId, Box<CheckTrajectoryResponse>),
+    Motion(RequestId, Box<Answered>),
+    Trajectory(RequestId, Box<Answered>),
 }
 
 /// The side that speaks with clients.
 pub struct MotionServices {
     motions: Server<CheckMotionRequest, CheckMotionResponse>,
     trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
+    certificates: Publisher<StringMessage>,
     requests: Sender<Request>,
     answers: Receiver<Answer>,
 }
 
-/// The side that checks.
+/// The side that checks. It holds nothing of the network: the node ends without waiting for it.
 pub struct MotionDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
-    certificates: Publisher<StringMessage>,
     current: CurrentJudgement,
     workspace: Option<Workspace>,
 }
@@ -60,18 +60,21 @@ impl MotionServices {
         let (requests, requests_in) = channel::bounded(WAITING);
         // never more than requests that waited
         let (answers, answers_in) = channel::unbounded();
+        let string = MessageKind("std_msgs", "String");
         let services = Self {
             motions: middleware
                 .server(&names.resolve("~/check_motion")?, ("clearance_msgs", "CheckMotion"))?,
             trajectories: middleware
                 .server(&names.resolve("~/check_trajectory")?, ("clearance_msgs", "CheckTrajectory"))?,
+            certificates: middleware.publisher(
+                &names.resolve("~/certificates")?,
+                string,
+                Quality::Reliable,
+            )?,
             requests,
             answers: answers_in,
         };
-        let string = MessageKind("std_msgs", "String");
-        let certificates =
-            middleware.publisher(&names.resolve("~/certificates")?, string, Quality::Reliable)?;
-        let desk = MotionDesk { requests: requests_in, answers, certificates, current, workspace: None };
+        let desk = MotionDesk { requests: requests_in, answers, current, workspace: None };
         Ok((services, desk))
     }
 
@@ -102,18 +105,32 @@ impl MotionServices {
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
         // a desk that has ended is busy for ever
         if let Err(refused) = self.requests.try_send(request) {
-            self.send(refused.into_inner().answered(Refusal::Busy(WAITING).response()), sending);
+            let answered = Answered::from(&Refusal::Busy(WAITING));
+            self.send(refused.into_inner().answered(answered), sending);
         }
     }
 
     fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
         let send = async move {
             match answer {
-                Answer::Motion(id, response) => self.motions.answer(id, *response).await,
-                Answer::Trajectory(id, response) => self.trajectories.answer(id, *response).await,
+                Answer::Motion(id, answered) => {
+                    let response = self.publish_certificate(*answered);
+                    self.motions.answer(id, response.motion).await;
+                }
+                Answer::Trajectory(id, answered) => {
+                    let response = self.publish_certificate(*answered);
+                    self.trajectories.answer(id, response).await;
+                }
             }
         };
         sending.spawn(send).detach();
+    }
+
+    fn publish_certificate(&self, Answered { response, certificate }: Answered) -> CheckTrajectoryResponse {
+        if let Some(data) = certificate {
+            self.certificates.publish(StringMessage { data });
+        }
+        response
     }
 }
 
@@ -130,14 +147,11 @@ impl MotionDesk {
     }
 
     fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
-        let Answered { response, certificate } = self.guarded(|workspace| match &request {
+        let answered = self.guarded(|workspace| match &request {
             Request::Motion(_, request) => answer_motion(request, judgement, workspace),
             Request::Trajectory(_, request) => answer_trajectory(request, judgement, workspace),
         });
-        if let Some(data) = certificate {
-            self.certificates.publish(StringMessage { data });
-        }
-        request.answered(response)
+        request.answered(answered)
     }
 
     /// A request is a stranger's text: what it breaks must not take the node with it.
@@ -151,10 +165,10 @@ impl MotionDesk {
 }
 
 impl Request {
-    fn answered(self, response: CheckTrajectoryResponse) -> Answer {
+    fn answered(self, answered: Answered) -> Answer {
         match self {
-            Self::Motion(id, _) => Answer::Motion(id, Box::new(response.motion)),
-            Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(response)),
+            Self::Motion(id, _) => Answer::Motion(id, Box::new(answered)),
+            Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(answered)),
         }
     }
 }

@@ -3,9 +3,14 @@
 import json
 
 from clearance_msgs.srv import CheckMotion, CheckTrajectory
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 import two_link
+
+# Every client of a service hears the answers to all others and passes them over; with the usual depth of 10, a burst of more
+# answers pushes its own out of its memory.
+BURST = QoSProfile(depth=200)
 
 
 class Motions:
@@ -13,8 +18,10 @@ class Motions:
 
     def __init__(self, peer, node):
         self._peer = peer
-        self._motions = peer.node.create_client(CheckMotion, node.private("check_motion"))
-        self._trajectories = peer.node.create_client(CheckTrajectory, node.private("check_trajectory"))
+        self._motions = peer.node.create_client(CheckMotion, node.private("check_motion"), qos_profile=BURST)
+        self._trajectories = peer.node.create_client(
+            CheckTrajectory, node.private("check_trajectory"), qos_profile=BURST
+        )
         self._certificates = peer.record(String, node.private("certificates"))
         for client in (self._motions, self._trajectories):
             peer.wait_for(client.service_is_ready, client.srv_name)

@@ -127,9 +127,8 @@ def test_what_the_tube_leaves_open_is_undecided(cell):
     assert answer.reason_code == "tube"
     assert "base" in answer.message and "tip" in answer.message
     assert 0 < answer.t_free <= answer.t_contact <= 1
-    # Less than half a radian before the first touch it is open.
-    assert answer.t_free * NEAR[1] == pytest.approx(two_link.FIRST_TOUCH - 0.5, abs=0.1)
-    assert answer.t_free * NEAR[1] <= two_link.FIRST_TOUCH - 0.5
+    # Half a radian before the first touch it is open at the latest; how much earlier depends on the bound on what half a radian does.
+    assert 1.5 < answer.t_free * NEAR[1] <= two_link.FIRST_TOUCH - 0.5
     assert cell.motions.check((0, 0), NEAR, joint_tolerances=[0.0, 0.1]).verdict == CheckMotion.Response.FREE
 
 
@@ -216,7 +215,10 @@ def test_a_huge_motion_is_never_free(cell):
     for terms in ({}, {"any_contact": True}, {"certificate": True}):
         answer = cell.motions.check((0, 0), (1e8, -1e8), timeout=0.3, **terms)
         assert answer.verdict in (CheckMotion.Response.CONTACT, CheckMotion.Response.UNDECIDED)
-        assert answer.compute_time < 2
+        assert answer.compute_time < 1
+        answer = cell.motions.check((0, 0), (1e8, 0), timeout=0.3, **terms)
+        assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.UNDECIDED, "deadline")
+        assert 0.3 <= answer.compute_time < 1
 
 
 def test_a_free_trajectory_is_proven(cell):
@@ -299,41 +301,48 @@ def test_eight_clients_at_once_are_answered_while_states_go_on(peer, start):
     cell = start()
     clients = [Motions(peer, cell.node) for _ in range(8)]
     cell.judged(joint1=0, joint2=0)
-    goals = [(0.1 * i, 2.8) if i % 2 else (0.1 * i, pi) for i in range(8)]
+    goals = [(0, 2.7 + 0.05 * i) for i in range(8)]
+    assert sum(goal[1] < two_link.FIRST_TOUCH for goal in goals) == 3
 
     for _ in range(5):
         heard = len(cell.states.messages)
         futures = [client.ask((0, 0), goal) for client, goal in zip(clients, goals, strict=True)]
         answers = [peer.result(future) for future in futures]
         for goal, answer in zip(goals, answers, strict=True):
-            expected = CheckMotion.Response.FREE if goal[1] < pi else CheckMotion.Response.CONTACT
-            assert answer.verdict == expected
+            free = goal[1] < two_link.FIRST_TOUCH
+            assert answer.verdict == (CheckMotion.Response.FREE if free else CheckMotion.Response.CONTACT)
         cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "a judgement", after=heard)
+
+
+def endless(clients, timeout):
+    """More requests than may wait, each of which works for long: joint 1 turns round and round, and nothing ever touches."""
+    terms = {"timeout": timeout, "certificate": True}
+    return [client.ask((0, 0), (1e8, 0), **terms) for _ in range(5) for client in clients]
 
 
 def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
     cell = start()
-    motions = Motions(peer, cell.node)
+    clients = [Motions(peer, cell.node) for _ in range(8)]
     cell.judged(joint1=0, joint2=0)
-    # Each of these works until its timeout.
-    futures = [motions.ask((0, 0), (1e8, -1e8), tolerance=1e-9, timeout=0.2, certificate=True) for _ in range(40)]
+    futures = endless(clients, timeout=0.2)
     heard = len(cell.states.messages)
     answers = [peer.result(future) for future in futures]
+    heard = len(cell.states.messages) - heard
 
     busy = [answer for answer in answers if answer.reason_code == "busy"]
     worked = [answer for answer in answers if answer.reason_code != "busy"]
-    assert busy and worked
+    assert busy and len(worked) >= 16
     assert all(answer.verdict == CheckMotion.Response.ERROR for answer in busy)
+    assert all(answer.verdict == CheckMotion.Response.UNDECIDED for answer in worked)
     # The monitor went on all the while, 50 times a second.
-    span = sum(answer.compute_time for answer in worked)
-    assert len(cell.states.messages) - heard >= 25 * span
+    assert heard >= 25 * sum(answer.compute_time for answer in worked)
 
 
 def test_a_node_that_checks_long_motions_still_ends(peer, start):
     cell = start()
-    motions = Motions(peer, cell.node)
+    clients = [Motions(peer, cell.node) for _ in range(8)]
     cell.judged(joint1=0, joint2=0)
-    futures = [motions.ask((0, 0), (1e8, -1e8), tolerance=1e-9, timeout=30.0, certificate=True) for _ in range(40)]
+    futures = endless(clients, timeout=30.0)
     peer.wait_for(lambda: any(future.done() and future.result().reason_code == "busy" for future in futures), "busy")
     # The cell asks it to end, and sees that it does in time.
 
