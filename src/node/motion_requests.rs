@@ -361,7 +361,8 @@ fn reason_code(reason: UndecidedReason) -> &'static str {
 
 fn shortened(mut text: String) -> String {
     if text.len() > LONGEST_MESSAGE {
-        text.truncate(text.floor_char_boundary(LONGEST_MESSAGE - '…'.len_utf8()));
+        let room = 0..=LONGEST_MESSAGE - '…'.len_utf8();
+        text.truncate(room.rev().find(|&end| text.is_char_boundary(end)).unwrap_or_default());
         text.push('…');
     }
     text
