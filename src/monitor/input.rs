@@ -15,4 +15,6 @@ pub struct JointStateInput {
     pub names: Vec<String>,
     /// Positions (rad, m), one for each name if the message is right.
     pub positions: Vec<f64>,
+    /// Velocities (rad/s, m/s), one for each name; empty when they are not given.
+    pub velocities: Vec<f64>,
 }

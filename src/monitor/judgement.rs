@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::{Status, Time};
-use crate::checker::{CollisionChecker, CollisionReport};
-use crate::robot::LinkPoses;
+use crate::checker::{CollisionChecker, CollisionReport, LookAhead};
+use crate::robot::{Configuration, LinkPoses};
 
 /// A checker, and which one it is.
 #[derive(Debug)]
@@ -30,8 +30,12 @@ impl Revision {
 #[derive(Clone, Debug)]
 pub struct Evidence {
     pub report: CollisionReport,
+    /// What was checked.
+    pub configuration: Configuration,
     /// Where the links were.
     pub poses: LinkPoses,
+    /// What is certain about the time after the joint state's stamp, if it was asked for and the velocities are known.
+    pub look_ahead: Option<LookAhead>,
     /// Wall time that the check took.
     pub compute_time: Duration,
 }
@@ -62,5 +66,13 @@ impl Judgement {
                 (evidence.report.nearest.as_ref()).map_or(f64::INFINITY, |nearest| nearest.distance)
             }
         }
+    }
+
+    /// How long from now on (s) it is certain that nothing touches: 0 when something does, or nothing is known.
+    #[must_use]
+    pub fn time_to_contact(&self) -> f64 {
+        let look_ahead = self.evidence.as_ref().and_then(|evidence| evidence.look_ahead);
+        // a stamp in the future gives no time on top
+        look_ahead.map_or(0.0, |ahead| (ahead.free_for - self.age.unwrap_or(f64::INFINITY).max(0.0)).max(0.0))
     }
 }

@@ -17,10 +17,12 @@
 //! | every pair was found apart | FREE | |
 //!
 //! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.
+//! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
 //! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
 
 mod input;
 mod judgement;
+mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
 mod settings;
@@ -36,5 +38,6 @@ pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Judgement, Revision};
 pub use monitor::{Monitor, Stopwatch};
 pub use settings::MonitorSettings;
+pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};
 pub use time::{Now, Time};

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::look_ahead::Lookout;
 use super::stamp_order::StampOrder;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
@@ -35,6 +36,7 @@ struct Subject {
     revision: Arc<Revision>,
     tracker: Tracker,
     workspace: Workspace,
+    lookout: Lookout,
 }
 
 /// The last joint state.
@@ -85,6 +87,7 @@ impl Monitor {
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
+            lookout: Lookout::new(&revision.checker),
             revision,
         });
         self.model_fault = None;
@@ -161,7 +164,8 @@ impl Monitor {
             return Err(Reason::OutOfOrder { behind });
         }
         let checker = &subject.revision.checker;
-        let Reading { configuration, mut warnings } = subject.tracker.read(checker.robot(), &heard.input)?;
+        let Reading { configuration, velocities, mut warnings } =
+            subject.tracker.read(checker.robot(), &heard.input)?;
         if heard.input.stamp == Time::ZERO {
             warnings.push("the joint state has no stamp: it counts as measured when it came".to_owned());
         }
@@ -174,6 +178,14 @@ impl Monitor {
             limit: self.settings.distance_limit,
         };
         let report = checker.check(&configuration, survey, &mut subject.workspace);
+        let mut look_ahead = None;
+        if self.settings.look_ahead_horizon > 0.0 {
+            let state = (&configuration, velocities.as_deref());
+            match subject.lookout.look(checker, state, &report, &self.settings) {
+                Ok(found) => look_ahead = Some(found),
+                Err(why) => warnings.push(why),
+            }
+        }
         let compute_time = (self.stopwatch)().saturating_sub(started);
         if heard.input.stamp != Time::ZERO {
             self.order.note(heard.input.source, heard.stamp);
@@ -181,7 +193,7 @@ impl Monitor {
         let status = if report.is_free() { Status::Free } else { Status::Colliding };
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let evidence = Some(Arc::new(Evidence { report, poses, compute_time }));
+        let evidence = Some(Arc::new(Evidence { report, configuration, poses, look_ahead, compute_time }));
         Ok(Verdict { status, evidence, warnings })
     }
 

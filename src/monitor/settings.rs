@@ -13,11 +13,22 @@ pub struct MonitorSettings {
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
     pub distance_limit: f64,
+    /// How far ahead (s) it is looked for contacts; 0: not at all.
+    pub look_ahead_horizon: f64,
+    /// What joints without an acceleration limit of their own are thought to be capable of (rad/s², m/s²).
+    pub look_ahead_acceleration: f64,
 }
 
 impl Default for MonitorSettings {
     fn default() -> Self {
-        Self { heartbeat_rate: 10.0, stale_after: 0.5, influence_distance: 0.1, distance_limit: 1.0 }
+        Self {
+            heartbeat_rate: 10.0,
+            stale_after: 0.5,
+            influence_distance: 0.1,
+            distance_limit: 1.0,
+            look_ahead_horizon: 0.0,
+            look_ahead_acceleration: 10.0,
+        }
     }
 }
 

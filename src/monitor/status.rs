@@ -142,7 +142,7 @@ impl fmt::Display for Reason {
 const LISTED: usize = 8;
 
 /// `'a', 'b' and 3 more`
-pub(super) fn quoted_list(names: &[String]) -> String {
+pub(crate) fn quoted_list(names: &[String]) -> String {
     let mut text: Vec<String> = names.iter().take(LISTED).map(|n| quoted(n)).collect();
     if names.len() > LISTED {
         text.push(format!("{} more", names.len() - LISTED));

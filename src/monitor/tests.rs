@@ -77,7 +77,25 @@ fn input(seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
         stamp: time(START + seconds),
         names: joints.iter().map(|(name, _)| (*name).to_owned()).collect(),
         positions: joints.iter().map(|(_, position)| *position).collect(),
+        velocities: Vec::new(),
     }
+}
+
+/// A monitor that looks half a second ahead; nothing accelerates by more than 0.1 rad/s².
+fn lookout() -> Monitor {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings {
+        distance_limit: 5.0,
+        look_ahead_horizon: 0.5,
+        look_ahead_acceleration: 0.1,
+        ..MonitorSettings::default()
+    });
+    monitor
+}
+
+/// A joint state with velocities.
+fn moving(seconds: f64, positions: [f64; 2], velocities: &[f64]) -> JointStateInput {
+    JointStateInput { velocities: velocities.to_vec(), ..state(seconds, positions) }
 }
 
 fn code(judgement: &Judgement) -> &'static str {
@@ -263,6 +281,45 @@ fn hostile_names_make_no_long_message() {
     assert!(judgement.warnings.iter().all(|warning| warning.len() < 1000));
 }
 
+#[test]
+fn the_time_to_contact_is_proven_from_velocities() {
+    let ahead = |judgement: &Judgement| judgement.evidence.as_ref().unwrap().look_ahead.unwrap();
+    let mut monitor = lookout();
+    let still = monitor.on_joint_state(moving(0.0, FREE, &[0.0, 0.0]), at(0.0));
+    assert_eq!((ahead(&still).free_for, ahead(&still).first), (0.5, None));
+    assert_eq!(still.time_to_contact(), 0.5);
+
+    // the ball touches the cube's face where the elbow is at pi - asin 0.3: 2.836899953
+    let touch = std::f64::consts::PI - 0.3_f64.asin();
+    let near = monitor.on_joint_state(moving(0.1, [0.0, touch - 0.2], &[0.0, 1.0]), at(0.15));
+    let free_for = ahead(&near).free_for;
+    // with 0.1 rad/s² more than its speed it takes 0.198 s
+    assert!((0.18..0.199).contains(&free_for), "{free_for}");
+    assert!(ahead(&near).first.is_some());
+    assert!((near.time_to_contact() - (free_for - 0.05)).abs() < 1e-9, "its age counts");
+    assert_eq!(monitor.on_heartbeat(at(0.4)).time_to_contact(), 0.0);
+
+    let hit = monitor.on_joint_state(moving(0.5, COLLIDING, &[0.0, 0.0]), at(0.5));
+    assert_eq!(ahead(&hit).free_for, 0.0);
+    assert!(ahead(&hit).first.is_some());
+    // what spins wildly takes no time
+    let wild = monitor.on_joint_state(moving(0.6, FREE, &[1e7, -1e7]), at(0.6));
+    assert!(wild.time_to_contact() < 1e-3);
+}
+
+#[test]
+fn without_velocities_the_time_to_contact_is_not_known() {
+    for velocities in [&[][..], &[0.0], &[0.0, f64::NAN], &[0.0, 1e300], &[0.0; 3]] {
+        let judgement = lookout().on_joint_state(moving(0.0, FREE, velocities), at(0.0));
+        assert_eq!(code(&judgement), "FREE");
+        assert!(judgement.evidence.as_ref().unwrap().look_ahead.is_none(), "{velocities:?}");
+        assert_eq!(judgement.time_to_contact(), 0.0);
+        assert!(judgement.warnings[0].contains("time to contact"), "{:?}", judgement.warnings);
+    }
+    let off = monitor().on_joint_state(moving(0.0, FREE, &[0.0, 0.0]), at(0.0));
+    assert_eq!((off.time_to_contact(), off.warnings.len()), (0.0, 0));
+}
+
 /// What may happen to a monitor.
 #[derive(Clone, Debug)]
 enum Happening {
@@ -289,10 +346,12 @@ fn happening() -> impl Strategy<Value = Happening> {
         1 => prop::sample::select(vec![i64::MIN, -1, 0, 1, i64::MAX]).prop_map(Time::from_nanoseconds),
     ];
     let source = prop::sample::select(vec![SourceId([1; 16]), SourceId([2; 16])]);
-    let joint_state =
-        (prop_oneof![whole, any], stamp, source).prop_map(|((names, positions), stamp, source)| {
-            Happening::JointState(JointStateInput { source, stamp, names, positions })
-        });
+    let velocities = prop::collection::vec(prop_oneof![position(), Just(1e9)], 0..4);
+    let joint_state = (prop_oneof![whole, any], velocities, stamp, source).prop_map(
+        |((names, positions), velocities, stamp, source)| {
+            Happening::JointState(JointStateInput { source, stamp, names, positions, velocities })
+        },
+    );
     prop_oneof![6 => joint_state, 3 => Just(Happening::Heartbeat), 1 => Just(Happening::Model)]
 }
 
@@ -331,7 +390,7 @@ proptest! {
     fn nothing_panics_and_free_is_never_said_without_a_whole_fresh_joint_state(
         happenings in prop::collection::vec((happening(), now()), 0..30)
     ) {
-        let mut monitor = monitor();
+        let mut monitor = lookout();
         let mut last: Option<(JointStateInput, Now)> = None;
         for (happening, now) in happenings {
             let judgement = match happening {
@@ -346,6 +405,7 @@ proptest! {
                 }
             };
             let _ = monitor.time_to_heartbeat(now);
+            prop_assert!((0.0..=0.5).contains(&judgement.time_to_contact()));
             let allowed = last.as_ref().is_some_and(|(input, came)| may_be_free(input, *came, now));
             prop_assert!(!judgement.status.is_free() || allowed, "{:?}", judgement.status);
             prop_assert_eq!(

@@ -31,6 +31,8 @@ pub(super) struct Tracker {
 #[derive(Clone, Debug)]
 pub(super) struct Reading {
     pub configuration: Configuration,
+    /// One for each position, if all are given and finite.
+    pub velocities: Option<Vec<f64>>,
     pub warnings: Vec<String>,
 }
 
@@ -75,7 +77,21 @@ impl Tracker {
         if !unknown.is_empty() {
             warnings.push(format!("the robot has no joint {}", quoted_list(&unknown)));
         }
-        Ok(Reading { configuration, warnings })
+        Ok(Reading { configuration, velocities: self.velocities(input), warnings })
+    }
+
+    /// Velocities of all positions; those of other joints count for nothing.
+    fn velocities(&self, input: &JointStateInput) -> Option<Vec<f64>> {
+        if input.velocities.len() != input.names.len() {
+            return None;
+        }
+        let mut velocities = vec![0.0; self.limits.len()];
+        for (name, &value) in input.names.iter().zip(&input.velocities) {
+            if let Some(Slot::Position(index)) = self.slots.get(name) {
+                velocities[*index] = value;
+            }
+        }
+        velocities.iter().all(|v| v.is_finite()).then_some(velocities)
     }
 
     fn limit_warnings(&self, robot: &RobotModel, configuration: &Configuration) -> Vec<String> {

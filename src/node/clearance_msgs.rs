@@ -57,6 +57,9 @@ pub struct CollisionState {
     pub warnings: Vec<String>,
     pub compute_time: f64,
     pub fidelity: String,
+    pub time_to_contact: f64,
+    pub time_to_contact_known: bool,
+    pub first_contact_pair: BodyPair,
 }
 
 impl CollisionState {
@@ -72,59 +75,8 @@ impl Message for CollisionState {}
 
 #[cfg(test)]
 mod tests {
-    use serde::de::{Deserializer, Error as _, Visitor, value::Error};
-    use serde::forward_to_deserialize_any;
-
     use super::*;
-
-    /// Deserializes nothing: it fails with the field names that the type asks for, in their order.
-    struct FieldNames;
-
-    impl<'de> Deserializer<'de> for FieldNames {
-        type Error = Error;
-
-        fn deserialize_struct<V: Visitor<'de>>(
-            self,
-            _name: &'static str,
-            fields: &'static [&'static str],
-            _visitor: V,
-        ) -> Result<V::Value, Error> {
-            Err(Error::custom(fields.join(" ")))
-        }
-
-        fn deserialize_any<V: Visitor<'de>>(self, _visitor: V) -> Result<V::Value, Error> {
-            Err(Error::custom("a message is a struct"))
-        }
-
-        forward_to_deserialize_any! {
-            bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
-            unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
-        }
-    }
-
-    fn fields_in_rust<M: Message + std::fmt::Debug>() -> String {
-        M::deserialize(FieldNames).unwrap_err().to_string()
-    }
-
-    /// The declarations of a .msg file, comments left out: the type and what follows it.
-    fn declarations(msg: &str) -> impl Iterator<Item = (&str, &str)> {
-        msg.lines()
-            .filter_map(|line| line.split('#').next()?.trim().split_once(char::is_whitespace))
-            .map(|(kind, rest)| (kind, rest.trim()))
-    }
-
-    fn fields_in_msg(msg: &str) -> String {
-        let names: Vec<_> =
-            declarations(msg).map(|(_, rest)| rest).filter(|rest| !rest.contains('=')).collect();
-        names.join(" ")
-    }
-
-    fn constants_in_msg(msg: &str) -> Vec<(&str, u8)> {
-        declarations(msg)
-            .filter_map(|(_, rest)| rest.split_once('='))
-            .map(|(name, value)| (name, value.parse().unwrap()))
-            .collect()
-    }
+    use crate::node::interface_text::{constants_in_text, fields_in_rust, fields_in_text};
 
     macro_rules! msg {
         ($name:literal) => {
@@ -134,20 +86,20 @@ mod tests {
 
     #[test]
     fn fields_stand_in_the_order_of_the_msg_files() {
-        assert_eq!(fields_in_rust::<BodyPair>(), fields_in_msg(msg!("BodyPair")));
-        assert_eq!(fields_in_rust::<PairDistance>(), fields_in_msg(msg!("PairDistance")));
-        assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_msg(msg!("SkippedPairs")));
-        assert_eq!(fields_in_rust::<CollisionState>(), fields_in_msg(msg!("CollisionState")));
+        assert_eq!(fields_in_rust::<BodyPair>(), fields_in_text(msg!("BodyPair")));
+        assert_eq!(fields_in_rust::<PairDistance>(), fields_in_text(msg!("PairDistance")));
+        assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
+        assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }
 
     #[test]
     fn constants_have_the_values_of_the_msg_files() {
         assert_eq!(
-            constants_in_msg(msg!("BodyPair")),
+            constants_in_text(msg!("BodyPair")),
             [("LINK", BodyPair::LINK), ("OBSTACLE", BodyPair::OBSTACLE), ("ATTACHED", BodyPair::ATTACHED),]
         );
         assert_eq!(
-            constants_in_msg(msg!("CollisionState")),
+            constants_in_text(msg!("CollisionState")),
             [
                 ("UNKNOWN", CollisionState::UNKNOWN),
                 ("FREE", CollisionState::FREE),

@@ -47,6 +47,7 @@ pub fn joint_state_input(message: JointState, source: SourceId) -> JointStateInp
         stamp: time_of(&message.header.stamp),
         names: message.name,
         positions: message.position,
+        velocities: message.velocity,
     }
 }
 
@@ -86,6 +87,12 @@ pub fn collision_state(judgement: &Judgement) -> CollisionState {
         message.pairs_checked = count(revision.checker.pairs().len());
         message.compute_time = evidence.compute_time.as_secs_f64();
         add_findings(&mut message, &revision.checker, &evidence.report);
+        if let Some(ahead) = &evidence.look_ahead {
+            message.time_to_contact_known = true;
+            message.time_to_contact = ahead.free_for;
+            let pair = ahead.first.map(|(a, b)| pair_message(&revision.checker, a, b));
+            message.first_contact_pair = pair.unwrap_or_default();
+        }
     }
     message
 }
@@ -119,7 +126,8 @@ fn add_findings(
     }
 }
 
-fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
+#[must_use]
+pub fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
     let kind = |body| match body {
         Body::Link(_) => BodyPair::LINK,
         Body::Obstacle(_) => BodyPair::OBSTACLE,

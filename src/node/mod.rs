@@ -2,17 +2,22 @@
 //!
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
-//! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics
-//! parameter services, /clock ──> services ───────┘ settings
+//! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics,
+//! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact
+//! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
+//!                                       answers <── services <──┘ └──> ~/certificates
 //! ```
 //!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
 mod arguments;
 pub mod clearance_msgs;
+pub mod clearance_srvs;
 mod clock;
 mod diagnostics;
 mod environment;
+#[cfg(test)]
+mod interface_text;
 mod loader;
 pub mod logging;
 mod markers;
@@ -20,6 +25,8 @@ mod messages;
 mod middleware;
 mod monitor_loop;
 mod motion;
+mod motion_requests;
+mod motion_services;
 mod names;
 mod parameter_files;
 mod parameter_services;

@@ -1,6 +1,6 @@
 //! Joint states to the monitor, judgements to the topics: the thread that must never wait for anything else.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use futures_lite::future;
@@ -24,6 +24,9 @@ pub enum Event {
     Stop,
 }
 
+/// The last judgement, for those who ask about the same robot and world.
+pub type CurrentJudgement = Arc<Mutex<Option<Judgement>>>;
+
 /// Sees every judgement, for a display beside ROS. It must be quick.
 pub type Observer = Box<dyn FnMut(&Judgement) + Send>;
 
@@ -43,6 +46,7 @@ pub struct MonitorLoop {
     pub own_motion: OwnMotion,
     pub events: Receiver<Event>,
     pub publishers: Publishers,
+    pub current: CurrentJudgement,
     pub observer: Option<Observer>,
     pub report: Report,
 }
@@ -146,6 +150,7 @@ impl MonitorLoop {
     fn say(&mut self, judgement: &Judgement) {
         let steady = self.clock.steady();
         self.log_change(judgement);
+        *self.current.lock().unwrap_or_else(PoisonError::into_inner) = Some(judgement.clone());
         self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
         if let Some(observe) = &mut self.observer {
             observe(judgement);

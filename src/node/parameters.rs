@@ -12,6 +12,8 @@ pub struct Parameters {
     pub stale_after: f64,
     pub influence_distance: f64,
     pub distance_limit: f64,
+    pub look_ahead_horizon: f64,
+    pub look_ahead_acceleration: f64,
     pub padding: f64,
     pub pad_self: bool,
     pub publish_markers: bool,
@@ -27,6 +29,8 @@ impl Default for Parameters {
             stale_after: monitor.stale_after,
             influence_distance: monitor.influence_distance,
             distance_limit: monitor.distance_limit,
+            look_ahead_horizon: monitor.look_ahead_horizon,
+            look_ahead_acceleration: monitor.look_ahead_acceleration,
             padding: 0.0,
             pad_self: false,
             publish_markers: true,
@@ -44,6 +48,8 @@ impl Parameters {
             stale_after: self.stale_after,
             influence_distance: self.influence_distance,
             distance_limit: self.distance_limit,
+            look_ahead_horizon: self.look_ahead_horizon,
+            look_ahead_acceleration: self.look_ahead_acceleration,
         }
     }
 
@@ -81,7 +87,7 @@ impl Declaration {
     /// The value in force.
     #[must_use]
     pub fn get(&self, parameters: &Parameters) -> Value {
-        // one accessor serves reading and writing; a copy of nine numbers costs nothing
+        // one accessor serves reading and writing; a copy of eleven numbers costs nothing
         let mut parameters = parameters.clone();
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
@@ -151,6 +157,20 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             (0.0, 10.0),
             |p| &mut p.influence_distance,
             "Distance up to which every pair is reported with its distance and nearest points.",
+        ),
+        double(
+            "look_ahead_acceleration",
+            "rad/s2",
+            (0.0, 10000.0),
+            |p| &mut p.look_ahead_acceleration,
+            "Acceleration (m/s2 of sliding joints) that joints without a limit of their own are thought capable of.",
+        ),
+        double(
+            "look_ahead_horizon",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.look_ahead_horizon,
+            "How far ahead contacts are looked for from the joint velocities; 0 turns it off.",
         ),
         double(
             "marker_rate",

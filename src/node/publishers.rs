@@ -19,6 +19,9 @@ pub struct Publishers {
     state: Publisher<CollisionState>,
     is_free: Publisher<Bool>,
     distance: Publisher<Float64>,
+    time_to_contact: Publisher<Float64>,
+    /// Whether someone may still hold a time to contact that is not zero.
+    looked_ahead: bool,
     markers: Publisher<MarkerArray>,
     diagnostics: Publisher<DiagnosticArray>,
     display: Display,
@@ -36,13 +39,16 @@ impl Publishers {
         ) -> Result<Publisher<M>, MiddlewareError> {
             middleware.publisher(&names.resolve(name)?, kind, Quality::Reliable)
         }
+        let float64 = MessageKind("std_msgs", "Float64");
         let array = MessageKind("visualization_msgs", "MarkerArray");
         let diagnostic = MessageKind("diagnostic_msgs", "DiagnosticArray");
         let state = MessageKind("clearance_msgs", "CollisionState");
         Ok(Self {
             state: publisher(middleware, names, "~/state", state)?,
             is_free: publisher(middleware, names, "~/is_free", MessageKind("std_msgs", "Bool"))?,
-            distance: publisher(middleware, names, "~/distance", MessageKind("std_msgs", "Float64"))?,
+            distance: publisher(middleware, names, "~/distance", float64)?,
+            time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
+            looked_ahead: false,
             markers: publisher(middleware, names, "~/markers", array)?,
             diagnostics: publisher(middleware, names, "/diagnostics", diagnostic)?,
             display: Display::default(),
@@ -58,6 +64,13 @@ impl Publishers {
         note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
         note(self.state.publish(collision_state(judgement)));
         note(self.distance.publish(Float64 { data: judgement.distance() }));
+        let looks_ahead = parameters.look_ahead_horizon > 0.0;
+        // once it is turned off, zero is said once more
+        if looks_ahead || self.looked_ahead {
+            let data = if looks_ahead { judgement.time_to_contact() } else { 0.0 };
+            note(self.time_to_contact.publish(Float64 { data }));
+        }
+        self.looked_ahead = looks_ahead;
         if let Some(markers) = self.due_markers(judgement, parameters, steady) {
             note(self.markers.publish(markers));
         }

@@ -12,8 +12,9 @@ use super::clock::RosClock;
 use super::environment::Environment;
 use super::loader::{Loader, Order, Surroundings};
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
-use super::monitor_loop::{Event, MonitorLoop, Observer, OwnMotion, Report};
+use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
+use super::motion_services::MotionServices;
 use super::names::{FullName, NameError, Names};
 use super::parameter_files;
 use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
@@ -113,6 +114,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         .transpose()
         .map_err(|error: MiddlewareError| NodeError::from(error))?;
     let (own_states, own_states_in) = channel::bounded(1);
+    let current = CurrentJudgement::default();
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -125,10 +127,13 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         },
         events: events_in,
         publishers: Publishers::open(&middleware, &names)?,
+        current: Arc::clone(&current),
         observer: options.observer,
         report: Report::default(),
     };
-    let services = Services::open(&middleware, &names, store, Arc::clone(&clock), orders, changes_in)?;
+    let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current)?;
+    let own = (store, Arc::clone(&clock), motions);
+    let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || smol::block_on(monitor_loop.run())),
         Part::new("loader", move || loader.follow(&orders_in, &events)),
@@ -140,6 +145,12 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             smol::block_on(until(&stopped, play));
         }));
     }
+    let motions_stopped = stopped.clone();
+    parts.push(Part::new("motions", move || {
+        // a motion that takes hours does not hold up the end
+        let work = smol::unblock(move || motion_desk.work());
+        smol::block_on(until(&motions_stopped, work));
+    }));
     parts.push(Part::new("services", move || smol::block_on(until(&stopped, services.serve()))));
 
     let node = names.full_node_name();
@@ -169,6 +180,7 @@ struct Services {
     descriptions: Subscription<StringMessage>,
     semantics: Subscription<StringMessage>,
     parameters: ParameterServices,
+    motions: MotionServices,
     store: ParameterStore,
     clock: Arc<RosClock>,
     clock_topic: FullName,
@@ -180,8 +192,7 @@ impl Services {
     fn open(
         middleware: &Middleware,
         names: &Names,
-        store: ParameterStore,
-        clock: Arc<RosClock>,
+        (store, clock, motions): (ParameterStore, Arc<RosClock>, MotionServices),
         orders: Sender<Order>,
         changes: Receiver<()>,
     ) -> Result<Self, NodeError> {
@@ -192,6 +203,7 @@ impl Services {
             descriptions: latched("robot_description")?,
             semantics: latched("robot_description_semantic")?,
             parameters: ParameterServices::offer(middleware, names, store.clone(), Arc::clone(&clock))?,
+            motions,
             clock_topic: names.resolve("/clock")?,
             middleware: middleware.clone(),
             store,
@@ -212,8 +224,8 @@ impl Services {
         let descriptions = forward(&self.descriptions, &self.orders, Order::Description);
         let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
-        let serve = future::zip(self.parameters.serve(), self.middleware.meet_peers());
-        future::zip(listen, serve).await;
+        let serve = future::zip(self.parameters.serve(), self.motions.serve());
+        future::zip(future::zip(listen, serve), self.middleware.meet_peers()).await;
     }
 }
 

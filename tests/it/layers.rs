@@ -18,7 +18,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("checker", &["constants", "math", "simd", "geometry", "query", "robot", "world", "motion"]),
     ("verifier", &["constants", "math", "geometry", "robot", "world", "motion", "checker"]),
     ("monitor", &["constants", "math", "geometry", "query", "robot", "world", "checker"]),
-    ("node", &["constants", "math", "geometry", "query", "robot", "world", "checker", "monitor"]),
+    ("node", &["constants", "math", "geometry", "query", "robot", "world", "motion", "checker", "monitor"]),
 ];
 
 /// A foreign crate and the one place that names it.

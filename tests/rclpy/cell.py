@@ -49,6 +49,11 @@ class Cell:
         stamp = self.driver.report(**positions)
         return self.states.wait_for(two_link.judged_since(stamp), f"a judgement of {positions}")
 
+    def moving(self, positions, velocities):
+        """The first state judged of these joint positions and velocities, which the driver now reports."""
+        self.driver.velocities = velocities
+        return self.judged(**positions)
+
     def has_model(self, revision=1):
         """Waits until this model is in force."""
         self.states.wait_for(lambda state: state.model_revision == revision, f"model revision {revision}")

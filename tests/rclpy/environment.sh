@@ -93,7 +93,7 @@ if [ ! -e "$venv/.complete" ]; then
     install_wheels
     point_exports_at_this_python
     build_interfaces clearance_msgs
-    "$venv/bin/python" -c 'import rclpy; from clearance_msgs.msg import CollisionState'
+    "$venv/bin/python" -c 'import rclpy; from clearance_msgs.msg import CollisionState; from clearance_msgs.srv import CheckMotion, CheckTrajectory'
     touch "$venv/.complete"
     say "ready"
 fi

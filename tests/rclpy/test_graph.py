@@ -12,6 +12,8 @@ PUBLISHED = {
     "~/state": "clearance_msgs/msg/CollisionState",
     "~/is_free": "std_msgs/msg/Bool",
     "~/distance": "std_msgs/msg/Float64",
+    "~/time_to_contact": "std_msgs/msg/Float64",
+    "~/certificates": "std_msgs/msg/String",
     "~/markers": "visualization_msgs/msg/MarkerArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
@@ -19,7 +21,9 @@ SUBSCRIBED = {
     "joint_states": "sensor_msgs/msg/JointState",
     "robot_description": "std_msgs/msg/String",
 }
-PARAMETER_SERVICES = {
+SERVICES = {
+    "~/check_motion": "clearance_msgs/srv/CheckMotion",
+    "~/check_trajectory": "clearance_msgs/srv/CheckTrajectory",
     "~/describe_parameters": "rcl_interfaces/srv/DescribeParameters",
     "~/get_parameter_types": "rcl_interfaces/srv/GetParameterTypes",
     "~/get_parameters": "rcl_interfaces/srv/GetParameters",
@@ -54,7 +58,7 @@ def test_names_and_types_stand_in_the_graph(peer, start, namespace):
         return (
             resolved(PUBLISHED, node) <= flat(graph.get_publisher_names_and_types_by_node(*own))
             and resolved(SUBSCRIBED, node) <= flat(graph.get_subscriber_names_and_types_by_node(*own))
-            and resolved(PARAMETER_SERVICES, node) <= flat(graph.get_service_names_and_types_by_node(*own))
+            and resolved(SERVICES, node) <= flat(graph.get_service_names_and_types_by_node(*own))
         )
 
     peer.wait_for(complete, f"the names of {node.path}")

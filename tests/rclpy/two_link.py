@@ -66,6 +66,7 @@ class Driver:
         self._peer = peer
         self._lock = threading.Lock()
         self._positions = dict.fromkeys(JOINTS, 0.0)
+        self.velocities = ()  # [rad/s] one for each reported joint, or none
         self._publisher = peer.node.create_publisher(JointState, topic, 10)
         self._timer = peer.node.create_timer(0.02, self._tick, autostart=driving)
 
@@ -78,6 +79,7 @@ class Driver:
         message.header.stamp = (stamp or self._peer.now()).to_msg()
         message.name = list(positions)
         message.position = [float(position) for position in positions.values()]
+        message.velocity = [float(velocity) for velocity in self.velocities]
         self._publisher.publish(message)
 
     def report(self, **positions):

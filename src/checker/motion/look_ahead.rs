@@ -14,12 +14,16 @@ use crate::robot::Configuration;
 /// Resolution of the answer: motion (m) that no longer matters.
 const RESOLUTION: f64 = 2e-3;
 
+/// Looks that an answer may take, and more for each pair: wild velocities must not take seconds.
+const LOOKS: u64 = 1000;
+const LOOKS_A_PAIR: u64 = 20;
+
 /// What is certain about the near future.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookAhead {
     /// No pair touches earlier (s).
     pub free_for: f64,
-    /// The pair that may touch then; `None` if none can before the horizon.
+    /// The pair that may touch then; `None` if none can before the horizon, or if nothing could be found out in bearable time.
     pub first: Option<(Body, Body)>,
 }
 
@@ -55,7 +59,8 @@ impl CollisionChecker {
         if let Some(bad) = spread.iter().position(|a| !a.is_finite()) {
             return Err(SegmentError::NotFinite(self.robot().position_names()[bad].clone()));
         }
-        let options = MotionOptions { tolerance: RESOLUTION, ..MotionOptions::default() };
+        let budget = LOOKS + LOOKS_A_PAIR * self.infos.len() as u64;
+        let options = MotionOptions { tolerance: RESOLUTION, budget, ..MotionOptions::default() };
         let (report, _) = self.prove(&segment.with_spread(spread), &options, workspace, true);
         Ok(match report.verdict {
             MotionVerdict::Free => LookAhead { free_for: horizon, first: None },

@@ -20,7 +20,7 @@ use super::environment::{Environment, Reach};
 use super::names::{FullName, NameError};
 use crate::monitor::SourceId;
 
-pub use self::server::Server;
+pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
 
 /// Something that the middleware refused, in words.

@@ -1,0 +1,134 @@
+//! The services of the ROS package `clearance_msgs`, as serde structs.
+//!
+//! Fields stand in the order of `interfaces/clearance_msgs/srv/*.srv`, which also hold every field's unit, frame and meaning. What both
+//! services share is a struct of its own here: in CDR a struct within a struct is the same as its fields in its place.
+
+use ros2_client::Message;
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point;
+use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectory;
+use serde::{Deserialize, Serialize};
+
+use super::clearance_msgs::BodyPair;
+
+/// Is the straight way in joint space free?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckMotionRequest {
+    pub joint_names: Vec<String>,
+    pub start: Vec<f64>,
+    pub goal: Vec<f64>,
+    pub terms: MotionTerms,
+}
+
+/// Is a trajectory free?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckTrajectoryRequest {
+    pub trajectory: JointTrajectory,
+    pub terms: MotionTerms,
+}
+
+/// How a motion is to be checked.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MotionTerms {
+    pub tolerance: f64,
+    pub any_contact: bool,
+    pub timeout: f64,
+    pub joint_tolerances: Vec<f64>,
+    pub certificate: bool,
+}
+
+/// What is known about a motion. The default says `ERROR`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckMotionResponse {
+    pub verdict: u8,
+    pub message: String,
+    pub reason_code: String,
+    pub t_free: f64,
+    pub t_contact: f64,
+    pub pair: BodyPair,
+    pub witness_point: Point,
+    pub witness_known: bool,
+    pub distance_lower: f64,
+    pub distance_upper: f64,
+    pub certificate: String,
+    pub certificate_digest: String,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub compute_time: f64,
+}
+
+impl CheckMotionResponse {
+    pub const ERROR: u8 = 0;
+    pub const FREE: u8 = 1;
+    pub const CONTACT: u8 = 2;
+    pub const UNDECIDED: u8 = 3;
+}
+
+/// What is known about a trajectory: that about one of its segments.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckTrajectoryResponse {
+    pub motion: CheckMotionResponse,
+    pub segment: u32,
+    pub time_free: f64,
+    pub time_contact: f64,
+}
+
+impl Message for CheckMotionRequest {}
+impl Message for CheckTrajectoryRequest {}
+impl Message for CheckMotionResponse {}
+impl Message for CheckTrajectoryResponse {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::node::interface_text::{constants_in_text, fields_in_rust, fields_in_text};
+
+    macro_rules! srv {
+        ($name:literal) => {
+            include_str!(concat!("../../interfaces/clearance_msgs/srv/", $name, ".srv"))
+                .split_once("\n---\n")
+                .unwrap()
+        };
+    }
+
+    /// With the fields of a struct in the place of its name.
+    fn unfolded(fields: &str, name: &str, inner: &str) -> String {
+        let unfold = |field| if field == name { inner } else { field };
+        fields.split(' ').map(unfold).collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn fields_stand_in_the_order_of_the_srv_files() {
+        let terms = fields_in_rust::<MotionTerms>();
+        let (request, response) = srv!("CheckMotion");
+        assert_eq!(
+            unfolded(&fields_in_rust::<CheckMotionRequest>(), "terms", &terms),
+            fields_in_text(request)
+        );
+        assert_eq!(fields_in_rust::<CheckMotionResponse>(), fields_in_text(response));
+
+        let motion = fields_in_rust::<CheckMotionResponse>();
+        let (request, response) = srv!("CheckTrajectory");
+        assert_eq!(
+            unfolded(&fields_in_rust::<CheckTrajectoryRequest>(), "terms", &terms),
+            fields_in_text(request)
+        );
+        assert_eq!(
+            unfolded(&fields_in_rust::<CheckTrajectoryResponse>(), "motion", &motion),
+            fields_in_text(response)
+        );
+    }
+
+    #[test]
+    fn constants_have_the_values_of_the_srv_files() {
+        let expected = [
+            ("ERROR", CheckMotionResponse::ERROR),
+            ("FREE", CheckMotionResponse::FREE),
+            ("CONTACT", CheckMotionResponse::CONTACT),
+            ("UNDECIDED", CheckMotionResponse::UNDECIDED),
+        ];
+        for (request, response) in [srv!("CheckMotion"), srv!("CheckTrajectory")] {
+            assert_eq!(constants_in_text(request), []);
+            assert_eq!(constants_in_text(response), expected);
+        }
+    }
+}

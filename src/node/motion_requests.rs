@@ -1,0 +1,377 @@
+//! Requests about motions, answered: from names and numbers to ways, from verdicts to messages. No I/O.
+
+use std::time::{Duration, Instant};
+
+use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
+
+use super::clearance_srvs::{
+    CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionTerms,
+};
+use super::messages::{pair_message, point_message};
+use crate::checker::{
+    CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, UndecidedReason, Workspace,
+};
+use crate::monitor::{Judgement, Reason, quoted_list};
+use crate::motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
+use crate::robot::{Configuration, RobotModel};
+
+/// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
+const LONGEST_CERTIFICATE: usize = 200_000;
+
+/// Bytes of message and certificate together in an answer. What does not fit into one datagram (1452 bytes on Ethernet, some 300 of
+/// which go to the rest) is cut into fragments, and `RustDDS` 0.15.1 puts a stray byte into every fragment of an answer, so that nobody
+/// can read it.
+const LONGEST_TEXTS: usize = 1000;
+
+/// No proof takes fewer bytes of a certificate: `[0,0.0,1.0,0.1,0.1],`.
+const SHORTEST_PROOF: usize = 20;
+
+/// Looks at a pair that one segment may take: some seconds, and memory that a machine has.
+const LOOKS: u64 = 2_000_000;
+
+/// Bytes of a message at most: it must not grow with hostile input, and the answer has to fit into a datagram.
+const LONGEST_MESSAGE: usize = 480;
+
+/// Why a motion is not checked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    #[error("{0}")]
+    NoModel(String),
+    #[error("there is no joint state to start from: {0}")]
+    NoJointState(String),
+    #[error("{0}")]
+    BadRequest(String),
+    #[error("{0} requests are waiting already: ask again later")]
+    Busy(usize),
+    #[error("checking it failed inside the program")]
+    Internal,
+}
+
+impl Refusal {
+    /// A word that programs may compare with; it never changes.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoModel(_) => "no_model",
+            Self::NoJointState(_) => "no_joint_state",
+            Self::BadRequest(_) => "bad_request",
+            Self::Busy(_) => "busy",
+            Self::Internal => "internal",
+        }
+    }
+
+    #[must_use]
+    pub fn response(&self) -> CheckTrajectoryResponse {
+        CheckTrajectoryResponse {
+            motion: CheckMotionResponse {
+                verdict: CheckMotionResponse::ERROR,
+                message: shortened(self.to_string()),
+                reason_code: self.code().to_owned(),
+                distance_upper: f64::INFINITY,
+                ..CheckMotionResponse::default()
+            },
+            segment: 0,
+            time_free: f64::NAN,
+            time_contact: f64::NAN,
+        }
+    }
+}
+
+fn bad(what: impl Into<String>) -> Refusal {
+    Refusal::BadRequest(what.into())
+}
+
+/// An answer, and the certificate that was asked for, if there is one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answered {
+    /// About a straight way only its first part is told.
+    pub response: CheckTrajectoryResponse,
+    pub certificate: Option<String>,
+}
+
+impl From<&Refusal> for Answered {
+    fn from(refusal: &Refusal) -> Self {
+        Self { response: refusal.response(), certificate: None }
+    }
+}
+
+/// Answers a request for a straight way. The workspace is memory that makes the next answer quicker.
+#[must_use]
+pub fn answer_motion(
+    request: &CheckMotionRequest,
+    judgement: Option<&Judgement>,
+    workspace: &mut Option<Workspace>,
+) -> Answered {
+    answer(&request.terms, judgement, workspace, |cell| cell.straight(request))
+}
+
+/// Answers a request for a trajectory.
+#[must_use]
+pub fn answer_trajectory(
+    request: &CheckTrajectoryRequest,
+    judgement: Option<&Judgement>,
+    workspace: &mut Option<Workspace>,
+) -> Answered {
+    answer(&request.terms, judgement, workspace, |cell| cell.trajectory(request))
+}
+
+fn answer(
+    terms: &MotionTerms,
+    judgement: Option<&Judgement>,
+    workspace: &mut Option<Workspace>,
+    way: impl FnOnce(&Cell) -> Result<Way, Refusal>,
+) -> Answered {
+    let started = Instant::now();
+    let found = Cell::of(judgement).and_then(|cell| {
+        let options = options(terms, started)?;
+        let Way { trajectory, note } = way(&cell)?;
+        let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
+        Ok(verdict(cell.checker, &trajectory, &options, terms.certificate, note, workspace))
+    });
+    let mut answered = found.unwrap_or_else(|refusal| Answered::from(&refusal));
+    let motion = &mut answered.response.motion;
+    if let Some(revision) = judgement.and_then(|judgement| judgement.revision.as_ref()) {
+        motion.model_revision = revision.model;
+        motion.world_revision = revision.world;
+    }
+    motion.compute_time = started.elapsed().as_secs_f64();
+    answered
+}
+
+fn options(terms: &MotionTerms, started: Instant) -> Result<MotionOptions, Refusal> {
+    let usual = MotionOptions::default();
+    for (name, unit, value) in [("tolerance", "m", terms.tolerance), ("timeout", "s", terms.timeout)] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")));
+        }
+    }
+    // a timeout beyond all clocks is none; a tiny one is over at once
+    let timeout = (terms.timeout > 0.0).then(|| Duration::try_from_secs_f64(terms.timeout).ok()).flatten();
+    Ok(MotionOptions {
+        tolerance: if terms.tolerance > 0.0 { terms.tolerance } else { usual.tolerance },
+        order: if terms.any_contact { MotionOrder::Any } else { MotionOrder::Earliest },
+        deadline: timeout.and_then(|timeout| started.checked_add(timeout)),
+        budget: LOOKS,
+    })
+}
+
+/// What a request asks about.
+struct Way {
+    trajectory: Trajectory,
+    /// What its sender should know.
+    note: Option<String>,
+}
+
+/// The robot, its surroundings, and where it is now.
+struct Cell<'a> {
+    checker: &'a CollisionChecker,
+    /// Where the robot is, or why that is not known.
+    now: Result<&'a Configuration, String>,
+}
+
+impl<'a> Cell<'a> {
+    fn of(judgement: Option<&'a Judgement>) -> Result<Self, Refusal> {
+        let reason = judgement.and_then(|judgement| judgement.status.reason());
+        let why = reason.unwrap_or(&Reason::NoModel { fault: None });
+        let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+        let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
+        let evidence = judgement.and_then(|judgement| judgement.evidence.as_ref());
+        let now = evidence.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
+        Ok(Self { checker: &revision.checker, now })
+    }
+
+    fn robot(&self) -> &'a RobotModel {
+        self.checker.robot()
+    }
+
+    fn straight(&self, request: &CheckMotionRequest) -> Result<Way, Refusal> {
+        let CheckMotionRequest { joint_names, start, goal, terms } = request;
+        if joint_names.is_empty() {
+            return Err(bad("joint_names is empty"));
+        }
+        let (rest, note) = self.rest(joint_names);
+        let end = |what: &str, numbers: &[f64]| {
+            of_equal_length(what, numbers, joint_names)?;
+            let named = joint_names.iter().map(String::as_str).zip(numbers.iter().copied());
+            self.robot().configuration_over(&rest, named).map_err(|error| bad(format!("{what}: {error}")))
+        };
+        let from = match (start.as_slice(), &self.now) {
+            ([], Ok(now)) => (*now).clone(),
+            ([], Err(why)) => return Err(Refusal::NoJointState(why.clone())),
+            (start, _) => end("start", start)?,
+        };
+        let segment = MotionSegment::straight(self.robot(), &from, &end("goal", goal)?);
+        let trajectory = Trajectory::of_segments(vec![segment]).map_err(|error| bad(error.to_string()))?;
+        Ok(Way { trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?, note })
+    }
+
+    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<Way, Refusal> {
+        let joints = &request.trajectory.joint_names;
+        if joints.is_empty() {
+            return Err(bad("trajectory.joint_names is empty"));
+        }
+        let (rest, note) = self.rest(joints);
+        let point = |p: &JointTrajectoryPoint| {
+            let time = &p.time_from_start;
+            TrajectoryPoint {
+                positions: p.positions.clone(),
+                velocities: p.velocities.clone(),
+                accelerations: p.accelerations.clone(),
+                time_from_start: f64::from(time.sec) + 1e-9 * f64::from(time.nanosec),
+            }
+        };
+        let points: Vec<TrajectoryPoint> = request.trajectory.points.iter().map(point).collect();
+        let trajectory = Trajectory::from_points(self.robot(), joints, &points, &rest)
+            .map_err(|error| bad(format!("trajectory: {error}")))?;
+        Ok(Way { trajectory: self.loosened(trajectory, joints, &request.terms.joint_tolerances)?, note })
+    }
+
+    /// Where joints are that are not named, and a word about it if nobody knows.
+    fn rest(&self, named: &[String]) -> (Configuration, Option<String>) {
+        let robot = self.robot();
+        let why = match &self.now {
+            Ok(now) => return ((*now).clone(), None),
+            Err(why) => why,
+        };
+        let others: Vec<String> =
+            robot.position_names().iter().filter(|name| !named.contains(name)).cloned().collect();
+        let note = (!others.is_empty()).then(|| {
+            format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
+        });
+        (robot.default_configuration(), note)
+    }
+
+    /// With tolerances (rad, m), one for each of `joints`; none leaves the way exact.
+    fn loosened(
+        &self,
+        trajectory: Trajectory,
+        joints: &[String],
+        tolerances: &[f64],
+    ) -> Result<Trajectory, Refusal> {
+        if tolerances.is_empty() {
+            return Ok(trajectory);
+        }
+        of_equal_length("joint_tolerances", tolerances, joints)?;
+        let names = self.robot().position_names();
+        let mut tube = vec![0.0; names.len()];
+        for (joint, &tolerance) in joints.iter().zip(tolerances) {
+            match names.iter().position(|name| name == joint) {
+                Some(index) => tube[index] = tolerance,
+                None if tolerance == 0.0 => {}
+                None => return Err(bad(format!("joint_tolerances: joint '{joint}' follows another"))),
+            }
+        }
+        trajectory
+            .map(|segment| segment.with_tube(self.robot(), tube.clone()))
+            .map_err(|error| bad(format!("joint_tolerances: {error}")))
+    }
+}
+
+fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Refusal> {
+    if numbers.len() == joints.len() {
+        return Ok(());
+    }
+    Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
+}
+
+fn verdict(
+    checker: &CollisionChecker,
+    trajectory: &Trajectory,
+    options: &MotionOptions,
+    certificate: bool,
+    note: Option<String>,
+    workspace: &mut Workspace,
+) -> Answered {
+    let mut notes: Vec<String> = note.into_iter().collect();
+    let segments = trajectory.segments().len();
+    let hopeless = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
+    let (report, proof) = if certificate && !hopeless {
+        checker.certify_trajectory(trajectory, options, workspace)
+    } else {
+        (checker.check_trajectory(trajectory, options, workspace), None)
+    };
+    let mut response = response(checker, trajectory, &report);
+    let motion = &mut response.motion;
+    let text = proof.as_ref().map(Certificate::to_json).filter(|t| t.len() <= LONGEST_CERTIFICATE);
+    if certificate && report.is_free() && text.is_none() {
+        notes.push(format!(
+            "the certificate is longer than the {LONGEST_CERTIFICATE} bytes that can be sent: \
+             use clearance motion --certificate, or ask about fewer points at a time"
+        ));
+    }
+    if checker.pairs().is_empty() {
+        notes.push("there is no pair to check: every motion counts as free".to_owned());
+    }
+    if !motion.message.is_empty() {
+        notes.insert(0, std::mem::take(&mut motion.message));
+    }
+    motion.message = shortened(notes.join("; "));
+    if let (Some(text), Some(proof)) = (&text, proof) {
+        motion.certificate_digest = proof.digest;
+        if text.len() + motion.message.len() <= LONGEST_TEXTS {
+            motion.certificate.clone_from(text);
+        }
+    }
+    Answered { response, certificate: text }
+}
+
+/// What a report says, but for the robot it is about and the time it took.
+fn response(
+    checker: &CollisionChecker,
+    trajectory: &Trajectory,
+    report: &TrajectoryReport,
+) -> CheckTrajectoryResponse {
+    let mut motion = CheckMotionResponse::default();
+    let mut t = [1.0, 1.0];
+    match report.verdict {
+        MotionVerdict::Free => {
+            motion.verdict = CheckMotionResponse::FREE;
+            motion.distance_upper = f64::INFINITY;
+        }
+        MotionVerdict::Contact { t: found, pair: (a, b), witness } => {
+            motion.verdict = CheckMotionResponse::CONTACT;
+            motion.pair = pair_message(checker, a, b);
+            motion.witness_known = witness.is_some();
+            motion.witness_point = witness.as_ref().map(point_message).unwrap_or_default();
+            t = found;
+        }
+        MotionVerdict::Undecided { t: found, pair, distance, reason } => {
+            motion.verdict = CheckMotionResponse::UNDECIDED;
+            motion.message = reason.to_string();
+            if let Some((a, b)) = pair {
+                motion.pair = pair_message(checker, a, b);
+                motion.message = format!("{} and {}: {reason}", motion.pair.body_a, motion.pair.body_b);
+            }
+            reason_code(reason).clone_into(&mut motion.reason_code);
+            [motion.distance_lower, motion.distance_upper] = distance;
+            t = found;
+        }
+    }
+    [motion.t_free, motion.t_contact] = t;
+    let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
+    let segment = u32::try_from(report.segment).unwrap_or(u32::MAX);
+    CheckTrajectoryResponse { motion, segment, time_free, time_contact }
+}
+
+fn reason_code(reason: UndecidedReason) -> &'static str {
+    match reason {
+        UndecidedReason::Tolerance => "tolerance",
+        UndecidedReason::Tube => "tube",
+        UndecidedReason::Deadline => "deadline",
+        UndecidedReason::Budget => "budget",
+        UndecidedReason::Overflow => "overflow",
+        UndecidedReason::UnknownObstacle => "unknown_obstacle",
+    }
+}
+
+fn shortened(mut text: String) -> String {
+    if text.len() > LONGEST_MESSAGE {
+        let room = 0..=LONGEST_MESSAGE - '…'.len_utf8();
+        text.truncate(room.rev().find(|&end| text.is_char_boundary(end)).unwrap_or_default());
+        text.push('…');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;

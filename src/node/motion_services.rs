@@ -1,0 +1,174 @@
+//! `~/check_motion` and `~/check_trajectory`: requests come and answers go on the thread of the services; checks are made one after the
+//! other on a thread of their own, so that no motion, however long, delays anything else.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::PoisonError;
+
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use smol::LocalExecutor;
+use smol::channel::{self, Receiver, Sender};
+
+use super::clearance_srvs::{
+    CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
+};
+use super::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality, RequestId, Server};
+use super::monitor_loop::CurrentJudgement;
+use super::motion_requests::{Answered, Refusal, answer_motion, answer_trajectory};
+use super::names::Names;
+use crate::checker::Workspace;
+use crate::monitor::Judgement;
+
+/// Requests that wait at most; who comes then is told at once that the node is busy.
+const WAITING: usize = 16;
+
+/// A request that waits for its answer.
+enum Request {
+    Motion(RequestId, CheckMotionRequest),
+    Trajectory(RequestId, CheckTrajectoryRequest),
+}
+
+enum Answer {
+    Motion(RequestId, Box<Answered>),
+    Trajectory(RequestId, Box<Answered>),
+}
+
+/// The side that speaks with clients.
+pub struct MotionServices {
+    motions: Server<CheckMotionRequest, CheckMotionResponse>,
+    trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
+    certificates: Publisher<StringMessage>,
+    requests: Sender<Request>,
+    answers: Receiver<Answer>,
+}
+
+/// The side that checks. It holds nothing of the network: the node ends without waiting for it.
+pub struct MotionDesk {
+    requests: Receiver<Request>,
+    answers: Sender<Answer>,
+    current: CurrentJudgement,
+    workspace: Option<Workspace>,
+}
+
+impl MotionServices {
+    /// Both sides; `current` is what checks are made against.
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        current: CurrentJudgement,
+    ) -> Result<(Self, MotionDesk), MiddlewareError> {
+        let (requests, requests_in) = channel::bounded(WAITING);
+        // never more than requests that waited
+        let (answers, answers_in) = channel::unbounded();
+        let string = MessageKind("std_msgs", "String");
+        let services = Self {
+            motions: middleware
+                .server(&names.resolve("~/check_motion")?, ("clearance_msgs", "CheckMotion"))?,
+            trajectories: middleware
+                .server(&names.resolve("~/check_trajectory")?, ("clearance_msgs", "CheckTrajectory"))?,
+            certificates: middleware.publisher(
+                &names.resolve("~/certificates")?,
+                string,
+                Quality::Reliable,
+            )?,
+            requests,
+            answers: answers_in,
+        };
+        let desk = MotionDesk { requests: requests_in, answers, current, workspace: None };
+        Ok((services, desk))
+    }
+
+    /// Serves for ever.
+    pub async fn serve(&self) {
+        // each answer waits for its own client only
+        let sending = LocalExecutor::new();
+        let motions = async {
+            loop {
+                let (id, request) = self.motions.next().await;
+                self.enqueue(Request::Motion(id, request), &sending);
+            }
+        };
+        let trajectories = async {
+            loop {
+                let (id, request) = self.trajectories.next().await;
+                self.enqueue(Request::Trajectory(id, request), &sending);
+            }
+        };
+        let answers = async {
+            while let Ok(answer) = self.answers.recv().await {
+                self.send(answer, &sending);
+            }
+        };
+        sending.run(future::zip(future::zip(motions, trajectories), answers)).await;
+    }
+
+    fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
+        // a desk that has ended is busy for ever
+        if let Err(refused) = self.requests.try_send(request) {
+            let answered = Answered::from(&Refusal::Busy(WAITING));
+            self.send(refused.into_inner().answered(answered), sending);
+        }
+    }
+
+    fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
+        let send = async move {
+            match answer {
+                Answer::Motion(id, answered) => {
+                    let response = self.publish_certificate(*answered);
+                    self.motions.answer(id, response.motion).await;
+                }
+                Answer::Trajectory(id, answered) => {
+                    let response = self.publish_certificate(*answered);
+                    self.trajectories.answer(id, response).await;
+                }
+            }
+        };
+        sending.spawn(send).detach();
+    }
+
+    fn publish_certificate(&self, Answered { response, certificate }: Answered) -> CheckTrajectoryResponse {
+        if let Some(data) = certificate {
+            self.certificates.publish(StringMessage { data });
+        }
+        response
+    }
+}
+
+impl MotionDesk {
+    /// Checks what is asked until there is no one left to ask.
+    pub fn work(mut self) {
+        while let Ok(request) = self.requests.recv_blocking() {
+            let judgement = self.current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let answer = self.answer(request, judgement.as_ref());
+            if self.answers.send_blocking(answer).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
+        let answered = self.guarded(|workspace| match &request {
+            Request::Motion(_, request) => answer_motion(request, judgement, workspace),
+            Request::Trajectory(_, request) => answer_trajectory(request, judgement, workspace),
+        });
+        request.answered(answered)
+    }
+
+    /// A request is a stranger's text: what it breaks must not take the node with it.
+    fn guarded(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> Answered) -> Answered {
+        catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace))).unwrap_or_else(|_| {
+            log::error!("a motion could not be checked: the program failed inside");
+            self.workspace = None;
+            Answered::from(&Refusal::Internal)
+        })
+    }
+}
+
+impl Request {
+    fn answered(self, answered: Answered) -> Answer {
+        match self {
+            Self::Motion(id, _) => Answer::Motion(id, Box::new(answered)),
+            Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(answered)),
+        }
+    }
+}

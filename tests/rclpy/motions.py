@@ -1,0 +1,53 @@
+"""A client of `~/check_motion` and `~/check_trajectory`."""
+
+import json
+
+from clearance_msgs.srv import CheckMotion, CheckTrajectory
+from rclpy.qos import QoSProfile
+from std_msgs.msg import String
+
+import two_link
+
+# Every client of a service hears the answers to all others and passes them over; with the usual depth of 10, a burst of more
+# answers pushes its own out of its memory.
+BURST = QoSProfile(depth=200)
+
+
+class Motions:
+    """Asks the services, and waits for their answers. `terms` are the other fields of the requests, by name."""
+
+    def __init__(self, peer, node):
+        self._peer = peer
+        self._motions = peer.node.create_client(CheckMotion, node.private("check_motion"), qos_profile=BURST)
+        self._trajectories = peer.node.create_client(
+            CheckTrajectory, node.private("check_trajectory"), qos_profile=BURST
+        )
+        self._certificates = peer.record(String, node.private("certificates"))
+        for client in (self._motions, self._trajectories):
+            peer.wait_for(client.service_is_ready, client.srv_name)
+        peer.wait_for(
+            lambda: peer.node.count_publishers(node.private("certificates")) == 1, "the topic of certificates"
+        )
+
+    def ask(self, start, goal, joints=two_link.JOINTS, **terms):
+        """Like `check`, but gives the future of the answer."""
+        request = CheckMotion.Request(joint_names=list(joints), **terms)
+        request.start = [float(position) for position in start]
+        request.goal = [float(position) for position in goal]
+        return self._motions.call_async(request)
+
+    def check(self, start, goal, **terms):
+        return self._peer.result(self.ask(start, goal, **terms), "an answer of check_motion")
+
+    def follow(self, trajectory, **terms):
+        request = CheckTrajectory.Request(trajectory=trajectory, **terms)
+        return self._peer.result(self._trajectories.call_async(request), "an answer of check_trajectory")
+
+    def certificate(self, answer):
+        """The certificate that belongs to an answer, read from its topic; one in the answer has to be the same."""
+        assert answer.certificate_digest
+        message = self._certificates.wait_for(
+            lambda message: json.loads(message.data)["digest"] == answer.certificate_digest, "the certificate"
+        )
+        assert answer.certificate in ("", message.data)
+        return message.data

@@ -1,0 +1,410 @@
+"""`~/check_motion`, `~/check_trajectory` and `~/time_to_contact` against answers worked out by hand."""
+
+import json
+from math import inf, isnan, nan, pi
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from clearance_msgs.srv import CheckMotion, CheckTrajectory
+from std_msgs.msg import Float64
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+import two_link
+from cell import STALE_AFTER, Cell
+from motions import Motions
+
+NEAR = (0, 5 * pi / 6)  # folded, still free
+BEYOND = (0, 7 * pi / 6)  # the mirror image of it: free too, but between them the ball meets the cube
+TOUCH = (two_link.FIRST_TOUCH - NEAR[1]) / (BEYOND[1] - NEAR[1])  # fraction of the way from NEAR to BEYOND
+
+
+@pytest.fixture(scope="module")
+def cell(module_peer):
+    """One node answers for the whole module: every question here leaves it as it was."""
+    with Cell(module_peer) as cell:
+        cell.motions = Motions(module_peer, cell.node)
+        cell.judged(joint1=0, joint2=0)
+        yield cell
+
+
+def trajectory(*points, joints=two_link.JOINTS):
+    """Points as (positions, seconds) or (positions, seconds, velocities)."""
+    message = JointTrajectory(joint_names=list(joints))
+    for positions, seconds, *velocities in points:
+        point = JointTrajectoryPoint(positions=[float(position) for position in positions])
+        point.velocities = [float(velocity) for velocity in velocities[0]] if velocities else []
+        point.time_from_start.sec = int(seconds)
+        point.time_from_start.nanosec = round(seconds % 1 * 1e9)
+        message.points.append(point)
+    return message
+
+
+def between(start, goal, t):
+    joint1, joint2 = (a + t * (b - a) for a, b in zip(start, goal, strict=True))
+    return {"joint1": joint1, "joint2": joint2}
+
+
+def assert_proven(certificate, segments, ends):
+    """Every pair is apart throughout: its intervals cover [0, 1] in every segment, and in each it keeps more than it may lose."""
+    proof = json.loads(certificate)
+    assert proof["robot"] == "two_link"
+    assert proof["joints"] == list(two_link.JOINTS)
+    assert [set(pair) for pair in proof["pairs"]] == [{"base", "tip"}]
+    assert len(proof["segments"]) == segments
+    assert proof["segments"][0]["motion"]["from"] == pytest.approx(ends[0])
+    assert proof["segments"][-1]["motion"]["to"] == pytest.approx(ends[1])
+    for segment in proof["segments"]:
+        reached = 0.0
+        for pair, begin, end, lower, bound in segment["proofs"]:
+            assert pair == 0
+            assert begin <= reached < end
+            assert lower > bound >= 0
+            reached = end
+        assert reached == 1.0
+
+
+def test_a_free_motion_is_proven(cell):
+    answer = cell.motions.check((0, 0), (pi / 2, pi / 2), certificate=True)
+
+    assert answer.verdict == CheckMotion.Response.FREE
+    assert (answer.message, answer.reason_code) == ("", "")
+    assert (answer.t_free, answer.t_contact) == (1, 1)
+    assert (answer.pair.body_a, answer.pair.body_b) == ("", "")
+    assert not answer.witness_known
+    assert (answer.distance_lower, answer.distance_upper) == (0, inf)
+    assert (answer.model_revision, answer.world_revision) == (1, 0)
+    assert 0 < answer.compute_time < 1
+    assert_proven(cell.motions.certificate(answer), 1, ((0, 0), (pi / 2, pi / 2)))
+    without = cell.motions.check((0, 0), (pi / 2, pi / 2))
+    assert (without.certificate, without.certificate_digest) == ("", "")
+
+
+def test_a_contact_between_free_ends_is_found_where_it_is(cell):
+    for end in (NEAR, BEYOND):
+        assert cell.judged(**between(end, end, 0)).status == CollisionState.FREE
+    answer = cell.motions.check(NEAR, BEYOND)
+
+    assert answer.verdict == CheckMotion.Response.CONTACT
+    assert {answer.pair.body_a, answer.pair.body_b} == {"base", "tip"}
+    assert answer.t_free <= TOUCH <= answer.t_contact
+    assert answer.t_contact - answer.t_free < 1e-3
+    assert answer.witness_known
+    # On the cube's upper face, where the ball comes down.
+    assert answer.witness_point.y == pytest.approx(0.2, abs=2e-3)
+    assert (answer.distance_lower, answer.distance_upper) == (0, 0)
+    assert answer.certificate == ""
+
+    # What it says is what a joint state there gets.
+    assert cell.judged(**between(NEAR, BEYOND, 0.999 * answer.t_free)).status == CollisionState.FREE
+    assert cell.judged(**between(NEAR, BEYOND, answer.t_contact)).status == CollisionState.COLLIDING
+
+
+def test_any_contact_will_do(cell):
+    answer = cell.motions.check(NEAR, BEYOND, any_contact=True)
+
+    assert answer.verdict == CheckMotion.Response.CONTACT
+    assert answer.t_free == 0
+    assert cell.judged(**between(NEAR, BEYOND, answer.t_contact)).status == CollisionState.COLLIDING
+
+
+@pytest.mark.parametrize("goal", [(0, 2.8), (1, pi)])
+def test_every_sample_of_a_verdict_agrees_with_the_state(cell, goal):
+    answer = cell.motions.check((0, 0), goal)
+
+    for i in range(21):
+        t = i / 20
+        status = cell.judged(**between((0, 0), goal, t)).status
+        if t < answer.t_free:
+            assert status == CollisionState.FREE
+    expected = CheckMotion.Response.FREE if goal[1] < pi else CheckMotion.Response.CONTACT
+    assert answer.verdict == expected
+
+
+def test_what_the_tube_leaves_open_is_undecided(cell):
+    answer = cell.motions.check((0, 0), NEAR, joint_tolerances=[0.0, 0.5])
+
+    assert answer.verdict == CheckMotion.Response.UNDECIDED
+    assert answer.reason_code == "tube"
+    assert "base" in answer.message and "tip" in answer.message
+    assert 0 < answer.t_free <= answer.t_contact <= 1
+    # Half a radian before the first touch it is open at the latest; how much earlier depends on the bound on what half a radian does.
+    assert 1.5 < answer.t_free * NEAR[1] <= two_link.FIRST_TOUCH - 0.5
+    assert cell.motions.check((0, 0), NEAR, joint_tolerances=[0.0, 0.1]).verdict == CheckMotion.Response.FREE
+
+
+def test_a_timeout_is_undecided(cell):
+    answer = cell.motions.check((0, 0), (0, 2.83), timeout=1e-9)
+
+    assert answer.verdict == CheckMotion.Response.UNDECIDED
+    assert answer.reason_code == "deadline"
+    assert answer.message
+    assert cell.motions.check((0, 0), (0, 2.83), timeout=60.0).verdict == CheckMotion.Response.FREE
+
+
+def test_a_motion_begins_at_the_current_joint_state(cell):
+    cell.judged(joint1=0.5, joint2=NEAR[1])
+    answer = cell.motions.check((), (0.7,), joints=["joint1"], certificate=True)
+    assert answer.verdict == CheckMotion.Response.FREE
+    assert_proven(cell.motions.certificate(answer), 1, ((0.5, NEAR[1]), (0.7, NEAR[1])))
+
+    cell.judged(joint1=0, joint2=pi)
+    answer = cell.motions.check((), (0.7,), joints=["joint1"])
+    assert (answer.verdict, answer.t_free, answer.t_contact) == (CheckMotion.Response.CONTACT, 0, 0)
+
+
+def test_without_a_joint_state_there_is_no_start(start):
+    cell = start(driving=False)
+    motions = Motions(cell.peer, cell.node)
+    cell.has_model()
+    answer = motions.check((), (0, 0))
+    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
+
+    answer = motions.check((0,), (1,), joints=["joint1"])
+    assert answer.verdict == CheckMotion.Response.FREE
+    assert "'joint2'" in answer.message
+
+    cell.driver.resume()
+    cell.judged(joint1=0, joint2=0)
+    assert motions.check((), (0, 1)).verdict == CheckMotion.Response.FREE
+    cell.driver.pause()
+    cell.unknown("stale", after=len(cell.states.messages))
+    answer = motions.check((), (0, 1))
+    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
+    assert f"stale_after is {STALE_AFTER:g} s" in answer.message
+
+
+def test_without_a_model_there_is_an_error(start):
+    cell = start(urdf=None)
+    answer = Motions(cell.peer, cell.node).check((0, 0), (1, 1))
+
+    assert (answer.verdict, answer.reason_code, answer.model_revision) == (CheckMotion.Response.ERROR, "no_model", 0)
+    assert answer.message
+
+
+@pytest.mark.parametrize(
+    ("request_of", "named"),
+    [
+        ({"joints": ["joint1", "wrist"]}, "'wrist'"),
+        ({"joints": ["joint1", "joint1"]}, "'joint1' is given twice"),
+        ({"joints": []}, "joint_names is empty"),
+        ({"start": (0,)}, "start has 1"),
+        ({"goal": (0, 1, 2)}, "goal has 3"),
+        ({"goal": ()}, "goal has 0"),
+        ({"start": (0, nan)}, "'joint2' has position NaN"),
+        ({"goal": (inf, 0)}, "'joint1' has position inf"),
+        ({"goal": (1e300, 0)}, "'joint1' has position 1e300"),
+        ({"tolerance": -1.0}, "tolerance is -1"),
+        ({"tolerance": nan}, "tolerance is NaN"),
+        ({"timeout": -1.0}, "timeout is -1"),
+        ({"joint_tolerances": [0.1]}, "joint_tolerances has 1"),
+        ({"joint_tolerances": [0.1, nan]}, "'joint2' is NaN"),
+        ({"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_bad_request_is_refused_by_name(cell, request_of, named):
+    answer = cell.motions.check(**({"start": (0, 0), "goal": (1, 1)} | request_of))
+
+    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "bad_request")
+    assert named in answer.message
+    assert len(answer.message) < 500
+    assert answer.t_free == 0
+
+
+def test_a_huge_motion_is_never_free(cell):
+    for terms in ({}, {"any_contact": True}, {"certificate": True}):
+        answer = cell.motions.check((0, 0), (1e8, -1e8), timeout=0.3, **terms)
+        assert answer.verdict in (CheckMotion.Response.CONTACT, CheckMotion.Response.UNDECIDED)
+        assert answer.compute_time < 1
+        answer = cell.motions.check((0, 0), (1e8, 0), timeout=0.3, **terms)
+        assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.UNDECIDED, "deadline")
+        assert 0.3 <= answer.compute_time < 1
+
+
+def test_a_free_trajectory_is_proven(cell):
+    answer = cell.motions.follow(trajectory(((0, 0), 0), ((1, 0), 1.5), ((1, 1), 4)), certificate=True)
+
+    assert answer.verdict == CheckTrajectory.Response.FREE
+    assert (answer.segment, answer.time_free, answer.time_contact) == (1, 4, 4)
+    assert_proven(cell.motions.certificate(answer), 2, ((0, 0), (1, 1)))
+
+
+def test_a_trajectory_that_collides_says_where_and_when(cell):
+    answer = cell.motions.follow(trajectory(((0, 0), 0), (NEAR, 2), (BEYOND, 4)))
+
+    assert answer.verdict == CheckTrajectory.Response.CONTACT
+    assert answer.segment == 1
+    assert answer.t_free <= TOUCH <= answer.t_contact
+    assert answer.time_free <= 2 + 2 * TOUCH <= answer.time_contact
+    assert answer.time_contact - answer.time_free < 1e-3
+    assert cell.judged(**between(NEAR, BEYOND, answer.t_contact)).status == CollisionState.COLLIDING
+
+
+def test_velocities_bend_the_way(cell):
+    # Both ends are free and so is the straight way, but not one that arrives at full speed the wrong way round.
+    straight = trajectory(((0, 2), 0), ((0, 2.5), 1))
+    bent = trajectory(((0, 2), 0, (0, 6)), ((0, 2.5), 1, (0, -6)))
+
+    assert cell.motions.follow(straight).verdict == CheckTrajectory.Response.FREE
+    answer = cell.motions.follow(bent)
+    assert answer.verdict == CheckTrajectory.Response.CONTACT
+    # 2 + 6 t - 10.5 t^2 + 5 t^3 - ... : the cubic with these ends and slopes
+    t = answer.t_contact
+    joint2 = 2 + 6 * t + (3 * 0.5 - 2 * 6 + 6) * t**2 + (6 - 6 - 2 * 0.5) * t**3
+    assert cell.judged(joint1=0, joint2=joint2).status == CollisionState.COLLIDING
+
+
+def test_a_trajectory_without_times_has_no_times_in_its_answer(cell):
+    answer = cell.motions.follow(trajectory((NEAR, 0), (BEYOND, 0)))
+
+    assert answer.verdict == CheckTrajectory.Response.CONTACT
+    assert isnan(answer.time_free) and isnan(answer.time_contact)
+
+
+@pytest.mark.parametrize(
+    ("message", "named"),
+    [
+        (trajectory(), "at least two points"),
+        (trajectory(((0, 0), 0)), "at least two points"),
+        (trajectory(((0, 0), 0), ((1,), 1)), "point 1: 1 positions for 2 joints"),
+        (trajectory(((0, 0), 0), ((1, nan), 1)), "joint 'joint2' is not finite"),
+        (trajectory(((0, 0), 2), ((1, 1), 1)), "time_from_start 1 s"),
+        (trajectory(((0, 0), 0), ((1, 1), 1), joints=("joint1", "wrist")), "'wrist'"),
+        (trajectory(((0,), 0), ((1e200,), 1), joints=("joint1",)), "'joint1' has position 1e200"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_bad_trajectory_is_refused_by_name(cell, message, named):
+    answer = cell.motions.follow(message)
+
+    assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
+    assert named in answer.message
+
+
+def test_a_long_certificate_arrives_whole_and_a_longer_one_is_left_out(cell):
+    def zigzag(points):
+        return trajectory(*(((i % 2, 0), float(i)) for i in range(points)))
+
+    answer = cell.motions.follow(zigzag(400), certificate=True)
+    assert answer.verdict == CheckTrajectory.Response.FREE
+    assert answer.certificate == ""
+    assert len(cell.motions.certificate(answer)) > 50_000
+    assert_proven(cell.motions.certificate(answer), 399, ((0, 0), (1, 0)))
+
+    answer = cell.motions.follow(zigzag(4000), certificate=True)
+    assert answer.verdict == CheckTrajectory.Response.FREE
+    assert (answer.certificate, answer.certificate_digest) == ("", "")
+    assert "certificate" in answer.message
+
+
+def test_eight_clients_at_once_are_answered_while_states_go_on(peer, start):
+    cell = start()
+    clients = [Motions(peer, cell.node) for _ in range(8)]
+    cell.judged(joint1=0, joint2=0)
+    goals = [(0, 2.7 + 0.05 * i) for i in range(8)]
+    assert sum(goal[1] < two_link.FIRST_TOUCH for goal in goals) == 3
+
+    for _ in range(5):
+        heard = len(cell.states.messages)
+        futures = [client.ask((0, 0), goal) for client, goal in zip(clients, goals, strict=True)]
+        answers = [peer.result(future) for future in futures]
+        for goal, answer in zip(goals, answers, strict=True):
+            free = goal[1] < two_link.FIRST_TOUCH
+            assert answer.verdict == (CheckMotion.Response.FREE if free else CheckMotion.Response.CONTACT)
+        cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "a judgement", after=heard)
+
+
+def endless(clients, timeout):
+    """More requests than may wait, each of which works for long: joint 1 turns round and round, and nothing ever touches."""
+    terms = {"timeout": timeout, "certificate": True}
+    return [client.ask((0, 0), (1e8, 0), **terms) for _ in range(5) for client in clients]
+
+
+def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
+    cell = start()
+    clients = [Motions(peer, cell.node) for _ in range(8)]
+    cell.judged(joint1=0, joint2=0)
+    futures = endless(clients, timeout=0.2)
+    heard = len(cell.states.messages)
+    answers = [peer.result(future) for future in futures]
+    heard = len(cell.states.messages) - heard
+
+    busy = [answer for answer in answers if answer.reason_code == "busy"]
+    worked = [answer for answer in answers if answer.reason_code != "busy"]
+    assert busy and len(worked) >= 16
+    assert all(answer.verdict == CheckMotion.Response.ERROR for answer in busy)
+    assert all(answer.verdict == CheckMotion.Response.UNDECIDED for answer in worked)
+    # The monitor went on all the while, 50 times a second.
+    assert heard >= 25 * sum(answer.compute_time for answer in worked)
+
+
+def test_a_node_that_checks_long_motions_still_ends(peer, start):
+    cell = start()
+    clients = [Motions(peer, cell.node) for _ in range(8)]
+    cell.judged(joint1=0, joint2=0)
+    futures = endless(clients, timeout=30.0)
+    peer.wait_for(lambda: any(future.done() and future.result().reason_code == "busy" for future in futures), "busy")
+    # The cell asks it to end, and sees that it does in time.
+
+
+def test_the_time_to_contact_of_a_robot_at_rest_is_the_horizon(start):
+    cell = start(parameters={"look_ahead_horizon": 0.2, "look_ahead_acceleration": 1.0})
+    spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
+    state = cell.moving({"joint1": 0, "joint2": 0}, (0, 0))
+
+    assert state.time_to_contact_known
+    assert state.time_to_contact == pytest.approx(0.2)
+    assert state.first_contact_pair.body_a == ""
+    # On the topic, which has no stamp, the age of the joint state is taken off.
+    data = spoken.wait_for(lambda message: message.data > 0, "a time").data
+    assert 0 < data <= 0.2
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0])
+def test_the_time_to_contact_is_no_longer_than_the_truth(start, speed):
+    cell = start(parameters={"look_ahead_horizon": 1.0, "look_ahead_acceleration": 0.01})
+    joint2 = two_link.FIRST_TOUCH - 0.2
+    state = cell.moving({"joint1": 0, "joint2": joint2}, (0, speed))
+
+    assert state.status == CollisionState.FREE
+    assert state.time_to_contact_known
+    truth = 0.2 / speed
+    assert 0.8 * truth < state.time_to_contact <= truth
+    assert {state.first_contact_pair.body_a, state.first_contact_pair.body_b} == {"base", "tip"}
+
+    away = cell.moving({"joint1": 0, "joint2": joint2}, (0, -speed))
+    assert away.time_to_contact == pytest.approx(1.0)
+
+
+def test_the_time_to_contact_of_a_collision_is_zero_and_without_velocities_it_is_not_known(start):
+    cell = start(parameters={"look_ahead_horizon": 0.2})
+    spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
+    state = cell.moving({"joint1": 0, "joint2": pi}, (0, 0))
+    assert (state.time_to_contact_known, state.time_to_contact) == (True, 0)
+    assert {state.first_contact_pair.body_a, state.first_contact_pair.body_b} == {"base", "tip"}
+
+    for velocities in ((), (0,), (0, nan)):
+        state = cell.moving({"joint1": 0, "joint2": 0}, velocities)
+        assert state.status == CollisionState.FREE
+        assert (state.time_to_contact_known, state.time_to_contact) == (False, 0)
+        assert any("time to contact" in warning for warning in state.warnings)
+    assert spoken.next().data == 0
+
+
+def test_the_look_ahead_is_off_unless_it_is_asked_for(cell):
+    cell.driver.velocities = (0, 0)
+    state = cell.judged(joint1=0, joint2=0)
+    cell.driver.velocities = ()
+
+    assert not state.time_to_contact_known
+    assert state.warnings == []
+
+
+def test_turning_the_look_ahead_off_says_zero_once_more(start):
+    cell = start(parameters={"look_ahead_horizon": 0.2, "look_ahead_acceleration": 1.0})
+    spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
+    cell.moving({"joint1": 0, "joint2": 0}, (0, 0))
+    spoken.wait_for(lambda message: message.data > 0, "a time")
+    cell.parameters.succeed(look_ahead_horizon=0.0)
+    cell.states.wait_for(lambda state: not state.time_to_contact_known, "no time", after=len(cell.states.messages))
+    cell.peer.wait_for(lambda: spoken.messages[-1].data == 0, "a last zero")
