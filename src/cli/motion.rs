@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use clearance::checker::{
-    Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, UndecidedReason,
+    Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
 use clearance::motion::{Certificate, MotionSegment, Trajectory};
 use clearance::query::Work;
@@ -381,7 +381,7 @@ impl WayAnswer {
             MotionVerdict::Undecided { t, pair, distance, reason } => {
                 (answer.t, answer.pair) = (Some(t), pair.map(names));
                 answer.distance = Some(distance.map(|d| d.is_finite().then_some(d)));
-                answer.reason = Some(reason_code(reason));
+                answer.reason = Some(reason.code());
                 answer.reason_text = reason.to_string();
             }
         }
@@ -401,17 +401,6 @@ impl WayAnswer {
         let segment = self.segment.map_or_else(String::new, |segment| format!(", in segment {segment}"));
         let time = self.time.map_or_else(String::new, |[lo, _]| format!(" after {lo:.3} s"));
         [verdict, pair, when, segment, time].concat()
-    }
-}
-
-fn reason_code(reason: UndecidedReason) -> &'static str {
-    match reason {
-        UndecidedReason::Tolerance => "tolerance",
-        UndecidedReason::Tube => "tube",
-        UndecidedReason::Deadline => "deadline",
-        UndecidedReason::Budget => "budget",
-        UndecidedReason::Overflow => "overflow",
-        UndecidedReason::UnknownObstacle => "unknown_obstacle",
     }
 }
 

@@ -38,6 +38,7 @@ pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Judgement, Revision};
 pub use monitor::{Monitor, Stopwatch};
 pub use settings::MonitorSettings;
+#[cfg(feature = "ros")]
 pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};
 pub use time::{Now, Time};

@@ -192,6 +192,12 @@ impl MotionSegment {
         Self { tube: Vec::new(), spread: Vec::new(), ..self.clone() }
     }
 
+    /// Whether the robot may be elsewhere more and more.
+    #[must_use]
+    pub(crate) fn widens(&self) -> bool {
+        !self.spread.is_empty()
+    }
+
     /// Whether the robot may be elsewhere than the motion says.
     #[must_use]
     pub fn is_loose(&self) -> bool {

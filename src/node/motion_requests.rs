@@ -9,7 +9,7 @@ use super::clearance_srvs::{
 };
 use super::messages::{pair_message, point_message};
 use crate::checker::{
-    CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, UndecidedReason, Workspace,
+    CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, Workspace,
 };
 use crate::monitor::{Judgement, Reason, quoted_list};
 use crate::motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
@@ -342,7 +342,7 @@ fn response(
                 motion.pair = pair_message(checker, a, b);
                 motion.message = format!("{} and {}: {reason}", motion.pair.body_a, motion.pair.body_b);
             }
-            reason_code(reason).clone_into(&mut motion.reason_code);
+            reason.code().clone_into(&mut motion.reason_code);
             [motion.distance_lower, motion.distance_upper] = distance;
             t = found;
         }
@@ -351,17 +351,6 @@ fn response(
     let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
     let segment = u32::try_from(report.segment).unwrap_or(u32::MAX);
     CheckTrajectoryResponse { motion, segment, time_free, time_contact }
-}
-
-fn reason_code(reason: UndecidedReason) -> &'static str {
-    match reason {
-        UndecidedReason::Tolerance => "tolerance",
-        UndecidedReason::Tube => "tube",
-        UndecidedReason::Deadline => "deadline",
-        UndecidedReason::Budget => "budget",
-        UndecidedReason::Overflow => "overflow",
-        UndecidedReason::UnknownObstacle => "unknown_obstacle",
-    }
 }
 
 fn shortened(mut text: String) -> String {

@@ -61,7 +61,7 @@ impl CollisionChecker {
         }
         let budget = LOOKS + LOOKS_A_PAIR * self.infos.len() as u64;
         let options = MotionOptions { tolerance: RESOLUTION, budget, ..MotionOptions::default() };
-        let (report, _) = self.prove(&segment.with_spread(spread), &options, workspace, true);
+        let (report, _) = self.prove(&segment.with_spread(spread), &options, workspace, false);
         Ok(match report.verdict {
             MotionVerdict::Free => LookAhead { free_for: horizon, first: None },
             MotionVerdict::Contact { t, pair, .. } => {

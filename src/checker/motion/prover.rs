@@ -45,6 +45,12 @@ const FLOOR: f64 = 4e-9;
 /// before it.
 const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125];
 
+/// How often the first interval of a motion that widens is doubled to make the whole.
+const DOUBLINGS: i32 = 8;
+
+/// Of a motion that widens: an interval that is short beside the time before it needs not be cut.
+const KNOWN_WELL: f64 = 0.03;
+
 /// Looks between two glances at the clock.
 const LOOKS_A_GLANCE: u64 = 16;
 
@@ -234,6 +240,9 @@ impl Prover<'_> {
         if self.proofs.is_some() {
             return self.all_pairs_alone();
         }
+        if self.segment.widens() {
+            return self.soonest();
+        }
         self.checker.approach_speeds(self.segment, &mut self.motion.ways, &mut self.motion.speeds);
         self.checker.tolerated(self.segment, &mut self.motion.ways, &mut self.motion.off);
         let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::max);
@@ -261,6 +270,23 @@ impl Prover<'_> {
     fn all_pairs_alone(&mut self) {
         for pair in 0..self.checker.infos.len() {
             self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
+        }
+    }
+
+    /// What may be more and more off is looked at in intervals each as long as all before it: where nothing is proven any more,
+    /// nothing after it matters.
+    fn soonest(&mut self) {
+        let mut from = 0.0;
+        for doubling in (0..DOUBLINGS).rev() {
+            let to = 0.5_f64.powi(doubling);
+            for pair in 0..self.checker.infos.len() {
+                self.pair_in(Piece { pair, from, to });
+            }
+            if self.cutoff <= to || self.stopped.is_some() {
+                return;
+            }
+            from = to;
+            self.seen_until = to;
         }
     }
 
@@ -456,7 +482,8 @@ impl Prover<'_> {
         if !motion.is_finite() {
             return self.leave_open(piece, distance, UndecidedReason::Overflow);
         }
-        if motion <= self.tolerance() || cannot_be_cut {
+        let known_well = self.segment.widens() && to - from <= KNOWN_WELL * to;
+        if motion <= self.tolerance() || cannot_be_cut || known_well {
             if self.segment.is_loose() {
                 self.leave_open(piece, distance, UndecidedReason::Tube);
                 self.cutoff = self.cutoff.min(from);
@@ -517,8 +544,11 @@ impl Prover<'_> {
             return moment.proven(*lower).unwrap_or(Look::Open { distance: unknown, motion });
         }
         // of a distance that padding and tolerances take most of, a share is too much
-        let roughly = if padding > 0.0 || self.segment.is_loose() { 0.0 } else { ROUGHLY };
-        let effort = Effort { relative_tolerance: roughly, ..Effort::default() };
+        let effort = if padding > 0.0 || self.segment.is_loose() {
+            Effort { absolute_tolerance: ROUGHLY * motion, ..Effort::default() }
+        } else {
+            Effort { relative_tolerance: ROUGHLY, ..Effort::default() }
+        };
         let limit = bound + padding + CONTACT_DISTANCE;
         let found = pair.separation_bounds(limit, &effort, &mut self.workspace.scratch);
         let Some(near) = found.upper else { return Look::Proven { share: 1.0, lower: limit, bound } };

@@ -75,6 +75,21 @@ pub enum UndecidedReason {
     UnknownObstacle,
 }
 
+impl UndecidedReason {
+    /// A stable identifier for programs.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::Tolerance => "tolerance",
+            Self::Tube => "tube",
+            Self::Deadline => "deadline",
+            Self::Budget => "budget",
+            Self::Overflow => "overflow",
+            Self::UnknownObstacle => "unknown_obstacle",
+        }
+    }
+}
+
 impl std::fmt::Display for UndecidedReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
