@@ -8,7 +8,8 @@
 //! |---|---|
 //! | capsules of all pairs, eight intervals at once | `level_zero` |
 //! | one pair at one moment: how far apart, how far for | `moment` |
-//! | one motion: which intervals to look at, what is found | `prover` |
+//! | which intervals to look at, in which order | `order` |
+//! | what a look proves, what is found | `prover` |
 //! | what is proven, as a document | `certify` |
 //! | many motions; stretches one after the other | `edges`, `trajectory` |
 //! | volumes around a motion | `swept_volume` |
@@ -19,6 +20,7 @@ mod edges;
 mod level_zero;
 mod look_ahead;
 mod moment;
+mod order;
 mod prover;
 mod report;
 mod swept_volume;

@@ -1,6 +1,6 @@
-//! One motion: which intervals are looked at, and what is found.
+//! One motion: what a look at a pair proves, what is left, and what is found.
 //!
-//! Level 0 goes through the motion eight intervals at a time. A pair that it leaves open in an interval is looked at in the middle:
+//! A pair that level 0 leaves open in an interval is looked at in the middle:
 //! its distance proves a part of the interval around the middle free, and what remains on either side is looked at in turn
 //! (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005 bisect). The distance is only asked of the hierarchies where capsules
 //! do not do, and only where the motion is small enough for an answer to be of use.
@@ -23,15 +23,6 @@ use crate::simd::LANES;
 /// Above this motion (m) within an interval the hierarchies are not asked: the answer would rarely prove anything.
 const WORTH_ASKING: f64 = 0.04;
 
-/// The motion (m) in an interval at level 0 that is aimed at.
-const LEVEL_ZERO_MOTION: f32 = 0.1;
-
-/// Motions (m) either way from the middle that are looked at as one interval.
-const SHORT_MOTION: f32 = 0.07;
-
-/// Most intervals at level 0.
-const MOST_INTERVALS: usize = 1024;
-
 /// How far a distance may be off, as a share of itself: what is left unproven costs less than exactness.
 const ROUGHLY: f64 = 0.15;
 
@@ -41,21 +32,11 @@ const LEAST_SHARE: f64 = 0.15;
 /// The motion (m) in an interval below which nothing is cut further: about where contact and its absence look alike.
 const FLOOR: f64 = 4e-9;
 
-/// Where states are looked at when any contact will do: the end, where most that collide do, and then each as far as can be from those
-/// before it.
-const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125];
-
-/// How often the first interval of a motion that widens is doubled to make the whole.
-const DOUBLINGS: i32 = 8;
-
 /// Of a motion that widens: an interval that is short beside the time before it needs not be cut.
 const KNOWN_WELL: f64 = 0.03;
 
 /// Looks between two glances at the clock.
 const LOOKS_A_GLANCE: u64 = 16;
-
-/// Most pieces that wait in a queue; what comes beyond is looked at first.
-const MOST_QUEUED: usize = 1 << 18;
 
 /// Looks spent on what is nearer than the tolerance, in the hope to decide it.
 const PATIENCE: u32 = 2000;
@@ -67,18 +48,18 @@ pub struct MotionScratch {
     pub(super) columns: Vec<[f64; LANES]>,
     /// By pair: in which of eight intervals it may touch.
     pub(super) near: Vec<u8>,
-    ways: Vec<f64>,
-    speeds: Vec<f32>,
-    off: Vec<f32>,
-    stack: Vec<Piece>,
+    pub(super) ways: Vec<f64>,
+    pub(super) speeds: Vec<f32>,
+    pub(super) off: Vec<f32>,
+    pub(super) stack: Vec<Piece>,
 }
 
 /// An interval in which a pair is to be looked at.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    pair: usize,
-    from: f64,
-    to: f64,
+pub(super) struct Piece {
+    pub pair: usize,
+    pub from: f64,
+    pub to: f64,
 }
 
 /// An interval that stays open.
@@ -91,7 +72,7 @@ struct Open {
 
 /// A pair that touches.
 #[derive(Clone, Copy, Debug)]
-struct Hit {
+pub(super) struct Hit {
     pair: usize,
     t: f64,
     point: Option<Point>,
@@ -109,24 +90,24 @@ enum Look {
 
 /// A motion that is looked at, and what is known so far.
 pub(super) struct Prover<'a> {
-    checker: &'a CollisionChecker,
-    segment: &'a MotionSegment,
-    options: &'a MotionOptions,
-    workspace: &'a mut Workspace,
-    motion: MotionScratch,
+    pub(super) checker: &'a CollisionChecker,
+    pub(super) segment: &'a MotionSegment,
+    pub(super) options: &'a MotionOptions,
+    pub(super) workspace: &'a mut Workspace,
+    pub(super) motion: MotionScratch,
     /// All that comes before has been looked at.
-    seen_until: f64,
+    pub(super) seen_until: f64,
     /// Nothing after this matters: something is known to collide there.
-    cutoff: f64,
-    hit: Option<Hit>,
+    pub(super) cutoff: f64,
+    pub(super) hit: Option<Hit>,
     /// The earliest interval that stays open, and where the last of them ends.
     open: Option<Open>,
     open_until: f64,
     patience: u32,
     looks: u64,
     /// What was proven, if it is to be kept.
-    proofs: Option<Vec<Proof>>,
-    stopped: Option<UndecidedReason>,
+    pub(super) proofs: Option<Vec<Proof>>,
+    pub(super) stopped: Option<UndecidedReason>,
 }
 
 impl CollisionChecker {
@@ -235,25 +216,6 @@ impl CollisionChecker {
 }
 
 impl Prover<'_> {
-    fn run(&mut self) {
-        self.motion.stack.clear();
-        if self.proofs.is_some() {
-            return self.all_pairs_alone();
-        }
-        if self.segment.widens() {
-            return self.soonest();
-        }
-        self.checker.approach_speeds(self.segment, &mut self.motion.ways, &mut self.motion.speeds);
-        self.checker.tolerated(self.segment, &mut self.motion.ways, &mut self.motion.off);
-        let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::max);
-        let blocks = blocks(fastest);
-        match self.options.order {
-            MotionOrder::Earliest if 0.5 * fastest <= SHORT_MOTION => self.short(),
-            MotionOrder::Earliest => self.earliest(blocks),
-            MotionOrder::Any => self.any(blocks),
-        }
-    }
-
     /// A motion that is not proven free from its start on, or to its end, may collide there.
     fn look_at_the_ends(&mut self) {
         let Some(open) = self.open.filter(|_| self.stopped.is_none()) else { return };
@@ -266,107 +228,8 @@ impl Prover<'_> {
         }
     }
 
-    /// One pair after the other, each from the whole motion to smaller pieces: the fewest proofs.
-    fn all_pairs_alone(&mut self) {
-        for pair in 0..self.checker.infos.len() {
-            self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
-        }
-    }
-
-    /// What may be more and more off is looked at in intervals each as long as all before it: where nothing is proven any more,
-    /// nothing after it matters.
-    fn soonest(&mut self) {
-        let mut from = 0.0;
-        for doubling in (0..DOUBLINGS).rev() {
-            let to = 0.5_f64.powi(doubling);
-            for pair in 0..self.checker.infos.len() {
-                self.pair_in(Piece { pair, from, to });
-            }
-            if self.cutoff <= to || self.stopped.is_some() {
-                return;
-            }
-            from = to;
-            self.seen_until = to;
-        }
-    }
-
-    /// Where little moves, the middle tells enough of all but a few pairs.
-    fn short(&mut self) {
-        let MotionScratch { speeds, off, positions, .. } = &mut self.motion;
-        self.checker.screen_whole(self.segment, (speeds, off), positions, self.workspace);
-        for pair in 0..self.checker.infos.len() {
-            let near = self.workspace.near[pair / LANES] & (1 << (pair % LANES)) != 0;
-            if near || self.checker.mover(self.segment, self.checker.infos[pair].bodies.1).is_some() {
-                self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
-            }
-        }
-    }
-
-    /// Blocks of eight intervals in their order, and where a run of intervals begins in which level 0 leaves a pair, that pair in all of
-    /// the run: what is always near often moves little.
-    fn earliest(&mut self, blocks: usize) {
-        for block in 0..blocks {
-            let ends = self.screen(block, blocks);
-            for lane in 0..LANES {
-                self.seen_until = ends[lane];
-                if ends[lane] >= self.cutoff || self.stopped.is_some() {
-                    return;
-                }
-                for pair in 0..self.motion.near.len() {
-                    if let Some(end) = run_from(self.motion.near[pair], lane) {
-                        self.pair_in(Piece { pair, from: ends[lane], to: ends[end] });
-                    }
-                }
-            }
-        }
-    }
-
-    /// What collides mostly does so for long: eight states first, then all pieces that level 0 leaves, each looked at once before any of
-    /// their parts is.
-    fn any(&mut self, blocks: usize) {
-        if self.some_state_collides() {
-            self.nothing_known_before();
-            return;
-        }
-        let mut queue = std::collections::VecDeque::new();
-        for block in 0..blocks {
-            let ends = self.screen(block, blocks);
-            for lane in 0..LANES {
-                for (pair, near) in self.motion.near.iter().enumerate() {
-                    if let Some(end) = run_from(*near, lane) {
-                        queue.push_back(Piece { pair, from: ends[lane], to: ends[end] });
-                    }
-                }
-            }
-        }
-        while let Some(piece) = queue.pop_front() {
-            self.look_at(piece);
-            if self.hit.is_some() || self.stopped.is_some() {
-                self.nothing_known_before();
-                return;
-            }
-            if queue.len() < MOST_QUEUED {
-                queue.extend(self.motion.stack.drain(..));
-            } else {
-                self.motion.stack.drain(..).for_each(|piece| queue.push_front(piece));
-            }
-        }
-    }
-
-    /// Whether the robot collides at one of eight fractions.
-    fn some_state_collides(&mut self) -> bool {
-        self.screen_at(SAMPLES, 0.0);
-        for (lane, t) in SAMPLES.into_iter().enumerate() {
-            for pair in 0..self.motion.near.len() {
-                if self.motion.near[pair] & (1 << lane) != 0 && self.touches(pair, t) {
-                    return true;
-                }
-            }
-        }
-        false
-    }
-
-    fn touches(&mut self, index: usize, t: f64) -> bool {
+    /// Whether a pair touches at t; a contact is noted.
+    pub(super) fn touches(&mut self, index: usize, t: f64) -> bool {
         let Workspace { frames, scratch, .. } = &mut *self.workspace;
         let positions = &mut self.motion.positions;
         let PlacedPair { pair, .. } =
@@ -382,54 +245,8 @@ impl Prover<'_> {
         true
     }
 
-    /// Of what comes before a hit nothing is known.
-    fn nothing_known_before(&mut self) {
-        let piece = Piece { pair: 0, from: 0.0, to: 1.0 };
-        self.leave_open(piece, [0.0, f64::INFINITY], UndecidedReason::Tolerance);
-    }
-
-    /// Level 0 of a block; returns the ends of its eight intervals.
-    fn screen(&mut self, block: usize, blocks: usize) -> [f64; LANES + 1] {
-        #[allow(clippy::cast_precision_loss)] // small numbers
-        let end = |i: usize| (block * LANES + i) as f64 / (blocks * LANES) as f64;
-        let ends = std::array::from_fn(end);
-        let middles = std::array::from_fn(|lane| 0.5 * (end(lane) + end(lane + 1)));
-        #[allow(clippy::cast_precision_loss)]
-        let half_width = 0.5 / (blocks * LANES) as f64;
-        self.screen_at(middles, half_width);
-        ends
-    }
-
-    /// Level 0 of eight intervals.
-    fn screen_at(&mut self, middles: [f64; LANES], half_width: f64) {
-        let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
-        let level = self.workspace.scratch.level();
-        self.checker.screen_intervals(
-            self.segment,
-            (middles, half_width),
-            (&speeds, &off),
-            &mut self.motion,
-            level,
-        );
-        (self.motion.speeds, self.motion.off) = (speeds, off);
-        self.workspace.scratch.work.volume_tests += (self.checker.infos.len() * LANES) as u64;
-        self.mark_movers();
-    }
-
-    /// Level 0 knows nothing of obstacles that move.
-    fn mark_movers(&mut self) {
-        if self.segment.obstacles().is_empty() {
-            return;
-        }
-        for (near, info) in self.motion.near.iter_mut().zip(&self.checker.infos) {
-            if self.checker.mover(self.segment, info.bodies.1).is_some() {
-                *near = u8::MAX;
-            }
-        }
-    }
-
     /// Looks at a pair until nothing in the piece that comes before the cutoff is left, the earliest first.
-    fn pair_in(&mut self, piece: Piece) {
+    pub(super) fn pair_in(&mut self, piece: Piece) {
         self.motion.stack.clear();
         self.motion.stack.push(piece);
         while let Some(mut piece) = self.motion.stack.pop() {
@@ -446,7 +263,7 @@ impl Prover<'_> {
     }
 
     /// Looks at a piece; what it leaves is put on the stack, the earlier on top.
-    fn look_at(&mut self, piece: Piece) {
+    pub(super) fn look_at(&mut self, piece: Piece) {
         let Piece { pair, from, to } = piece;
         let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
         let cut = |from: f64, to: f64| Piece { pair, from, to };
@@ -503,7 +320,7 @@ impl Prover<'_> {
         self.options.tolerance.max(FLOOR)
     }
 
-    fn leave_open(&mut self, piece: Piece, distance: [f64; 2], reason: UndecidedReason) {
+    pub(super) fn leave_open(&mut self, piece: Piece, distance: [f64; 2], reason: UndecidedReason) {
         self.open_until = self.open_until.max(piece.to);
         if self.open.is_none_or(|open| piece.from < open.piece.from) {
             self.open = Some(Open { piece, distance, reason });
@@ -624,17 +441,4 @@ impl Moment<'_> {
         let share = self.approach.share(lower - self.pair.info.padding);
         (share >= LEAST_SHARE).then(|| Look::Proven { share, lower, bound: self.approach.within(share) })
     }
-}
-
-/// How many blocks of eight intervals make motions at level 0 small.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
-fn blocks(fastest: f32) -> usize {
-    let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).min(MOST_INTERVALS as f32);
-    (intervals.max(1.0) as usize).div_ceil(LANES)
-}
-
-/// Where the run of set bits that begins at a lane ends; `None` if none begins there.
-fn run_from(near: u8, lane: usize) -> Option<usize> {
-    let begins = near & (1 << lane) != 0 && (lane == 0 || near & (1 << (lane - 1)) == 0);
-    begins.then(|| lane + (near >> lane).trailing_ones() as usize)
 }

@@ -1,0 +1,207 @@
+//! In which order the intervals of a motion are looked at.
+
+use std::collections::VecDeque;
+
+use super::prover::{MotionScratch, Piece, Prover};
+use super::report::{MotionOrder, UndecidedReason};
+use crate::simd::LANES;
+
+/// The motion (m) in an interval at level 0 that is aimed at.
+const LEVEL_ZERO_MOTION: f32 = 0.1;
+
+/// Motions (m) either way from the middle that are looked at as one interval.
+const SHORT_MOTION: f32 = 0.07;
+
+/// Most intervals at level 0.
+const MOST_INTERVALS: usize = 1024;
+
+/// Where states are looked at when any contact will do: the end, where most that collide do, and then each as far as can be from those
+/// before it.
+const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125];
+
+/// How often the first interval of a motion that widens is doubled to make the whole.
+const DOUBLINGS: i32 = 8;
+
+/// Most pieces that wait in a queue; what comes beyond is looked at first.
+const MOST_QUEUED: usize = 1 << 18;
+
+impl Prover<'_> {
+    /// Looks at all of the motion that matters.
+    pub(super) fn run(&mut self) {
+        self.motion.stack.clear();
+        if self.proofs.is_some() {
+            return self.all_pairs_alone();
+        }
+        if self.segment.widens() {
+            return self.soonest();
+        }
+        self.checker.approach_speeds(self.segment, &mut self.motion.ways, &mut self.motion.speeds);
+        self.checker.tolerated(self.segment, &mut self.motion.ways, &mut self.motion.off);
+        let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::max);
+        let blocks = blocks(fastest);
+        match self.options.order {
+            MotionOrder::Earliest if 0.5 * fastest <= SHORT_MOTION => self.short(),
+            MotionOrder::Earliest => self.earliest(blocks),
+            MotionOrder::Any => self.any(blocks),
+        }
+    }
+
+    /// One pair after the other, each from the whole motion to smaller pieces: the fewest proofs.
+    fn all_pairs_alone(&mut self) {
+        for pair in 0..self.checker.infos.len() {
+            self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
+        }
+    }
+
+    /// What may be more and more off is looked at in intervals each as long as all before it: where nothing is proven any more,
+    /// nothing after it matters.
+    fn soonest(&mut self) {
+        let mut from = 0.0;
+        for doubling in (0..DOUBLINGS).rev() {
+            let to = 0.5_f64.powi(doubling);
+            for pair in 0..self.checker.infos.len() {
+                self.pair_in(Piece { pair, from, to });
+            }
+            if self.cutoff <= to || self.stopped.is_some() {
+                return;
+            }
+            from = to;
+            self.seen_until = to;
+        }
+    }
+
+    /// Where little moves, the middle tells enough of all but a few pairs.
+    fn short(&mut self) {
+        let MotionScratch { speeds, off, positions, .. } = &mut self.motion;
+        self.checker.screen_whole(self.segment, (speeds, off), positions, self.workspace);
+        for pair in 0..self.checker.infos.len() {
+            let near = self.workspace.near[pair / LANES] & (1 << (pair % LANES)) != 0;
+            if near || self.checker.mover(self.segment, self.checker.infos[pair].bodies.1).is_some() {
+                self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
+            }
+        }
+    }
+
+    /// Blocks of eight intervals in their order, and where a run of intervals begins in which level 0 leaves a pair, that pair in all of
+    /// the run: what is always near often moves little.
+    fn earliest(&mut self, blocks: usize) {
+        for block in 0..blocks {
+            let ends = self.screen(block, blocks);
+            for lane in 0..LANES {
+                self.seen_until = ends[lane];
+                if ends[lane] >= self.cutoff || self.stopped.is_some() {
+                    return;
+                }
+                for pair in 0..self.motion.near.len() {
+                    if let Some(end) = run_from(self.motion.near[pair], lane) {
+                        self.pair_in(Piece { pair, from: ends[lane], to: ends[end] });
+                    }
+                }
+            }
+        }
+    }
+
+    /// What collides mostly does so for long: eight states first, then all pieces that level 0 leaves, each looked at once before any of
+    /// their parts is.
+    fn any(&mut self, blocks: usize) {
+        if self.some_state_collides() {
+            self.nothing_known_before();
+            return;
+        }
+        let mut queue = VecDeque::new();
+        for block in 0..blocks {
+            let ends = self.screen(block, blocks);
+            for lane in 0..LANES {
+                for (pair, near) in self.motion.near.iter().enumerate() {
+                    if let Some(end) = run_from(*near, lane) {
+                        queue.push_back(Piece { pair, from: ends[lane], to: ends[end] });
+                    }
+                }
+            }
+        }
+        while let Some(piece) = queue.pop_front() {
+            self.look_at(piece);
+            if self.hit.is_some() || self.stopped.is_some() {
+                self.nothing_known_before();
+                return;
+            }
+            if queue.len() < MOST_QUEUED {
+                queue.extend(self.motion.stack.drain(..));
+            } else {
+                self.motion.stack.drain(..).for_each(|piece| queue.push_front(piece));
+            }
+        }
+    }
+
+    /// Whether the robot collides at one of eight fractions.
+    fn some_state_collides(&mut self) -> bool {
+        self.screen_at(SAMPLES, 0.0);
+        for (lane, t) in SAMPLES.into_iter().enumerate() {
+            for pair in 0..self.motion.near.len() {
+                if self.motion.near[pair] & (1 << lane) != 0 && self.touches(pair, t) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Of what comes before a hit nothing is known.
+    fn nothing_known_before(&mut self) {
+        let piece = Piece { pair: 0, from: 0.0, to: 1.0 };
+        self.leave_open(piece, [0.0, f64::INFINITY], UndecidedReason::Tolerance);
+    }
+
+    /// Level 0 of a block; returns the ends of its eight intervals.
+    fn screen(&mut self, block: usize, blocks: usize) -> [f64; LANES + 1] {
+        #[allow(clippy::cast_precision_loss)] // small numbers
+        let end = |i: usize| (block * LANES + i) as f64 / (blocks * LANES) as f64;
+        let ends = std::array::from_fn(end);
+        let middles = std::array::from_fn(|lane| 0.5 * (end(lane) + end(lane + 1)));
+        #[allow(clippy::cast_precision_loss)]
+        let half_width = 0.5 / (blocks * LANES) as f64;
+        self.screen_at(middles, half_width);
+        ends
+    }
+
+    /// Level 0 of eight intervals.
+    fn screen_at(&mut self, middles: [f64; LANES], half_width: f64) {
+        let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
+        let level = self.workspace.scratch.level();
+        self.checker.screen_intervals(
+            self.segment,
+            (middles, half_width),
+            (&speeds, &off),
+            &mut self.motion,
+            level,
+        );
+        (self.motion.speeds, self.motion.off) = (speeds, off);
+        self.workspace.scratch.work.volume_tests += (self.checker.infos.len() * LANES) as u64;
+        self.mark_movers();
+    }
+
+    /// Level 0 knows nothing of obstacles that move.
+    fn mark_movers(&mut self) {
+        if self.segment.obstacles().is_empty() {
+            return;
+        }
+        for (near, info) in self.motion.near.iter_mut().zip(&self.checker.infos) {
+            if self.checker.mover(self.segment, info.bodies.1).is_some() {
+                *near = u8::MAX;
+            }
+        }
+    }
+}
+
+/// How many blocks of eight intervals make motions at level 0 small.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
+fn blocks(fastest: f32) -> usize {
+    let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).min(MOST_INTERVALS as f32);
+    (intervals.max(1.0) as usize).div_ceil(LANES)
+}
+
+/// Where the run of set bits that begins at a lane ends; `None` if none begins there.
+fn run_from(near: u8, lane: usize) -> Option<usize> {
+    let begins = near & (1 << lane) != 0 && (lane == 0 || near & (1 << (lane - 1)) == 0);
+    begins.then(|| lane + (near >> lane).trailing_ones() as usize)
+}
