@@ -156,6 +156,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let node = names.full_node_name();
     log::info!("{node} listens to {joint_states} in domain {}", options.environment.domain);
     run_together(parts, &end).map_err(NodeError::Internal)?;
+    middleware.leave();
     log::info!("{node} has ended");
     Ok(())
 }

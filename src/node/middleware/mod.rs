@@ -102,6 +102,17 @@ impl Middleware {
         Ok(Self { node: Arc::new(Mutex::new(node)), context, peers })
     }
 
+    /// Leaves the network, so that peers know at once. All endpoints have to be gone.
+    ///
+    /// `RustDDS` ends its sending thread when it drops the participant, even if what was said last is not sent yet: on a busy machine
+    /// the goodbye is lost, and peers keep the node until its lease runs out. There is no call that waits for that thread, so it gets
+    /// time to send what the endpoints said when they went.
+    pub fn leave(self) {
+        const GRACE: Duration = Duration::from_millis(100);
+        std::thread::sleep(GRACE);
+        drop(self);
+    }
+
     /// Publishes messages of `kind`, such as `std_msgs/Bool`, under a full name.
     pub fn publisher<M: Message>(
         &self,
