@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::capsules::Segment;
+use super::capsules::{Segment, up};
 use super::collision_checker::CollisionChecker;
 use super::likely::LikelyPairs;
 use super::report::{CollisionReport, Question};
@@ -122,7 +122,7 @@ impl CollisionChecker {
         hit
     }
 
-    /// Level 0: kinematics and the capsules of all pairs. A short block repeats its last state.
+    /// Level 0 of some states. A short block repeats its last state.
     #[inline(always)]
     fn screen_eight<S: Simd>(&self, simd: S, states: &[Configuration], eight: &mut Eight<S>) {
         for (i, column) in eight.positions.iter_mut().enumerate() {
@@ -130,30 +130,27 @@ impl CollisionChecker {
                 *number = states[lane.min(states.len() - 1)].positions()[i];
             }
         }
-        let positions = &eight.positions;
-        self.chain.frames(
+        let margin = up(self.largest_padding + CONTACT_DISTANCE);
+        eight.screen(
             simd,
+            self,
             #[inline(always)]
-            |i| f64x8::from_slice(simd, &positions[i]),
-            &mut eight.frames,
+            |_| margin,
         );
-        self.capsules.place(&eight.frames, &mut eight.segments);
-        let margin = self.largest_padding + CONTACT_DISTANCE;
-        self.capsules.near(simd, &eight.segments, margin, &mut eight.near);
     }
 }
 
 /// Scratch memory of eight states in lanes.
-struct Eight<S: Simd> {
-    positions: Vec<[f64; LANES]>,
+pub(super) struct Eight<S: Simd> {
+    pub positions: Vec<[f64; LANES]>,
     frames: Vec<Frame<f64x8<S>>>,
     segments: Vec<Segment<f32x8<S>>>,
     /// By pair: a bit for each state in which it may be near.
-    near: Vec<u8>,
+    pub near: Vec<u8>,
 }
 
 impl<S: Simd> Eight<S> {
-    fn new(checker: &CollisionChecker, simd: S) -> Self {
+    pub fn new(checker: &CollisionChecker, simd: S) -> Self {
         let zero = f32x8::splat(simd, 0.0);
         let segment = Segment { centre: [zero; 3], half: [zero; 3] };
         Self {
@@ -162,6 +159,20 @@ impl<S: Simd> Eight<S> {
             segments: vec![segment; checker.capsules.capsule_count()],
             near: vec![0; checker.infos.len()],
         }
+    }
+
+    /// Level 0 of the positions: kinematics, and which pairs capsules do not prove farther apart than their margins (m).
+    #[inline(always)]
+    pub fn screen(&mut self, simd: S, checker: &CollisionChecker, margin: impl Fn(usize) -> f32) {
+        let positions = &self.positions;
+        checker.chain.frames(
+            simd,
+            #[inline(always)]
+            |i| f64x8::from_slice(simd, &positions[i]),
+            &mut self.frames,
+        );
+        checker.capsules.place(&self.frames, &mut self.segments);
+        checker.capsules.near(simd, &self.segments, margin, &mut self.near);
     }
 
     /// A body's frame in one of the states.

@@ -185,22 +185,9 @@ impl CapsulePairs {
         }
     }
 
-    /// For each pair, in which of eight states it may be as near as `margin` (m, not negative): a bit per state.
+    /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.
     #[inline(always)]
-    pub fn near<S: Simd>(&self, simd: S, segments: &[Segment<f32x8<S>>], margin: f64, masks: &mut [u8]) {
-        let margin = up(margin);
-        self.near_within(
-            simd,
-            segments,
-            #[inline(always)]
-            |_| margin,
-            masks,
-        );
-    }
-
-    /// As [`Self::near`], with a margin for each pair.
-    #[inline(always)]
-    pub fn near_within<S: Simd>(
+    pub fn near<S: Simd>(
         &self,
         simd: S,
         segments: &[Segment<f32x8<S>>],
@@ -247,22 +234,9 @@ impl CapsulePairs {
         }
     }
 
-    /// As [`Self::near`] for one state: a mask per group of eight pairs.
+    /// As [`Self::near`] for one state: a mask per group of eight pairs, from their margins by number of group.
     #[inline(always)]
-    pub fn near_one<S: Simd>(&self, simd: S, segments: &[Segment<f32>], margin: f64, masks: &mut [u8]) {
-        let margin = [up(margin); 8];
-        self.near_one_within(
-            simd,
-            segments,
-            #[inline(always)]
-            |_| margin,
-            masks,
-        );
-    }
-
-    /// As [`Self::near_one`], with a margin for each pair of a group.
-    #[inline(always)]
-    pub fn near_one_within<S: Simd>(
+    pub fn near_one<S: Simd>(
         &self,
         simd: S,
         segments: &[Segment<f32>],
@@ -322,10 +296,16 @@ fn extent_8<S: Simd>(simd: S, segments: &[Segment<f32x8<S>>]) -> f32x8<S> {
     extent[0].max(extent[1]).max(extent[2])
 }
 
-/// The nearest f32 that is not below.
-fn up(x: f64) -> f32 {
+/// The nearest f32 that is not below; infinite for what is no number.
+pub fn up(x: f64) -> f32 {
     let nearest = x.single();
-    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
+    if f64::from(nearest) >= x {
+        nearest
+    } else if x.is_nan() {
+        f32::INFINITY
+    } else {
+        nearest.next_up()
+    }
 }
 
 impl Rider {

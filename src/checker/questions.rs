@@ -2,6 +2,7 @@
 
 use std::collections::BinaryHeap;
 
+use super::capsules::up;
 use super::collision_checker::CollisionChecker;
 use super::likely::LikelyPairs;
 use super::pair::{Pair, PairInfo};
@@ -131,11 +132,17 @@ impl CollisionChecker {
     fn place_and_screen(&self, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, segments, near, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
-        let margin = self.largest_padding + CONTACT_DISTANCE;
+        let margin = [up(self.largest_padding + CONTACT_DISTANCE); LANES];
         dispatch_lean!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, q.positions(), frames);
             self.capsules.place(frames, segments);
-            self.capsules.near_one(simd, segments, margin, near);
+            self.capsules.near_one(
+                simd,
+                segments,
+                #[inline(always)]
+                |_| margin,
+                near,
+            );
         });
     }
 

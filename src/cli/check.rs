@@ -6,14 +6,14 @@ use std::time::Instant;
 
 use clap::Args;
 use clearance::checker::{Body, CollisionChecker, CollisionReport, Question};
-use clearance::query::Work;
 use clearance::robot::Configuration;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::model::{self, ModelArgs, WorldArgs};
+use super::model::{ModelArgs, WorldArgs};
 use super::progress::Progress;
+use super::run_args::{Format, RunArgs, Stats, internal, print_line};
 use super::states;
 use super::timing::{self, Timing};
 
@@ -42,25 +42,8 @@ pub struct CheckArgs {
     )]
     limit: f64,
 
-    /// Leave out pairs of links
-    #[arg(long)]
-    no_self: bool,
-
-    /// Leave out pairs of a link and an obstacle
-    #[arg(long)]
-    no_world: bool,
-
-    /// Threads to check on
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: u16,
-
-    /// How the answer is written
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
-
-    /// Time this many passes over the states, on one thread
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
-    repeat: u32,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 #[derive(Args)]
@@ -85,12 +68,6 @@ enum Query {
     Distance,
     /// The distance of every pair
     PairDistances,
-}
-
-#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    Text,
-    Json,
 }
 
 /// The JSON answer.
@@ -128,19 +105,12 @@ struct DistanceAnswer {
     witness_points: Option<[[f64; 3]; 2]>,
 }
 
-#[derive(Serialize)]
-pub struct Stats {
-    volume_tests: u64,
-    screened_pairs: u64,
-    primitive_tests: u64,
-}
-
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if args.limit.is_nan() || args.limit < 0.0 {
         return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
     }
     let start = Instant::now();
-    let checker = checker(args)?;
+    let checker = args.run.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
     let states = match (&args.input.states, &args.input.state) {
@@ -152,32 +122,23 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         log::warn!("there is no pair to check: every state counts as free");
     }
     let question = args.question();
-    let reports = check_all(&checker, &states, question, args.threads)?;
-    let timing = time_passes(&checker, &states, question, args.repeat);
+    let reports = check_all(&checker, &states, question, &args.run)?;
+    let timing = time_passes(&checker, &states, question, args.run.repeat);
     let answer = Answer {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
         pairs_checked: checker.pairs().len(),
         load_seconds,
-        stats: Stats::total(&reports),
+        stats: Stats::total(reports.iter().map(|report| report.work)),
         results: (reports.iter()).map(|r| StateAnswer::new(args.query, r, &checker)).collect(),
         timing,
     };
-    match args.format {
+    match args.run.format {
         Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
         Format::Text => print_line(&text(&answer))?,
     }
     let all_free = reports.iter().all(CollisionReport::is_free);
     Ok(ExitCode::from(u8::from(!all_free)))
-}
-
-fn checker(args: &CheckArgs) -> Result<CollisionChecker, Failure> {
-    let robot = args.model.load()?;
-    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
-    let mut settings = args.model.settings();
-    settings.check_self = !args.no_self;
-    settings.check_world = !args.no_world;
-    model::checker(robot, &loaded, settings)
 }
 
 impl CheckArgs {
@@ -197,13 +158,10 @@ fn check_all(
     checker: &CollisionChecker,
     states: &[Configuration],
     question: Question,
-    threads: u16,
+    run: &RunArgs,
 ) -> Result<Vec<CollisionReport>, Failure> {
     let progress = Progress::new(states.len());
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads).min(states.len().max(1)))
-        .build()
-        .map_err(internal)?;
+    let pool = run.pool(states.len())?;
     Ok(pool.install(|| {
         (states.par_iter())
             .map_init(
@@ -234,26 +192,6 @@ fn time_passes(
             }
         }
     })
-}
-
-impl Stats {
-    fn total(reports: &[CollisionReport]) -> Self {
-        let mut total = Work::default();
-        for report in reports {
-            total += report.work;
-        }
-        Self::from(&total)
-    }
-}
-
-impl From<&Work> for Stats {
-    fn from(work: &Work) -> Self {
-        Self {
-            volume_tests: work.volume_tests,
-            screened_pairs: work.screened_pairs,
-            primitive_tests: work.primitive_tests,
-        }
-    }
 }
 
 impl StateAnswer {
@@ -347,17 +285,4 @@ fn state_lines(index: usize, result: &StateAnswer) -> Vec<String> {
         .chain(pairs.map(|[a, b]| format!("  {a} – {b}")))
         .chain(distances.map(|(a, b, m)| format!("  {m:.6} m: {a} – {b}")))
         .collect()
-}
-
-/// Writes to stdout; a reader that went away is no fault of ours.
-pub fn print_line(line: &str) -> Result<(), Failure> {
-    use std::io::Write;
-    match writeln!(std::io::stdout().lock(), "{line}") {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(internal(e)),
-        _ => Ok(()),
-    }
-}
-
-pub fn internal(error: impl std::fmt::Display) -> Failure {
-    Failure::Internal(error.to_string())
 }

@@ -13,6 +13,7 @@ mod motion;
 #[cfg(feature = "ros")]
 mod node;
 mod progress;
+mod run_args;
 mod states;
 mod timing;
 mod verify;

@@ -9,15 +9,14 @@ use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
 use clearance::motion::{Certificate, MotionSegment, Trajectory};
-use clearance::query::Work;
 use clearance::robot::{Configuration, RobotModel};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::check::{Format, Stats, internal, print_line};
 use super::failure::Failure;
-use super::model::{self, ModelArgs, WorldArgs};
+use super::model::{ModelArgs, WorldArgs};
 use super::progress::Progress;
+use super::run_args::{Format, RunArgs, Stats, internal, print_line};
 use super::states;
 use super::timing::{self, Timing};
 
@@ -60,25 +59,8 @@ pub struct MotionArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     swept_volumes: Option<u32>,
 
-    /// Leave out pairs of links
-    #[arg(long)]
-    no_self: bool,
-
-    /// Leave out pairs of a link and an obstacle
-    #[arg(long)]
-    no_world: bool,
-
-    /// Threads to check on
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: u16,
-
-    /// How the answer is written
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
-
-    /// Time this many passes over the ways, on one thread
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
-    repeat: u32,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 #[derive(Args)]
@@ -157,7 +139,7 @@ struct SweptVolumeAnswer {
 pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     let options = args.options()?;
     let start = Instant::now();
-    let checker = checker(args)?;
+    let checker = args.run.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
     let ways = args.ways(robot)?;
@@ -173,10 +155,6 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
         write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
     }
     let timing = time_passes(&checker, &ways, &options, args);
-    let mut work = Work::default();
-    for report in &reports {
-        work += report.work;
-    }
     let is_trajectory = args.input.trajectory.is_some();
     let results = reports.iter().zip(&ways).map(|(report, way)| {
         let swept = args.swept_volumes.map(|n| swept_volumes(&checker, way, n as usize));
@@ -188,24 +166,15 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
         pairs_checked: checker.pairs().len(),
         load_seconds,
         results: results.collect(),
-        stats: Stats::from(&work),
+        stats: Stats::total(reports.iter().map(|report| report.work)),
         timing,
     };
-    match args.format {
+    match args.run.format {
         Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
         Format::Text => print_line(&text(&answer))?,
     }
     let all_free = reports.iter().all(TrajectoryReport::is_free);
     Ok(ExitCode::from(u8::from(!all_free)))
-}
-
-fn checker(args: &MotionArgs) -> Result<CollisionChecker, Failure> {
-    let robot = args.model.load()?;
-    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
-    let mut settings = args.model.settings();
-    settings.check_self = !args.no_self;
-    settings.check_world = !args.no_world;
-    model::checker(robot, &loaded, settings)
 }
 
 impl MotionArgs {
@@ -215,7 +184,7 @@ impl MotionArgs {
             sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be more than zero")))
         };
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
-        if self.swept_volumes.is_some() && self.format == Format::Text {
+        if self.swept_volumes.is_some() && self.run.format == Format::Text {
             return Err(Failure::Input("--swept-volumes are told with --format json only".to_owned()));
         }
         Ok(MotionOptions {
@@ -276,10 +245,7 @@ fn check_all(
     args: &MotionArgs,
 ) -> Result<Vec<TrajectoryReport>, Failure> {
     let progress = Progress::new(ways.len());
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(args.threads).min(ways.len().max(1)))
-        .build()
-        .map_err(internal)?;
+    let pool = args.run.pool(ways.len())?;
     Ok(pool.install(|| {
         (ways.par_iter())
             .map_init(
@@ -301,7 +267,7 @@ fn time_passes(
     args: &MotionArgs,
 ) -> Option<Timing> {
     let mut workspace = checker.workspace();
-    timing::measure(args.repeat, ways.len(), || {
+    timing::measure(args.run.repeat, ways.len(), || {
         for way in ways {
             std::hint::black_box(checker.check_trajectory(way, &args.starting_now(options), &mut workspace));
         }

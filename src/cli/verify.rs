@@ -8,9 +8,9 @@ use clearance::motion::{Certificate, SegmentText};
 use clearance::verifier::{self, Verified};
 use serde_json::json;
 
-use super::check::{Format, print_line};
 use super::failure::Failure;
 use super::model::{ModelArgs, WorldArgs};
+use super::run_args::{Format, PairArgs, print_line};
 
 #[derive(Args)]
 pub struct VerifyArgs {
@@ -24,13 +24,8 @@ pub struct VerifyArgs {
     #[arg(value_name = "CERTIFICATE.json")]
     certificate: PathBuf,
 
-    /// The certificate leaves out pairs of links
-    #[arg(long)]
-    no_self: bool,
-
-    /// The certificate leaves out pairs of a link and an obstacle
-    #[arg(long)]
-    no_world: bool,
+    #[command(flatten)]
+    pairs: PairArgs,
 
     /// Obstacles may move as the certificate says
     #[arg(long)]
@@ -46,8 +41,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     let robot = args.model.load()?;
     let loaded = args.world.load(&robot, &args.model.mesh_files())?;
     let mut settings = args.model.settings();
-    settings.check_self = !args.no_self;
-    settings.check_world = !args.no_world;
+    (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);
     let file = args.certificate.display();
     let text =
         std::fs::read_to_string(&args.certificate).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
@@ -61,6 +55,9 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
         )));
     }
     let verified = verifier::verify(&robot, &loaded.world, &settings, loaded.allowed.as_ref(), &certificate);
+    if verified.as_ref().is_ok_and(|v| v.pairs == 0) {
+        log::warn!("there is no pair to check: every motion counts as free");
+    }
     match (args.format, &verified) {
         (Format::Text, Ok(Verified { segments, pairs, proofs, .. })) => print_line(&format!(
             "proven free: {proofs} proofs for {pairs} pairs in {segments} segment(s) hold\n{}",

@@ -62,6 +62,14 @@ impl MovingObstacle {
         MatrixPose::from(&self.displacement(t))
     }
 
+    /// A number (m, rad) not less than any that it is given by.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        let start = self.start.map_or([0.0; 3], |(xyz, _)| xyz);
+        let all = [self.centre, self.linear, self.angular, start];
+        all.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max)
+    }
+
     /// Whether all numbers can be computed with and the start is a pose.
     #[must_use]
     pub fn is_sound(&self) -> bool {

@@ -156,6 +156,8 @@ impl MotionSegment {
         if let Some(bad) = obstacles.iter().find(|o| !o.is_sound()) {
             return Err(SegmentError::Obstacle(bad.name.clone()));
         }
+        let largest = obstacles.iter().map(MovingObstacle::size);
+        self.size = largest.fold(self.size, f64::max);
         self.obstacles = obstacles;
         Ok(self)
     }

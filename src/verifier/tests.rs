@@ -5,4 +5,3 @@ mod bound;
 mod prover;
 mod refusals;
 mod scenes;
-mod speed;

@@ -153,7 +153,7 @@ fn what_cannot_be_computed_is_not_free() {
     }
     let moving = still().with_obstacles(&world, vec![mover([0.0; 3], [0.0; 3])]).unwrap();
     let report = ask(&alone(&robot), &moving);
-    let unknown = UndecidedReason::UnknownObstacle;
+    let unknown = UndecidedReason::Mismatch;
     assert!(matches!(report.verdict, MotionVerdict::Undecided { reason, .. } if reason == unknown));
 }
 

@@ -69,7 +69,7 @@ fn ask_eight<S: Simd>(
     let mut segments = vec![Segment { centre: zero, half: zero }; pairs.capsule_count()];
     let (mut masks, mut bounds) = (vec![0; pairs.pair_count()], vec![[0.0; 8]; pairs.pair_count()]);
     pairs.place(&frames, &mut segments);
-    pairs.near(simd, &segments, margin, &mut masks);
+    pairs.near(simd, &segments, |_| up(margin), &mut masks);
     pairs.lower_bounds(simd, &segments, &mut bounds);
     (0..8)
         .map(|k| Answers {
@@ -84,7 +84,7 @@ fn ask_one<S: Simd>(simd: S, pairs: &CapsulePairs, frames: &[Frame<f64>], margin
     let mut segments = vec![Segment { centre: [0.0; 3], half: [0.0; 3] }; pairs.capsule_count()];
     let (mut masks, mut bounds) = (vec![0; pairs.group_count()], vec![[0.0; 8]; pairs.group_count()]);
     pairs.place(frames, &mut segments);
-    pairs.near_one(simd, &segments, margin, &mut masks);
+    pairs.near_one(simd, &segments, |_| [up(margin); 8], &mut masks);
     pairs.lower_bounds_one(simd, &segments, &mut bounds);
     let count = pairs.pair_count();
     assert!((count..8 * masks.len()).all(|i| masks[i / 8] >> (i % 8) & 1 == 0));

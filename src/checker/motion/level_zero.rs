@@ -1,16 +1,17 @@
 //! Level 0 of a motion: capsules of all pairs, eight intervals at once.
 
+use super::MotionScratch;
+use crate::checker::batch::Eight;
 use crate::checker::bodies::Rider;
-use crate::checker::capsules::Segment;
+use crate::checker::capsules::up;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::PairInfo;
 use crate::checker::workspace::Workspace;
 use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
-use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
-use crate::simd::prelude::*;
-use crate::simd::{LANES, Simd, dispatch, dispatch_lean, f32x8, f64x8};
+use crate::robot::{Between, Chain, Deviation, Deviations};
+use crate::simd::{LANES, Level, dispatch, dispatch_lean};
 
 /// Where each body's ways stand in a list of all.
 #[derive(Clone, Debug)]
@@ -111,20 +112,22 @@ impl CollisionChecker {
         segment: &MotionSegment,
         (middles, half_width): ([f64; LANES], f64),
         (speeds, off): (&[f32], &[f32]),
-        workspace: &mut super::MotionScratch,
-        level: crate::simd::Level,
+        scratch: &mut MotionScratch,
+        level: Level,
     ) {
         let margin = self.margins(half_width, speeds, off);
-        let super::MotionScratch { positions, columns, near, .. } = workspace;
-        columns.resize(positions.len(), [0.0; LANES]);
-        for (lane, middle) in middles.iter().enumerate() {
-            segment.positions_at(*middle, positions);
-            for (column, position) in columns.iter_mut().zip(&*positions) {
-                column[lane] = *position;
+        let MotionScratch { positions, near, .. } = scratch;
+        dispatch!(level, simd => {
+            let mut eight = Eight::new(self, simd);
+            for (lane, middle) in middles.iter().enumerate() {
+                segment.positions_at(*middle, positions);
+                for (column, position) in eight.positions.iter_mut().zip(&*positions) {
+                    column[lane] = *position;
+                }
             }
-        }
-        near.resize(self.infos.len(), 0);
-        dispatch!(level, simd => self.screen_columns(simd, columns, margin, near));
+            eight.screen(simd, self, margin);
+            std::mem::swap(near, &mut eight.near);
+        });
     }
 
     /// By pair: nearer than this (m) it may come to touch within an interval of this half width.
@@ -159,42 +162,7 @@ impl CollisionChecker {
         dispatch_lean!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, positions, frames);
             self.capsules.place(frames, segments);
-            self.capsules.near_one_within(simd, segments, margins, near);
+            self.capsules.near_one(simd, segments, margins, near);
         });
-    }
-
-    #[inline(always)]
-    fn screen_columns<S: Simd>(
-        &self,
-        simd: S,
-        columns: &[[f64; LANES]],
-        margin: impl Fn(usize) -> f32,
-        near: &mut [u8],
-    ) {
-        let zero = f32x8::splat(simd, 0.0);
-        let mut frames = vec![Frame::<f64x8<S>>::splat(simd, &Frame::IDENTITY); self.chain.body_count()];
-        let mut segments =
-            vec![Segment { centre: [zero; 3], half: [zero; 3] }; self.capsules.capsule_count()];
-        self.chain.frames(
-            simd,
-            #[inline(always)]
-            |i| f64x8::from_slice(simd, &columns[i]),
-            &mut frames,
-        );
-        self.capsules.place(&frames, &mut segments);
-        self.capsules.near_within(simd, &segments, margin, near);
-    }
-}
-
-/// The nearest f32 that is not below; infinite for what is no number.
-#[allow(clippy::cast_possible_truncation)] // rounded up right after
-fn up(x: f64) -> f32 {
-    let nearest = x as f32;
-    if f64::from(nearest) >= x {
-        nearest
-    } else if x.is_nan() {
-        f32::INFINITY
-    } else {
-        nearest.next_up()
     }
 }

@@ -22,6 +22,9 @@ const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125]
 /// How often the first interval of a motion that widens is doubled to make the whole.
 const DOUBLINGS: i32 = 8;
 
+/// Positions (rad, m) beyond which kinematics are too rough for f32 to hide it.
+const LARGEST_AT_LEVEL_ZERO: f64 = 1e4;
+
 /// Most pieces that wait in a queue; what comes beyond is looked at first.
 const MOST_QUEUED: usize = 1 << 18;
 
@@ -29,7 +32,8 @@ impl Prover<'_> {
     /// Looks at all of the motion that matters.
     pub(super) fn run(&mut self) {
         self.motion.stack.clear();
-        if self.proofs.is_some() {
+        // the bounds of level 0 have no room for the rounding of huge angles
+        if self.proofs.is_some() || self.segment.size() > LARGEST_AT_LEVEL_ZERO {
             return self.all_pairs_alone();
         }
         if self.segment.widens() {
@@ -104,8 +108,8 @@ impl Prover<'_> {
     /// What collides mostly does so for long: eight states first, then all pieces that level 0 leaves, each looked at once before any of
     /// their parts is.
     fn any(&mut self, blocks: usize) {
-        if self.some_state_collides() {
-            self.nothing_known_before();
+        if let Some(pair) = self.some_state_collides() {
+            self.nothing_known_before(pair);
             return;
         }
         let mut queue = VecDeque::new();
@@ -122,7 +126,7 @@ impl Prover<'_> {
         while let Some(piece) = queue.pop_front() {
             self.look_at(piece);
             if self.hit.is_some() || self.stopped.is_some() {
-                self.nothing_known_before();
+                self.nothing_known_before(piece.pair);
                 return;
             }
             if queue.len() < MOST_QUEUED {
@@ -133,22 +137,22 @@ impl Prover<'_> {
         }
     }
 
-    /// Whether the robot collides at one of eight fractions.
-    fn some_state_collides(&mut self) -> bool {
+    /// The pair that collides at one of eight fractions, if one does.
+    fn some_state_collides(&mut self) -> Option<usize> {
         self.screen_at(SAMPLES, 0.0);
         for (lane, t) in SAMPLES.into_iter().enumerate() {
             for pair in 0..self.motion.near.len() {
                 if self.motion.near[pair] & (1 << lane) != 0 && self.touches(pair, t) {
-                    return true;
+                    return Some(pair);
                 }
             }
         }
-        false
+        None
     }
 
-    /// Of what comes before a hit nothing is known.
-    fn nothing_known_before(&mut self) {
-        let piece = Piece { pair: 0, from: 0.0, to: 1.0 };
+    /// In any order nothing is known of what comes before a hit, or where the search was stopped at a pair.
+    fn nothing_known_before(&mut self, pair: usize) {
+        let piece = Piece { pair, from: 0.0, to: 1.0 };
         self.leave_open(piece, [0.0, f64::INFINITY], UndecidedReason::Tolerance);
     }
 

@@ -18,7 +18,6 @@ use crate::math::{MatrixPose, Point, Pose};
 use crate::motion::{MotionSegment, Proof};
 use crate::query::{self, Effort, Work};
 use crate::robot::{Configuration, LinkPoses};
-use crate::simd::LANES;
 
 /// Above this motion (m) within an interval the hierarchies are not asked: the answer would rarely prove anything.
 const WORTH_ASKING: f64 = 0.04;
@@ -45,7 +44,6 @@ const PATIENCE: u32 = 2000;
 #[derive(Clone, Debug, Default)]
 pub struct MotionScratch {
     pub(super) positions: Vec<f64>,
-    pub(super) columns: Vec<[f64; LANES]>,
     /// By pair: in which of eight intervals it may touch.
     pub(super) near: Vec<u8>,
     pub(super) ways: Vec<f64>,
@@ -138,8 +136,9 @@ impl CollisionChecker {
     /// What would stand where it is although it is to move must not be taken for free.
     fn refusal(&self, segment: &MotionSegment) -> Option<MotionVerdict> {
         let known = |name: &str| self.world().obstacles().iter().any(|o| o.name == name);
-        let unknown = segment.obstacles().iter().any(|mover| !known(&mover.name));
-        let reason = UndecidedReason::UnknownObstacle;
+        let of_another = segment.position_count() != self.robot().position_names().len();
+        let unknown = of_another || segment.obstacles().iter().any(|mover| !known(&mover.name));
+        let reason = UndecidedReason::Mismatch;
         unknown.then_some(MotionVerdict::Undecided {
             t: [0.0, 1.0],
             pair: None,

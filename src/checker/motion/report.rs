@@ -71,8 +71,8 @@ pub enum UndecidedReason {
     Budget,
     /// Numbers are too large to be computed with.
     Overflow,
-    /// An obstacle is to move that the world has not.
-    UnknownObstacle,
+    /// The motion is of another robot, or moves an obstacle that the world has not.
+    Mismatch,
 }
 
 impl UndecidedReason {
@@ -85,7 +85,7 @@ impl UndecidedReason {
             Self::Deadline => "deadline",
             Self::Budget => "budget",
             Self::Overflow => "overflow",
-            Self::UnknownObstacle => "unknown_obstacle",
+            Self::Mismatch => "mismatch",
         }
     }
 }
@@ -98,7 +98,7 @@ impl std::fmt::Display for UndecidedReason {
             Self::Deadline => "deadline exceeded",
             Self::Budget => "budget used up",
             Self::Overflow => "numbers are too large to be computed with",
-            Self::UnknownObstacle => "an obstacle is to move that the world has not",
+            Self::Mismatch => "the motion is not one of this robot in this world",
         })
     }
 }

@@ -32,7 +32,7 @@ impl Approach {
         let off = a.off + b.off;
         let remainder = a.remainder + b.remainder;
         let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
-        let extent: f64 = reaches.iter().map(Reach::extent).sum();
+        let extent = reaches.iter().map(Reach::extent).sum::<f64>() + a.extent + b.extent;
         let rounding = KINEMATICS_ROUNDING * (10.0 + size) * extent;
         let found = Self {
             way: a.way + b.way,

@@ -59,6 +59,8 @@ pub struct SideMotion {
     pub remainder: f64,
     /// K, of the interval's width alone.
     pub bent: f64,
+    /// How far (m) the frames on the way are from the ancestor's origin, at most: what rounding is a share of.
+    pub extent: f64,
     /// Velocity (a unit of t) of what passes through the ancestor's origin, and angular velocity.
     pub velocity: Vector,
     pub angular: Vector,
@@ -211,6 +213,7 @@ impl Body {
         frames: &[Frame<f64>],
         deviations: &impl Deviations,
     ) {
+        motion.extent = motion.extent.max(Vector::from(frame.t).abs().sum());
         match &self.step {
             Step::Turn(_, source) => {
                 let deviation = deviations.of(source.index).times(source.multiplier);

@@ -1,0 +1,96 @@
+//! What `check` and `motion` share: which pairs, how many threads, how the answer is written.
+
+use clap::Args;
+use clearance::checker::CollisionChecker;
+use clearance::query::Work;
+use serde::Serialize;
+
+use super::failure::Failure;
+use super::model::{self, ModelArgs, WorldArgs};
+
+/// Which pairs are checked.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct PairArgs {
+    /// Leave out pairs of links
+    #[arg(long)]
+    pub no_self: bool,
+
+    /// Leave out pairs of a link and an obstacle
+    #[arg(long)]
+    pub no_world: bool,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub pairs: PairArgs,
+
+    /// Threads to check on
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+
+    /// How the answer is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+
+    /// Time this many passes over the inputs, on one thread
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    pub repeat: u32,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Text,
+    Json,
+}
+
+/// Work over all inputs.
+#[derive(Serialize)]
+pub struct Stats {
+    volume_tests: u64,
+    screened_pairs: u64,
+    primitive_tests: u64,
+}
+
+impl PairArgs {
+    /// The checker of a robot in its world, of these pairs.
+    pub fn checker(self, model: &ModelArgs, world: &WorldArgs) -> Result<CollisionChecker, Failure> {
+        let robot = model.load()?;
+        let loaded = world.load(&robot, &model.mesh_files())?;
+        let mut settings = model.settings();
+        (settings.check_self, settings.check_world) = (!self.no_self, !self.no_world);
+        model::checker(robot, &loaded, settings)
+    }
+}
+
+impl RunArgs {
+    /// A pool of as many threads as were asked for, and no more than there are inputs.
+    pub fn pool(&self, inputs: usize) -> Result<rayon::ThreadPool, Failure> {
+        let threads = usize::from(self.threads).min(inputs.max(1));
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(internal)
+    }
+}
+
+impl Stats {
+    pub fn total(work: impl IntoIterator<Item = Work>) -> Self {
+        let mut total = Work::default();
+        for work in work {
+            total += work;
+        }
+        let Work { volume_tests, screened_pairs, primitive_tests } = total;
+        Self { volume_tests, screened_pairs, primitive_tests }
+    }
+}
+
+/// Writes to stdout; a reader that went away is no fault of ours.
+pub fn print_line(line: &str) -> Result<(), Failure> {
+    use std::io::Write;
+    match writeln!(std::io::stdout().lock(), "{line}") {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(internal(e)),
+        _ => Ok(()),
+    }
+}
+
+pub fn internal(error: impl std::fmt::Display) -> Failure {
+    Failure::Internal(error.to_string())
+}
