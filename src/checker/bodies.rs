@@ -15,7 +15,7 @@ use crate::geometry::{Primitive, Shape};
 use crate::math::{MatrixPose, Point, Pose};
 use crate::query::CollisionBody;
 use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
-use crate::world::World;
+use crate::world::{ObstacleId, World};
 
 /// A link or an obstacle, in the frame of the body of the chain that it rides on.
 #[derive(Clone, Debug)]
@@ -42,8 +42,8 @@ pub(super) fn riders(
         let shapes = link.collisions.iter().map(|c| (place * c.pose_ls, &c.shape)).collect();
         Some((seat.body, shapes))
     });
-    let obstacles = (world.obstacles().iter())
-        .map(|o| Some((0, o.shapes.iter().map(|s| (s.pose_rs, &s.shape)).collect())));
+    let obstacles = (0..).map(ObstacleId).take(world.place_count());
+    let obstacles = obstacles.map(|id| Some((0, world.place(id)?.placed_shapes().collect())));
     let all: Vec<Option<(usize, Vec<Placed>)>> = links.chain(obstacles).collect();
     (all.into_par_iter())
         .map(|rider| rider.and_then(|(body, shapes)| Rider::new(body, &shapes, mesh_model)))

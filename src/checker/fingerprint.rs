@@ -44,11 +44,11 @@ pub fn model_fingerprint(
 #[must_use]
 pub fn world_fingerprint(world: &World) -> String {
     let mut print = Fingerprint::default();
-    print.text("clearance world 1").count(world.obstacles().len());
+    print.text("clearance world 1").count(world.len());
     for obstacle in world.obstacles() {
         print.text(&obstacle.name).count(obstacle.shapes.len());
-        for placed in &obstacle.shapes {
-            add_shape(&mut print, &placed.pose_rs, &placed.shape);
+        for (pose_rs, shape) in obstacle.placed_shapes() {
+            add_shape(&mut print, &pose_rs, shape);
         }
     }
     print.finish()

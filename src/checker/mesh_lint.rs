@@ -13,7 +13,7 @@ pub fn open_meshes(robot: &RobotModel, world: &World) -> Vec<String> {
             .filter(|(_, c)| is_open(&c.shape))
             .map(|(i, _)| format!("mesh of link '{}', collision {i},", link.name))
     });
-    let of_obstacles = world.obstacles().iter().flat_map(|obstacle| {
+    let of_obstacles = world.obstacles().flat_map(|obstacle| {
         (obstacle.shapes.iter().enumerate())
             .filter(|(_, s)| is_open(&s.shape))
             .map(|(i, _)| format!("mesh {i} of object '{}'", obstacle.name))

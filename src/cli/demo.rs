@@ -93,7 +93,7 @@ mod tests {
         let robot = robot().unwrap();
         assert_eq!(robot.warnings(), []);
         let (world, _) = surroundings()(&robot).unwrap();
-        assert!(!world.obstacles().is_empty());
+        assert!(!world.is_empty());
         Trajectory::from_yaml(MOTION).unwrap();
     }
 }

@@ -141,7 +141,7 @@ impl MotionSegment {
     /// With obstacles of `world` that move on the same clock.
     pub fn with_obstacles(self, world: &World, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
         for (i, mover) in obstacles.iter().enumerate() {
-            if world.obstacles().iter().all(|o| o.name != mover.name) {
+            if world.id(&mover.name).is_none() {
                 return Err(SegmentError::UnknownObstacle(mover.name.clone()));
             }
             if obstacles[..i].iter().any(|other| other.name == mover.name) {

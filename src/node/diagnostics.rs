@@ -123,7 +123,7 @@ fn values(
         tell("model", revision.checker.robot().name().to_owned());
         tell("model revision", revision.model.to_string());
         tell("world revision", revision.world.to_string());
-        tell("obstacles", revision.checker.world().obstacles().len().to_string());
+        tell("obstacles", revision.checker.world().len().to_string());
         tell("pairs checked", revision.checker.pairs().len().to_string());
         let skipped: usize = revision.checker.pairs().skipped().map(|(_, count)| count).sum();
         tell("pairs skipped", skipped.to_string());

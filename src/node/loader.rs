@@ -203,7 +203,7 @@ impl Loader {
             CollisionChecker::with_matrix(robot, &subject.world, settings, subject.allowed.as_ref())
                 .map_err(|error| error.to_string())?;
         // the world comes from files once, or is empty for ever
-        let world = u64::from(!subject.world.obstacles().is_empty());
+        let world = u64::from(!subject.world.is_empty());
         Ok(Arc::new(Revision { checker, model, world }))
     }
 }

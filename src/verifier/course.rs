@@ -89,12 +89,11 @@ impl Course {
             laws.add_joint(id, &mut steps);
             debug_assert_eq!(steps.len() - before, step_count(&robot.joint(id).kind));
         }
-        let obstacles = world.obstacles();
-        let mut obstacle_steps = vec![Vec::new(); obstacles.len()];
-        let mut mover_of = vec![None; obstacles.len()];
+        let mut obstacle_steps = vec![Vec::new(); world.place_count()];
+        let mut mover_of = vec![None; world.place_count()];
         for (number, mover) in motion.obstacles().iter().enumerate() {
             let name = || mover.name.clone();
-            let Some(o) = obstacles.iter().position(|o| o.name == mover.name) else {
+            let Some(o) = world.id(&mover.name).map(|id| id.0 as usize) else {
                 return Err(Refusal::UnknownObstacle { segment, name: name() });
             };
             if mover_of[o].replace(number).is_some() {

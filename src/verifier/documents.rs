@@ -98,13 +98,14 @@ pub(super) fn check_ends(
             return Err(Refusal::Jump { segment, position: position.clone(), from: *from, to: *to });
         }
     }
-    for (o, obstacle) in world.obstacles().iter().enumerate() {
+    for id in world.ids() {
+        let o = id.0 as usize;
         let (from, to) = (displacement(last, o, 1.0), displacement(course, o, 0.0));
         let shift = (to.translation.vector - from.translation.vector).amax();
         let turn = (to.rotation * from.rotation.inverse()).scaled_axis().amax();
         let size = 1.0 + from.translation.vector.amax();
         if !(shift <= JOINED * size && turn <= JOINED) {
-            return Err(Refusal::ObstacleJump { segment, name: obstacle.name.clone() });
+            return Err(Refusal::ObstacleJump { segment, name: world.obstacle(id).name.clone() });
         }
     }
     Ok(())

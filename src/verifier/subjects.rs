@@ -5,7 +5,7 @@ use super::body::Body;
 use crate::checker::{AllowedCollisionMatrix, MeshModel, PairList, Settings};
 use crate::math::Pose;
 use crate::robot::RobotModel;
-use crate::world::World;
+use crate::world::{ObstacleId, World};
 
 /// A pair of bodies that must stay apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,9 +70,11 @@ pub(super) fn bodies(
         let shapes = link.collisions.iter().map(|c| (c.pose_ls, &c.shape));
         shapes.collect::<Vec<(Pose, _)>>()
     });
-    let obstacles = (world.obstacles().iter())
-        .map(|obstacle| obstacle.shapes.iter().map(|s| (s.pose_rs, &s.shape)).collect::<Vec<_>>());
-    let mut named = vec![false; robot.links().len() + world.obstacles().len()];
+    let obstacles = (0..).map(ObstacleId).take(world.place_count()).map(|id| {
+        let obstacle = world.place(id);
+        obstacle.map_or_else(Vec::new, |obstacle| obstacle.placed_shapes().collect::<Vec<_>>())
+    });
+    let mut named = vec![false; robot.links().len() + world.place_count()];
     for index in pairs.iter().flat_map(|pair| pair.bodies) {
         named[index] = true;
     }

@@ -1,11 +1,11 @@
-//! Obstacles with names, shapes and poses in the robot's root frame.
+//! Rigid things with names and shapes.
 
-use std::collections::HashSet;
+use std::sync::Arc;
 
 use crate::geometry::Shape;
 use crate::math::Pose;
 
-/// An obstacle of one [`World`]: its index.
+/// An obstacle of one [`World`](super::World): its place there, which it keeps until it is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObstacleId(pub u32);
 
@@ -13,59 +13,38 @@ pub struct ObstacleId(pub u32);
 #[derive(Clone, Debug)]
 pub struct Obstacle {
     pub name: String,
-    pub shapes: Vec<ObstacleShape>,
+    /// Pose of the obstacle in the robot's root frame.
+    pub pose_ro: Pose,
+    /// Shared by all copies, so that one that only moved keeps what was built for its shapes.
+    pub shapes: Arc<[ObstacleShape]>,
+    /// Named places on it, in its frame; nothing is checked there.
+    pub subframes: Vec<(String, Pose)>,
 }
 
-/// One shape of an obstacle.
+/// One shape of an obstacle or of an attached object.
 #[derive(Clone, Debug)]
 pub struct ObstacleShape {
-    /// Pose of the shape in the robot's root frame.
-    pub pose_rs: Pose,
+    /// Pose of the shape in the frame of its object.
+    pub pose_os: Pose,
     pub shape: Shape,
 }
 
-/// Everything that the robot can hit but itself.
-#[derive(Clone, Debug, Default)]
-pub struct World {
-    obstacles: Vec<Obstacle>,
-    names: HashSet<String>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum WorldError {
-    #[error("object '{0}' is given twice")]
-    Duplicate(String),
-    #[error("object '{0}' has no shapes")]
-    NoShapes(String),
-    #[error("the world has more obstacles than 32 bits can number")]
-    TooMany,
-}
-
-impl World {
-    /// Adds an obstacle whose name no other has.
-    pub fn add(&mut self, obstacle: Obstacle) -> Result<ObstacleId, WorldError> {
-        if obstacle.shapes.is_empty() {
-            return Err(WorldError::NoShapes(obstacle.name));
-        }
-        let id = u32::try_from(self.obstacles.len()).map_err(|_| WorldError::TooMany)?;
-        if !self.names.insert(obstacle.name.clone()) {
-            return Err(WorldError::Duplicate(obstacle.name));
-        }
-        self.obstacles.push(obstacle);
-        Ok(ObstacleId(id))
-    }
-
+impl Obstacle {
+    /// An obstacle whose frame is the robot's root frame.
     #[must_use]
-    pub fn obstacles(&self) -> &[Obstacle] {
-        &self.obstacles
+    pub fn new(name: impl Into<String>, shapes: impl Into<Arc<[ObstacleShape]>>) -> Self {
+        Self { name: name.into(), pose_ro: Pose::identity(), shapes: shapes.into(), subframes: Vec::new() }
     }
 
+    /// An obstacle of one shape, in the frame of the shape.
     #[must_use]
-    pub fn obstacle(&self, id: ObstacleId) -> &Obstacle {
-        &self.obstacles[id.0 as usize]
+    pub fn of_shape(name: impl Into<String>, pose_ro: Pose, shape: Shape) -> Self {
+        let placed = ObstacleShape { pose_os: Pose::identity(), shape };
+        Self { pose_ro, ..Self::new(name, vec![placed]) }
     }
 
-    pub fn ids(&self) -> impl Iterator<Item = ObstacleId> + use<> {
-        (0..u32::try_from(self.obstacles.len()).unwrap_or(u32::MAX)).map(ObstacleId)
+    /// All shapes, with their poses in the root frame.
+    pub fn placed_shapes(&self) -> impl Iterator<Item = (Pose, &Shape)> {
+        self.shapes.iter().map(|placed| (self.pose_ro * placed.pose_os, &placed.shape))
     }
 }

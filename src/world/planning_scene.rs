@@ -199,19 +199,19 @@ fn obstacle(
     for (i, primitive) in object.primitives.iter().enumerate() {
         let pose_os = placed(&object.primitive_poses, i, "primitive_poses")?;
         shapes.push(ObstacleShape {
-            pose_rs: pose_ro * pose_os,
+            pose_os,
             shape: Shape::Primitive(solid(primitive).map_err(|e| format!("primitives[{i}]: {e}"))?),
         });
     }
     for (i, mesh) in object.meshes.iter().enumerate() {
         let pose_os = placed(&object.mesh_poses, i, "mesh_poses")?;
         let shape = surface(mesh, files, warnings).map_err(|e| format!("meshes[{i}]: {e}"))?;
-        shapes.push(ObstacleShape { pose_rs: pose_ro * pose_os, shape });
+        shapes.push(ObstacleShape { pose_os, shape });
     }
     if shapes.is_empty() {
         return Err("no shapes: give primitives or meshes".to_owned());
     }
-    Ok(Obstacle { name: object.id, shapes })
+    Ok(Obstacle { pose_ro, ..Obstacle::new(object.id, shapes) })
 }
 
 fn refuse_unusable(object: &ObjectText, robot: &RobotModel) -> Result<(), String> {

@@ -7,7 +7,7 @@ use clearance::checker::{CollisionChecker, Question, Settings, SkipReason};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::robot::RobotModel;
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::world::{Obstacle, World};
 
 fn load(urdf: &str, srdf: Option<&str>) -> Arc<RobotModel> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -20,13 +20,8 @@ fn two_link() -> Arc<RobotModel> {
 }
 
 fn ball(name: &str, x: f64, z: f64, radius: f64) -> Obstacle {
-    Obstacle {
-        name: name.to_owned(),
-        shapes: vec![ObstacleShape {
-            pose_rs: Pose::translation(x, 0.0, z),
-            shape: Shape::Primitive(Primitive::sphere(radius).unwrap()),
-        }],
-    }
+    let ball = Shape::Primitive(Primitive::sphere(radius).unwrap());
+    Obstacle::of_shape(name, Pose::translation(x, 0.0, z), ball)
 }
 
 /// The table that the robot's own file gives, worked out by hand.

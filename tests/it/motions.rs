@@ -10,7 +10,7 @@ use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::verifier::Verifier;
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::world::{Obstacle, World};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -149,9 +149,8 @@ fn casts_of_other_test_suites() {
 fn cast_disagreements(case: &Value, meshes: &MeshFiles) -> Vec<String> {
     let (a, b) = (&case["a"], &case["b"]);
     let robot = Arc::new(floating_shape(&a["shape"]));
-    let shape = ObstacleShape { pose_rs: Pose::identity(), shape: shape(&b["shape"], meshes) };
     let mut world = World::default();
-    world.add(Obstacle { name: "b".to_owned(), shapes: vec![shape] }).unwrap();
+    world.add(Obstacle::of_shape("b", Pose::identity(), shape(&b["shape"], meshes))).unwrap();
     let checker = CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap();
     let configuration = |value: &Value| {
         let Pose { rotation, translation } = pose(value);

@@ -12,7 +12,7 @@ use clearance::math::{Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::verifier::{Refusal, verify};
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::world::{Obstacle, World};
 
 /// Where, with `joint1` at 0, folding `joint2` brings the ball of `two_link` to the cube (derived in its URDF).
 const FOLDED: f64 = 2.836_899_95;
@@ -39,12 +39,9 @@ fn ask(checker: &CollisionChecker, segment: &MotionSegment) -> MotionReport {
 }
 
 fn obstacle(name: &str, primitive: Primitive, xyz: [f64; 3]) -> World {
-    let shape = ObstacleShape {
-        pose_rs: Pose::translation(xyz[0], xyz[1], xyz[2]),
-        shape: Shape::Primitive(primitive),
-    };
+    let pose = Pose::translation(xyz[0], xyz[1], xyz[2]);
     let mut world = World::default();
-    world.add(Obstacle { name: name.to_owned(), shapes: vec![shape] }).unwrap();
+    world.add(Obstacle::of_shape(name, pose, Shape::Primitive(primitive))).unwrap();
     world
 }
 

@@ -7,7 +7,7 @@ use clearance::checker::{AllowedCollisionMatrix, Body, CollisionChecker, Questio
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::world::{Obstacle, World};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -61,14 +61,8 @@ fn hits(checker: &CollisionChecker, pairs: &[(Body, Body)]) -> Vec<(String, Stri
 pub fn world_of(objects: &[Value], meshes: &MeshFiles) -> World {
     let mut world = World::default();
     for object in objects {
-        let added = world.add(Obstacle {
-            name: object["name"].as_str().unwrap().to_owned(),
-            shapes: vec![ObstacleShape {
-                pose_rs: pose(&object["pose"]),
-                shape: shape(&object["shape"], meshes),
-            }],
-        });
-        added.unwrap();
+        let (name, shape) = (object["name"].as_str().unwrap(), shape(&object["shape"], meshes));
+        world.add(Obstacle::of_shape(name, pose(&object["pose"]), shape)).unwrap();
     }
     world
 }
@@ -483,11 +477,8 @@ pub fn env_world(objects: &[Value], folder: &Path) -> World {
             shape(object, &meshes)
         };
         assert!(!matches!(shape, Shape::Primitive(Primitive::Capsule { .. })));
-        let obstacle = Obstacle {
-            name: object["id"].as_str().unwrap().to_owned(),
-            shapes: vec![ObstacleShape { pose_rs: pose(&object["pose"]), shape }],
-        };
-        world.add(obstacle).unwrap();
+        let name = object["id"].as_str().unwrap();
+        world.add(Obstacle::of_shape(name, pose(&object["pose"]), shape)).unwrap();
     }
     world
 }

@@ -10,6 +10,7 @@ use crate::motion::{MotionSegment, MovingObstacle};
 use crate::query::Scratch;
 use crate::robot::{Approach, Deviation, Deviations, Frame, Reach, SideMotion};
 use crate::simd::dispatch_lean;
+use crate::world::ObstacleId;
 
 /// The positions of a segment around a moment.
 struct Around<'s> {
@@ -106,7 +107,7 @@ impl CollisionChecker {
             return None;
         }
         let obstacle = body.checked_sub(self.robot().links().len())?;
-        let name = &self.world().obstacles()[obstacle].name;
+        let name = &self.world().place(ObstacleId(u32::try_from(obstacle).ok()?))?.name;
         segment.obstacles().iter().find(|mover| mover.name == *name)
     }
 }

@@ -135,7 +135,7 @@ impl CollisionChecker {
 
     /// What would stand where it is although it is to move must not be taken for free.
     fn refusal(&self, segment: &MotionSegment) -> Option<MotionVerdict> {
-        let known = |name: &str| self.world().obstacles().iter().any(|o| o.name == name);
+        let known = |name: &str| self.world().id(name).is_some();
         let of_another = segment.position_count() != self.robot().position_names().len();
         let unknown = of_another || segment.obstacles().iter().any(|mover| !known(&mover.name));
         let reason = UndecidedReason::Mismatch;

@@ -65,9 +65,8 @@ fn proven_up_to_the_distance_that_the_engine_finds() {
         let shapes = shapes(&mut random, 0.2);
         let pose = Pose::from_parts((random.direction().into_inner() * 0.5).into(), random.rotation());
         let mut world = World::default();
-        let placed =
-            shapes.iter().map(|(p, shape)| ObstacleShape { pose_rs: pose * p, shape: shape.clone() });
-        world.add(Obstacle { name: "o".to_owned(), shapes: placed.collect() }).unwrap();
+        let placed = shapes.iter().map(|(p, shape)| ObstacleShape { pose_os: *p, shape: shape.clone() });
+        world.add(Obstacle { pose_ro: pose, ..Obstacle::new("o", placed.collect::<Vec<_>>()) }).unwrap();
         let checker = CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap();
         let question = Question::Distance { limit: f64::INFINITY };
         let report = checker.check(&robot.default_configuration(), question, &mut checker.workspace());

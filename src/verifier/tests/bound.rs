@@ -9,7 +9,7 @@ use crate::testing::Random;
 use crate::verifier::Verifier;
 use crate::verifier::course::Course;
 use crate::verifier::verifier::{Interval, Pass};
-use crate::world::World;
+use crate::world::{ObstacleId, World};
 
 /// Where a body is at t, the robot anywhere in its tube.
 struct Scene<'s> {
@@ -34,7 +34,7 @@ impl Scene<'_> {
         let Some(obstacle) = body.checked_sub(self.robot.links().len()) else {
             return *self.poses.pose(self.robot.link_ids().nth(body).unwrap());
         };
-        let name = &self.world.obstacles()[obstacle].name;
+        let name = &self.world.obstacle(ObstacleId(u32::try_from(obstacle).unwrap())).name;
         let mover = self.motion.obstacles().iter().find(|m| m.name == *name);
         mover.map_or(Pose::identity(), |m| m.displacement(self.t))
     }

@@ -9,7 +9,7 @@ use crate::motion::{Certificate, MotionSegment, MovingObstacle, Proof};
 use crate::robot::{MeshFiles, RobotModel};
 use crate::testing::Random;
 use crate::verifier::{Refusal, Verifier, verify};
-use crate::world::{Obstacle, ObstacleShape, World};
+use crate::world::{Obstacle, World};
 use std::sync::Arc;
 
 const TWO_LINK: &str = include_str!("../../../urdf/two_link/two_link.urdf");
@@ -21,7 +21,7 @@ fn two_link() -> RobotModel {
 fn ball(name: &str, centre: [f64; 3]) -> Obstacle {
     let pose_rs = Pose::from_parts(Vector::from(centre).into(), nalgebra::UnitQuaternion::identity());
     let shape = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
-    Obstacle { name: name.to_owned(), shapes: vec![ObstacleShape { pose_rs, shape }] }
+    Obstacle::of_shape(name, pose_rs, shape)
 }
 
 /// Two balls outside the arm's reach, one of which comes and goes.
@@ -405,7 +405,7 @@ fn what_lies_inside_a_closed_mesh_is_refused_where_meshes_are_solid() {
     let ends = [[9., 0., 0.], [-9., 0., 0.], [0., 9., 0.], [0., -9., 0.], [0., 0., 9.], [0., 0., -9.]];
     let shape = scenes::eight_faces(ends.map(Point::from));
     let pose_rs = Pose::identity();
-    world.add(Obstacle { name: "hall".to_owned(), shapes: vec![ObstacleShape { pose_rs, shape }] }).unwrap();
+    world.add(Obstacle::of_shape("hall", pose_rs, shape)).unwrap();
     let motion = [straight(&robot, &[0.0, 0.0], &[0.5, 0.5])];
     for mesh_model in [MeshModel::Surface, MeshModel::Solid] {
         let settings = Settings { mesh_model, ..settings() };

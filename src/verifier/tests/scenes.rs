@@ -9,7 +9,7 @@ use crate::motion::{MotionSegment, MovingObstacle};
 use crate::robot::{JointKind, MeshFiles, RobotModel};
 use crate::testing::Random;
 use crate::verifier::element::Element;
-use crate::world::{Obstacle, ObstacleShape, World};
+use crate::world::{Obstacle, World};
 
 /// A tree of links with joints of all kinds, some of which follow others.
 pub fn robot(random: &mut Random, kinds: &[&str]) -> RobotModel {
@@ -98,9 +98,7 @@ pub fn world(random: &mut Random, distance: f64) -> World {
     for (shape, name) in shapes.into_iter().zip(["solid", "mesh"]) {
         let away = random.direction().into_inner() * distance;
         let pose_rs = Pose::from_parts((away + random.vector(0.2)).into(), random.rotation());
-        world
-            .add(Obstacle { name: name.to_owned(), shapes: vec![ObstacleShape { pose_rs, shape }] })
-            .unwrap();
+        world.add(Obstacle::of_shape(name, pose_rs, shape)).unwrap();
     }
     world
 }

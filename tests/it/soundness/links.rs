@@ -9,7 +9,7 @@ use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::query::{Scratch, distance};
 use clearance::robot::{LinkPoses, RobotModel};
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::world::{Obstacle, World};
 use rayon::prelude::*;
 
 use super::laws::{Case, Scrutiny, judge};
@@ -121,8 +121,8 @@ fn world(random: &mut Random) -> (World, Vec<Subject>) {
     let mut subjects = vec![];
     for (i, shape) in shapes.into_iter().enumerate() {
         let pose_rs = random.pose(0.8);
-        let shapes = vec![ObstacleShape { pose_rs, shape: shape.clone() }];
-        world.add(Obstacle { name: format!("obstacle {i}"), shapes }).expect("names differ");
+        let obstacle = Obstacle::of_shape(format!("obstacle {i}"), pose_rs, shape.clone());
+        world.add(obstacle).expect("names differ");
         subjects.push(Subject::new(vec![(pose_rs, shape)]));
     }
     (world, subjects)

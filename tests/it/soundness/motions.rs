@@ -14,7 +14,7 @@ use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, RobotModel};
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::world::{Obstacle, World};
 use rayon::prelude::*;
 
 use super::share;
@@ -165,8 +165,7 @@ fn walls(random: &mut Random) -> World {
         let primitive = Primitive::cuboid([0.001, random.within(0.1, 0.8), random.within(0.1, 0.8)]).unwrap();
         let direction = random.vector(1.0).normalize() * random.within(0.35, 0.8) + Vector::z() * 0.3;
         let pose = Pose::from_parts(direction.into(), random.rotation());
-        let shapes = vec![ObstacleShape { pose_rs: pose, shape: Shape::Primitive(primitive) }];
-        world.add(Obstacle { name: format!("wall{i}"), shapes }).unwrap();
+        world.add(Obstacle::of_shape(format!("wall{i}"), pose, Shape::Primitive(primitive))).unwrap();
     }
     world
 }
