@@ -3,7 +3,39 @@
 use nalgebra::Vector2;
 
 use super::capsules::LinkCapsule;
-use crate::math::{Point, RotationMatrix, UnitVector, Vector};
+use crate::geometry::{Primitive, Shape};
+use crate::math::{Point, Pose, RotationMatrix, UnitVector, Vector};
+
+/// A capsule around shapes; a single round one is its own. `None` without shapes.
+pub(super) fn capsule_around(shapes: &[(Pose, Shape)]) -> Option<LinkCapsule> {
+    if let [(pose, Shape::Primitive(primitive))] = shapes {
+        match *primitive {
+            Primitive::Sphere { radius } => return Some(around_axis(pose, 0.0, radius)),
+            Primitive::Capsule { radius, half_length } => {
+                return Some(around_axis(pose, half_length, radius));
+            }
+            _ => {}
+        }
+    }
+    let mut points = Vec::new();
+    for (pose, shape) in shapes {
+        match shape {
+            Shape::Mesh(mesh) => {
+                points.extend(mesh.triangles().iter().flatten().map(|&v| pose * mesh.vertices()[v as usize]));
+            }
+            Shape::Primitive(primitive) => points.extend(primitive.hull_points().map(|p| pose * p)),
+        }
+    }
+    points.sort_by(|p, q| p.iter().map(|c| c.to_bits()).cmp(q.iter().map(|c| c.to_bits())));
+    points.dedup();
+    fit_capsule(&points)
+}
+
+fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
+    let end = |z: f64| pose * Point::new(0.0, 0.0, z);
+    let rounding = 8.0 * f64::EPSILON * (pose.translation.vector.amax() + half_length + radius);
+    LinkCapsule { a: end(-half_length), b: end(half_length), radius: radius + rounding }
+}
 
 /// A tight capsule around `points`; `None` if there are none.
 ///

@@ -300,7 +300,7 @@ fn swept_volumes(checker: &CollisionChecker, way: &Trajectory, intervals: usize)
             volumes.into_iter().map(move |v| (segment, v))
         })
         .map(|(segment, v)| SweptVolumeAnswer {
-            link: checker.body_name(Body::Link(v.link)).to_owned(),
+            link: checker.body_name(v.body).to_owned(),
             segment,
             t: v.t,
             a: v.a.coords.into(),

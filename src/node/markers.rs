@@ -89,7 +89,7 @@ impl Scene {
             .flat_map(|&(a, b)| [a, b])
             .filter_map(|body| match body {
                 Body::Link(link) => Some(link),
-                Body::Obstacle(_) => None,
+                Body::Attached(_) | Body::Obstacle(_) => None,
             })
             .collect();
         for link in links {
