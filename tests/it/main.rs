@@ -10,6 +10,7 @@ mod hostile;
 mod hostile_requests;
 mod layers;
 mod motions;
+mod moving;
 mod random;
 mod reference;
 mod robots;
