@@ -11,7 +11,7 @@ use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::{MeshModel, Settings};
 use super::{PairList, SettingsError};
-use crate::geometry::Shape;
+use crate::geometry::{ScaleError, Shape};
 use crate::math::{MatrixPose, Pose};
 use crate::query::CollisionBody;
 use crate::robot::{Between, Chain, Frame, LinkId, RobotModel, Seat, TravelRates};
@@ -99,7 +99,8 @@ pub(super) fn riders(
             if let Some(same) = known.get(&id).filter(|known| known.made_of.is_same(&made_of)) {
                 return Ok(Rider { padding, ..(*same).clone() });
             }
-            Ok(Rider::new(robot, (id, link), object, padding, made_of))
+            Rider::new(robot, (id, link), object, padding, made_of)
+                .map_err(|why| SettingsError::CannotScale { of: name.clone(), why })
         })
         .collect()
 }
@@ -122,34 +123,38 @@ impl Rider {
         object: Option<&AttachedObject>,
         padding: f64,
         made_of: MadeOf,
-    ) -> Self {
+    ) -> Result<Self, ScaleError> {
         let place = pose(&made_of.seat.place);
-        let scaled = |shape: &Shape| shape.clone();
-        let shapes: Vec<(Pose, Shape)> = match object {
-            Some(object) => (object.shapes.iter())
-                .map(|s| (place * object.pose_lo * s.pose_os, scaled(&s.shape)))
-                .collect(),
-            None => {
-                let collisions = robot.link(link).collisions.iter();
-                collisions.map(|c| (place * c.pose_ls, scaled(&c.shape))).collect()
+        let shapes: Vec<(Pose, &Shape)> = match object {
+            Some(object) => {
+                object.shapes.iter().map(|s| (place * object.pose_lo * s.pose_os, &s.shape)).collect()
             }
+            None => robot.link(link).collisions.iter().map(|c| (place * c.pose_ls, &c.shape)).collect(),
         };
-        let (solid, capsule) = solid(&shapes, made_of.mesh_model);
-        Self { id, body: made_of.seat.body, link, padding, solid, capsule, made_of }
+        let (solid, capsule) = solid(&shapes, made_of.scale, made_of.mesh_model)?;
+        Ok(Self { id, body: made_of.seat.body, link, padding, solid, capsule, made_of })
     }
 }
 
-/// The body of some shapes, and a capsule around it.
+/// The body of some shapes, each larger by a factor, and a capsule around it.
 ///
 /// # Panics
 /// When there are no shapes.
-pub(super) fn solid(shapes: &[(Pose, Shape)], mesh_model: MeshModel) -> (Arc<CollisionBody>, LinkCapsule) {
+pub(super) fn solid(
+    shapes: &[(Pose, &Shape)],
+    scale: f64,
+    mesh_model: MeshModel,
+) -> Result<(Arc<CollisionBody>, LinkCapsule), ScaleError> {
+    let scaled = |shape: &Shape| if scale == 1.0 { Ok(shape.clone()) } else { shape.scaled(scale) };
+    let shapes = shapes.iter().map(|(pose, shape)| Ok((*pose, scaled(shape)?)));
+    let shapes: Vec<(Pose, Shape)> = shapes.collect::<Result<_, ScaleError>>()?;
     let placed = || shapes.iter().map(|(pose, shape)| (pose, shape));
     let solid = match mesh_model {
         MeshModel::Surface => CollisionBody::new(placed()),
         MeshModel::Solid => CollisionBody::with_solid_meshes(placed()),
     };
-    (Arc::new(solid.expect("there are shapes")), capsule_around(shapes).expect("there are shapes"))
+    let solid = solid.expect("there are shapes");
+    Ok((Arc::new(solid), capsule_around(&shapes).expect("there are shapes")))
 }
 
 /// The pairs of the parts, by index of rider.

@@ -16,6 +16,7 @@ use super::report::Body;
 use super::settings::Settings;
 use super::stream::Stream;
 use super::{AllowedCollisionMatrix, PairList, Workspace};
+use crate::geometry::ScaleError;
 use crate::query::Scratch;
 use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
 use crate::simd::LANES;
@@ -71,6 +72,8 @@ pub enum SettingsError {
     BadPadding { of: String, value: f64 },
     #[error("the scale of '{of}' is {value}, but must be more than zero and at most 1000")]
     BadScale { of: String, value: f64 },
+    #[error("'{of}' can not be scaled: {why}")]
+    CannotScale { of: String, why: ScaleError },
     #[error("object '{object}' is attached to link '{link}', which the robot has not")]
     NoCarrier { object: String, link: String },
 }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::SettingsError;
 use super::bodies::solid;
+use super::capsule_fit::corners;
 use super::capsules::LinkCapsule;
 use super::settings::{MeshModel, Settings};
 use crate::bvh::{AxisBox, DynamicTree};
@@ -148,8 +149,9 @@ impl PlacedObstacle {
             }
             Some(same) => (Arc::clone(&same.solid), same.capsule),
             None => {
-                let shapes = source.shapes.iter().map(|s| (s.pose_os, s.shape.clone()));
-                solid(&shapes.collect::<Vec<(Pose, Shape)>>(), mesh_model)
+                let shapes = source.shapes.iter().map(|s| (s.pose_os, &s.shape));
+                solid(&shapes.collect::<Vec<_>>(), scale, mesh_model)
+                    .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?
             }
         };
         let pose_ro = MatrixPose::from(&source.pose_ro);
@@ -168,8 +170,10 @@ impl PlacedObstacle {
 
     /// A box around it, in the root frame.
     fn bounds(&self) -> AxisBox {
-        let of_shapes =
-            self.source.placed_shapes().map(|(pose_rs, shape)| bounds_of(&pose_rs, shape, self.scale));
+        if self.scale != 1.0 {
+            return AxisBox::around(self.reach.ends.map(Point::from), self.reach.radius);
+        }
+        let of_shapes = self.source.placed_shapes().map(|(pose_rs, shape)| bounds_of(&pose_rs, shape));
         let of_shapes = of_shapes.fold(AxisBox::EMPTY, |all, bounds| all.union(&bounds));
         // what rounds is less than what the capsule is widened by
         of_shapes.grown(MOTION_SLACK * (1.0 + self.reach.extent()))
@@ -190,17 +194,13 @@ impl PlacedObstacle {
 }
 
 /// A box around a shape at its pose, in the root frame.
-fn bounds_of(pose_rs: &Pose, shape: &Shape, scale: f64) -> AxisBox {
-    let corners = match shape {
-        Shape::Primitive(primitive) => {
-            return AxisBox::around(primitive.hull_points().map(|p| pose_rs * p), 0.0);
-        }
-        Shape::Mesh(mesh) => mesh.bounds(),
-    };
-    let _ = scale;
-    let corner = |i: usize| {
-        let pick = |axis: usize| if i >> axis & 1 == 0 { corners.0[axis] } else { corners.1[axis] };
-        pose_rs * Point::new(pick(0), pick(1), pick(2))
-    };
-    AxisBox::around((0..8).map(corner), 0.0)
+fn bounds_of(pose_rs: &Pose, shape: &Shape) -> AxisBox {
+    let around = |bounds| AxisBox::around(corners(bounds).map(|p| pose_rs * p), 0.0);
+    match shape {
+        Shape::Primitive(primitive) => AxisBox::around(primitive.hull_points().map(|p| pose_rs * p), 0.0),
+        Shape::Mesh(mesh) => around(mesh.bounds()),
+        Shape::Points(cloud) => around(cloud.bounds()),
+        Shape::Voxels(voxels) => around(voxels.bounds()),
+        Shape::Plane(_) => AxisBox::ALL,
+    }
 }

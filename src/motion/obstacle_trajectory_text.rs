@@ -73,7 +73,8 @@ impl ObstacleTrajectory {
 
 impl ObstacleText {
     fn read(self, world: &World) -> Result<ObstacleTrajectory, ObstacleTextError> {
-        let obstacle = (world.obstacles().iter().find(|o| o.name == self.name))
+        let obstacle = world
+            .obstacle_by_name(&self.name)
             .ok_or_else(|| ObstacleTextError::Unknown(self.name.clone()))?;
         let twist = self.linear.is_some() || self.angular.is_some();
         match &self.poses {
@@ -85,9 +86,9 @@ impl ObstacleText {
 
     fn even(&self, obstacle: &Obstacle) -> Result<ObstacleTrajectory, ObstacleTextError> {
         let [linear, angular] = [self.linear, self.angular].map(Option::unwrap_or_default);
-        let centre = match (self.centre, obstacle.shapes.as_slice()) {
+        let centre = match (self.centre, &*obstacle.shapes) {
             (Some(centre), _) => centre,
-            (None, [shape]) => shape.pose_rs.translation.vector.into(),
+            (None, [shape]) => (obstacle.pose_ro * shape.pose_os).translation.vector.into(),
             // what does not turn moves alike everywhere
             (None, _) if angular == [0.0; 3] => [0.0; 3],
             (None, _) => return Err(ObstacleTextError::NoCentre(self.name.clone())),

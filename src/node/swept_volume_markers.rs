@@ -66,7 +66,7 @@ pub fn swept_volume_markers(
                 |(marker, id)| Marker {
                     // wherever the root is now
                     header: Header { frame_id: frame.clone(), ..Header::default() },
-                    ns: robot.link(volume.link).name.clone(),
+                    ns: checker.body_name(volume.body).to_owned(),
                     id: i32::try_from(id).unwrap_or(i32::MAX),
                     action: Marker::ADD,
                     color: colour.clone(),
@@ -88,7 +88,7 @@ fn colour(report: &TrajectoryReport, segment: usize, volume: &SweptVolume) -> Co
         MotionVerdict::Undecided { t, pair, .. } => (YELLOW, t[0], t, pair),
     };
     let is_there = segment == report.segment;
-    let is_of_pair = pair.is_some_and(|(a, b)| [a, b].contains(&Body::Link(volume.link)));
+    let is_of_pair = pair.is_some_and(|(a, b)| [a, b].contains(&volume.body));
     let [r, g, b, a] = if segment < report.segment || (is_there && to <= proven_until) {
         GREEN
     } else if is_there && is_of_pair && from <= last && first <= to {

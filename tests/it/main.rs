@@ -21,3 +21,4 @@ mod tally;
 mod trajectories;
 mod triangles;
 mod truth;
+mod worlds;

@@ -5,7 +5,7 @@ use crate::geometry::{Primitive, Shape};
 use crate::math::{Rotation, Vector};
 use crate::motion::TrajectoryPoint;
 use crate::robot::{MeshFiles, RobotModel};
-use crate::world::{Obstacle, ObstacleShape};
+use crate::world::Obstacle;
 
 fn pose(xyz: [f64; 3], turn: [f64; 3]) -> Pose {
     Pose::from_parts(Vector::from(xyz).into(), Rotation::from_scaled_axis(Vector::from(turn)))
@@ -24,8 +24,7 @@ fn world() -> World {
     let mut world = World::default();
     for name in ["a", "b"] {
         let shape = Shape::Primitive(Primitive::sphere(0.1).unwrap());
-        let shapes = vec![ObstacleShape { pose_rs: Pose::translation(9.0, 0.0, 0.0), shape }];
-        world.add(Obstacle { name: name.to_owned(), shapes }).unwrap();
+        world.add(Obstacle::of_shape(name, Pose::translation(9.0, 0.0, 0.0), shape)).unwrap();
     }
     world
 }

@@ -50,7 +50,7 @@ fn markers_are_the_volumes() {
     assert_eq!(balls.len(), volumes.len());
     for (ball, volume) in balls.iter().zip(&volumes) {
         assert_eq!((ball.action, ball.header.frame_id.as_str()), (Marker::ADD, "base"));
-        assert_eq!(ball.ns, checker.robot().link(volume.link).name);
+        assert_eq!(ball.ns, checker.body_name(volume.body));
         assert_eq!(ball.points[0], point_message(&volume.a));
         assert_eq!(ball.scale, vector_message(&Vector::repeat(2.0 * volume.radius)));
         let cylinder = markers.iter().find(|m| m.ns == ball.ns && m.id == ball.id - 1);
