@@ -61,7 +61,8 @@ impl Rider {
     }
 }
 
-/// A capsule around shapes; a single round one is its own.
+/// A capsule around shapes; a single round one is its own. What has a plane has one of infinite radius: level 0 tells nothing
+/// of it.
 fn capsule(shapes: &[Placed]) -> Option<LinkCapsule> {
     if let [(pose, Shape::Primitive(primitive))] = shapes {
         match *primitive {
@@ -72,19 +73,31 @@ fn capsule(shapes: &[Placed]) -> Option<LinkCapsule> {
             _ => {}
         }
     }
+    if shapes.iter().any(|(_, shape)| matches!(shape, Shape::Plane(_))) {
+        return Some(LinkCapsule { a: Point::origin(), b: Point::origin(), radius: f64::INFINITY });
+    }
     let mut points = Vec::new();
     for (pose, shape) in shapes {
         match shape {
             Shape::Mesh(mesh) => {
                 points.extend(mesh.triangles().iter().flatten().map(|&v| pose * mesh.vertices()[v as usize]));
             }
-            Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
+            // as well a capsule around all of them, which would take longer
+            Shape::Points(cloud) => points.extend(corners(cloud.bounds(), pose)),
+            Shape::Voxels(voxels) => points.extend(corners(voxels.bounds(), pose)),
+            Shape::Plane(_) => {}
             Shape::Primitive(primitive) => points.extend(primitive.hull_points().map(|p| pose * p)),
         }
     }
     points.sort_by(|p, q| p.iter().map(|c| c.to_bits()).cmp(q.iter().map(|c| c.to_bits())));
     points.dedup();
     fit_capsule(&points)
+}
+
+/// Of the box between two, placed.
+fn corners((low, high): (Point, Point), pose: &Pose) -> impl Iterator<Item = Point> {
+    let side = move |i: usize, axis: usize| if i & (1 << axis) == 0 { low[axis] } else { high[axis] };
+    (0..8).map(move |i| pose * Point::new(side(i, 0), side(i, 1), side(i, 2)))
 }
 
 fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
