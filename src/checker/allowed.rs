@@ -1,6 +1,6 @@
 //! Pairs that may touch: what MoveIt calls the allowed collision matrix (ACM).
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::robot::RobotModel;
 use crate::world::MatrixEntries;
@@ -69,6 +69,26 @@ impl AllowedCollisionMatrix {
     /// Says whether `a` and `b` may touch.
     pub fn set(&mut self, a: &str, b: &str, allowed: bool) {
         self.entries.insert(key(a, b), allowed);
+    }
+
+    /// Leaves out everything about a name.
+    pub fn forget(&mut self, name: &str) {
+        self.entries.retain(|(a, b), _| a != name && b != name);
+        self.defaults.remove(name);
+    }
+
+    /// The matrix of a planning scene that allows the same; names are sorted.
+    #[must_use]
+    pub fn to_entries(&self) -> MatrixEntries {
+        let names: BTreeSet<&String> = self.entries.keys().flat_map(|(a, b)| [a, b]).collect();
+        let row = |a: &&String| names.iter().map(|b| self.allows(a, b)).collect();
+        let defaults: BTreeMap<_, _> = self.defaults.iter().collect();
+        MatrixEntries {
+            entry_values: names.iter().map(row).collect(),
+            entry_names: names.into_iter().cloned().collect(),
+            default_entry_names: defaults.keys().map(|name| (*name).clone()).collect(),
+            default_entry_values: defaults.values().map(|allowed| **allowed).collect(),
+        }
     }
 
     fn entry(&self, a: &str, b: &str) -> Option<bool> {

@@ -25,6 +25,7 @@ mod judgement;
 mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
+pub mod scene;
 mod settings;
 mod stamp_order;
 mod status;
