@@ -13,6 +13,7 @@
 //! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
 //! | a joint is missing | UNKNOWN | `partial` |
+//! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | every pair was found apart | FREE | |
 //!
@@ -31,6 +32,7 @@ mod stamp_order;
 mod status;
 mod time;
 mod tracker;
+mod world_source;
 
 #[cfg(test)]
 mod tests;
@@ -43,3 +45,4 @@ pub use settings::MonitorSettings;
 pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};
 pub use time::{Now, Time};
+pub use world_source::{Sight, WorldSource};

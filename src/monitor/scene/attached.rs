@@ -29,7 +29,9 @@ impl PlanningSceneState {
                     |l: &String| format!("object '{id}': touch_links: the robot has no link {}", quoted(l));
                 warnings.extend(unknown.map(warn));
                 let object = self.object_to_attach(change, context, warnings)?;
-                (self.world.attach(object)).map_err(|error| SceneRefusal::of(id, error.to_string()))
+                (self.world.attach(object)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+                self.note_kind(&change.object);
+                Ok(())
             }
         }
     }

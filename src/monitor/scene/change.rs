@@ -30,6 +30,8 @@ pub struct ObjectChange {
     /// With poses in the frame of the object.
     pub shapes: Vec<ObstacleShape>,
     pub subframes: Vec<(String, Pose)>,
+    /// What it is: database and key of `object_recognition_msgs/ObjectType`, or nothing.
+    pub kind: [String; 2],
 }
 
 impl ObjectChange {
@@ -43,6 +45,7 @@ impl ObjectChange {
             pose_fo: Pose::identity(),
             shapes: Vec::new(),
             subframes: Vec::new(),
+            kind: Default::default(),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! What messages say about the world, applied to it: obstacles, attached objects, allowed contacts, paddings and frames, with the
-//! meaning that `moveit_msgs` gives them. No I/O and no ROS types; a message that is refused changes nothing.
+//! meaning that `moveit_msgs` gives them. No I/O and no ROS types; an object or field that is refused changes nothing.
 //!
 //! | what comes | what it does |
 //! |---|---|
@@ -8,8 +8,8 @@
 //! | [`WorldChange`] | takes the place of all obstacles |
 //! | [`SceneChange`] | a whole scene takes the place of everything; a difference changes what it names |
 //!
-//! Where it departs from `MoveIt`, on purpose: a message is applied whole or not at all; a whole scene without allowed collision
-//! matrix goes back to what the SRDF says; a name that cannot be resolved is refused, never taken for another one.
+//! Where it departs from `MoveIt`, on purpose: a whole scene without allowed collision matrix goes back to what the SRDF says;
+//! appended shapes are where the message puts them; a name that cannot be resolved is refused, never taken for another one.
 
 mod attached;
 mod change;
@@ -28,5 +28,5 @@ pub use change::{
 };
 pub use frames::SceneContext;
 pub use refusal::SceneRefusal;
-pub use state::{OCTOMAP, PlanningSceneState};
+pub use state::{Applied, OCTOMAP, PlanningSceneState};
 pub use transform_tree::{Transform, TransformTree};

@@ -63,8 +63,15 @@ impl PlanningSceneState {
                 subframes: change.subframes.clone(),
             },
         };
-        let placed = self.world.replace(obstacle);
-        placed.map(|_| ()).map_err(|error| SceneRefusal::of(id, error.to_string()))
+        (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+        self.note_kind(change);
+        Ok(())
+    }
+
+    pub(super) fn note_kind(&mut self, change: &ObjectChange) {
+        if change.kind.iter().any(|word| !word.is_empty()) {
+            self.kinds.insert(change.id.clone(), change.kind.clone());
+        }
     }
 
     /// Pose of a changed object in the root frame.
@@ -112,6 +119,7 @@ impl PlanningSceneState {
                 "operation: it can not be removed, because there is no such object in the world",
             )
         })?;
+        self.kinds.remove(id);
         // as in MoveIt: who bears the name next is another thing
         if let Some(matrix) = &mut self.matrix {
             matrix.forget(id);
@@ -122,6 +130,7 @@ impl PlanningSceneState {
     /// Takes away what messages have put there; what sensors see stays.
     pub(super) fn remove_all_objects(&mut self) {
         for name in self.given_names() {
+            self.kinds.remove(&name);
             if self.world.remove(&name).is_ok()
                 && let Some(matrix) = &mut self.matrix
             {

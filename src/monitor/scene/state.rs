@@ -20,37 +20,53 @@ pub struct PlanningSceneState {
     /// Paddings (m) of single links.
     pub link_padding: HashMap<String, f64>,
     pub link_scale: HashMap<String, f64>,
+    /// What objects are, by name: database and key of `object_recognition_msgs/ObjectType`. Nothing depends on it.
+    pub kinds: BTreeMap<String, [String; 2]>,
     /// Poses of frames in the root frame.
     pub fixed_frames: BTreeMap<String, Pose>,
     /// Obstacles that sensors see: only who saw them takes them away.
     pub(super) sensed: BTreeSet<String>,
 }
 
-impl PlanningSceneState {
-    /// Applies what a message says, or nothing of it. Gives what was odd but accepted.
-    pub fn apply(
-        &mut self,
-        update: &SceneUpdate,
-        context: &SceneContext,
-    ) -> Result<Vec<String>, SceneRefusal> {
-        let mut warnings = Vec::new();
-        match update {
-            // a change of one object is made at its end only: it needs no copy
-            SceneUpdate::Object(object) => self.change_object(object, context, &mut warnings)?,
-            SceneUpdate::Attached(attached) => self.change_attached(attached, context, &mut warnings)?,
-            SceneUpdate::Octomap(octomap) => self.set_octomap(octomap.as_ref(), context)?,
-            SceneUpdate::World(world) => {
-                let mut scene = self.clone();
-                scene.replace_world(world, context, &mut warnings)?;
-                *self = scene;
-            }
-            SceneUpdate::Scene(change) => {
-                let mut scene = self.clone();
-                scene.change_scene(change, context, &mut warnings)?;
-                *self = scene;
-            }
+/// What became of a message.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Applied {
+    /// Whether anything was done.
+    pub changed: bool,
+    /// What was odd but accepted.
+    pub warnings: Vec<String>,
+    /// What was not done.
+    pub refusals: Vec<SceneRefusal>,
+}
+
+impl Applied {
+    pub(super) fn note(&mut self, result: Result<(), SceneRefusal>) {
+        match result {
+            Ok(()) => self.changed = true,
+            Err(refusal) => self.refusals.push(refusal),
         }
-        Ok(warnings)
+    }
+}
+
+impl PlanningSceneState {
+    /// Applies what a message says: each object, each field or nothing of it. As in `MoveIt`, what is right comes into force even if
+    /// something beside it is refused.
+    pub fn apply(&mut self, update: &SceneUpdate, context: &SceneContext) -> Applied {
+        let mut applied = Applied::default();
+        match update {
+            SceneUpdate::Object(object) => {
+                let result = self.change_object(object, context, &mut applied.warnings);
+                applied.note(result);
+            }
+            SceneUpdate::Attached(attached) => {
+                let result = self.change_attached(attached, context, &mut applied.warnings);
+                applied.note(result);
+            }
+            SceneUpdate::Octomap(octomap) => applied.note(self.set_octomap(octomap.as_ref(), context)),
+            SceneUpdate::World(world) => self.replace_world(world, context, &mut applied),
+            SceneUpdate::Scene(change) => self.change_scene(change, context, &mut applied),
+        }
+        applied
     }
 
     /// What a sensor sees now, under the name of its topic; nothing takes it away.

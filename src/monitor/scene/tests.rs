@@ -45,7 +45,11 @@ impl Cell {
     fn apply(&mut self, update: &SceneUpdate) -> Result<Vec<String>, SceneRefusal> {
         let now = Some(seconds(100.0));
         let context = SceneContext::new(&self.robot, self.poses.as_ref(), &self.transforms, now, 1.0);
-        self.scene.apply(update, &context)
+        let applied = self.scene.apply(update, &context);
+        match applied.refusals.into_iter().next() {
+            None => Ok(applied.warnings),
+            Some(refusal) => Err(refusal),
+        }
     }
 
     fn object(&mut self, change: ObjectChange) -> Result<Vec<String>, SceneRefusal> {
@@ -395,13 +399,13 @@ fn a_difference_changes_what_it_names() {
     cell.scene(change).unwrap();
     assert_eq!((cell.places("a"), cell.held().len()), (vec![[7.0, 0.0, 0.0]], 0));
 
-    // one fault, and nothing of it is done
+    // what is right beside a fault is done
     let change = difference(
         vec![add("c", "", Pose::identity()), remove("x")],
         vec![hold("hand", add("d", "hand", Pose::identity()))],
     );
-    cell.refused(&SceneUpdate::Scene(Box::new(change)), Some("x"), "operation");
-    assert_eq!((cell.names().len(), cell.held().len()), (2, 0));
+    assert_eq!(cell.scene(change).unwrap_err().object.as_deref(), Some("x"));
+    assert_eq!((cell.names(), cell.held()), (vec!["a", "b", "c"], vec!["d"]));
 }
 
 #[test]
@@ -449,11 +453,6 @@ fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
     assert_eq!(cell.names(), ["/cloud", OCTOMAP]);
 
     let world = WorldChange { objects: vec![add("b", "f", Pose::identity())], octomap: None };
-    cell.refused(
-        &SceneUpdate::Scene(Box::new(SceneChange { world: world.clone(), ..SceneChange::default() })),
-        Some("b"),
-        "unknown frame 'f'",
-    );
     cell.apply(&SceneUpdate::World(Box::new(WorldChange { octomap: Some(octomap), ..world }))).unwrap();
     assert_eq!((cell.names(), cell.held()), (vec!["b", "/cloud", OCTOMAP], vec!["held"]));
     let warnings = cell.scene(SceneChange { robot_model_name: "other".to_owned(), ..SceneChange::default() });
@@ -517,10 +516,10 @@ fn sizes_of_links_and_fixed_frames_are_checked() {
     assert_eq!((cell.scene.link_padding["hand"], cell.scene.link_scale["hand"]), (0.02, 1.5));
     for (change, named) in [
         (sized("thumb", 0.1, 1.0), "link_padding: the robot has no link 'thumb'"),
-        (sized("hand", -0.1, 1.0), "link_padding of 'hand' is -0.1"),
-        (sized("hand", f64::NAN, 1.0), "link_padding of 'hand' is NaN"),
-        (sized("hand", 0.1, 0.0), "link_scale of 'hand' is 0"),
-        (sized("hand", 0.1, f64::INFINITY), "link_scale of 'hand' is inf"),
+        (sized("hand", -0.1, 1.5), "link_padding of 'hand' is -0.1"),
+        (sized("hand", f64::NAN, 1.5), "link_padding of 'hand' is NaN"),
+        (sized("hand", 0.02, 0.0), "link_scale of 'hand' is 0"),
+        (sized("hand", 0.02, f64::INFINITY), "link_scale of 'hand' is inf"),
     ] {
         cell.refused(&SceneUpdate::Scene(Box::new(change)), None, named);
     }
