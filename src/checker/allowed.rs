@@ -37,6 +37,21 @@ impl AllowedCollisionMatrix {
         matrix
     }
 
+    /// What is allowed without any scene's matrix: what the SRDF disables, or without one, adjacent rigid bodies.
+    #[must_use]
+    pub fn of_robot(robot: &RobotModel) -> Self {
+        if robot.srdf().is_some() {
+            return Self::from_srdf(robot);
+        }
+        let mut matrix = Self::default();
+        for a in robot.link_ids() {
+            for b in robot.link_ids().filter(|b| a < *b && robot.adjacent_rigid_bodies(a, *b)) {
+                matrix.set(&robot.link(a).name, &robot.link(b).name, true);
+            }
+        }
+        matrix
+    }
+
     /// The matrix of a planning scene.
     pub fn from_entries(given: &MatrixEntries) -> Result<Self, MatrixError> {
         let names = &given.entry_names;

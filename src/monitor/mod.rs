@@ -21,6 +21,7 @@
 //! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
 //! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
 
+pub mod cloud;
 mod input;
 mod judgement;
 mod look_ahead;
