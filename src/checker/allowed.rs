@@ -1,6 +1,6 @@
 //! Pairs that may touch: what MoveIt calls the allowed collision matrix (ACM).
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::robot::RobotModel;
 use crate::world::MatrixEntries;
@@ -10,6 +10,8 @@ use crate::world::MatrixEntries;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AllowedCollisionMatrix {
     entries: HashMap<(String, String), bool>,
+    /// Names that have entries.
+    named: HashSet<String>,
     defaults: HashMap<String, bool>,
 }
 
@@ -84,18 +86,24 @@ impl AllowedCollisionMatrix {
     /// Says whether `a` and `b` may touch.
     pub fn set(&mut self, a: &str, b: &str, allowed: bool) {
         self.entries.insert(key(a, b), allowed);
+        for name in [a, b] {
+            if !self.named.contains(name) {
+                self.named.insert(name.to_owned());
+            }
+        }
     }
 
     /// Leaves out everything about a name.
     pub fn forget(&mut self, name: &str) {
         self.entries.retain(|(a, b), _| a != name && b != name);
+        self.named = self.entries.keys().flat_map(|(a, b)| [a, b]).cloned().collect();
         self.defaults.remove(name);
     }
 
     /// The matrix of a planning scene that allows the same; names are sorted.
     #[must_use]
     pub fn to_entries(&self) -> MatrixEntries {
-        let names: BTreeSet<&String> = self.entries.keys().flat_map(|(a, b)| [a, b]).collect();
+        let names: BTreeSet<&String> = self.named.iter().collect();
         let row = |a: &&String| names.iter().map(|b| self.allows(a, b)).collect();
         let defaults: BTreeMap<_, _> = self.defaults.iter().collect();
         MatrixEntries {
@@ -108,6 +116,18 @@ impl AllowedCollisionMatrix {
 
     fn entry(&self, a: &str, b: &str) -> Option<bool> {
         self.entries.get(&key(a, b)).copied()
+    }
+
+    /// Whether there is an entry or a default for a name.
+    #[must_use]
+    pub fn mentions(&self, name: &str) -> bool {
+        self.defaults.contains_key(name) || self.named.contains(name)
+    }
+
+    /// Whether a name may touch those that are not mentioned.
+    #[must_use]
+    pub fn allows_by_default(&self, name: &str) -> bool {
+        self.defaults.get(name).copied().unwrap_or(false)
     }
 
     /// Whether `a` and `b` may touch; false when nothing is said. If both names have defaults, both must allow.

@@ -91,7 +91,7 @@ impl Scene {
             .flat_map(|&(a, b)| [a, b])
             .filter_map(|body| match body {
                 Body::Link(link) => Some(link),
-                Body::Obstacle(_) => None,
+                Body::Attached(_) | Body::Obstacle(_) => None,
             })
             .collect();
         for link in links {
@@ -188,7 +188,8 @@ impl Scene {
     /// Some of the points, evenly, when there are too many.
     fn add_points(&mut self, id: usize, pose_rs: &Pose, cloud: &PointCloud) {
         let step = cloud.points().len().div_ceil(POINTS_SHOWN);
-        let shown = cloud.points().iter().step_by(step).map(|p| point_message(&Point::from(p.map(f64::from))));
+        let shown =
+            cloud.points().iter().step_by(step).map(|p| point_message(&Point::from(p.map(f64::from))));
         let points: Vec<PointMessage> = shown.collect();
         self.add(COLLIDING_LINKS, id, Marker::SPHERE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
@@ -293,11 +294,11 @@ fn resource(source: &MeshSource) -> Option<(String, Vector)> {
     Some((uri, source.scale))
 }
 
-fn vector_message(vector: &Vector) -> Vector3 {
+pub(super) fn vector_message(vector: &Vector) -> Vector3 {
     Vector3 { x: vector.x, y: vector.y, z: vector.z }
 }
 
-fn pose_message(pose: &Pose) -> PoseMessage {
+pub(super) fn pose_message(pose: &Pose) -> PoseMessage {
     let position = pose.translation.vector;
     let q = pose.rotation.quaternion();
     PoseMessage {

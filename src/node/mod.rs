@@ -5,7 +5,7 @@
 //! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics,
 //! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
-//!                                       answers <── services <──┘ └──> ~/certificates
+//!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
 //! ```
 //!
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
@@ -39,6 +39,7 @@ mod run;
 mod scene;
 mod scene_keeper;
 mod simulation_clock;
+mod swept_volume_markers;
 mod threads;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
