@@ -78,6 +78,7 @@ fn capsule(shapes: &[Placed]) -> Option<LinkCapsule> {
             Shape::Mesh(mesh) => {
                 points.extend(mesh.triangles().iter().flatten().map(|&v| pose * mesh.vertices()[v as usize]));
             }
+            Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
             Shape::Primitive(primitive) => points.extend(primitive.hull_points().map(|p| pose * p)),
         }
     }

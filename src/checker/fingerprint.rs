@@ -1,7 +1,7 @@
 //! What a certificate is about, as hashes: the robot as it is checked, and its surroundings.
 
 use super::{AllowedCollisionMatrix, MeshModel, PairList, Settings};
-use crate::geometry::{Primitive, Shape};
+use crate::geometry::{Cube, Plane, Primitive, Shape};
 use crate::math::{Pose, UnitVector};
 use crate::motion::Fingerprint;
 use crate::robot::{Joint, JointKind, RobotModel};
@@ -78,7 +78,9 @@ fn add_shape(print: &mut Fingerprint, pose: &Pose, shape: &Shape) {
         Shape::Primitive(Primitive::Box { half_extents }) => print.numbers(half_extents),
         Shape::Primitive(Primitive::Sphere { radius }) => print.numbers(&[*radius]),
         Shape::Primitive(
-            Primitive::Cylinder { radius, half_length } | Primitive::Capsule { radius, half_length },
+            Primitive::Cylinder { radius, half_length }
+            | Primitive::Cone { radius, half_length }
+            | Primitive::Capsule { radius, half_length },
         ) => print.numbers(&[*radius, *half_length]),
         Shape::Mesh(mesh) => {
             print.count(mesh.vertices().len());
@@ -88,6 +90,24 @@ fn add_shape(print: &mut Fingerprint, pose: &Pose, shape: &Shape) {
             print.count(mesh.triangles().len());
             for t in mesh.triangles() {
                 print.indices(t);
+            }
+            print
+        }
+        Shape::Plane(plane) => {
+            let Plane { normal, offset } = plane;
+            print.numbers(&[normal.x, normal.y, normal.z, *offset])
+        }
+        Shape::Points(cloud) => {
+            print.numbers(&[cloud.radius()]).count(cloud.points().len());
+            for p in cloud.points() {
+                print.numbers(&p.map(f64::from));
+            }
+            print
+        }
+        Shape::Voxels(voxels) => {
+            print.count(voxels.cubes().len());
+            for Cube { centre: [x, y, z], half_edge } in voxels.cubes() {
+                print.numbers(&[*x, *y, *z, *half_edge].map(f64::from));
             }
             print
         }

@@ -79,6 +79,14 @@ impl TriangleMesh {
         Self::new(self.vertices, self.triangles)
     }
 
+    /// The mesh larger by a factor about the mean of all vertices, used or not.
+    #[allow(clippy::cast_precision_loss)] // a mean needs no more than 52 bits of the count
+    pub fn scaled_about_mean(&self, factor: f64) -> Result<Self, MeshError> {
+        let mean = self.vertices.iter().map(|p| p.coords).sum::<Vector>() / self.vertices.len() as f64;
+        let grown = self.vertices.iter().map(|p| Point::from(mean + (p.coords - mean) * factor));
+        Self::new(grown.collect(), self.triangles.clone())
+    }
+
     /// Smallest and largest corner of the axis-aligned box around the vertices that triangles use.
     #[must_use]
     pub fn bounds(&self) -> (Point, Point) {

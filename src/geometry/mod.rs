@@ -1,13 +1,19 @@
 //! What a solid is, in its own frame.
 
 mod mesh;
+mod plane;
+mod point_cloud;
 mod primitive;
 mod shape;
 mod triangle;
+mod voxels;
 
 pub use mesh::{MeshError, TriangleMesh};
+pub use plane::{Plane, PlaneError};
+pub use point_cloud::{PointCloud, PointCloudError};
 pub use primitive::{Primitive, PrimitiveError};
-pub use shape::Shape;
+pub use shape::{ScaleError, Shape};
 pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };
+pub use voxels::{Cube, Voxels, VoxelsError};

@@ -2,7 +2,7 @@
 
 use crate::math::Point;
 
-/// A solid primitive, centred on its own origin; cylinders and capsules stand along z. Lengths in metres.
+/// A solid primitive, centred on its own origin; cylinders, cones and capsules stand along z. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Primitive {
     Box {
@@ -12,6 +12,11 @@ pub enum Primitive {
         radius: f64,
     },
     Cylinder {
+        radius: f64,
+        half_length: f64,
+    },
+    /// The disc lies at `-half_length`, the apex at `half_length`.
+    Cone {
         radius: f64,
         half_length: f64,
     },
@@ -52,11 +57,30 @@ impl Primitive {
         Ok(Self::Cylinder { radius, half_length: 0.5 * length })
     }
 
+    /// A cone of full `length` over a disc of this radius, centred at half its height.
+    pub fn cone(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
+        check("cone", "radius", radius)?;
+        check("cone", "length", length)?;
+        Ok(Self::Cone { radius, half_length: 0.5 * length })
+    }
+
     /// A capsule; `length` leaves out the half spheres.
     pub fn capsule(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
         check("capsule", "radius", radius)?;
         check("capsule", "length", length)?;
         Ok(Self::Capsule { radius, half_length: 0.5 * length })
+    }
+
+    /// The solid with all dimensions larger by a factor.
+    pub fn scaled(&self, factor: f64) -> Result<Self, PrimitiveError> {
+        let full = 2.0 * factor;
+        match *self {
+            Self::Box { half_extents } => Self::cuboid(half_extents.map(|h| full * h)),
+            Self::Sphere { radius } => Self::sphere(factor * radius),
+            Self::Cylinder { radius, half_length } => Self::cylinder(factor * radius, full * half_length),
+            Self::Cone { radius, half_length } => Self::cone(factor * radius, full * half_length),
+            Self::Capsule { radius, half_length } => Self::capsule(factor * radius, full * half_length),
+        }
     }
 
     /// Radius of the smallest sphere around the origin that holds the solid.
@@ -65,7 +89,9 @@ impl Primitive {
         match *self {
             Self::Box { half_extents: [x, y, z] } => (x * x + y * y + z * z).sqrt(),
             Self::Sphere { radius } => radius,
-            Self::Cylinder { radius, half_length } => radius.hypot(half_length),
+            Self::Cylinder { radius, half_length } | Self::Cone { radius, half_length } => {
+                radius.hypot(half_length)
+            }
             Self::Capsule { radius, half_length } => radius + half_length,
         }
     }
@@ -78,7 +104,9 @@ impl Primitive {
         match *self {
             Self::Box { half_extents } => half_extents,
             Self::Sphere { radius } => [radius; 3],
-            Self::Cylinder { radius, half_length } => [radius, radius, half_length],
+            Self::Cylinder { radius, half_length } | Self::Cone { radius, half_length } => {
+                [radius, radius, half_length]
+            }
             Self::Capsule { radius, half_length } => [radius, radius, half_length + radius],
         }
     }

@@ -12,7 +12,7 @@ use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
 
 use super::messages::{header, point_message};
 use crate::checker::{Body, PairDistance};
-use crate::geometry::{Primitive, Shape, TriangleMesh};
+use crate::geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use crate::math::{Point, Pose, Vector};
 use crate::monitor::{Evidence, Judgement, Revision};
 use crate::robot::{Collision, LinkId, MeshSource};
@@ -32,6 +32,8 @@ const TEXT_HEIGHT: f64 = 0.04;
 /// Triangles in one message at most (72 bytes each): `RustDDS` loses messages of more than about 250 kB.
 const TRIANGLES_SHOWN: usize = 2000;
 const LINES_SHOWN: usize = 1000;
+/// Points of a cloud in one message at most (24 bytes each).
+const POINTS_SHOWN: usize = 4000;
 
 /// What is on the display, so that it can be taken away.
 #[derive(Debug, Default)]
@@ -109,6 +111,10 @@ impl Scene {
                 Some((uri, scale)) => self.add_mesh_resource(first_id, pose_rs, uri, &scale),
                 None => self.add_mesh(first_id, pose_rs, mesh),
             },
+            Shape::Points(cloud) => self.add_points(first_id, pose_rs, cloud),
+            Shape::Voxels(voxels) => self.add_voxels(first_id, pose_rs, voxels),
+            // what has no end cannot be shown
+            Shape::Plane(_) => {}
         }
     }
 
@@ -124,6 +130,10 @@ impl Scene {
             }
             Primitive::Cylinder { radius, half_length } => {
                 self.add_solid(id, Marker::CYLINDER, pose_rs, round(radius, half_length));
+            }
+            Primitive::Cone { radius, half_length } => {
+                let corners = cone_corners(radius, half_length);
+                self.add_triangles(id, pose_rs, corners.iter().map(point_message).collect());
             }
             Primitive::Capsule { radius, half_length } => {
                 self.add_solid(id, Marker::CYLINDER, pose_rs, round(radius, half_length));
@@ -163,12 +173,36 @@ impl Scene {
         }
         self.triangles_left -= triangles;
         let corner = |&v: &u32| point_message(&mesh.vertices()[v as usize]);
-        let points: Vec<PointMessage> = mesh.triangles().iter().flatten().map(corner).collect();
+        self.add_triangles(id, pose_rs, mesh.triangles().iter().flatten().map(corner).collect());
+    }
+
+    /// Three corners each.
+    fn add_triangles(&mut self, id: usize, pose_rs: &Pose, points: Vec<PointMessage>) {
         self.add(COLLIDING_LINKS, id, Marker::TRIANGLE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             marker.scale = vector_message(&Vector::repeat(1.0));
             marker.points = points;
         });
+    }
+
+    /// Some of the points, evenly, when there are too many.
+    fn add_points(&mut self, id: usize, pose_rs: &Pose, cloud: &PointCloud) {
+        let step = cloud.points().len().div_ceil(POINTS_SHOWN);
+        let shown = cloud.points().iter().step_by(step).map(|p| point_message(&Point::from(p.map(f64::from))));
+        let points: Vec<PointMessage> = shown.collect();
+        self.add(COLLIDING_LINKS, id, Marker::SPHERE_LIST, RED, |marker| {
+            marker.pose = pose_message(pose_rs);
+            // what has no size is not seen
+            marker.scale = vector_message(&Vector::repeat((2.0 * cloud.radius()).max(LINE_WIDTH)));
+            marker.points = points;
+        });
+    }
+
+    /// The box around all cubes: a list of cubes has one size for all.
+    fn add_voxels(&mut self, id: usize, pose_rs: &Pose, voxels: &Voxels) {
+        let (lo, hi) = voxels.bounds();
+        let pose = pose_rs * Pose::from_parts(nalgebra::center(&lo, &hi).coords.into(), nalgebra::one());
+        self.add_solid(id, Marker::CUBE, &pose, hi - lo);
     }
 
     fn add_witness_lines(&mut self, evidence: &Evidence) {
@@ -236,6 +270,17 @@ impl Scene {
         markers.extend(self.markers.into_iter().map(|(_, marker)| marker));
         MarkerArray { markers }
     }
+}
+
+/// Triangles of a cone's side, `RViz` having no marker for it.
+fn cone_corners(radius: f64, half_length: f64) -> Vec<Point> {
+    const SIDES: u32 = 24;
+    let rim = |i: u32| {
+        let angle = std::f64::consts::TAU * f64::from(i % SIDES) / f64::from(SIDES);
+        Point::new(radius * angle.cos(), radius * angle.sin(), -half_length)
+    };
+    let [apex, foot] = [half_length, -half_length].map(|z| Point::new(0.0, 0.0, z));
+    (0..SIDES).flat_map(|i| [apex, rim(i), rim(i + 1), foot, rim(i + 1), rim(i)]).collect()
 }
 
 /// The name by which others find a mesh, and its scale; names relative to the URDF mean nothing to them.

@@ -58,6 +58,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
                     vertices.extend(mesh.vertices().iter().map(|p| pose * p));
                     faces.extend(mesh.triangles().iter().map(|t| t.map(|v| v + first)));
                 }
+                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
             }
         }
         let bounding_sphere = BoundingSphere::around(&vertices, &faces, &solids)?;

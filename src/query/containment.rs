@@ -28,6 +28,7 @@ impl Interior {
         let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
+                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
                 Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
                     interior.part_points.extend(part_points(mesh).iter().map(|p| pose * p));

@@ -19,6 +19,11 @@ pub(super) enum Core {
         radius: f64,
         half_length: f64,
     },
+    /// Along z, the apex at `half_length`.
+    Cone {
+        radius: f64,
+        half_length: f64,
+    },
 }
 
 /// A core, where it is, and how far around it the element reaches.
@@ -43,6 +48,7 @@ impl From<&Element> for RoundedCore {
                     Primitive::Cylinder { radius, half_length } => {
                         (Core::Cylinder { radius, half_length }, 0.0)
                     }
+                    Primitive::Cone { radius, half_length } => (Core::Cone { radius, half_length }, 0.0),
                 };
                 Self { core, pose: pose.into(), radius }
             }
@@ -59,7 +65,9 @@ impl RoundedCore {
             Core::Segment(half_length) => Core::segment(half_length).map(to).into_iter().fold(0.0, f64::max),
             Core::Triangle(t) => t.corners().map(to).into_iter().fold(0.0, f64::max),
             Core::Cuboid(half) => to(Point::origin()) + half.norm(),
-            Core::Cylinder { radius, half_length } => to(Point::origin()) + radius.hypot(half_length),
+            Core::Cylinder { radius, half_length } | Core::Cone { radius, half_length } => {
+                to(Point::origin()) + radius.hypot(half_length)
+            }
         };
         of_core + self.radius
     }
@@ -82,7 +90,7 @@ impl Core {
     /// Triangles that together are the surface; `None` where it is curved.
     pub fn faces(&self) -> Option<Faces> {
         match *self {
-            Self::Point | Self::Cylinder { .. } => None,
+            Self::Point | Self::Cylinder { .. } | Self::Cone { .. } => None,
             Self::Segment(half_length) => {
                 let [a, b] = Self::segment(half_length);
                 Some(Faces::of(&[Triangle { a, b, c: b }]))
@@ -118,6 +126,14 @@ impl Core {
                 };
                 Point::new(radius * x, radius * y, half_length.copysign(direction.z))
             }
+            Self::Cone { radius, half_length } => {
+                let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
+                if 2.0 * half_length * direction.z >= radius * across {
+                    return Point::new(0.0, 0.0, half_length);
+                }
+                let scale = if across > f64::MIN_POSITIVE { radius / across } else { 0.0 };
+                Point::new(direction.x * scale, direction.y * scale, -half_length)
+            }
         }
     }
 
@@ -132,6 +148,12 @@ impl Core {
                 let across = (p.x * p.x + p.y * p.y).sqrt();
                 let scale = if across > radius { radius / across } else { 1.0 };
                 Point::new(p.x * scale, p.y * scale, p.z.clamp(-half_length, half_length))
+            }
+            Self::Cone { radius, half_length } => {
+                let across = (p.x * p.x + p.y * p.y).sqrt();
+                let [r, z] = nearest_in_section(radius, half_length, [across, p.z]);
+                let scale = if across > 0.0 { r / across } else { 0.0 };
+                Point::new(p.x * scale, p.y * scale, z)
             }
         }
     }
@@ -162,8 +184,46 @@ impl Core {
                     Some((side, Point::new(radius, 0.0, p.z)))
                 }
             }
+            Self::Cone { radius, half_length } => cone_depth(radius, half_length, p),
         }
     }
+}
+
+/// The point nearest to one at this distance from the axis and this height, in the half plane through it.
+fn nearest_in_section(radius: f64, half_length: f64, [r, z]: [f64; 2]) -> [f64; 2] {
+    let length = 2.0 * half_length;
+    let up = z + half_length;
+    // below the side, measured from the rim
+    let inside = length * (r - radius) + radius * up <= 0.0;
+    if up <= 0.0 {
+        return [r.min(radius), -half_length];
+    }
+    if inside {
+        return [r, z];
+    }
+    let slant = length * length + radius * radius;
+    let share = if slant > 0.0 { ((length * up - radius * (r - radius)) / slant).clamp(0.0, 1.0) } else { 0.0 };
+    [radius * (1.0 - share), half_length - length * (1.0 - share)]
+}
+
+/// How deep a point lies inside a cone, and the nearest point of its surface.
+fn cone_depth(radius: f64, half_length: f64, p: &Point) -> Option<(f64, Point)> {
+    let across = (p.x * p.x + p.y * p.y).sqrt();
+    let (length, up) = (2.0 * half_length, p.z + half_length);
+    let slant = length.hypot(radius);
+    if slant == 0.0 {
+        return None;
+    }
+    let side = (length * (radius - across) - radius * up) / slant;
+    if side < 0.0 || up < 0.0 {
+        return None;
+    }
+    if up <= side {
+        return Some((up, Point::new(p.x, p.y, -half_length)));
+    }
+    let (x, y) = if across > 0.0 { (p.x / across, p.y / across) } else { (1.0, 0.0) };
+    let r = across + side * length / slant;
+    Some((side, Point::new(r * x, r * y, p.z + side * radius / slant)))
 }
 
 /// The triangles of a flat core.

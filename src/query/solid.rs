@@ -27,7 +27,7 @@ pub(super) struct SolidLeaf {
     pub hull: Hull,
 }
 
-/// A solid in f32, rounded outward: a box, swept by a disc square to its z axis, swept by a ball.
+/// Around a solid, in f32, rounded outward: a box, swept by a disc square to its z axis, swept by a ball.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hull {
     pub half_extents: [f32; 3],
@@ -41,7 +41,9 @@ impl From<&Primitive> for Hull {
         let (half_extents, disc, ball) = match *primitive {
             Primitive::Box { half_extents } => (half_extents, 0.0, 0.0),
             Primitive::Sphere { radius } => ([0.0; 3], 0.0, radius),
-            Primitive::Cylinder { radius, half_length } => ([0.0, 0.0, half_length], radius, 0.0),
+            Primitive::Cylinder { radius, half_length } | Primitive::Cone { radius, half_length } => {
+                ([0.0, 0.0, half_length], radius, 0.0)
+            }
             Primitive::Capsule { radius, half_length } => ([0.0, 0.0, half_length], 0.0, radius),
         };
         let up = |x: f64| if x == 0.0 { 0.0 } else { (x as f32).next_up() };

@@ -200,7 +200,7 @@ mod tests {
             let link = model.link(model.link_by_name(link).unwrap());
             match &link.collisions[0].shape {
                 Shape::Mesh(mesh) => mesh.clone(),
-                Shape::Primitive(_) => panic!("no mesh"),
+                _ => panic!("no mesh"),
             }
         };
         assert!(Arc::ptr_eq(&mesh("turn"), &mesh("slide")));

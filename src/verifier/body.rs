@@ -35,6 +35,7 @@ impl Body {
         let mut elements = Vec::new();
         for (pose, shape) in shapes {
             match shape {
+                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
                 Shape::Primitive(primitive) => elements.push(Element::primitive(primitive, pose)),
                 Shape::Mesh(mesh) => {
                     let triangles = (0..mesh.triangles().len()).map(|i| mesh.triangle(i));

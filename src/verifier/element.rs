@@ -45,6 +45,7 @@ impl Element {
             Primitive::Capsule { radius, half_length } => {
                 ([along(0.0, 0.0, half_length), zero, zero], [zero; 2], radius)
             }
+            Primitive::Cone { .. } => todo!("cones"),
             Primitive::Cylinder { radius, half_length } => {
                 let disc = [along(radius, 0.0, 0.0), along(0.0, radius, 0.0)];
                 ([along(0.0, 0.0, half_length), zero, zero], disc, 0.0)

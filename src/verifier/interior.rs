@@ -22,6 +22,7 @@ impl Interior {
         let mut interior = Self { closed: Vec::new(), parts: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
+                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
                 Shape::Primitive(_) => interior.parts.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
                     interior.parts.extend(parts(mesh).iter().map(|p| pose * p));

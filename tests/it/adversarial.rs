@@ -131,22 +131,30 @@ fn reach_and_point(shape: &Shape, n: &Vector, random: &mut Random) -> (f64, Poin
                     let inside = Vector::new(radius, radius, half_length).component_mul(&share);
                     (n.x.hypot(n.y) * radius + n.z.abs() * half_length, Point::from(inside))
                 }
+                Primitive::Cone { radius, half_length } => {
+                    let rim = n.x.hypot(n.y) * radius - n.z * half_length;
+                    // at half the height the cone is half as wide
+                    let inside = Vector::new(0.5 * radius, 0.5 * radius, 0.0).component_mul(&share);
+                    (rim.max(n.z * half_length), Point::from(inside))
+                }
                 Primitive::Capsule { radius, half_length } => {
                     (radius + n.z.abs() * half_length, Point::from(share * radius))
                 }
             }
         }
+        _ => unreachable!("no convex solid"),
     }
 }
 
 fn convex(random: &mut Random, scale: f64) -> Shape {
     let mut length = || scale * random.within(0.1, 1.0);
     let (x, y, z) = (length(), length(), length());
-    let primitive = match random.below(5) {
+    let primitive = match random.below(6) {
         0 => Primitive::cuboid([x, y, z]),
         1 => Primitive::sphere(x),
         2 => Primitive::cylinder(x, y),
         3 => Primitive::capsule(x, y),
+        4 => Primitive::cone(x, y),
         _ => {
             let t = random.triangle(scale);
             let mesh = clearance::geometry::TriangleMesh::new(t.corners().to_vec(), vec![[0, 1, 2]]);

@@ -133,6 +133,9 @@ fn support(primitive: &Primitive, n: &Vector) -> f64 {
         Primitive::Box { half_extents: [x, y, z] } => (n.x * x).abs() + (n.y * y).abs() + (n.z * z).abs(),
         Primitive::Sphere { radius } => radius,
         Primitive::Cylinder { radius, half_length } => n.x.hypot(n.y) * radius + n.z.abs() * half_length,
+        Primitive::Cone { radius, half_length } => {
+            (n.x.hypot(n.y) * radius - n.z * half_length).max(n.z * half_length)
+        }
         Primitive::Capsule { radius, half_length } => radius + n.z.abs() * half_length,
     }
 }

@@ -248,7 +248,7 @@ fn facts(model: &RobotModel) -> Value {
     let meshes: Vec<&TriangleMesh> = (model.links().iter().flat_map(|l| &l.collisions))
         .filter_map(|c| match &c.shape {
             Shape::Mesh(mesh) => Some(&**mesh),
-            Shape::Primitive(_) => None,
+            _ => None,
         })
         .collect();
     let limits = model.joints().iter().find_map(|j| j.limits);

@@ -55,7 +55,7 @@ fn facts(model: &RobotModel) -> Value {
     let triangles: usize = shapes()
         .map(|s| match s {
             Shape::Mesh(mesh) => mesh.triangles().len(),
-            Shape::Primitive(_) => 0,
+            _ => 0,
         })
         .sum();
     serde_json::json!({

@@ -95,6 +95,7 @@ impl Neutral {
             Shape::Primitive(Primitive::Capsule { radius, half_length }) => {
                 writeln!(self.0, "capsule\t{}\t{radius}\t{}\t{place}", link.0, 2.0 * half_length)
             }
+            other => panic!("the bundled robots have no {}", other.kind()),
         }
     }
 

@@ -28,6 +28,7 @@ impl ReferenceBody {
                     (0..mesh.triangles().len())
                         .map(|i| Element::Triangle(mesh.triangle(i).transformed(pose))),
                 ),
+                other => panic!("the reference knows no {}", other.kind()),
             }
         }
         Self { obb: Tree::build(&elements), rss: Tree::build(&elements), elements }

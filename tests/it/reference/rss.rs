@@ -124,7 +124,9 @@ impl BoundingVolume for Rss {
                 ([h[order[0]], h[order[1]]], h[order[2]], order)
             }
             Primitive::Sphere { radius } => ([0.0, 0.0], radius, [0, 1, 2]),
-            Primitive::Cylinder { radius, half_length } | Primitive::Capsule { radius, half_length } => {
+            Primitive::Cylinder { radius, half_length }
+            | Primitive::Cone { radius, half_length }
+            | Primitive::Capsule { radius, half_length } => {
                 ([half_length, 0.0], radius, [2, 0, 1])
             }
         };

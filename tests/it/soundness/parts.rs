@@ -51,6 +51,7 @@ impl Part {
                 radius: 0.0,
                 outline: Outline::cuboid(half_extents, pose),
             },
+            Primitive::Cone { .. } => todo!(),
             Primitive::Cylinder { radius, half_length } => Self {
                 core: Core::Cylinder(Cylinder { radius, half_length }, *pose),
                 radius: 0.0,

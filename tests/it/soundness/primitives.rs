@@ -144,6 +144,9 @@ fn support(primitive: &Primitive, n: &Vector) -> f64 {
         Primitive::Box { half_extents } => Vector::from(half_extents).dot(&n.abs()),
         Primitive::Sphere { radius } => radius,
         Primitive::Cylinder { radius, half_length } => n.xy().norm() * radius + n.z.abs() * half_length,
+        Primitive::Cone { radius, half_length } => {
+            (n.xy().norm() * radius - n.z * half_length).max(n.z * half_length)
+        }
         Primitive::Capsule { radius, half_length } => n.z.abs() * half_length + radius,
     }
 }

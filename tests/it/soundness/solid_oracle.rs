@@ -42,6 +42,7 @@ impl Solid {
                 Shape::Mesh(mesh) => parts.extend(mesh.triangles().iter().map(|t| {
                     Part::triangle(t.map(|v| exact.point(&Vec3::from(&mesh.vertices()[v as usize]))), 0.0)
                 })),
+                _ => todo!(),
             }
         }
         Self::of(parts)

@@ -53,6 +53,7 @@ impl Subject {
                 format!("triangle {:?} {:?} {:?}", a.coords.data.0, b.coords.data.0, c.coords.data.0)
             }
             Shape::Mesh(mesh) => format!("mesh of {} triangles", mesh.triangles().len()),
+            other => format!("{other:?} at {}", pose_text(pose)),
         };
         self.shapes.iter().map(describe).take(4).collect::<Vec<_>>().join(", ")
     }

@@ -1,0 +1,74 @@
+//! Clouds of points, as depth cameras and laser scanners see the world.
+
+use crate::constants::LARGEST_COORDINATE;
+
+/// Points in the cloud's frame (m), each a solid ball. Never empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointCloud {
+    points: Vec<[f32; 3]>,
+    radius: f64,
+}
+
+/// Why a list of points is no cloud.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PointCloudError {
+    #[error("the cloud has no points")]
+    NoPoints,
+    #[error("point {point} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m")]
+    BadPoint { point: usize },
+    #[error("the radius of points is {0}, but must be a finite number of metres, zero or more")]
+    BadRadius(f64),
+    #[error("the cloud has {0} points, more than 31 bits can number")]
+    TooManyPoints(usize),
+}
+
+impl PointCloud {
+    /// A cloud of balls with one `radius` (m).
+    pub fn new(points: Vec<[f32; 3]>, radius: f64) -> Result<Self, PointCloudError> {
+        if points.is_empty() {
+            return Err(PointCloudError::NoPoints);
+        }
+        if !(0.0..=LARGEST_COORDINATE).contains(&radius) {
+            return Err(PointCloudError::BadRadius(radius));
+        }
+        if points.len() >> 31 != 0 {
+            return Err(PointCloudError::TooManyPoints(points.len()));
+        }
+        match points.iter().position(|p| !is_near(p)) {
+            Some(point) => Err(PointCloudError::BadPoint { point }),
+            None => Ok(Self { points, radius }),
+        }
+    }
+
+    #[must_use]
+    pub fn points(&self) -> &[[f32; 3]] {
+        &self.points
+    }
+
+    /// Of every point's ball (m).
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+}
+
+/// Whether all coordinates are usable.
+pub(super) fn is_near(p: &[f32; 3]) -> bool {
+    p.iter().all(|c| f64::from(c.abs()) <= LARGEST_COORDINATE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_are_named() {
+        let made = PointCloud::new;
+        assert_eq!(made(vec![], 0.1), Err(PointCloudError::NoPoints));
+        assert_eq!(made(vec![[0.0; 3]], -0.1), Err(PointCloudError::BadRadius(-0.1)));
+        assert!(matches!(made(vec![[0.0; 3]], f64::NAN), Err(PointCloudError::BadRadius(_))));
+        let bad = vec![[0.0; 3], [0.0, f32::NAN, 0.0]];
+        assert_eq!(made(bad, 0.0), Err(PointCloudError::BadPoint { point: 1 }));
+        assert_eq!(made(vec![[0.0, 0.0, 1e9]], 0.0), Err(PointCloudError::BadPoint { point: 0 }));
+    }
+}
