@@ -12,8 +12,11 @@ mod scene_shapes;
 mod scene_stream;
 mod scene_text;
 mod scene_yaml;
+#[cfg(test)]
+mod testing;
 #[allow(clippy::module_inception)] // the concept is the module
 mod world;
+mod world_file;
 
 pub use attached_object::{AttachedId, AttachedObject};
 pub use cloud::{
@@ -27,3 +30,4 @@ pub use scene_object::{OCTOMAP_NAME, ObjectError, Operation, SceneAttachment, Sc
 pub use scene_shapes::{mesh, message_pose, placed_shapes, plane, solid, solid_type};
 pub use scene_text::MatrixEntries;
 pub use world::{World, WorldError};
+pub use world_file::WorldFileKind;

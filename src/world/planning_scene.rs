@@ -113,11 +113,19 @@ impl PlanningScene {
         Ok(())
     }
 
-    /// Makes an octree the world's octomap, in place of the one before; `pose_ro` is its pose in the root frame.
-    pub fn set_octomap(&mut self, octomap: &Octomap, pose_ro: Pose, file: &str) -> Result<(), SceneError> {
+    /// Makes an octree the world's octomap; `pose_ro` is its pose in the root frame. Only if it `replaces` may there be
+    /// one already.
+    pub fn set_octomap(
+        &mut self,
+        octomap: &Octomap,
+        pose_ro: Pose,
+        replaces: bool,
+        file: &str,
+    ) -> Result<(), SceneError> {
         let fault = |message: String| SceneError::of_object(file, OCTOMAP_NAME, message);
-        // there may be none before
-        let _ = self.world.remove(OCTOMAP_NAME);
+        if self.world.remove(OCTOMAP_NAME).is_ok() && !replaces {
+            return Err(fault("a second octomap; a world has one".to_owned()));
+        }
         match octomap.to_voxels(self.unknown_is_occupied).map_err(|e| fault(e.to_string()))? {
             None => self.warnings.push(format!("{file}: the octomap has no occupied cells")),
             Some(voxels) => {

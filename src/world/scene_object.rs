@@ -330,3 +330,6 @@ fn strangers(touch_links: &[String], frames: &Frames) -> Vec<String> {
     let unknown = touch_links.iter().filter(|name| frames.robot.link_by_name(name).is_none());
     unknown.map(|name| format!("touch_links: the robot has no link '{name}'")).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -179,3 +179,6 @@ impl<'t> Words<'t> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,6 +7,7 @@ use super::scene_text::{
     AttachedText, LinkPaddingText, LinkScaleText, MatrixEntries, MultiDofText, ObjectText, OctomapText,
     RobotStateText, SceneText, TransformStampedText,
 };
+use crate::math::Pose;
 use crate::robot::{LinkPoses, MeshFiles, RobotModel};
 
 /// What is the same for all parts of one file.
@@ -14,6 +15,8 @@ struct Reader<'r> {
     file: &'r str,
     robot: &'r RobotModel,
     files: &'r MeshFiles,
+    /// Whether the file may replace objects.
+    is_diff: bool,
     /// Where the links are in the scene's state.
     poses: LinkPoses,
 }
@@ -22,7 +25,8 @@ impl PlanningScene {
     /// Reads a `moveit_msgs/PlanningScene` or its `world` alone, on top of what is there.
     ///
     /// As in `MoveIt`, attached objects come before objects, objects in the order of the file, and frames are links, the
-    /// parent frame of the virtual joint, objects, subframes and `fixed_frame_transforms`. Poses in the frame of a link that
+    /// parent frame of the virtual joint, objects, subframes and `fixed_frame_transforms`. A scene with `is_diff` may replace
+    /// objects; in any other an id that is there already is a fault. Poses in the frame of a link that
     /// moves are those of the file's `robot_state`, or of the default configuration. Mesh resources are looked up by
     /// `files`.
     ///
@@ -42,9 +46,10 @@ impl PlanningScene {
             return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }
         let state = scene.robot_state.unwrap_or_default();
-        self.situation.read_state(&state, robot).map_err(fault)?;
+        let remarks = self.situation.read_state(&state, robot).map_err(fault)?;
+        self.warnings.extend(remarks.iter().map(|remark| format!("{file}: {remark}")));
         let poses = self.situation.link_poses(robot);
-        let reader = Reader { file, robot, files, poses };
+        let reader = Reader { file, robot, files, is_diff: scene.is_diff, poses };
         self.read_fixed_frames(&scene.fixed_frame_transforms, &reader)?;
         self.read_sizes(&scene.link_padding, &scene.link_scale, robot).map_err(fault)?;
         self.take_matrix(scene.allowed_collision_matrix, file)?;
@@ -151,8 +156,8 @@ impl PlanningScene {
         let fault = |message: String| SceneError::of_object(reader.file, &id, message);
         let mut remarks = Vec::new();
         let object = SceneObject::from_text(text, reader.files, &mut remarks).map_err(fault)?;
-        if object.operation == Operation::Add && self.world.id(&id).is_some() {
-            remarks.push("it is given once more: the last one counts".to_owned());
+        if object.operation == Operation::Add && self.world.id(&id).is_some() && !reader.is_diff {
+            return Err(fault("it is given twice; only a scene with is_diff: true replaces objects".to_owned()));
         }
         let removes = object.operation == Operation::Remove;
         let before: Vec<String> = if removes { self.names() } else { Vec::new() };
@@ -190,13 +195,13 @@ impl PlanningScene {
         let found = found.map_err(|e| fault(format!("header.frame_id: {e}")))?;
         let pose_fo = text.origin.pose("origin").map_err(fault)?;
         self.note(reader.file, OCTOMAP_NAME, found.caution.into_iter().collect());
-        self.set_octomap(&octomap, found.pose_rf * pose_fo, reader.file)
+        self.set_octomap(&octomap, found.pose_rf * pose_fo, reader.is_diff, reader.file)
     }
 }
 
 impl Situation {
-    /// Where the robot is, if the state tells.
-    fn read_state(&mut self, text: &RobotStateText, robot: &RobotModel) -> Result<(), String> {
+    /// Where the robot is, if the state tells; answers with what is not read.
+    fn read_state(&mut self, text: &RobotStateText, robot: &RobotModel) -> Result<Vec<String>, String> {
         let joints = &text.joint_state;
         if joints.name.len() != joints.position.len() {
             return Err(format!(
@@ -215,20 +220,25 @@ impl Situation {
             .map_err(|e| format!("robot_state.multi_dof_joint_state: {e}"))
     }
 
-    /// Only the virtual joint, which says where the robot stands, is read of the joints with several degrees of freedom.
-    fn read_base(&mut self, text: &MultiDofText, robot: &RobotModel) -> Result<(), String> {
+    /// Of the joints with several degrees of freedom only the virtual one is read, which says where the robot stands.
+    fn read_base(&mut self, text: &MultiDofText, robot: &RobotModel) -> Result<Vec<String>, String> {
         if text.joint_names.len() != text.transforms.len() {
             let (given, names) = (text.transforms.len(), text.joint_names.len());
             return Err(format!("{given} transforms for {names} joint_names"));
         }
+        let mut remarks = Vec::new();
         for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
+            let pose = transform.pose(name)?;
             let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-            if !virtual_joints.any(|j| j.name == *name && j.child_link == robot.root()) {
-                return Err(format!("'{name}' is no virtual joint of the robot's root; only that one is read"));
+            if virtual_joints.any(|j| j.name == *name && j.child_link == robot.root()) {
+                self.pose_vr = Some(pose);
+            } else if pose != Pose::identity() {
+                remarks.push(format!(
+                    "robot_state.multi_dof_joint_state: '{name}' is no virtual joint of the robot's root: it is not read"
+                ));
             }
-            self.pose_vr = Some(transform.pose(name)?);
         }
-        Ok(())
+        Ok(remarks)
     }
 }
 
@@ -255,3 +265,6 @@ fn yaml_limits() -> serde_saphyr::Options {
         },
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -30,7 +30,7 @@ impl Octomap {
 
     /// The tree of an `octomap_msgs/Octomap` whose `binary` is true.
     pub fn from_binary(resolution: f64, data: &[u8]) -> Result<Self, OctomapError> {
-        Self::new(resolution, decoded(data, 0, None, Decoder::binary_node)?)
+        Self::new(resolution, decoded(data, 0, None, |decoder, root| decoder.binary_node(root))?)
     }
 
     /// The tree of an `octomap_msgs/Octomap` whose `binary` is false; `id` is its type.
@@ -41,7 +41,7 @@ impl Octomap {
 
 /// The cells of a binary tree that must have `announced` nodes; `skipped` bytes stand before it.
 pub(super) fn binary(data: &[u8], skipped: usize, announced: usize) -> Result<Vec<Cell>, OctomapError> {
-    decoded(data, skipped, Some(announced), Decoder::binary_node)
+    decoded(data, skipped, Some(announced), |decoder, root| decoder.binary_node(root))
 }
 
 /// The cells of a full tree.

@@ -9,7 +9,7 @@ use serde::de::IgnoredAny;
 
 pub use numbers::{PoseText, TransformText};
 pub use object::{
-    AttachedText, FaceText, HeaderText, KindText, MeshText, ObjectText, OperationText, PrimitiveText,
+    AttachedText, HeaderText, KindText, MeshText, ObjectText, OperationText, PrimitiveText,
 };
 
 /// `moveit_msgs/AllowedCollisionMatrix` as it stands in the file.
@@ -43,8 +43,9 @@ pub struct SceneText {
     pub _robot_model_name: Option<IgnoredAny>,
     #[serde(rename = "object_colors")]
     pub _object_colors: Option<IgnoredAny>,
-    #[serde(rename = "is_diff")]
-    pub _is_diff: Option<IgnoredAny>,
+    /// Whether objects may be replaced.
+    #[serde(default)]
+    pub is_diff: bool,
 }
 
 #[derive(Deserialize)]
