@@ -8,7 +8,7 @@ use clearance::node::{
     self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
-use clearance::world::{PlanningScene, World};
+use clearance::world::PlanningScene;
 use log::LevelFilter;
 
 use super::demo_table::{Latest, Table};
@@ -76,11 +76,7 @@ fn surroundings() -> Surroundings {
         let file = "config/demo_world.yaml";
         let scene =
             PlanningScene::from_yaml(WORLD, file, robot, &MeshFiles::default()).map_err(|e| e.to_string())?;
-        let mut world = World::default();
-        for obstacle in scene.obstacles {
-            world.add(obstacle).map_err(|e| format!("{file}: {e}"))?;
-        }
-        Ok((world, None))
+        Ok((scene.world, None))
     })
 }
 

@@ -82,6 +82,11 @@ impl NodeArgs {
         let (world, mesh_files) = (self.world.clone(), self.model.mesh_files());
         Box::new(move |robot| {
             let loaded = world.load(robot, &mesh_files).map_err(|failure| failure.to_string())?;
+            if let Some(link) = loaded.link_padding.keys().chain(loaded.link_scale.keys()).min() {
+                return Err(format!(
+                    "link_padding and link_scale of '{link}': the node takes none from files; set the parameter padding"
+                ));
+            }
             Ok((loaded.world, loaded.allowed))
         })
     }

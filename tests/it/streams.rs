@@ -32,7 +32,7 @@ pub fn checkers() -> [CollisionChecker; 2] {
     let scene = PlanningScene::from_yaml(&text, "demo_world", &arm, &MeshFiles::default()).unwrap();
     let padded = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
     [
-        CollisionChecker::new(arm, &scene.into_world().unwrap(), padded).unwrap(),
+        CollisionChecker::new(arm, &scene.world, padded).unwrap(),
         CollisionChecker::new(load("dual_arm"), &World::default(), Settings::default()).unwrap(),
     ]
 }
