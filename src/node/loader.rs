@@ -14,16 +14,13 @@ use super::parameter_services::ParameterStore;
 use super::parameters::Parameters;
 use super::scene::Monitored;
 use super::scene_keeper::{CurrentScene, SceneInForce, SceneKeeper, SceneOrder};
-use crate::checker::{AllowedCollisionMatrix, CollisionChecker, MeshModel, Settings};
+use crate::checker::{CollisionChecker, MeshModel, Settings};
 use crate::monitor::Revision;
 use crate::monitor::scene::PlanningSceneState;
 use crate::robot::{MeshFiles, RobotModel, RobotText};
-use crate::world::World;
 
-/// What there is around a robot, and which contacts are allowed. Poses in scene files refer to a robot, so each new
-/// robot needs them anew.
-pub type Surroundings =
-    Box<dyn Fn(&RobotModel) -> Result<(World, Option<AllowedCollisionMatrix>), String> + Send>;
+/// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
+pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
 
 /// What may change what is checked.
 pub enum Order {
@@ -245,7 +242,13 @@ impl Loader {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        self.build(&robot, self.model_revision, world).map(Some)
+        let built = self.build(&robot, self.model_revision, world);
+        if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
+            log::error!("the world stays as it was: {fault}");
+            self.keeper.go_back(&scene.scene, fault);
+            return Ok(None);
+        }
+        built.map(Some)
     }
 
     fn take(&mut self, robot: RobotModel) -> Result<Arc<Revision>, String> {
@@ -257,9 +260,8 @@ impl Loader {
         let mut world = self.world_revision;
         if self.keeper.is_untouched() {
             // poses in files refer to a robot: each needs them anew
-            let (files, allowed) = (self.surroundings)(&robot)?;
-            world = world.max(u64::from(!files.is_empty()));
-            self.keeper.begin(files, allowed);
+            self.keeper.state = (self.surroundings)(&robot)?;
+            world = world.max(u64::from(!self.keeper.state.world.is_empty()));
         } else {
             self.keeper.fit_to(&robot);
         }
@@ -292,7 +294,9 @@ impl Loader {
     fn build(&mut self, robot: &Arc<RobotModel>, model: u64, world: u64) -> Result<Arc<Revision>, String> {
         let parameters = self.parameters.get();
         let scene = &self.keeper.state;
-        let checker = checker_of(robot, scene, self.mesh_model, &parameters)?;
+        let before = lock(&self.scene).clone();
+        let known = before.as_ref().map(|before| &before.revision.checker);
+        let checker = checker_of(robot, scene, self.mesh_model, &parameters, known)?;
         let revision = Arc::new(Revision {
             checker,
             model,
@@ -312,22 +316,28 @@ impl Loader {
     }
 }
 
-/// A checker of a robot in a scene.
+/// A checker of a robot in a scene; what a known one of the same robot has in common with it is shared.
 pub fn checker_of(
     robot: &Arc<RobotModel>,
     scene: &PlanningSceneState,
     mesh_model: MeshModel,
     parameters: &Parameters,
+    known: Option<&CollisionChecker>,
 ) -> Result<CollisionChecker, String> {
     let settings = Settings {
         padding: parameters.padding,
         link_padding: scene.link_padding.clone(),
+        link_scale: scene.link_scale.clone(),
         pad_self: parameters.pad_self,
         mesh_model,
         ..Settings::default()
     };
-    CollisionChecker::with_matrix(Arc::clone(robot), &scene.world, settings, scene.matrix.as_ref())
-        .map_err(|error| error.to_string())
+    let matrix = scene.matrix.as_ref();
+    let built = match known.filter(|known| Arc::ptr_eq(known.robot(), robot)) {
+        Some(known) => known.with_world(&scene.world, settings, matrix),
+        None => CollisionChecker::with_matrix(Arc::clone(robot), &scene.world, settings, matrix),
+    };
+    built.map_err(|error| error.to_string())
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

@@ -11,12 +11,12 @@ use super::messages::time_of;
 use super::monitor_loop::CurrentJudgement;
 use super::parameters::Parameters;
 use super::scene::{CloudReport, OCTOMAP_SOURCE, Shared, decode};
-use crate::checker::{AllowedCollisionMatrix, MeshModel};
+use crate::checker::MeshModel;
 use crate::monitor::cloud::{SelfFilter, Sieve};
 use crate::monitor::scene::{OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate};
 use crate::monitor::{Evidence, Now, Revision, Sight, Time, WorldSource};
 use crate::robot::RobotModel;
-use crate::world::{Obstacle, World};
+use crate::world::Obstacle;
 
 /// Orders that wait for a robot at most; later ones are refused.
 const WAITING: usize = 1000;
@@ -137,9 +137,13 @@ impl SceneKeeper {
         !self.touched
     }
 
-    /// The scene that files describe.
-    pub fn begin(&mut self, world: World, matrix: Option<AllowedCollisionMatrix>) {
-        self.state = PlanningSceneState { world, matrix, ..PlanningSceneState::default() };
+    /// The scene as it was: what was made of it last can not be checked.
+    pub fn go_back(&mut self, scene: &PlanningSceneState, fault: &str) {
+        self.state = scene.clone();
+        self.faults.push(fault.to_owned());
+        for (_, succeeded) in &mut self.unanswered {
+            *succeeded = false;
+        }
     }
 
     /// Another robot stands in the same scene.

@@ -9,6 +9,9 @@ use crate::checker::AllowedCollisionMatrix;
 use crate::monitor::status::quoted;
 use crate::world::MatrixEntries;
 
+/// More is a mistake.
+const LARGEST_SCALE: f64 = 1000.0;
+
 impl PlanningSceneState {
     /// Lets new obstacles take the place of all; what sensors see stays, but for the octomap.
     pub(super) fn replace_world(
@@ -180,11 +183,11 @@ impl PlanningSceneState {
         }
         for (link, scale) in &change.link_scale {
             applied.note(check_link("link_scale", link, context).and_then(|()| {
-                if scale.is_finite() && *scale > 0.0 {
+                if (f64::MIN_POSITIVE..=LARGEST_SCALE).contains(scale) {
                     self.link_scale.insert(link.clone(), *scale);
                     return Ok(());
                 }
-                let message = format!("link_scale of '{link}' is {scale}, but must be a number above zero");
+                let message = format!("link_scale of '{link}' is {scale}, but must be above zero and at most {LARGEST_SCALE}");
                 Err(SceneRefusal::new(message))
             }));
         }

@@ -90,7 +90,9 @@ impl Cell {
     }
 
     fn names(&self) -> Vec<&str> {
-        self.scene.world.obstacles().map(|o| o.name.as_str()).collect()
+        let mut names: Vec<&str> = self.scene.world.obstacles().map(|o| o.name.as_str()).collect();
+        names.sort_unstable();
+        names
     }
 
     fn held(&self) -> Vec<&str> {
@@ -356,7 +358,7 @@ fn all_objects_of_a_link_or_of_the_robot_are_put_down_together() {
     cell.attach(hold("hand", remove(""))).unwrap();
     assert_eq!((cell.held(), cell.places("c")), (vec!["b"], vec![[1.0, 0.0, 3.0]]));
     cell.attach(hold("", remove(""))).unwrap();
-    assert_eq!(cell.names(), ["a", "c", "b"]);
+    assert_eq!(cell.names(), ["a", "b", "c"]);
     cell.attach(hold("", remove(""))).unwrap();
 }
 
@@ -454,7 +456,7 @@ fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
 
     let world = WorldChange { objects: vec![add("b", "f", Pose::identity())], octomap: None };
     cell.apply(&SceneUpdate::World(Box::new(WorldChange { octomap: Some(octomap), ..world }))).unwrap();
-    assert_eq!((cell.names(), cell.held()), (vec!["b", "/cloud", OCTOMAP], vec!["held"]));
+    assert_eq!((cell.names(), cell.held()), (vec!["/cloud", OCTOMAP, "b"], vec!["held"]));
     let warnings = cell.scene(SceneChange { robot_model_name: "other".to_owned(), ..SceneChange::default() });
     assert!(warnings.unwrap()[0].contains("'other'"));
     assert_eq!((cell.names(), cell.held().len()), (vec!["/cloud"], 0));

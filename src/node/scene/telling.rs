@@ -16,7 +16,7 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use crate::checker::AllowedCollisionMatrix as Matrix;
 use crate::geometry::{Primitive, Shape, TriangleMesh};
 use crate::math::Pose;
-use crate::monitor::scene::{OCTOMAP, PlanningSceneState};
+use crate::monitor::scene::PlanningSceneState;
 use crate::robot::{Configuration, RobotModel};
 use crate::world::{AttachedObject, Obstacle, ObstacleShape};
 
@@ -75,9 +75,10 @@ impl Told<'_> {
         &self.robot.link(self.robot.root()).name
     }
 
-    /// Obstacles but for what sensors see.
+    /// Obstacles but for those of points and voxels, which no message of an object has.
     pub fn objects(&self) -> impl Iterator<Item = &Obstacle> {
-        self.scene.world.obstacles().filter(|o| o.name != OCTOMAP && !self.scene.is_sensed(&o.name))
+        let untold = |s: &ObstacleShape| matches!(s.shape, Shape::Points(_) | Shape::Voxels(_));
+        self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(untold))
     }
 
     fn kind(&self, name: &str) -> ObjectType {

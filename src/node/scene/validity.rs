@@ -17,6 +17,7 @@ use crate::node::loader::checker_of;
 use crate::node::messages::{point_message, stamp_message};
 use crate::node::scene_keeper::SceneInForce;
 use crate::robot::{Configuration, LinkId, LinkPoses, RobotModel};
+use crate::world::AttachedId;
 
 /// Contacts told at most: the answer must not grow with the number of bodies.
 const CONTACTS_TOLD: usize = 200;
@@ -49,7 +50,7 @@ pub fn state_validity(
         None => &revision.checker,
         Some(changed) => {
             let SceneInForce { mesh_model, parameters, .. } = situation.scene;
-            built = checker_of(robot, changed, *mesh_model, parameters)?;
+            built = checker_of(robot, changed, *mesh_model, parameters, Some(&revision.checker))?;
             &built
         }
     };
@@ -105,11 +106,17 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
 }
 
 /// Whether a body moves with one of these links.
-fn moves(_checker: &CollisionChecker, body: Body, links: &HashSet<LinkId>) -> bool {
+fn moves(checker: &CollisionChecker, body: Body, links: &HashSet<LinkId>) -> bool {
     match body {
         Body::Link(link) => links.contains(&link),
+        Body::Attached(id) => carrier(checker, id).is_some_and(|link| links.contains(&link)),
         Body::Obstacle(_) => false,
     }
+}
+
+/// The link that carries an object.
+fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
+    checker.robot().link_by_name(&checker.world().attached_object(id).link)
 }
 
 /// The positions of the request over the current ones.
@@ -200,12 +207,17 @@ fn contact(
     let robot = checker.robot();
     let middle = match a {
         Body::Link(link) => Point::from(poses.pose(link).translation.vector),
+        Body::Attached(id) => {
+            let pose_rl = carrier(checker, id).map_or(Pose::identity(), |link| *poses.pose(link));
+            Point::from((pose_rl * checker.world().attached_object(id).pose_lo).translation.vector)
+        }
         Body::Obstacle(_) => Point::origin(),
     };
     let position = point.unwrap_or(middle);
     let normal = (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
     let kind = |body| match body {
         Body::Link(_) => ContactInformation::ROBOT_LINK,
+        Body::Attached(_) => ContactInformation::ROBOT_ATTACHED,
         Body::Obstacle(_) => ContactInformation::WORLD_OBJECT,
     };
     ContactInformation {
