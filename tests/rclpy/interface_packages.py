@@ -10,8 +10,8 @@ from pathlib import Path
 SECTION = re.compile(r"^==== (\w+)/(msg|srv)/(\w+)\n", re.MULTILINE)
 OTHER_PACKAGE = re.compile(r"^(\w+)/\w+", re.MULTILINE)
 
-# Nothing here is called from C++, so its generators are left out; the one target that is compiled as C++ spends its time in
-# headers, which it reads once this way.
+# Nothing here is called from C++, so its generators are left out. The one target that is compiled as C++ spends its time
+# in headers: in one batch it reads them once.
 CMAKE = """\
 cmake_minimum_required(VERSION 3.16)
 project({package})
@@ -57,7 +57,9 @@ def write_package(folder, package, interfaces):
         path.write_text(text)
     cmake = CMAKE.format(
         package=package,
-        find_packages="\n".join(f"find_package({name} REQUIRED)" for name in ("ament_cmake", "rosidl_default_generators", *dependencies)),
+        find_packages="\n".join(
+            f"find_package({name} REQUIRED)" for name in ("ament_cmake", "rosidl_default_generators", *dependencies)
+        ),
         files="\n  ".join(interfaces),
         dependencies=" ".join(dependencies),
     )

@@ -89,9 +89,13 @@ LAYOUTS = {
         ),
         32,
     ),
-    "in another order": Layout((("intensity", 0, FLOAT32), ("z", 4, FLOAT32), ("x", 8, FLOAT32), ("y", 12, FLOAT32)), 16),
+    "in another order": Layout(
+        (("intensity", 0, FLOAT32), ("z", 4, FLOAT32), ("x", 8, FLOAT32), ("y", 12, FLOAT32)), 16
+    ),
     "listed in another order": Layout((("z", 8, FLOAT32), ("x", 0, FLOAT32), ("y", 4, FLOAT32)), 12),
-    "on odd offsets": Layout((("tag", 0, PointField.UINT8), ("y", 1, FLOAT32), ("x", 7, FLOAT32), ("z", 13, FLOAT32)), 19),
+    "on odd offsets": Layout(
+        (("tag", 0, PointField.UINT8), ("y", 1, FLOAT32), ("x", 7, FLOAT32), ("z", 13, FLOAT32)), 19
+    ),
     "of doubles": Layout((("x", 0, FLOAT64), ("y", 8, FLOAT64), ("z", 16, FLOAT64)), 24),
     "mixed": Layout((("x", 0, FLOAT64), ("y", 8, FLOAT32), ("z", 12, FLOAT64)), 20),
     "big-endian": Layout(big_endian=True),

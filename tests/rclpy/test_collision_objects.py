@@ -200,8 +200,8 @@ def test_what_is_not_there_cannot_be_moved_or_removed(scene):
     scene.refused(removal("other"), "other")
 
 
-def broken(change, shapes=(sphere(0.1),)):
-    thing = obstacle("thing", *shapes, at=pose(2.05))
+def broken(change, shapes=None):
+    thing = obstacle("thing", *([sphere(0.1)] if shapes is None else shapes), at=pose(2.05))
     change(thing)
     return thing
 
