@@ -272,7 +272,10 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
     let watched = |seen| {
         let mut revision = Arc::into_inner(revision(2)).unwrap();
         let source = |name: &str, seen| WorldSource { name: name.to_owned(), seen, ttl: 0.25 };
-        revision.sources = vec![source("/camera", seen), source("/other", Some(Sight { stamp: time(START + 9.0), at: Duration::from_secs(9) }))];
+        revision.sources = vec![
+            source("/camera", seen),
+            source("/other", Some(Sight { stamp: time(START + 9.0), at: Duration::from_secs(9) })),
+        ];
         revision.warnings = vec!["a cloud was dropped".to_owned()];
         Arc::new(revision)
     };

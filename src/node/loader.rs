@@ -132,8 +132,8 @@ impl Loader {
             change = change.max(self.look_at_the_world());
             let built = match change {
                 Change::Nothing => Ok(None),
-                Change::Settings | Change::World => guarded(|| self.rebuild(change)),
-                Change::Robot => guarded(|| self.reload()),
+                Change::Settings | Change::World => self.rebuild(change),
+                Change::Robot => guarded(DESCRIPTION, || self.reload()),
             };
             let event = match built {
                 Ok(None) => None,
@@ -143,7 +143,8 @@ impl Loader {
                     Some(Event::ModelFault(fault))
                 }
             };
-            let told = event.into_iter().chain([Event::World(self.keeper.note_in_use(), self.keeper.faults())]);
+            let told =
+                event.into_iter().chain([Event::World(self.keeper.note_in_use(), self.keeper.faults())]);
             for event in told {
                 if events.send_blocking(event).is_err() {
                     return;
@@ -242,7 +243,7 @@ impl Loader {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        let built = self.build(&robot, self.model_revision, world);
+        let built = guarded("the world", || self.build(&robot, self.model_revision, world));
         if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
             self.keeper.go_back(&scene.scene, fault);
@@ -362,7 +363,7 @@ fn named(fault: &str) -> String {
 }
 
 /// A description is a stranger's text: what it breaks must not take the node with it.
-fn guarded<T>(build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+fn guarded<T>(what: &str, build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(build))
-        .unwrap_or_else(|_| Err(format!("{DESCRIPTION}: reading it failed inside the program")))
+        .unwrap_or_else(|_| Err(format!("{what}: reading it failed inside the program")))
 }

@@ -186,7 +186,9 @@ mod tests {
     fn messages_go_both_ways() {
         let text = Value::Text("x".into());
         let lists = [Value::Texts(vec!["x".into()]), Value::Doubles(vec![0.5]), Value::Doubles(vec![])];
-        for value in [Value::Bool(true), Value::Integer(-3), Value::Double(0.5), text].into_iter().chain(lists) {
+        for value in
+            [Value::Bool(true), Value::Integer(-3), Value::Double(0.5), text].into_iter().chain(lists)
+        {
             assert_eq!(Value::from_message(&value.to_message()), value);
         }
         assert!(matches!(Value::from_message(&not_set()), Value::Other(_)));

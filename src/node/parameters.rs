@@ -98,7 +98,9 @@ impl Parameters {
         // a box that holds nothing would make every cloud empty
         let below = |(min, max): (&f64, &f64)| min < max;
         if !changed.cloud_crop_min.iter().zip(&changed.cloud_crop_max).all(below) {
-            return Err(format!("{name}: every number of cloud_crop_min must be below that of cloud_crop_max"));
+            return Err(format!(
+                "{name}: every number of cloud_crop_min must be below that of cloud_crop_max"
+            ));
         }
         *self = changed;
         Ok(())
@@ -118,7 +120,10 @@ pub struct Declaration {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     Bool,
-    Double { from: f64, to: f64 },
+    Double {
+        from: f64,
+        to: f64,
+    },
     /// One of these words.
     Word(&'static [&'static str]),
     Texts,
@@ -196,14 +201,18 @@ impl Declaration {
             return Err(format!("{} is a string, but {} was given", self.name, value.kind()));
         };
         let known = words.iter().find(|word| *word == text);
-        known.copied().ok_or_else(|| format!("{} is {}, but '{text}' was given", self.name, words.join(" or ")))
+        known
+            .copied()
+            .ok_or_else(|| format!("{} is {}, but '{text}' was given", self.name, words.join(" or ")))
     }
 
     fn texts(&self, value: &Value) -> Result<Vec<String>, String> {
         let texts = match value {
             Value::Texts(texts) => texts.clone(),
             Value::EmptyList => Vec::new(),
-            other => return Err(format!("{} is a list of strings, but {} was given", self.name, other.kind())),
+            other => {
+                return Err(format!("{} is a list of strings, but {} was given", self.name, other.kind()));
+            }
         };
         match texts.iter().enumerate().find(|(i, text)| text.is_empty() || texts[..*i].contains(text)) {
             Some((_, text)) => Err(format!("{}: '{text}' is empty or given twice", self.name)),
@@ -217,7 +226,9 @@ impl Declaration {
             Value::EmptyList => Vec::new(),
             // an empty list on the command line of ros2 param is one of strings
             Value::Texts(texts) if texts.is_empty() => Vec::new(),
-            other => return Err(format!("{} is a list of numbers, but {} was given", self.name, other.kind())),
+            other => {
+                return Err(format!("{} is a list of numbers, but {} was given", self.name, other.kind()));
+            }
         };
         let usable = (numbers.is_empty() || numbers.len() == 3) && numbers.iter().all(|n| n.is_finite());
         usable.then_some(numbers).ok_or_else(|| format!("{} is three finite numbers, or none", self.name))
@@ -348,7 +359,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
         Declaration {
             range: Range::Word(STALE_SOURCE_POLICIES),
             access: Access::Word(|p| &mut p.stale_source_policy),
-            ..described("stale_source_policy", "", "What becomes of a cloud or octomap that has grown too old.")
+            ..described(
+                "stale_source_policy",
+                "",
+                "What becomes of a cloud or octomap that has grown too old.",
+            )
         },
         double(
             "transform_ttl",

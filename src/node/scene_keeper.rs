@@ -283,7 +283,8 @@ impl SceneKeeper {
     /// Clouds of topics that nobody asks for any more go.
     fn forget_unwatched(&mut self, parameters: &Parameters) -> bool {
         let watched = &parameters.point_cloud_topics;
-        let gone: Vec<String> = self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();
+        let gone: Vec<String> =
+            self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();
         for topic in &gone {
             self.clouds.remove(topic);
             self.state.set_sensed(topic, None);

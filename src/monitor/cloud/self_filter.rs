@@ -82,7 +82,8 @@ impl SelfFilter {
         let parts = self.links.iter().chain(self.held.iter().filter_map(|(_, part)| part.as_ref()));
         let placed: Vec<Placed> = parts.map(|part| part.placed(poses.pose(part.link), padding)).collect();
         let is_near = |p: &Point, scratch: &mut Scratch| {
-            let near = |part: &&Placed| nalgebra::distance_squared(&part.centre, p) <= part.reach * part.reach;
+            let near =
+                |part: &&Placed| nalgebra::distance_squared(&part.centre, p) <= part.reach * part.reach;
             placed.iter().filter(near).any(|part| {
                 let pose_lp = Pose::from((part.pose_lr * p).coords);
                 within_margin(part.body, &self.point, &pose_lp, padding, scratch).is_some()

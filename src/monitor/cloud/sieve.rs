@@ -73,7 +73,11 @@ impl Sieve {
 fn thinned(points: &[Point], edge: f64) -> Vec<Point> {
     let mut cubes: Vec<[f64; 3]> = points.iter().map(|p| (p / edge).coords.map(f64::floor).into()).collect();
     cubes.sort_unstable_by(|a, b| {
-        a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| a.total_cmp(b))
+            .find(|order| order.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
     });
     cubes.dedup();
     cubes.into_iter().map(|cube| Point::from(cube.map(|c| (c + 0.5) * edge))).collect()
@@ -87,7 +91,9 @@ fn cloud(points: &[Point], radius: f64) -> Result<Option<Arc<PointCloud>>, Strin
     for p in points {
         // also true of what is no number
         if !(p.coords.amax() <= LARGEST_COORDINATE) {
-            return Err(format!("a point lies at {p:?}, farther than the {LARGEST_COORDINATE:e} m that can be computed with"));
+            return Err(format!(
+                "a point lies at {p:?}, farther than the {LARGEST_COORDINATE:e} m that can be computed with"
+            ));
         }
         #[expect(clippy::cast_possible_truncation, reason = "what is lost is added to the radius")]
         let near = p.coords.map(|c| c as f32);

@@ -35,7 +35,9 @@ impl PlanningSceneState {
             if object.operation == Operation::Remove && held {
                 // who attaches an object often takes it from the world in the same message
                 let id = &object.id;
-                applied.warnings.push(format!("object '{id}' is attached, and no longer in the world to remove"));
+                applied
+                    .warnings
+                    .push(format!("object '{id}' is attached, and no longer in the world to remove"));
                 continue;
             }
             let result = self.change_object(object, context, &mut applied.warnings);
@@ -177,7 +179,8 @@ impl PlanningSceneState {
                     self.link_padding.insert(link.clone(), *padding);
                     return Ok(());
                 }
-                let message = format!("link_padding of '{link}' is {padding}, but must be metres, zero or more");
+                let message =
+                    format!("link_padding of '{link}' is {padding}, but must be metres, zero or more");
                 Err(SceneRefusal::new(message))
             }));
         }
@@ -187,7 +190,9 @@ impl PlanningSceneState {
                     self.link_scale.insert(link.clone(), *scale);
                     return Ok(());
                 }
-                let message = format!("link_scale of '{link}' is {scale}, but must be above zero and at most {LARGEST_SCALE}");
+                let message = format!(
+                    "link_scale of '{link}' is {scale}, but must be above zero and at most {LARGEST_SCALE}"
+                );
                 Err(SceneRefusal::new(message))
             }));
         }

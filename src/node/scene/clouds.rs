@@ -108,7 +108,9 @@ fn coordinate(cloud: &PointCloud2, name: &str, point_step: usize) -> Result<Colu
     };
     let first = size(field.offset);
     if first.checked_add(kind.size()).is_none_or(|end| end > point_step) {
-        return Err(format!("fields: field '{name}' at offset {first} reaches out of point_step {point_step}"));
+        return Err(format!(
+            "fields: field '{name}' at offset {first} reaches out of point_step {point_step}"
+        ));
     }
     Ok(Column { first, stride: point_step, kind })
 }

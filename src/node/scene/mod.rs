@@ -18,10 +18,7 @@ mod tests;
 mod topics;
 mod validity;
 
-pub use clouds::{CloudMessages, CloudReport, decode};
+pub use clouds::{CloudReport, decode};
 pub use monitored::Monitored;
-pub use octomaps::octomap_placement;
-pub use reading::{attached_change, object_change, scene_change, world_change};
-pub use services::{SceneServices, ValidityDesk};
-pub use telling::{Told, scene_message};
+pub use services::SceneServices;
 pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms};

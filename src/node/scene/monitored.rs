@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{CollisionObject, PlanningScene, PlanningSceneComponents};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    CollisionObject, PlanningScene, PlanningSceneComponents,
+};
 
 use super::telling::{Told, scene_message};
 use crate::node::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality};
@@ -77,19 +79,25 @@ pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningS
     let mut first = PlanningScene { is_diff: true, ..PlanningScene::default() };
     first.robot_state.is_diff = true;
     let blank = first.clone();
-    let taken_up = |o: &&Arc<AttachedObject>| {
-        !before.scene.world.attached().iter().any(|known| Arc::ptr_eq(known, o))
-    };
+    let taken_up =
+        |o: &&Arc<AttachedObject>| !before.scene.world.attached().iter().any(|known| Arc::ptr_eq(known, o));
     let held = after.scene.world.attached().iter().filter(taken_up).map(|o| new.attached_message(o));
-    let let_go = before.scene.world.attached().iter().filter(|o| after.scene.world.attached_by_name(&o.name).is_none());
+    let let_go = before
+        .scene
+        .world
+        .attached()
+        .iter()
+        .filter(|o| after.scene.world.attached_by_name(&o.name).is_none());
     let let_go = let_go.map(|o| {
         let mut message = old.attached_message(o);
-        message.object = CollisionObject { id: o.name.clone(), operation: CollisionObject::REMOVE, ..Default::default() };
+        message.object =
+            CollisionObject { id: o.name.clone(), operation: CollisionObject::REMOVE, ..Default::default() };
         message
     });
     first.robot_state.attached_collision_objects = let_go.chain(held).collect();
     if before.scene.matrix != after.scene.matrix {
-        first.allowed_collision_matrix = scene_message(&new, PlanningSceneComponents::ALLOWED_COLLISION_MATRIX).allowed_collision_matrix;
+        first.allowed_collision_matrix =
+            scene_message(&new, PlanningSceneComponents::ALLOWED_COLLISION_MATRIX).allowed_collision_matrix;
     }
     let sizes = |scene: &SceneInForce| {
         (scene.scene.link_padding.clone(), scene.scene.link_scale.clone(), scene.parameters.padding)
@@ -99,7 +107,8 @@ pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningS
         (first.link_padding, first.link_scale) = (message.link_padding, message.link_scale);
     }
     if before.scene.fixed_frames != after.scene.fixed_frames {
-        first.fixed_frame_transforms = scene_message(&new, PlanningSceneComponents::TRANSFORMS).fixed_frame_transforms;
+        first.fixed_frame_transforms =
+            scene_message(&new, PlanningSceneComponents::TRANSFORMS).fixed_frame_transforms;
     }
     let gone = old.objects().filter(|o| after.scene.world.obstacle_by_name(&o.name).is_none());
     let removed = gone.map(|o| CollisionObject {
@@ -111,7 +120,8 @@ pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningS
         let known = before.scene.world.obstacle_by_name(&o.name);
         known.is_none_or(|known| !std::ptr::eq(known.as_ref(), *o))
     };
-    let objects = removed.chain(new.objects().filter(changed).map(|o| new.object_message(o))).collect::<Vec<_>>();
+    let objects =
+        removed.chain(new.objects().filter(changed).map(|o| new.object_message(o))).collect::<Vec<_>>();
     if first == blank && objects.is_empty() {
         return Vec::new();
     }
@@ -137,7 +147,10 @@ fn spread(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObje
     for mut object in objects {
         let mut bytes = size(&object);
         if bytes > LONGEST {
-            log::warn!("monitored_planning_scene: object '{}' is too large to be told with its shapes", object.id);
+            log::warn!(
+                "monitored_planning_scene: object '{}' is too large to be told with its shapes",
+                object.id
+            );
             object.primitives.clear();
             object.primitive_poses.clear();
             object.meshes.clear();
@@ -164,12 +177,14 @@ fn size(object: &CollisionObject) -> usize {
     let meshes: usize =
         object.meshes.iter().map(|m| 16 + 12 * m.triangles.len() + 24 * m.vertices.len() + POSE).sum();
     let subframes: usize = object.subframe_names.iter().map(|name| name.len() + 8 + POSE).sum();
-    let words = object.id.len() + object.header.frame_id.len() + object.type_.key.len() + object.type_.db.len();
+    let words =
+        object.id.len() + object.header.frame_id.len() + object.type_.key.len() + object.type_.db.len();
     REST + words + primitives + meshes + subframes + object.planes.len() * (32 + POSE)
 }
 
 fn matrix_size(scene: &PlanningScene) -> usize {
     let matrix = &scene.allowed_collision_matrix;
-    let names: usize = matrix.entry_names.iter().chain(&matrix.default_entry_names).map(|n| n.len() + 16).sum();
+    let names: usize =
+        matrix.entry_names.iter().chain(&matrix.default_entry_names).map(|n| n.len() + 16).sum();
     names + matrix.entry_names.len() * matrix.entry_names.len()
 }

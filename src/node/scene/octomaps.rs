@@ -37,7 +37,10 @@ pub fn octomap_with_pose(
 fn shape(message: &OctomapMessage, unknown_is_occupied: bool) -> Result<Option<Shape>, SceneRefusal> {
     let refuse = |why: String| SceneRefusal::of(OCTOMAP, format!("octomap: {why}"));
     if message.id != KIND {
-        return Err(refuse(format!("id: trees of type '{}' are not taken; {KIND} are", message.id.escape_debug())));
+        return Err(refuse(format!(
+            "id: trees of type '{}' are not taken; {KIND} are",
+            message.id.escape_debug()
+        )));
     }
     if message.data.is_empty() {
         return Ok(None);

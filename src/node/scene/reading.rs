@@ -182,11 +182,7 @@ fn fixed_frame(message: &TransformStamped) -> Result<FixedFrame, SceneRefusal> {
         let frame = &message.child_frame_id;
         SceneRefusal::new(format!("fixed_frame_transforms: frame '{frame}': {why}"))
     })?;
-    Ok(FixedFrame {
-        name: message.child_frame_id.clone(),
-        parent: message.header.frame_id.clone(),
-        pose_pf,
-    })
+    Ok(FixedFrame { name: message.child_frame_id.clone(), parent: message.header.frame_id.clone(), pose_pf })
 }
 
 fn entries(message: &AllowedCollisionMatrix) -> MatrixEntries {

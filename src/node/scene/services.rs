@@ -70,9 +70,11 @@ impl SceneServices {
         let moveit = |kind| ("moveit_msgs", kind);
         let services = Self {
             get: middleware.server(&names.resolve("get_planning_scene")?, moveit("GetPlanningScene"))?,
-            apply: middleware.server(&names.resolve("apply_planning_scene")?, moveit("ApplyPlanningScene"))?,
+            apply: middleware
+                .server(&names.resolve("apply_planning_scene")?, moveit("ApplyPlanningScene"))?,
             clear: middleware.server(&names.resolve("clear_octomap")?, ("std_srvs", "Empty"))?,
-            validity: middleware.server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
+            validity: middleware
+                .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
             scene: Arc::clone(&scene),
             judgement: Arc::clone(&judgement),
             orders,
@@ -118,7 +120,9 @@ impl SceneServices {
             loop {
                 let question = self.validity.next().await;
                 if let Err(refused) = self.questions.try_send(question) {
-                    log::warn!("check_state_validity: {WAITING} requests are waiting already: ask again later");
+                    log::warn!(
+                        "check_state_validity: {WAITING} requests are waiting already: ask again later"
+                    );
                     let (id, _) = refused.into_inner();
                     answering.spawn(self.validity.answer(id, GetStateValidityResponse::default())).detach();
                 }
@@ -192,6 +196,9 @@ impl ValidityDesk {
         let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let now = self.shared.clock.read();
-        state_validity(request, &Situation { scene: &scene, judgement: judgement.as_ref(), transforms: &transforms, now })
+        state_validity(
+            request,
+            &Situation { scene: &scene, judgement: judgement.as_ref(), transforms: &transforms, now },
+        )
     }
 }

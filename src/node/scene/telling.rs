@@ -206,8 +206,11 @@ impl Told<'_> {
 }
 
 fn primitive_message(primitive: &Primitive) -> SolidPrimitive {
-    let solid =
-        |type_, dimensions: &[f64]| SolidPrimitive { type_, dimensions: dimensions.to_vec(), ..Default::default() };
+    let solid = |type_, dimensions: &[f64]| SolidPrimitive {
+        type_,
+        dimensions: dimensions.to_vec(),
+        ..Default::default()
+    };
     match *primitive {
         Primitive::Box { half_extents: [x, y, z] } => {
             solid(SolidPrimitive::BOX, &[2.0 * x, 2.0 * y, 2.0 * z])
@@ -216,9 +219,7 @@ fn primitive_message(primitive: &Primitive) -> SolidPrimitive {
         Primitive::Cylinder { radius, half_length } => {
             solid(SolidPrimitive::CYLINDER, &[2.0 * half_length, radius])
         }
-        Primitive::Cone { radius, half_length } => {
-            solid(SolidPrimitive::CONE, &[2.0 * half_length, radius])
-        }
+        Primitive::Cone { radius, half_length } => solid(SolidPrimitive::CONE, &[2.0 * half_length, radius]),
         // messages know none, and make none: the cylinder around it
         Primitive::Capsule { radius, half_length } => {
             solid(SolidPrimitive::CYLINDER, &[2.0 * (half_length + radius), radius])

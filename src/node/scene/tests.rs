@@ -13,8 +13,11 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 
+use super::octomaps::octomap_placement;
+use super::reading::{object_change, scene_change};
+use super::telling::{Told, scene_message};
 use super::validity::{Situation, state_validity};
-use super::*;
+use super::{decode, monitored};
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, SceneContext, SceneUpdate, TransformTree};
 use crate::monitor::{
@@ -143,7 +146,13 @@ fn broken_objects_are_refused_by_name_and_field() {
         (|o| o.primitive_poses = vec![PoseMessage::default(); 2], "primitive_poses: 2 poses for 1 shapes"),
         (|o| o.primitive_poses = vec![place(f64::INFINITY, 0.0, 0.0)], "primitive_poses[0]"),
         (|o| o.meshes.push(Mesh::default()), "mesh[0]"),
-        (|o| o.meshes.push(Mesh { triangles: vec![MeshTriangle { vertex_indices: [0, 1, 9] }], ..triangle() }), "mesh[0]"),
+        (
+            |o| {
+                o.meshes
+                    .push(Mesh { triangles: vec![MeshTriangle { vertex_indices: [0, 1, 9] }], ..triangle() })
+            },
+            "mesh[0]",
+        ),
         (|o| o.planes.push(Plane { coef: [0.0, 0.0, 0.0, 1.0] }), "plane[0]: coef"),
         (|o| o.subframe_names.push("top".to_owned()), "subframe_poses: 0 poses for 1"),
     ];
@@ -167,12 +176,19 @@ fn what_is_told_of_a_scene_makes_the_same_scene() {
     ]);
     thing.primitive_poses = [0.0, 1.0, 2.0, 3.0].map(|x| at(x, 0.0, 0.0)).to_vec();
     (thing.meshes, thing.mesh_poses) = (vec![triangle()], vec![at(0.0, 0.0, 0.5)]);
-    (thing.planes, thing.plane_poses) = (vec![Plane { coef: [-1.0, 0.0, 0.0, 9.0] }], vec![at(0.0, 0.0, 0.0)]);
+    (thing.planes, thing.plane_poses) =
+        (vec![Plane { coef: [-1.0, 0.0, 0.0, 9.0] }], vec![at(0.0, 0.0, 0.0)]);
     (thing.subframe_names, thing.subframe_poses) = (vec!["hook".to_owned()], vec![at(0.0, 0.5, 0.0)]);
     let before = scene(&[difference(vec![thing.clone()], vec![part()])]);
     let robot = robot();
     let configuration = robot.configuration(&FOLDED).unwrap();
-    let told = |scene| Told { robot: &robot, scene, padding: 0.01, configuration: Some(&configuration), octomap: None };
+    let told = |scene| Told {
+        robot: &robot,
+        scene,
+        padding: 0.01,
+        configuration: Some(&configuration),
+        octomap: None,
+    };
     let message = scene_message(&told(&before), 0);
     assert_eq!(message.world.collision_objects, [thing]);
     assert_eq!(message.robot_state.joint_state.position, FOLDED);
@@ -193,7 +209,10 @@ fn only_the_components_that_are_asked_for_are_told() {
     let told = Told { robot: &robot, scene: &scene, padding: 0.0, configuration: None, octomap: None };
     let get = |components| scene_message(&told, components);
     let named = get(C::WORLD_OBJECT_NAMES);
-    assert_eq!((named.world.collision_objects[0].id.as_str(), named.world.collision_objects[0].primitives.len()), ("a", 0));
+    assert_eq!(
+        (named.world.collision_objects[0].id.as_str(), named.world.collision_objects[0].primitives.len()),
+        ("a", 0)
+    );
     assert_eq!((named.robot_model_name.as_str(), named.link_padding.len()), ("", 0));
     assert_eq!(get(C::SCENE_SETTINGS).robot_model_name, "two_link");
     assert!(get(C::ROBOT_STATE).robot_state.attached_collision_objects.is_empty());
@@ -209,7 +228,11 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
         vec![part()],
     );
     let mut second = difference(vec![ball("c", at(3.5, 0.0, 0.0), 0.1, "")], vec![]);
-    let gone = CollisionObject { id: "a".to_owned(), operation: CollisionObject::REMOVE, ..CollisionObject::default() };
+    let gone = CollisionObject {
+        id: "a".to_owned(),
+        operation: CollisionObject::REMOVE,
+        ..CollisionObject::default()
+    };
     second.world.collision_objects.push(gone.clone());
     second.robot_state.attached_collision_objects = vec![AttachedCollisionObject {
         object: CollisionObject { id: "part".to_owned(), ..gone },

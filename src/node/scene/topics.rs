@@ -115,7 +115,7 @@ impl SceneTopics {
 
     /// Listens for ever.
     pub async fn listen(&self) {
-        let twins = [Mutex::default(), Mutex::default()];
+        let twins: [Mutex<Twins>; 2] = Default::default();
         let objects = self.hear(&self.objects, |m| self.object(&m));
         let attached = self.hear(&self.attached, |m| self.attached(&m));
         let worlds = self.hear(&self.worlds, |m| Some(self.world(m)));
@@ -128,10 +128,8 @@ impl SceneTopics {
             })
         };
         let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
-        let octomaps = future::zip(
-            future::zip(octomap(0, 0), octomap(0, 1)),
-            future::zip(octomap(1, 0), octomap(1, 1)),
-        );
+        let octomaps =
+            future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
         let transforms = future::zip(self.follow(&self.tf, false), self.follow(&self.tf_static, true));
         future::zip(future::zip(scenes, octomaps), future::zip(transforms, self.watch())).await;
     }
@@ -218,7 +216,10 @@ impl SceneTopics {
                     stamp => stamp,
                 };
                 let Ok(pose_pf) = transform_pose(&transform.transform) else {
-                    log::warn!("tf: the transform of '{}' is no pose", transform.child_frame_id.escape_debug());
+                    log::warn!(
+                        "tf: the transform of '{}' is no pose",
+                        transform.child_frame_id.escape_debug()
+                    );
                     continue;
                 };
                 let parent = transform.header.frame_id;
@@ -236,7 +237,9 @@ impl SceneTopics {
         loop {
             let topics = self.shared.store.get().point_cloud_topics;
             watched.retain(|topic, _| topics.contains(topic));
-            for topic in topics.iter().filter(|topic| !watched.contains_key(*topic)).cloned().collect::<Vec<_>>() {
+            for topic in
+                topics.iter().filter(|topic| !watched.contains_key(*topic)).cloned().collect::<Vec<_>>()
+            {
                 match self.subscribe(&topic) {
                     Ok(subscription) => drop(watched.insert(topic, subscription)),
                     Err(error) => log::error!("point_cloud_topics: {error}"),
@@ -248,7 +251,8 @@ impl SceneTopics {
                 }
             };
             let clouds = watched.iter().map(|(topic, clouds)| self.clouds(topic, clouds).boxed_local());
-            let clouds = clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
+            let clouds =
+                clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
             future::or(change, clouds).await;
         }
     }
@@ -275,9 +279,8 @@ impl Twins {
     /// Whether a message is not the other way's copy of the one before.
     fn is_new(&mut self, way: usize, message: &Octomap) -> bool {
         const SOON: Duration = Duration::from_secs(2);
-        let is_copy = (self.last.take()).is_some_and(|(other, before, at)| {
-            other != way && at.elapsed() < SOON && before == *message
-        });
+        let is_copy = (self.last.take())
+            .is_some_and(|(other, before, at)| other != way && at.elapsed() < SOON && before == *message);
         if !is_copy {
             self.last = Some((way, message.clone(), Instant::now()));
         }

@@ -90,7 +90,10 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
     let group = groups.iter().find(|group| group.name == name).ok_or_else(|| {
         let known: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
         let known = if known.is_empty() { "none".to_owned() } else { quoted_list(&known) };
-        format!("group_name: the robot has no group {}; the SRDF has {known}", quoted_list(&[name.to_owned()]))
+        format!(
+            "group_name: the robot has no group {}; the SRDF has {known}",
+            quoted_list(&[name.to_owned()])
+        )
     })?;
     let mut links: HashSet<LinkId> = HashSet::new();
     for &id in robot.topological_order() {
@@ -160,9 +163,10 @@ fn refuse_moved_root(robot: &RobotModel, state: &RobotState) -> Result<(), Strin
     let given = &state.multi_dof_joint_state;
     for (i, name) in given.joint_names.iter().enumerate() {
         let is_virtual = robot.srdf().is_some_and(|srdf| srdf.virtual_joints.iter().any(|j| j.name == *name));
-        let stands = given.transforms.get(i).is_some_and(|t| {
-            transform_pose(t).is_ok_and(|pose| pose == Pose::identity())
-        });
+        let stands = given
+            .transforms
+            .get(i)
+            .is_some_and(|t| transform_pose(t).is_ok_and(|pose| pose == Pose::identity()));
         if !(is_virtual && stands) {
             let name = quoted_list(std::slice::from_ref(name));
             return Err(format!(

@@ -57,7 +57,13 @@ impl Node {
     fn at(&self, cell: [u16; 3], level: u8) -> Space {
         match self {
             Self::Unknown => Space::Unknown,
-            Self::Leaf(occupied) => if *occupied { Space::Occupied } else { Space::Free },
+            Self::Leaf(occupied) => {
+                if *occupied {
+                    Space::Occupied
+                } else {
+                    Space::Free
+                }
+            }
             Self::Inner(children) => {
                 let bit = |k: usize| usize::from(cell[k] >> (level - 1) & 1);
                 children[bit(0) + 2 * bit(1) + 4 * bit(2)].at(cell, level - 1)
