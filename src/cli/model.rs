@@ -125,8 +125,8 @@ impl ModelArgs {
 impl WorldArgs {
     /// Loads all files into one world; warnings are logged.
     pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<LoadedWorld, Failure> {
-        let unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
-        let mut scene = PlanningScene { unknown_is_occupied, ..PlanningScene::default() };
+        let mut scene = PlanningScene::default();
+        scene.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
         for path in self.world.iter().chain(&self.cloud) {
             let file = path.display();
             let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;

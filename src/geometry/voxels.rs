@@ -22,7 +22,9 @@ pub struct Cube {
 pub enum VoxelsError {
     #[error("there are no cubes")]
     NoCubes,
-    #[error("the centre of cube {cube} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m")]
+    #[error(
+        "the centre of cube {cube} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m"
+    )]
     BadCentre { cube: usize },
     #[error("half the edge of cube {cube} is not a finite number of metres, zero or more")]
     BadEdge { cube: usize },
@@ -77,9 +79,6 @@ mod tests {
         let cube = |x: f32, half_edge: f32| Cube { centre: [x, 0.0, 0.0], half_edge };
         assert_eq!(Voxels::new(vec![]), Err(VoxelsError::NoCubes));
         assert_eq!(Voxels::new(vec![cube(f32::INFINITY, 1.0)]), Err(VoxelsError::BadCentre { cube: 0 }));
-        assert_eq!(
-            Voxels::new(vec![cube(0.0, 0.0), cube(0.0, -1.0)]),
-            Err(VoxelsError::BadEdge { cube: 1 })
-        );
+        assert_eq!(Voxels::new(vec![cube(0.0, 0.0), cube(0.0, -1.0)]), Err(VoxelsError::BadEdge { cube: 1 }));
     }
 }

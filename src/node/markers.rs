@@ -188,7 +188,8 @@ impl Scene {
     /// Some of the points, evenly, when there are too many.
     fn add_points(&mut self, id: usize, pose_rs: &Pose, cloud: &PointCloud) {
         let step = cloud.points().len().div_ceil(POINTS_SHOWN);
-        let shown = cloud.points().iter().step_by(step).map(|p| point_message(&Point::from(p.map(f64::from))));
+        let shown =
+            cloud.points().iter().step_by(step).map(|p| point_message(&Point::from(p.map(f64::from))));
         let points: Vec<PointMessage> = shown.collect();
         self.add(COLLIDING_LINKS, id, Marker::SPHERE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);

@@ -202,7 +202,8 @@ fn nearest_in_section(radius: f64, half_length: f64, [r, z]: [f64; 2]) -> [f64; 
         return [r, z];
     }
     let slant = length * length + radius * radius;
-    let share = if slant > 0.0 { ((length * up - radius * (r - radius)) / slant).clamp(0.0, 1.0) } else { 0.0 };
+    let share =
+        if slant > 0.0 { ((length * up - radius * (r - radius)) / slant).clamp(0.0, 1.0) } else { 0.0 };
     [radius * (1.0 - share), half_length - length * (1.0 - share)]
 }
 

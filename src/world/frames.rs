@@ -50,8 +50,10 @@ impl Frames<'_> {
             return Ok(self.virtual_parent(joint));
         }
         if let Some((link, pose_lf)) = attached_frame(name, world) {
-            let link = self.robot.link_by_name(link).ok_or_else(|| format!("the robot has no link '{link}'"))?;
-            let caution = format!("'{name}' is held by the robot: what is given in its frame stays where it is now");
+            let link =
+                self.robot.link_by_name(link).ok_or_else(|| format!("the robot has no link '{link}'"))?;
+            let caution =
+                format!("'{name}' is held by the robot: what is given in its frame stays where it is now");
             return Ok(FoundFrame { pose_rf: self.poses.pose(link) * pose_lf, caution: Some(caution) });
         }
         match object_frame(name, world).or_else(|| self.others.get(name).copied()) {

@@ -19,9 +19,7 @@ mod world;
 mod world_file;
 
 pub use attached_object::{AttachedId, AttachedObject};
-pub use cloud::{
-    ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind, is_cloud, read_cloud,
-};
+pub use cloud::{ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind, is_cloud, read_cloud};
 pub use frames::{FoundFrame, Frames};
 pub use obstacle::{Obstacle, ObstacleId, ObstacleShape};
 pub use octomap::{Cell, Octomap, OctomapError, Space};

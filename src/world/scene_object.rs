@@ -289,9 +289,8 @@ impl World {
                 return Err(ObjectError::OtherLink { object, link: held.link.clone(), named });
             }
         }
-        let meant = |o: &AttachedObject| {
-            (id.is_empty() || o.name == *id) && (link.is_empty() || o.link == *link)
-        };
+        let meant =
+            |o: &AttachedObject| (id.is_empty() || o.name == *id) && (link.is_empty() || o.link == *link);
         let held: Vec<_> = self.attached().iter().filter(|o| meant(o)).cloned().collect();
         for object in held {
             let carrier = frames.robot.link_by_name(&object.link);

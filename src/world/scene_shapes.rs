@@ -93,7 +93,9 @@ mod tests {
 
     #[test]
     fn cones_and_cylinders_take_their_height_first() {
-        for (name, made) in [("cone", Primitive::cone(0.25, 2.0)), ("Cylinder", Primitive::cylinder(0.25, 2.0))] {
+        for (name, made) in
+            [("cone", Primitive::cone(0.25, 2.0)), ("Cylinder", Primitive::cylinder(0.25, 2.0))]
+        {
             let Shape::Primitive(solid) = solid(solid_type(name).unwrap(), &[2.0, 0.25]).unwrap() else {
                 panic!("{name} is no primitive");
             };
@@ -110,7 +112,10 @@ mod tests {
             (plane([0.0, 0.0, 0.0, 1.0]).unwrap_err(), "coef"),
             (mesh(vec![], vec![]).unwrap_err(), "no triangles"),
             (message_pose([f64::NAN; 3], [0.0; 4]).unwrap_err(), "finite"),
-            (placed_shapes(vec![], &[Pose::identity()], "mesh_poses", &mut vec![]).unwrap_err(), "mesh_poses"),
+            (
+                placed_shapes(vec![], &[Pose::identity()], "mesh_poses", &mut vec![]).unwrap_err(),
+                "mesh_poses",
+            ),
         ] {
             assert!(fault.contains(word), "{fault}");
         }

@@ -39,7 +39,8 @@ impl PlanningScene {
         let mut words = Words { text, at: 0 };
         words.rest_of_line();
         loop {
-            let fault = |words: &Words, e: &str| SceneError::of_file(file, format!("line {}: {e}", words.line()));
+            let fault =
+                |words: &Words, e: &str| SceneError::of_file(file, format!("line {}: {e}", words.line()));
             match words.next() {
                 Some("*") => {}
                 Some(".") => break,
@@ -167,7 +168,8 @@ impl<'t> Words<'t> {
             "mesh" => {
                 let [vertices, triangles]: [u32; 2] = self.numbers("numbers of vertices and triangles")?;
                 // the file may announce more than it holds
-                let vertices: Result<Vec<[f64; 3]>, _> = (0..vertices).map(|_| self.numbers("vertex")).collect();
+                let vertices: Result<Vec<[f64; 3]>, _> =
+                    (0..vertices).map(|_| self.numbers("vertex")).collect();
                 let vertices = vertices?;
                 let triangles: Result<_, _> = (0..triangles).map(|_| self.numbers("triangle")).collect();
                 mesh(vertices, triangles?)

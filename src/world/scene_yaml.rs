@@ -157,7 +157,9 @@ impl PlanningScene {
         let mut remarks = Vec::new();
         let object = SceneObject::from_text(text, reader.files, &mut remarks).map_err(fault)?;
         if object.operation == Operation::Add && self.world.id(&id).is_some() && !reader.is_diff {
-            return Err(fault("it is given twice; only a scene with is_diff: true replaces objects".to_owned()));
+            return Err(fault(
+                "it is given twice; only a scene with is_diff: true replaces objects".to_owned(),
+            ));
         }
         let removes = object.operation == Operation::Remove;
         let before: Vec<String> = if removes { self.names() } else { Vec::new() };

@@ -150,7 +150,10 @@ fn scene_faults_name_object_and_field() {
             vec!["'o'", "http"],
         ),
         ("world: {collision_objects: [{id: o}, {id: o}]}", vec!["'o'", "no shapes"]),
-        ("robot_state: {attached_collision_objects: [{}]}\nworld: {}", vec!["attached_collision_objects[0]", "id"]),
+        (
+            "robot_state: {attached_collision_objects: [{}]}\nworld: {}",
+            vec!["attached_collision_objects[0]", "id"],
+        ),
         ("world: {colision_objects: []}", vec!["colision_objects", "collision_objects"]),
         ("world: {collision_objects: [{id: o, primitive_pose: []}]}", vec!["primitive_pose"]),
         (
@@ -309,7 +312,8 @@ fn distance(world: &[&str]) -> f64 {
 #[test]
 fn worlds_of_all_kinds_take_part() {
     let folder = tempfile::tempdir().unwrap();
-    let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-6, "{found} instead of {wanted}");
+    let near =
+        |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-6, "{found} instead of {wanted}");
 
     let scene = file(&folder, "old.scene", "s\n* o\n1\nsphere\n0.1\n2 0.5 0\n0 0 0 1\n0 0 0 0\n.\n");
     near(distance(&["--world", &scene]), 0.3);

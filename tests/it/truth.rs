@@ -274,7 +274,10 @@ fn native_scenes_agree_with_the_truth() {
         for sample in problem["path_samples"].as_array().unwrap() {
             let t = sample["t"].as_f64().unwrap();
             let q = scene_configuration(problem, &robot, t);
-            tally.add(&format!("{native} at {t}"), &sample_disagreements(&checker, &q, sample, &mut workspace));
+            tally.add(
+                &format!("{native} at {t}"),
+                &sample_disagreements(&checker, &q, sample, &mut workspace),
+            );
         }
     }
     tally.finish(18);
@@ -282,7 +285,9 @@ fn native_scenes_agree_with_the_truth() {
 
 #[test]
 fn a_native_scene_text_has_the_shapes_it_says() {
-    let (Some(scenes), Some(robots)) = (shared_folder("scenes/native"), shared_folder("robots")) else { return };
+    let (Some(scenes), Some(robots)) = (shared_folder("scenes/native"), shared_folder("robots")) else {
+        return;
+    };
     let robot = robot(&robots, "baxter", true);
     let path = scenes.join("baxter_pillar.scene");
     let mut read = PlanningScene::default();

@@ -23,7 +23,8 @@ pub(super) fn unpack(packed: &[u8], size: usize) -> Result<Vec<u8>, String> {
                 length += usize::from(take(1)?[0]);
             }
             let back = ((control & 31) << 8) + usize::from(take(1)?[0]) + 1;
-            let start = out.len().checked_sub(back).ok_or("the compressed data refers to what is not there")?;
+            let start =
+                out.len().checked_sub(back).ok_or("the compressed data refers to what is not there")?;
             // what is copied may reach into its own copy
             for i in start..start + length {
                 out.push(out[i]);

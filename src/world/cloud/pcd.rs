@@ -124,10 +124,10 @@ impl Header {
 
     fn point_count(&self) -> Result<usize, CloudError> {
         let grid = match (self.width, self.height) {
-            (Some(width), height) => {
-                Some(width.checked_mul(height.unwrap_or(1)).ok_or_else(too_long)?)
+            (Some(width), height) => Some(width.checked_mul(height.unwrap_or(1)).ok_or_else(too_long)?),
+            (None, Some(height)) => {
+                return Err(CloudError(format!("HEIGHT is {height}, but WIDTH is missing")));
             }
-            (None, Some(height)) => return Err(CloudError(format!("HEIGHT is {height}, but WIDTH is missing"))),
             (None, None) => None,
         };
         match (grid, self.points) {
@@ -222,7 +222,10 @@ fn read_ascii(
             break;
         }
         if line.len() < numbers {
-            return Err(CloudError(format!("point {read} has {} numbers, but must have {numbers}", line.len())));
+            return Err(CloudError(format!(
+                "point {read} has {} numbers, but must have {numbers}",
+                line.len()
+            )));
         }
         let mut point = [0.0; 3];
         for (coordinate, (field, kind)) in point.iter_mut().zip(xyz) {
@@ -273,7 +276,10 @@ fn read_compressed(
     };
     let (packed, unpacked) = (length(0)?, length(4)?);
     let Some(packed) = data[8..].get(..packed) else {
-        return Err(CloudError(format!("{packed} bytes of compressed data are announced, but {} follow", data.len() - 8)));
+        return Err(CloudError(format!(
+            "{packed} bytes of compressed data are announced, but {} follow",
+            data.len() - 8
+        )));
     };
     let mut starts = Vec::new();
     let mut total = 0usize;

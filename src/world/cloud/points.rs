@@ -194,8 +194,7 @@ mod tests {
         let point = [0.1, 1000.3, -7.7];
         cloud.push(point).unwrap();
         let cloud = cloud.cloud(0.01).unwrap().unwrap();
-        let moved: f64 =
-            cloud.points()[0].iter().zip(point).map(|(&r, p)| (f64::from(r) - p).powi(2)).sum();
+        let moved: f64 = cloud.points()[0].iter().zip(point).map(|(&r, p)| (f64::from(r) - p).powi(2)).sum();
         assert!(moved > 0.0 && cloud.radius() >= 0.01 + moved.sqrt());
     }
 

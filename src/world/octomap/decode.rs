@@ -19,12 +19,7 @@ struct Decoder<'b> {
 
 impl Octomap {
     /// The tree of an `octomap_msgs/Octomap`. A binary one of any type has the same bytes.
-    pub fn from_message(
-        binary: bool,
-        id: &str,
-        resolution: f64,
-        data: &[u8],
-    ) -> Result<Self, OctomapError> {
+    pub fn from_message(binary: bool, id: &str, resolution: f64, data: &[u8]) -> Result<Self, OctomapError> {
         if binary { Self::from_binary(resolution, data) } else { Self::from_full(resolution, id, data) }
     }
 

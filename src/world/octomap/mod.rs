@@ -56,7 +56,9 @@ pub enum OctomapError {
     NoNumber { byte: usize },
     #[error("the tree has more than the {MOST_CELLS} cells that are read")]
     TooManyCells,
-    #[error("the resolution is {0}, but must be above zero, and the whole tree no larger than {LARGEST_COORDINATE:e} m")]
+    #[error(
+        "the resolution is {0}, but must be above zero, and the whole tree no larger than {LARGEST_COORDINATE:e} m"
+    )]
     BadResolution(f64),
     #[error("trees of type '{0}' are not read; OcTree and ColorOcTree are")]
     UnknownType(String),

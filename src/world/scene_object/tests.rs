@@ -54,7 +54,14 @@ fn ball(pose_os: Pose) -> ObstacleShape {
 
 fn object(id: &str, operation: Operation, pose_fo: Pose, shapes: Vec<ObstacleShape>) -> SceneObject {
     let (id, frame) = (id.to_owned(), String::new());
-    SceneObject { id, frame, pose_fo, shapes, subframes: vec![("top".to_owned(), at(0.0, 0.0, 1.0))], operation }
+    SceneObject {
+        id,
+        frame,
+        pose_fo,
+        shapes,
+        subframes: vec![("top".to_owned(), at(0.0, 0.0, 1.0))],
+        operation,
+    }
 }
 
 fn in_frame(frame: &str, object: SceneObject) -> SceneObject {
@@ -69,7 +76,9 @@ fn near(a: &Pose, b: &Pose) {
 fn frames_are_links_objects_subframes_and_others() {
     let mut bench = Bench::new();
     bench.apply(object("o", Operation::Add, at(0.0, 2.0, 0.0), vec![ball(at(0.0, 0.0, 0.5))])).unwrap();
-    bench.attach("tool", object("held", Operation::Add, at(1.0, 0.0, 0.0), vec![ball(Pose::identity())])).unwrap();
+    bench
+        .attach("tool", object("held", Operation::Add, at(1.0, 0.0, 0.0), vec![ball(Pose::identity())]))
+        .unwrap();
     for (frame, place, moves) in [
         ("", [0.0, 0.0, 0.0], false),
         ("base", [0.0, 0.0, 0.0], false),
@@ -90,7 +99,10 @@ fn frames_are_links_objects_subframes_and_others() {
         assert!((found - Vector::from(place)).norm() < 1e-12, "{frame}: {found}");
         assert_eq!(!said.unwrap().is_empty(), moves, "{frame}");
     }
-    let lost = bench.apply(in_frame("o/bottom", object("p", Operation::Add, at(0.0, 0.0, 0.0), vec![ball(at(0.0, 0.0, 0.0))])));
+    let lost = bench.apply(in_frame(
+        "o/bottom",
+        object("p", Operation::Add, at(0.0, 0.0, 0.0), vec![ball(at(0.0, 0.0, 0.0))]),
+    ));
     assert!(lost.unwrap_err().to_string().contains("'o/bottom'"));
 }
 
@@ -165,7 +177,12 @@ fn all_go_but_the_octomap_when_no_name_is_given() {
     bench.world.add(octomap).unwrap();
     for name in ["a", "b"] {
         bench.apply(object(name, Operation::Add, at(1.0, 0.0, 0.0), vec![ball(Pose::identity())])).unwrap();
-        bench.attach("tool", object(&format!("{name}2"), Operation::Add, at(1.0, 0.0, 0.0), vec![ball(Pose::identity())])).unwrap();
+        bench
+            .attach(
+                "tool",
+                object(&format!("{name}2"), Operation::Add, at(1.0, 0.0, 0.0), vec![ball(Pose::identity())]),
+            )
+            .unwrap();
     }
     bench.apply(object("", Operation::Remove, Pose::identity(), vec![])).unwrap();
     assert_eq!(bench.world.len(), 1);

@@ -28,7 +28,8 @@ fn both_dialects_are_told_apart_by_the_line_after_the_first_id() {
     for newer in [false, true] {
         let read = read(&scene(newer)).unwrap();
         let table = read.world.obstacle_by_name("table top").unwrap();
-        let kinds: Vec<_> = read.world.obstacles().flat_map(|o| o.shapes.iter()).map(|s| s.shape.kind()).collect();
+        let kinds: Vec<_> =
+            read.world.obstacles().flat_map(|o| o.shapes.iter()).map(|s| s.shape.kind()).collect();
         assert_eq!(kinds, ["box", "cylinder", "cone", "plane", "mesh"]);
         let Shape::Primitive(cylinder) = table.shapes[1].shape else { panic!("no primitive") };
         assert_eq!(cylinder, Primitive::cylinder(0.1, 2.0).unwrap());
@@ -49,7 +50,10 @@ fn faults_name_object_and_line() {
         ("s\n* o\n1\nbox\n1 2 nan\n0 0 0\n0 0 0 1\n0 0 0 0\n.\n", vec!["'o'", "NaN"]),
         ("s\n* o\n1\nprism\n", vec!["'o'", "'prism'"]),
         ("s\n* o\n1\nsphere\n1\n0 0 inf\n0 0 0 1\n", vec!["'o'", "pose of shape 0", "finite"]),
-        ("s\n* o\n1\nmesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 7\n0 0 3\n0 0 0 1\n0 0 0 0\n.\n", vec!["'o'", "vertex 7"]),
+        (
+            "s\n* o\n1\nmesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 7\n0 0 3\n0 0 0 1\n0 0 0 0\n.\n",
+            vec!["'o'", "vertex 7"],
+        ),
         ("s\n* o\n1\nmesh\n4000000000 4000000000\n0 0", vec!["'o'", "vertex"]),
         ("s\n* o\n4000000000\n", vec!["'o'", "shape 0"]),
         ("s\n* arm\n1\nsphere\n1\n0 0 0\n0 0 0 1\n0 0 0 0\n.\n", vec!["'arm'", "link"]),

@@ -8,9 +8,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 pub use numbers::{PoseText, TransformText};
-pub use object::{
-    AttachedText, HeaderText, KindText, MeshText, ObjectText, OperationText, PrimitiveText,
-};
+pub use object::{AttachedText, HeaderText, KindText, MeshText, ObjectText, OperationText, PrimitiveText};
 
 /// `moveit_msgs/AllowedCollisionMatrix` as it stands in the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]

@@ -71,7 +71,11 @@ fn everything_a_scene_may_say() {
     near(place(&scene, "o"), [1.0, 3.0, 0.0]);
     near(place(&scene, "lid"), [1.0, 3.0, 1.0]);
     near(place(&scene, "marker"), [0.0, 1.0, 1.0]);
-    assert!(scene.warnings.iter().any(|w| w.contains("'marker'") && w.contains("'tool' moves")), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("'marker'") && w.contains("'tool' moves")),
+        "{:?}",
+        scene.warnings
+    );
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
     // in the sixteen bits of 0x0080, two for each child, the fourth is occupied
     let octomap = scene.world.obstacle_by_name("<octomap>").unwrap();
@@ -109,10 +113,17 @@ world:
 
 #[test]
 fn files_add_to_each_other_and_only_diffs_replace() {
-    let ball = |x: f64| format!("{{id: o, pose: {{position: [{x}, 0, 0]}}, primitives: [{{type: sphere, dimensions: [0.1]}}]}}");
-    let file = |objects: &str, is_diff: bool| format!("is_diff: {is_diff}\nworld: {{collision_objects: [{objects}]}}\n");
+    let ball = |x: f64| {
+        format!(
+            "{{id: o, pose: {{position: [{x}, 0, 0]}}, primitives: [{{type: sphere, dimensions: [0.1]}}]}}"
+        )
+    };
+    let file = |objects: &str, is_diff: bool| {
+        format!("is_diff: {is_diff}\nworld: {{collision_objects: [{objects}]}}\n")
+    };
     let mut scene = read(&file(&ball(1.0), false)).unwrap();
-    let mut more = |text: &str| scene.read_yaml(text, "b.yaml", &robot(), &MeshFiles::default()).map(|()| scene.clone());
+    let mut more =
+        |text: &str| scene.read_yaml(text, "b.yaml", &robot(), &MeshFiles::default()).map(|()| scene.clone());
     let error = more(&file(&ball(2.0), false)).unwrap_err().to_string();
     assert!(error.contains("b.yaml: object 'o'") && error.contains("is_diff"), "{error}");
     near(place(&more(&file(&ball(2.0), true)).unwrap(), "o"), [2.0, 0.0, 0.0]);
@@ -125,7 +136,8 @@ fn files_add_to_each_other_and_only_diffs_replace() {
 
 #[test]
 fn poses_that_are_not_given_are_the_objects_own() {
-    let text = "collision_objects: [{id: o, pose: {position: [1, 0, 0]}, primitive_poses: [{position: [0, 1, 0]}],
+    let text =
+        "collision_objects: [{id: o, pose: {position: [1, 0, 0]}, primitive_poses: [{position: [0, 1, 0]}],
         primitives: [{type: sphere, dimensions: [0.1]}, {type: sphere, dimensions: [0.2]}]}]";
     let scene = read(text).unwrap();
     near(place(&scene, "o"), [1.0, 1.0, 0.0]);
@@ -139,18 +151,27 @@ fn faults_name_object_and_field() {
     for (text, words) in [
         (object("planes: [{coef: [0, 0, 0, 1]}]"), vec!["'o'", "planes[0]", "coef"]),
         (object("planes: [{coef: [0, 0, 1]}]"), vec!["coef"]),
-        (object("primitives: [{type: cone, dimensions: [1]}]"), vec!["'o'", "primitives[0]", "cone takes two"]),
+        (
+            object("primitives: [{type: cone, dimensions: [1]}]"),
+            vec!["'o'", "primitives[0]", "cone takes two"],
+        ),
         (object("primitives: [{type: prism, dimensions: [1]}]"), vec!["'o'", "prism"]),
         (object("mesh_poses: [{}]"), vec!["'o'", "mesh_poses"]),
         (object("subframe_names: [a, b], subframe_poses: [{}]"), vec!["'o'", "subframe_poses"]),
-        (object("subframe_names: [a], subframe_poses: [{position: [.nan, 0, 0]}]"), vec!["'o'", "subframe_poses[0]"]),
+        (
+            object("subframe_names: [a], subframe_poses: [{position: [1e300, 0, 0]}]"),
+            vec!["'o'", "subframe_poses[0]"],
+        ),
         (object("operation: 7"), vec!["'o'", "operation", "'7'"]),
         (object("operation: move"), vec!["'o'", "no object 'o' to move"]),
         ("link_padding: [{link_name: hand, padding: 1}]".to_owned(), vec!["link_padding", "'hand'"]),
         ("link_padding: [{link_name: arm, padding: -1}]".to_owned(), vec!["link_padding", "'arm'", "-1"]),
         ("link_scale: [{link_name: arm, scale: 0}]".to_owned(), vec!["link_scale", "'arm'", "0"]),
         ("robot_state: {joint_state: {name: [k], position: [1]}}".to_owned(), vec!["joint_state", "'k'"]),
-        ("robot_state: {joint_state: {name: [j], position: []}}".to_owned(), vec!["joint_state", "0 positions"]),
+        (
+            "robot_state: {joint_state: {name: [j], position: []}}".to_owned(),
+            vec!["joint_state", "0 positions"],
+        ),
         (
             "robot_state: {multi_dof_joint_state: {joint_names: [w], transforms: []}}".to_owned(),
             vec!["multi_dof_joint_state", "0 transforms"],
@@ -163,7 +184,10 @@ fn faults_name_object_and_field() {
             "world: {}\nfixed_frame_transforms: [{header: {frame_id: odom}, child_frame_id: a}]".to_owned(),
             vec!["fixed_frame_transforms[0]", "'odom'"],
         ),
-        (octomap("binary: true, id: OcTree, resolution: 0.1, data: [1]"), vec!["world.octomap.octomap", "byte 0"]),
+        (
+            octomap("binary: true, id: OcTree, resolution: 0.1, data: [1]"),
+            vec!["world.octomap.octomap", "byte 0"],
+        ),
         (octomap("binary: true, id: OcTree, resolution: 0, data: [1, 0]"), vec!["resolution"]),
         (octomap("binary: false, id: Tree, resolution: 1, data: [1, 0]"), vec!["'Tree'"]),
         (octomap("binary: true, id: OcTree, resolution: 1, data: [256]"), vec!["256"]),

@@ -102,7 +102,9 @@ impl BoundingVolume for Obb {
         let half_extents = match *primitive {
             Primitive::Box { half_extents } => Vector::from(half_extents),
             Primitive::Sphere { radius } => Vector::repeat(radius),
-            Primitive::Cylinder { radius, half_length } | Primitive::Cone { radius, half_length } => Vector::new(radius, radius, half_length),
+            Primitive::Cylinder { radius, half_length } | Primitive::Cone { radius, half_length } => {
+                Vector::new(radius, radius, half_length)
+            }
             Primitive::Capsule { radius, half_length } => Vector::new(radius, radius, half_length + radius),
         };
         let slack = FIT_SLACK * (pose.translation.vector.amax() + half_extents.amax());

@@ -126,9 +126,7 @@ impl BoundingVolume for Rss {
             Primitive::Sphere { radius } => ([0.0, 0.0], radius, [0, 1, 2]),
             Primitive::Cylinder { radius, half_length }
             | Primitive::Cone { radius, half_length }
-            | Primitive::Capsule { radius, half_length } => {
-                ([half_length, 0.0], radius, [2, 0, 1])
-            }
+            | Primitive::Capsule { radius, half_length } => ([half_length, 0.0], radius, [2, 0, 1]),
         };
         let rotation = pose.rotation.to_rotation_matrix();
         let reach = pose.translation.vector.amax() + primitive.bounding_radius();

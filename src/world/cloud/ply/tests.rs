@@ -1,6 +1,5 @@
 use proptest::prelude::*;
 
-use super::*;
 use crate::world::read_cloud;
 
 /// The bytes of a number in the order of the file.
@@ -20,7 +19,8 @@ fn number(kind: &str, value: f64, format: &str) -> Vec<u8> {
 
 /// A PLY with an element before the vertices, vertices with a list and a colour, and faces after them.
 fn file(points: &[[f64; 3]], order: [usize; 3], kind: &str, format: &str) -> Vec<u8> {
-    let named: Vec<String> = order.iter().map(|&k| format!("property {kind} {}\n", ["x", "y", "z"][k])).collect();
+    let named: Vec<String> =
+        order.iter().map(|&k| format!("property {kind} {}\n", ["x", "y", "z"][k])).collect();
     let mut bytes = format!(
         "ply\nformat {format} 1.0\ncomment made for a test\nelement camera 2\nproperty uchar id\n\
          property list uchar short view\nelement vertex {}\nproperty uchar red\n{}property list int float more\n\
@@ -33,7 +33,9 @@ fn file(points: &[[f64; 3]], order: [usize; 3], kind: &str, format: &str) -> Vec
         "ascii" => bytes.extend(format!("{value} ").into_bytes()),
         _ => bytes.extend(number(kind, value, format)),
     };
-    for (kind, value) in [("uchar", 1.0), ("uchar", 2.0), ("short", -5.0), ("short", 6.0), ("uchar", 2.0), ("uchar", 0.0)] {
+    for (kind, value) in
+        [("uchar", 1.0), ("uchar", 2.0), ("short", -5.0), ("short", 6.0), ("uchar", 2.0), ("uchar", 0.0)]
+    {
         put(kind, value);
     }
     for point in points {
@@ -96,10 +98,18 @@ fn faults_are_named() {
         (format!("{head}element vertex 1\n{xyz}end_header\n1 2 far"), "'far'"),
         (format!("{head}element vertex many\n{xyz}end_header\n"), "'many'"),
         (format!("{binary}element vertex 4000000000\n{xyz}end_header\nabc"), "vertex 0"),
-        (format!("{binary}element a 9999999999999999999\nproperty int b\nelement vertex 1\n{xyz}end_header\n"), "'a'"),
+        (
+            format!(
+                "{binary}element a 9999999999999999999\nproperty int b\nelement vertex 1\n{xyz}end_header\n"
+            ),
+            "'a'",
+        ),
         (format!("{head}property float x\n"), "before any element"),
         (format!("{head}element vertex 1\nproperty quad x\n"), "'quad'"),
-        (format!("{head}element a 1\nproperty list int int b\nelement vertex 0\n{xyz}end_header\n-1"), "-1 entries"),
+        (
+            format!("{head}element a 1\nproperty list int int b\nelement vertex 0\n{xyz}end_header\n-1"),
+            "-1 entries",
+        ),
     ] {
         let error = read_cloud(text.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(word), "{error} does not name {word}");
