@@ -41,7 +41,7 @@ impl Reference {
         };
         Self {
             bodies: robot.links().iter().map(body).collect(),
-            pairs: checker.pairs().self_pairs().to_vec(),
+            pairs: checker.pairs().link_pairs().collect(),
             robot,
         }
     }

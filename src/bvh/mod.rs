@@ -1,14 +1,19 @@
 //! Wide trees of bounding volumes: eight children to a node, eight primitives to a leaf.
 //!
 //! Every node has a frame of its own, a rotation about the tree's anchor, in which the volumes of its children are
-//! packed. One traversal ([`descend`]) serves all volumes and all questions.
+//! packed. One traversal ([`descend`]) serves all volumes and all questions. What comes and goes has a tree of its own
+//! ([`DynamicTree`]).
 
+mod axis_box;
 mod build;
 mod cut;
 mod descend;
+mod dynamic_tree;
 mod tree;
 mod triangle_leaf;
 
+pub use axis_box::AxisBox;
 pub use descend::{Entry, Visitor, descend};
+pub use dynamic_tree::{Child, DynamicTree};
 pub use tree::{Content, Leaf, Node, NodeRef, Tree};
 pub use triangle_leaf::TriangleLeaf;

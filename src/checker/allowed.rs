@@ -1,6 +1,6 @@
 //! Pairs that may touch: what MoveIt calls the allowed collision matrix (ACM).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::robot::RobotModel;
 use crate::world::MatrixEntries;
@@ -10,6 +10,8 @@ use crate::world::MatrixEntries;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AllowedCollisionMatrix {
     entries: HashMap<(String, String), bool>,
+    /// Names that have entries.
+    named: HashSet<String>,
     defaults: HashMap<String, bool>,
 }
 
@@ -69,10 +71,27 @@ impl AllowedCollisionMatrix {
     /// Says whether `a` and `b` may touch.
     pub fn set(&mut self, a: &str, b: &str, allowed: bool) {
         self.entries.insert(key(a, b), allowed);
+        for name in [a, b] {
+            if !self.named.contains(name) {
+                self.named.insert(name.to_owned());
+            }
+        }
     }
 
     fn entry(&self, a: &str, b: &str) -> Option<bool> {
         self.entries.get(&key(a, b)).copied()
+    }
+
+    /// Whether there is an entry or a default for a name.
+    #[must_use]
+    pub fn mentions(&self, name: &str) -> bool {
+        self.defaults.contains_key(name) || self.named.contains(name)
+    }
+
+    /// Whether a name may touch those that are not mentioned.
+    #[must_use]
+    pub fn allows_by_default(&self, name: &str) -> bool {
+        self.defaults.get(name).copied().unwrap_or(false)
     }
 
     /// Whether `a` and `b` may touch; false when nothing is said. If both names have defaults, both must allow.

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::capsules::{Segment, up};
 use super::collision_checker::CollisionChecker;
 use super::likely::LikelyPairs;
+use super::numbers::PairNumber;
 use super::report::{CollisionReport, Question};
 use super::workspace::Workspace;
 use crate::constants::CONTACT_DISTANCE;
@@ -36,9 +37,9 @@ impl CollisionChecker {
     /// When `free` is not as long as `states`.
     pub fn are_free_with(&self, states: &[Configuration], workspace: &mut Workspace, free: &mut [bool]) {
         assert_eq!(states.len(), free.len(), "an answer for every state");
-        let Workspace { scratch, likely, .. } = workspace;
-        let level = scratch.level();
-        dispatch!(level, simd => self.free_eights(simd, states, (scratch, likely), free));
+        self.suit(workspace);
+        let level = workspace.scratch.level();
+        dispatch!(level, simd => self.free_eights(simd, states, workspace, free));
     }
 
     /// How many pairs of all states level 0 leaves to the hierarchies: kinematics and capsules alone, which take their share
@@ -52,9 +53,23 @@ impl CollisionChecker {
                 self.screen_eight(simd, states, &mut eight);
                 let lanes = u8::MAX >> (LANES - states.len());
                 count += eight.near.iter().map(|near| u64::from((near & lanes).count_ones())).sum::<u64>();
+                for lane in 0..states.len() {
+                    count += self.count_near_obstacles(|body| eight.frame(body, lane), workspace);
+                }
             }
             count
         })
+    }
+
+    fn count_near_obstacles(&self, frame: impl Fn(usize) -> Frame<f64>, workspace: &mut Workspace) -> u64 {
+        let Workspace { scratch, nearby, queue, .. } = workspace;
+        queue.clear();
+        for (part, rider) in self.riders.iter().enumerate() {
+            let reach = self.reach_of(part, &frame(rider.body));
+            let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
+            self.obstacles_near(part, &reach, CONTACT_DISTANCE, memory, queue);
+        }
+        queue.len() as u64
     }
 
     /// Answers `question` about each state, as [`Self::check`] does: the same reports, in the order of the states, for any
@@ -75,9 +90,10 @@ impl CollisionChecker {
         &self,
         simd: S,
         states: &[Configuration],
-        (scratch, likely): (&mut Scratch, &mut LikelyPairs),
+        workspace: &mut Workspace,
         free: &mut [bool],
     ) {
+        let Workspace { scratch, likely, nearby, queue, .. } = workspace;
         let mut eight = Eight::new(self, simd);
         for (states, free) in states.chunks(LANES).zip(free.chunks_mut(LANES)) {
             self.screen_eight(simd, states, &mut eight);
@@ -86,18 +102,43 @@ impl CollisionChecker {
             let mut hit = 0u8;
             for rank in 0.. {
                 let Some(i) = likely.get(rank) else { break };
-                if let Some(near) = eight.near.get_mut(i) {
-                    let near = std::mem::take(near);
-                    hit |= self.hits_of(i, near & all & !hit, &eight, scratch, likely);
-                }
+                let near = match eight.near.get_mut(i) {
+                    Some(near) => std::mem::take(near),
+                    None => self.near_obstacle(i, all & !hit, &eight),
+                };
+                hit |= self.hits_of(i, near & all & !hit, &eight, scratch, likely);
             }
             for i in 0..eight.near.len() {
                 hit |= self.hits_of(i, eight.near[i] & all & !hit, &eight, scratch, likely);
+            }
+            for lane in 0..states.len() {
+                if hit & (1 << lane) != 0 {
+                    continue;
+                }
+                let frame = |body| eight.frame(body, lane);
+                if let Some(pair) = self.first_obstacle(&frame, likely, (scratch, nearby, queue)) {
+                    hit |= 1 << lane;
+                    likely.hit(pair);
+                }
             }
             for (lane, free) in free.iter_mut().enumerate() {
                 *free = hit & (1 << lane) == 0;
             }
         }
+    }
+
+    /// In which of some states capsules leave what may be the number of a pair with an obstacle.
+    #[inline(always)]
+    fn near_obstacle<S: Simd>(&self, pair: usize, states: u8, eight: &Eight<S>) -> u8 {
+        if !self.is_pair(pair) {
+            return 0;
+        }
+        let PairNumber::WithObstacle { part, place } = self.number(pair) else { return 0 };
+        let body = self.riders[part].body;
+        let asked = (0..LANES).filter(|lane| states & (1 << lane) != 0);
+        asked
+            .filter(|lane| self.may_touch_obstacle(part, place, &eight.frame(body, *lane)))
+            .fold(0, |near, lane| near | 1 << lane)
     }
 
     /// In which of some states a pair touches.
@@ -145,7 +186,7 @@ pub(super) struct Eight<S: Simd> {
     pub positions: Vec<[f64; LANES]>,
     frames: Vec<Frame<f64x8<S>>>,
     segments: Vec<Segment<f32x8<S>>>,
-    /// By pair: a bit for each state in which it may be near.
+    /// By self pair: a bit for each state in which it may be near.
     pub near: Vec<u8>,
 }
 
@@ -176,7 +217,7 @@ impl<S: Simd> Eight<S> {
     }
 
     /// A body's frame in one of the states.
-    fn frame(&self, body: usize, lane: usize) -> Frame<f64> {
+    pub fn frame(&self, body: usize, lane: usize) -> Frame<f64> {
         let Frame { r: [x, y, z], t } = &self.frames[body];
         let taken = |v: &[f64x8<S>; 3]| [v[0][lane], v[1][lane], v[2][lane]];
         Frame { r: [taken(x), taken(y), taken(z)], t: taken(t) }

@@ -1,116 +1,184 @@
-//! The bodies of a checker: links and obstacles with geometry, where they ride, and the pairs of them.
+//! The parts of a robot that can collide: links and what they carry, where they ride, and the pairs of them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::capsule_fit::fit_capsule;
+use super::capsule_fit::capsule_around;
 use super::capsules::{CapsulePairs, LinkCapsule};
 use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::{MeshModel, Settings};
 use super::{PairList, SettingsError};
-use crate::geometry::{Primitive, Shape};
-use crate::math::{MatrixPose, Point, Pose};
+use crate::geometry::{ScaleError, Shape};
+use crate::math::{MatrixPose, Pose};
 use crate::query::CollisionBody;
-use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
-use crate::world::{ObstacleId, World};
+use crate::robot::{Between, Chain, Frame, LinkId, RobotModel, Seat, TravelRates};
+use crate::world::{AttachedObject, ObstacleShape, World};
 
-/// A link or an obstacle, in the frame of the body of the chain that it rides on.
+/// A link or an attached object with geometry, in the frame of the body of the chain that it rides on.
 #[derive(Clone, Debug)]
 pub(super) struct Rider {
+    pub id: Body,
     /// The body of the chain; 0 is the root's.
     pub body: usize,
+    /// The link that carries it, or itself.
+    pub link: LinkId,
+    /// Safety distance (m).
+    pub padding: f64,
     pub solid: Arc<CollisionBody>,
     pub capsule: LinkCapsule,
+    made_of: MadeOf,
 }
 
-/// A shape at its pose.
-type Placed<'s> = (Pose, &'s Shape);
+/// What a rider was built from; the same makes the same.
+#[derive(Clone, Debug)]
+struct MadeOf {
+    seat: Seat,
+    mesh_model: MeshModel,
+    scale: f64,
+    attached: Option<(Pose, Arc<[ObstacleShape]>)>,
+}
 
-/// Every link and obstacle with geometry, by name of body: links first.
+impl MadeOf {
+    fn is_same(&self, other: &Self) -> bool {
+        let same_object = match (&self.attached, &other.attached) {
+            (None, None) => true,
+            (Some((pose, shapes)), Some((other_pose, others))) => {
+                pose == other_pose && Arc::ptr_eq(shapes, others)
+            }
+            _ => false,
+        };
+        same_object
+            && self.seat == other.seat
+            && self.mesh_model == other.mesh_model
+            && self.scale.to_bits() == other.scale.to_bits()
+    }
+}
+
+/// The chain of a robot that carries what is attached to it.
+pub(super) fn chain(robot: &RobotModel, world: &World) -> Chain {
+    let mut has_geometry: Vec<bool> = robot.links().iter().map(|l| !l.collisions.is_empty()).collect();
+    for object in world.attached() {
+        if let Some(link) = robot.link_by_name(&object.link) {
+            has_geometry[link.index()] = true;
+        }
+    }
+    robot.chain(&has_geometry)
+}
+
+/// The parts of a list of pairs, in its order. What `known` has, of the same robot, is not built again.
 pub(super) fn riders(
     robot: &RobotModel,
     world: &World,
-    chain: &Chain,
-    mesh_model: MeshModel,
-) -> Vec<Option<Rider>> {
-    let links = (robot.links().iter().enumerate()).map(|(i, link)| {
-        let seat = chain.seat(i)?;
-        let place = pose(&seat.place);
-        let shapes = link.collisions.iter().map(|c| (place * c.pose_ls, &c.shape)).collect();
-        Some((seat.body, shapes))
-    });
-    let obstacles = (0..).map(ObstacleId).take(world.place_count());
-    let obstacles = obstacles.map(|id| Some((0, world.place(id)?.placed_shapes().collect())));
-    let all: Vec<Option<(usize, Vec<Placed>)>> = links.chain(obstacles).collect();
-    (all.into_par_iter())
-        .map(|rider| rider.and_then(|(body, shapes)| Rider::new(body, &shapes, mesh_model)))
+    (chain, pairs): (&Chain, &PairList),
+    settings: &Settings,
+    known: &[Rider],
+) -> Result<Vec<Rider>, SettingsError> {
+    let padding = link_padding(robot, settings)?;
+    let bodies: Vec<Body> = pairs.parts().collect();
+    let known: HashMap<Body, &Rider> = known.iter().map(|rider| (rider.id, rider)).collect();
+    (bodies.into_par_iter())
+        .map(|id| {
+            let object = match id {
+                Body::Attached(id) => Some(world.attached_object(id).as_ref()),
+                _ => None,
+            };
+            let link = carrier(robot, id, object)?;
+            let seat = *chain.seat(link.index()).expect("links that carry geometry have seats");
+            let name = object.map_or(&robot.link(link).name, |object| &object.name);
+            let scale = if object.is_some() { &settings.object_scale } else { &settings.link_scale };
+            let made_of = MadeOf {
+                seat,
+                mesh_model: settings.mesh_model,
+                scale: usable_scale(name, scale.get(name).copied().unwrap_or(1.0))?,
+                attached: object.map(|object| (object.pose_lo, Arc::clone(&object.shapes))),
+            };
+            let padding = padding[link.index()] + object.map_or(Ok(0.0), |o| settings.padding_of(&o.name))?;
+            if let Some(same) = known.get(&id).filter(|known| known.made_of.is_same(&made_of)) {
+                return Ok(Rider { padding, ..(*same).clone() });
+            }
+            Rider::new(robot, (id, link), object, padding, made_of)
+                .map_err(|why| SettingsError::CannotScale { of: name.clone(), why })
+        })
         .collect()
 }
 
+fn carrier(robot: &RobotModel, id: Body, object: Option<&AttachedObject>) -> Result<LinkId, SettingsError> {
+    match (id, object) {
+        (Body::Link(link), _) => Ok(link),
+        (_, Some(object)) => robot.link_by_name(&object.link).ok_or_else(|| SettingsError::NoCarrier {
+            object: object.name.clone(),
+            link: object.link.clone(),
+        }),
+        _ => unreachable!("an obstacle is no part of a robot"),
+    }
+}
+
 impl Rider {
-    fn new(body: usize, shapes: &[Placed], mesh_model: MeshModel) -> Option<Self> {
-        let placed = || shapes.iter().map(|(pose, shape)| (pose, *shape));
-        let solid = match mesh_model {
-            MeshModel::Surface => CollisionBody::new(placed()),
-            MeshModel::Solid => CollisionBody::with_solid_meshes(placed()),
-        }?;
-        Some(Self { body, solid: Arc::new(solid), capsule: capsule(shapes)? })
-    }
-}
-
-/// A capsule around shapes; a single round one is its own.
-fn capsule(shapes: &[Placed]) -> Option<LinkCapsule> {
-    if let [(pose, Shape::Primitive(primitive))] = shapes {
-        match *primitive {
-            Primitive::Sphere { radius } => return Some(around_axis(pose, 0.0, radius)),
-            Primitive::Capsule { radius, half_length } => {
-                return Some(around_axis(pose, half_length, radius));
+    fn new(
+        robot: &RobotModel,
+        (id, link): (Body, LinkId),
+        object: Option<&AttachedObject>,
+        padding: f64,
+        made_of: MadeOf,
+    ) -> Result<Self, ScaleError> {
+        let place = pose(&made_of.seat.place);
+        let shapes: Vec<(Pose, &Shape)> = match object {
+            Some(object) => {
+                object.shapes.iter().map(|s| (place * object.pose_lo * s.pose_os, &s.shape)).collect()
             }
-            _ => {}
-        }
+            None => robot.link(link).collisions.iter().map(|c| (place * c.pose_ls, &c.shape)).collect(),
+        };
+        let (solid, capsule) = solid(&shapes, made_of.scale, made_of.mesh_model)?;
+        Ok(Self { id, body: made_of.seat.body, link, padding, solid, capsule, made_of })
     }
-    let mut points = Vec::new();
-    for (pose, shape) in shapes {
-        match shape {
-            Shape::Mesh(mesh) => {
-                points.extend(mesh.triangles().iter().flatten().map(|&v| pose * mesh.vertices()[v as usize]));
-            }
-            Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
-            Shape::Primitive(primitive) => points.extend(primitive.hull_points().map(|p| pose * p)),
-        }
-    }
-    points.sort_by(|p, q| p.iter().map(|c| c.to_bits()).cmp(q.iter().map(|c| c.to_bits())));
-    points.dedup();
-    fit_capsule(&points)
 }
 
-fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
-    let end = |z: f64| pose * Point::new(0.0, 0.0, z);
-    let rounding = 8.0 * f64::EPSILON * (pose.translation.vector.amax() + half_length + radius);
-    LinkCapsule { a: end(-half_length), b: end(half_length), radius: radius + rounding }
+/// The body of some shapes, each larger by a factor, and a capsule around it.
+///
+/// # Panics
+/// When there are no shapes.
+pub(super) fn solid(
+    shapes: &[(Pose, &Shape)],
+    scale: f64,
+    mesh_model: MeshModel,
+) -> Result<(Arc<CollisionBody>, LinkCapsule), ScaleError> {
+    let scaled = |shape: &Shape| if scale == 1.0 { Ok(shape.clone()) } else { shape.scaled(scale) };
+    let shapes = shapes.iter().map(|(pose, shape)| Ok((*pose, scaled(shape)?)));
+    let shapes: Vec<(Pose, Shape)> = shapes.collect::<Result<_, ScaleError>>()?;
+    let placed = || shapes.iter().map(|(pose, shape)| (pose, shape));
+    let solid = match mesh_model {
+        MeshModel::Surface => CollisionBody::new(placed()),
+        MeshModel::Solid => CollisionBody::with_solid_meshes(placed()),
+    };
+    let solid = solid.expect("there are shapes");
+    Ok((Arc::new(solid), capsule_around(&shapes).expect("there are shapes")))
 }
 
-/// Capsules of the bodies that occur in pairs, and the pairs of them.
-pub(super) fn capsule_pairs(riders: &[Option<Rider>], infos: &[PairInfo]) -> CapsulePairs {
-    let mut numbers = vec![usize::MAX; riders.len()];
-    let mut capsules = Vec::new();
-    for (i, rider) in riders.iter().enumerate() {
-        if let Some(rider) = rider {
-            numbers[i] = capsules.len();
-            capsules.push((rider.body, rider.capsule));
-        }
-    }
-    let pairs: Vec<_> = infos.iter().map(|p| (numbers[p.bodies.0], numbers[p.bodies.1])).collect();
+/// The pairs of the parts, by index of rider.
+pub(super) fn pair_infos(pairs: &PairList, riders: &[Rider], settings: &Settings) -> Vec<PairInfo> {
+    let index: HashMap<Body, usize> = riders.iter().enumerate().map(|(i, rider)| (rider.id, i)).collect();
+    let info = |&(a, b): &(Body, Body)| {
+        let bodies = (index[&a], index[&b]);
+        let padding = riders[bodies.0].padding + riders[bodies.1].padding;
+        PairInfo { ids: (a, b), bodies, padding: if settings.pad_self { padding } else { 0.0 } }
+    };
+    pairs.self_pairs().iter().map(info).collect()
+}
+
+/// Capsules of the parts, and the pairs of them.
+pub(super) fn capsule_pairs(riders: &[Rider], infos: &[PairInfo]) -> CapsulePairs {
+    let capsules: Vec<_> = riders.iter().map(|rider| (rider.body, rider.capsule)).collect();
+    let pairs: Vec<_> = infos.iter().map(|p| p.bodies).collect();
     CapsulePairs::new(&capsules, &pairs)
 }
 
 /// How far bodies may move when joints do, relative to each other and to the world.
-pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Option<Rider>]) -> TravelRates {
+pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Rider]) -> TravelRates {
     let mut reach = vec![0.0_f64; chain.body_count()];
-    for Rider { body, capsule, .. } in riders.iter().flatten() {
+    for Rider { body, capsule, .. } in riders {
         let ends = [capsule.a, capsule.b].map(|p| p.coords.norm());
         reach[*body] = reach[*body].max(ends[0].max(ends[1]) + capsule.radius);
     }
@@ -123,47 +191,58 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Option<R
 }
 
 /// By pair: the joints between its bodies.
-pub(super) fn joints_between(chain: &Chain, riders: &[Option<Rider>], infos: &[PairInfo]) -> Vec<Between> {
-    let body = |i: usize| riders[i].as_ref().map_or(0, |rider| rider.body);
+pub(super) fn joints_between(chain: &Chain, riders: &[Rider], infos: &[PairInfo]) -> Vec<Between> {
+    let body = |i: usize| riders[i].body;
     infos.iter().map(|info| chain.between(body(info.bodies.0), body(info.bodies.1))).collect()
 }
 
-/// The pairs of a list, by index of rider.
-pub(super) fn pair_infos(
-    pairs: &PairList,
-    links: usize,
-    padding: &[f64],
-    settings: &Settings,
-) -> Vec<PairInfo> {
-    let between_links = pairs.self_pairs().iter().map(|&(a, b)| PairInfo {
-        ids: (Body::Link(a), Body::Link(b)),
-        bodies: (a.index(), b.index()),
-        padding: if settings.pad_self { padding[a.index()] + padding[b.index()] } else { 0.0 },
-    });
-    let with_world = pairs.world_pairs().iter().map(|&(link, obstacle)| PairInfo {
-        ids: (Body::Link(link), Body::Obstacle(obstacle)),
-        bodies: (link.index(), links + obstacle.0 as usize),
-        padding: padding[link.index()],
-    });
-    between_links.chain(with_world).collect()
+/// By part: the joints between it and the root.
+pub(super) fn joints_to_root(chain: &Chain, riders: &[Rider]) -> Vec<Between> {
+    riders.iter().map(|rider| chain.between(rider.body, 0)).collect()
 }
 
 /// The padding (m) of every link.
-pub(super) fn link_padding(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>, SettingsError> {
-    let usable = |of: &str, value: f64| {
-        if value.is_finite() && value >= 0.0 {
-            Ok(value)
-        } else {
-            Err(SettingsError::BadPadding { of: of.to_owned(), value })
-        }
-    };
+fn link_padding(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>, SettingsError> {
     let default = usable("", settings.padding)?;
     let mut padding = vec![default; robot.links().len()];
+    let known =
+        |name: &String| robot.link_by_name(name).ok_or_else(|| SettingsError::UnknownLink(name.clone()));
     for (name, &value) in &settings.link_padding {
-        let link = (robot.link_by_name(name)).ok_or_else(|| SettingsError::UnknownLink(name.clone()))?;
-        padding[link.index()] = usable(&format!(" of link '{name}'"), value)?;
+        padding[known(name)?.index()] = usable(&format!(" of link '{name}'"), value)?;
+    }
+    for name in settings.link_scale.keys() {
+        known(name)?;
     }
     Ok(padding)
+}
+
+impl Settings {
+    /// The padding (m) of an object.
+    pub(super) fn padding_of(&self, object: &str) -> Result<f64, SettingsError> {
+        let value = self.object_padding.get(object).copied().unwrap_or(0.0);
+        usable(&format!(" of object '{object}'"), value)
+    }
+
+    /// The factor of an object's shapes.
+    pub(super) fn scale_of(&self, object: &str) -> Result<f64, SettingsError> {
+        usable_scale(object, self.object_scale.get(object).copied().unwrap_or(1.0))
+    }
+}
+
+fn usable(of: &str, value: f64) -> Result<f64, SettingsError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(SettingsError::BadPadding { of: of.to_owned(), value })
+    }
+}
+
+fn usable_scale(of: &str, value: f64) -> Result<f64, SettingsError> {
+    if value.is_finite() && value > 0.0 && value <= 1e3 {
+        Ok(value)
+    } else {
+        Err(SettingsError::BadScale { of: of.to_owned(), value })
+    }
 }
 
 fn pose(frame: &Frame<f64>) -> Pose {

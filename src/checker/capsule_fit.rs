@@ -3,7 +3,53 @@
 use nalgebra::Vector2;
 
 use super::capsules::LinkCapsule;
-use crate::math::{Point, RotationMatrix, UnitVector, Vector};
+use crate::geometry::{Primitive, Shape};
+use crate::math::{Point, Pose, RotationMatrix, UnitVector, Vector};
+
+/// A capsule around shapes; a single round one is its own. What has a plane has one of infinite radius: level 0 tells nothing
+/// of it. `None` without shapes.
+pub(super) fn capsule_around(shapes: &[(Pose, Shape)]) -> Option<LinkCapsule> {
+    if let [(pose, Shape::Primitive(primitive))] = shapes {
+        match *primitive {
+            Primitive::Sphere { radius } => return Some(around_axis(pose, 0.0, radius)),
+            Primitive::Capsule { radius, half_length } => {
+                return Some(around_axis(pose, half_length, radius));
+            }
+            _ => {}
+        }
+    }
+    if shapes.iter().any(|(_, shape)| matches!(shape, Shape::Plane(_))) {
+        return Some(LinkCapsule { a: Point::origin(), b: Point::origin(), radius: f64::INFINITY });
+    }
+    let mut points = Vec::new();
+    for (pose, shape) in shapes {
+        match shape {
+            Shape::Mesh(mesh) => {
+                points.extend(mesh.triangles().iter().flatten().map(|&v| pose * mesh.vertices()[v as usize]));
+            }
+            // as well a capsule around all of them, which would take longer
+            Shape::Points(cloud) => points.extend(corners(cloud.bounds()).map(|p| pose * p)),
+            Shape::Voxels(voxels) => points.extend(corners(voxels.bounds()).map(|p| pose * p)),
+            Shape::Plane(_) => {}
+            Shape::Primitive(primitive) => points.extend(primitive.hull_points().map(|p| pose * p)),
+        }
+    }
+    points.sort_by(|p, q| p.iter().map(|c| c.to_bits()).cmp(q.iter().map(|c| c.to_bits())));
+    points.dedup();
+    fit_capsule(&points)
+}
+
+/// Of the box between two.
+pub(super) fn corners((low, high): (Point, Point)) -> impl Iterator<Item = Point> {
+    let side = move |i: usize, axis: usize| if i & (1 << axis) == 0 { low[axis] } else { high[axis] };
+    (0..8).map(move |i| Point::new(side(i, 0), side(i, 1), side(i, 2)))
+}
+
+fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
+    let end = |z: f64| pose * Point::new(0.0, 0.0, z);
+    let rounding = 8.0 * f64::EPSILON * (pose.translation.vector.amax() + half_length + radius);
+    LinkCapsule { a: end(-half_length), b: end(half_length), radius: radius + rounding }
+}
 
 /// A tight capsule around `points`; `None` if there are none.
 ///

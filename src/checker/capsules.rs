@@ -38,8 +38,9 @@ use std::ops::{Add, Sub};
 
 use nalgebra::Vector3;
 
-use crate::math::Point;
-use crate::robot::Frame;
+use crate::constants::MOTION_SLACK;
+use crate::math::{MatrixPose, Point};
+use crate::robot::{Frame, Reach};
 use crate::simd::prelude::*;
 use crate::simd::{Real, Simd, f32x8};
 
@@ -462,6 +463,14 @@ fn low_byte(bits: u64) -> u8 {
 }
 
 impl LinkCapsule {
+    /// All that it reaches, seen from outside a frame that it is in.
+    #[must_use]
+    pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
+        let seen = |p: Point| (pose * p).coords;
+        let radius = self.radius * (1.0 + MOTION_SLACK) + MOTION_SLACK;
+        Reach { ends: [seen(self.a), seen(self.b)], radius }
+    }
+
     /// Distance of a point from the segment.
     pub fn axis_distance(&self, p: &Point) -> f64 {
         let d = self.b - self.a;

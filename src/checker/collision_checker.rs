@@ -3,21 +3,28 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use super::bodies::{Rider, capsule_pairs, joints_between, link_padding, pair_infos, riders, travel_rates};
+use super::bodies::{
+    Rider, capsule_pairs, chain, joints_between, joints_to_root, pair_infos, riders, travel_rates,
+};
 use super::capsules::{CapsulePairs, Segment};
 use super::likely::LikelyPairs;
 use super::motion::{MotionScratch, Ways, ways_of};
+use super::nearby::NearbyScratch;
+use super::obstacles::Obstacles;
 use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::Settings;
 use super::stream::Stream;
 use super::{AllowedCollisionMatrix, PairList, Workspace};
+use crate::geometry::ScaleError;
 use crate::query::Scratch;
 use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
 use crate::simd::LANES;
-use crate::world::World;
+use crate::world::{ObstacleId, World};
 
 /// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
+///
+/// Pairs have numbers: first those of the list of self pairs, then by part of the robot one for each place of an obstacle.
 #[derive(Clone, Debug)]
 pub struct CollisionChecker {
     robot: Arc<RobotModel>,
@@ -26,34 +33,49 @@ pub struct CollisionChecker {
     pub(super) matrix: Option<AllowedCollisionMatrix>,
     pairs: PairList,
     pub(super) chain: Chain,
-    /// By link, then by obstacle; `None` without geometry.
-    pub(super) riders: Vec<Option<Rider>>,
-    /// In the order of the pair list.
+    /// The parts of the robot that have geometry.
+    pub(super) riders: Vec<Rider>,
+    /// In the order of the self pairs.
     pub(super) infos: Vec<PairInfo>,
-    /// A capsule around each body, and the pairs of them in the order of the pair list.
+    /// A capsule around each part, and the self pairs of them.
     pub(super) capsules: CapsulePairs,
-    /// The largest padding (m) of any pair.
+    /// The largest padding (m) of any self pair.
     pub(super) largest_padding: f64,
-    /// By pair: the joints between its bodies.
+    /// By self pair: the joints between its bodies.
     pub(super) between: Vec<Between>,
+    /// By part: the joints between it and the root.
+    pub(super) to_root: Vec<Between>,
     pub(super) ways: Ways,
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
+    pub(super) obstacles: Obstacles,
     /// Of the model and the world, once somebody asked.
     pub(super) fingerprints: OnceLock<[String; 2]>,
-    /// No two checkers built in one process have the same.
+    /// No two robots built in one process have the same.
     pub(super) identity: u64,
+    /// No two robots in their worlds have the same.
+    pub(super) revision: u64,
 }
 
 static BUILT: AtomicU64 = AtomicU64::new(0);
 
+fn next_identity() -> u64 {
+    BUILT.fetch_add(1, Ordering::Relaxed)
+}
+
 /// A setting that makes no sense for this robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
-    #[error("padding is given for link '{0}', which the robot has not")]
+    #[error("padding or scale is given for link '{0}', which the robot has not")]
     UnknownLink(String),
     #[error("padding{of} is {value}, but must be a finite number of metres, zero or more")]
     BadPadding { of: String, value: f64 },
+    #[error("the scale of '{of}' is {value}, but must be more than zero and at most 1000")]
+    BadScale { of: String, value: f64 },
+    #[error("'{of}' can not be scaled: {why}")]
+    CannotScale { of: String, why: ScaleError },
+    #[error("object '{object}' is attached to link '{link}', which the robot has not")]
+    NoCarrier { object: String, link: String },
 }
 
 impl CollisionChecker {
@@ -69,23 +91,63 @@ impl CollisionChecker {
         settings: Settings,
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, SettingsError> {
-        let padding = link_padding(&robot, &settings)?;
+        Self::build(robot, world, settings, matrix, (&[], &Obstacles::default()))
+    }
+
+    /// The same robot in another world, or with other settings or another matrix. Hierarchies of what stays are shared.
+    pub fn with_world(
+        &self,
+        world: &World,
+        settings: Settings,
+        matrix: Option<&AllowedCollisionMatrix>,
+    ) -> Result<Self, SettingsError> {
+        let known = (self.riders.as_slice(), &self.obstacles);
+        Self::build(Arc::clone(&self.robot), world, settings, matrix, known)
+    }
+
+    /// Changes the world in place: only obstacles that are not the same as before are touched, unless attached objects differ.
+    pub fn set_world(&mut self, world: &World) -> Result<(), SettingsError> {
+        let same = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
+        let (held, holds) = (self.world.attached(), world.attached());
+        if held.len() != holds.len() || !held.iter().zip(holds).all(same) {
+            *self = self.with_world(world, self.settings.clone(), self.matrix.as_ref())?;
+            return Ok(());
+        }
+        let places = world.place_count().max(self.obstacles.place_count());
+        for id in (0..).map(ObstacleId).take(places) {
+            if !self.obstacles.is_up_to_date(world, id) {
+                self.obstacles.update(world, id, &self.settings)?;
+                self.pairs.set_obstacle(id, world.place(id).map(|obstacle| obstacle.name.as_str()));
+            }
+        }
+        self.world = world.clone();
+        self.fingerprints = OnceLock::new();
+        self.revision = next_identity();
+        Ok(())
+    }
+
+    fn build(
+        robot: Arc<RobotModel>,
+        world: &World,
+        settings: Settings,
+        matrix: Option<&AllowedCollisionMatrix>,
+        (known_riders, known_obstacles): (&[Rider], &Obstacles),
+    ) -> Result<Self, SettingsError> {
         let pairs =
             PairList::new(&robot, world, matrix).restricted(settings.check_self, settings.check_world);
-        let has_geometry: Vec<bool> = robot.links().iter().map(|l| !l.collisions.is_empty()).collect();
-        let chain = robot.chain(&has_geometry);
-        let riders = riders(&robot, world, &chain, settings.mesh_model);
-        let infos = pair_infos(&pairs, robot.links().len(), &padding, &settings);
+        let chain = chain(&robot, world);
+        let riders = riders(&robot, world, (&chain, &pairs), &settings, known_riders)?;
+        let infos = pair_infos(&pairs, &riders, &settings);
         let capsules = capsule_pairs(&riders, &infos);
         let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::max);
-        let world = world.clone();
+        let obstacles = Obstacles::new(world, &settings, known_obstacles)?;
         let rates = travel_rates(&robot, &chain, &riders);
         let between = joints_between(&chain, &riders, &infos);
-        let ways = ways_of(&chain, &riders, &infos, &between);
-        let identity = BUILT.fetch_add(1, Ordering::Relaxed);
+        let to_root = joints_to_root(&chain, &riders);
+        let ways = ways_of(&chain, &riders, (&infos, &between));
         Ok(Self {
             robot,
-            world,
+            world: world.clone(),
             settings,
             matrix: matrix.cloned(),
             pairs,
@@ -95,10 +157,13 @@ impl CollisionChecker {
             capsules,
             largest_padding,
             between,
+            to_root,
             ways,
             rates,
+            obstacles,
             fingerprints: OnceLock::new(),
-            identity,
+            identity: next_identity(),
+            revision: next_identity(),
         })
     }
 
@@ -122,11 +187,12 @@ impl CollisionChecker {
         &self.pairs
     }
 
-    /// The name of a link or an obstacle.
+    /// The name of a link or an object.
     #[must_use]
     pub fn body_name(&self, body: Body) -> &str {
         match body {
             Body::Link(id) => &self.robot.link(id).name,
+            Body::Attached(id) => &self.world.attached_object(id).name,
             Body::Obstacle(id) => &self.world.obstacle(id).name,
         }
     }
@@ -148,7 +214,8 @@ impl CollisionChecker {
     /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took.
     #[must_use]
     pub fn streaming_workspace(&self) -> Workspace {
-        Workspace { stream: Some(Stream::new(self.identity, self.infos.len())), ..self.workspace() }
+        let stream = Stream::new(self.revision, self.infos.len(), self.riders.len());
+        Workspace { stream: Some(stream), ..self.workspace() }
     }
 
     pub(super) fn workspace_with(&self, scratch: Scratch) -> Workspace {
@@ -159,8 +226,10 @@ impl CollisionChecker {
             segments: vec![Segment { centre: [0.0; 3], half: [0.0; 3] }; self.capsules.capsule_count()],
             near: vec![0; groups],
             bounds: vec![[0.0; LANES]; groups],
-            queue: Vec::with_capacity(self.pairs.len()),
+            queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),
+            nearest_first: Vec::new(),
             likely: LikelyPairs::new(),
+            nearby: NearbyScratch::default(),
             scratch,
             motion: MotionScratch::default(),
             stream: None,
@@ -170,7 +239,8 @@ impl CollisionChecker {
     /// Memory of all hierarchies and the triangles in them (bytes), and the number of triangles.
     #[must_use]
     pub fn hierarchy_size(&self) -> (usize, usize) {
-        let solids = self.riders.iter().flatten().map(|rider| &rider.solid);
+        let of_parts = self.riders.iter().map(|rider| &rider.solid);
+        let solids = of_parts.chain(self.obstacles.iter().map(|obstacle| &obstacle.solid));
         solids.fold((0, 0), |(bytes, triangles), s| (bytes + s.bytes(), triangles + s.triangle_count()))
     }
 }

@@ -1,6 +1,8 @@
 //! What a certificate is about, as hashes: the robot as it is checked, and its surroundings.
 
-use super::{AllowedCollisionMatrix, MeshModel, PairList, Settings};
+use std::collections::HashMap;
+
+use super::{AllowedCollisionMatrix, Body, MeshModel, PairList, Settings};
 use crate::geometry::{Cube, Plane, Primitive, Shape};
 use crate::math::{Pose, UnitVector};
 use crate::motion::Fingerprint;
@@ -19,7 +21,8 @@ pub fn model_fingerprint(
     print.text("clearance model 1").text(robot.name()).count(robot.links().len());
     for link in robot.links() {
         let padding = settings.link_padding.get(&link.name).copied().unwrap_or(settings.padding);
-        print.text(&link.name).numbers(&[padding]).count(link.collisions.len());
+        let scale = settings.link_scale.get(&link.name).copied().unwrap_or(1.0);
+        print.text(&link.name).numbers(&[padding, scale]).count(link.collisions.len());
         for collision in &link.collisions {
             add_shape(&mut print, &collision.pose_ls, &collision.shape);
         }
@@ -35,12 +38,28 @@ pub fn model_fingerprint(
     let pairs = pairs.restricted(settings.check_self, settings.check_world);
     print.count(pairs.len());
     for (a, b) in pairs.self_pairs() {
-        print.indices(&[a.0, b.0]);
+        for body in [a, b] {
+            if let Body::Link(link) = body {
+                print.indices(&[link.0]);
+            }
+        }
     }
+    add_objects(&mut print, "padding", &settings.object_padding);
+    add_objects(&mut print, "scale", &settings.object_scale);
     print.finish()
 }
 
-/// SHA-256 of the obstacles: names, shapes, poses.
+/// Numbers of single objects, by name.
+fn add_objects(print: &mut Fingerprint, what: &str, numbers: &HashMap<String, f64>) {
+    let mut sorted: Vec<_> = numbers.iter().collect();
+    sorted.sort_by_key(|(name, _)| *name);
+    print.text(what).count(sorted.len());
+    for (name, number) in sorted {
+        print.text(name).numbers(&[*number]);
+    }
+}
+
+/// SHA-256 of the obstacles and attached objects: names, shapes, poses, and which links may touch what they carry.
 #[must_use]
 pub fn world_fingerprint(world: &World) -> String {
     let mut print = Fingerprint::default();
@@ -49,6 +68,17 @@ pub fn world_fingerprint(world: &World) -> String {
         print.text(&obstacle.name).count(obstacle.shapes.len());
         for (pose_rs, shape) in obstacle.placed_shapes() {
             add_shape(&mut print, &pose_rs, shape);
+        }
+    }
+    print.count(world.attached().len());
+    for object in world.attached() {
+        print.text(&object.name).text(&object.link).count(object.touch_links.len());
+        for link in &object.touch_links {
+            print.text(link);
+        }
+        print.count(object.shapes.len());
+        for placed in object.shapes.iter() {
+            add_shape(&mut print, &(object.pose_lo * placed.pose_os), &placed.shape);
         }
     }
     print.finish()

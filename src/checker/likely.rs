@@ -19,6 +19,10 @@ impl LikelyPairs {
         self.pairs.get(rank).copied()
     }
 
+    pub fn contains(&self, pair: usize) -> bool {
+        self.pairs.contains(&pair)
+    }
+
     /// Notes that a pair is hit: one step forward, or into the last place (Rivest 1976, *On self-organizing sequential search
     /// heuristics*).
     pub fn hit(&mut self, pair: usize) {

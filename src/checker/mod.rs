@@ -18,9 +18,11 @@ mod collision_checker;
 mod fingerprint;
 mod likely;
 mod memory;
-mod motion;
-
 mod mesh_lint;
+mod motion;
+mod nearby;
+mod numbers;
+mod obstacles;
 mod pair;
 mod pairs;
 mod questions;

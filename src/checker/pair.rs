@@ -8,7 +8,7 @@ use crate::query::{self, CollisionBody, DistanceBounds, Effort, Scratch, Separat
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairInfo {
     pub ids: (Body, Body),
-    /// Indices of the bodies in the checker.
+    /// The part's index, and that of the other part or the place of the obstacle.
     pub bodies: (usize, usize),
     /// Safety distance (m) that is taken off the distance of the bodies.
     pub padding: f64,
@@ -16,7 +16,7 @@ pub(super) struct PairInfo {
 
 /// A pair in one state.
 pub(super) struct Pair<'c> {
-    pub info: &'c PairInfo,
+    pub info: PairInfo,
     pub bodies: (&'c CollisionBody, &'c CollisionBody),
     /// Pose of a in the root frame.
     pub pose_ra: MatrixPose,

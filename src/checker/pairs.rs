@@ -1,21 +1,42 @@
-//! Which pairs are checked: decided once, with the reason for each that is not.
+//! Which pairs are checked, with the reason for each that is not.
+
+use std::sync::Arc;
 
 use super::AllowedCollisionMatrix;
+use super::report::Body;
 use crate::robot::{LinkId, RobotModel};
-use crate::world::{ObstacleId, World};
+use crate::world::{AttachedId, ObstacleId, World};
 
 /// The pairs to check, and how many were left out and why.
+///
+/// The robot's parts are its links and what they carry. Pairs of them are listed; which part is checked against which
+/// obstacle is a table, so that an obstacle can come and go without the others being touched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PairList {
-    self_pairs: Vec<(LinkId, LinkId)>,
-    world_pairs: Vec<(LinkId, ObstacleId)>,
-    skipped: [usize; 4],
+    /// Parts that have geometry.
+    parts: Vec<Part>,
+    self_pairs: Vec<(Body, Body)>,
+    /// By obstacle's place: by part, whether they are checked. `None` at gaps.
+    checked: Vec<Option<Arc<[bool]>>>,
+    /// For obstacles that the matrix says nothing of.
+    usual: Arc<[bool]>,
+    world_count: usize,
+    skipped: [usize; 5],
+    /// The matrix of the planning scene.
+    scene: Option<AllowedCollisionMatrix>,
+    checks_world: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Part {
+    body: Body,
+    name: String,
 }
 
 /// Why a pair is not checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkipReason {
-    /// The links are joined by fixed joints only.
+    /// The links are joined by fixed joints only, or carry the two objects.
     SameRigidBody,
     /// The links' rigid bodies are joined by one moving joint, and there is no SRDF to say otherwise.
     Adjacent,
@@ -23,10 +44,13 @@ pub enum SkipReason {
     Disabled,
     /// The planning scene's allowed collision matrix allows contact.
     Allowed,
+    /// The link carries the attached object, or is one of its touch links.
+    Touches,
 }
 
 impl SkipReason {
-    pub const ALL: [Self; 4] = [Self::SameRigidBody, Self::Adjacent, Self::Disabled, Self::Allowed];
+    pub const ALL: [Self; 5] =
+        [Self::SameRigidBody, Self::Adjacent, Self::Disabled, Self::Allowed, Self::Touches];
 }
 
 impl std::fmt::Display for SkipReason {
@@ -36,85 +60,109 @@ impl std::fmt::Display for SkipReason {
             Self::Adjacent => "adjacent rigid bodies (no SRDF)",
             Self::Disabled => "disabled by the SRDF",
             Self::Allowed => "allowed by the collision matrix",
+            Self::Touches => "may touch the attached object",
         })
     }
 }
 
 impl PairList {
-    /// Pairs of links that have geometry, and of those with obstacles.
+    /// Pairs of links and attached objects that have geometry, and of those with obstacles.
     ///
     /// A scene's matrix replaces what the SRDF disables, as in MoveIt; without either, adjacent rigid bodies are
-    /// skipped.
+    /// skipped. Attached objects are checked against all links but those that may touch them, and against each other
+    /// unless one link carries both.
     #[must_use]
     pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
-        let solid: Vec<LinkId> =
-            (robot.link_ids()).filter(|l| !robot.link(*l).collisions.is_empty()).collect();
-        let mut list = Self::default();
-        list.add_self_pairs(robot, &solid, scene);
-        list.add_world_pairs(robot, &solid, world, scene);
+        let links = robot.link_ids().filter(|l| !robot.link(*l).collisions.is_empty());
+        let links = links.map(|l| Part { body: Body::Link(l), name: robot.link(l).name.clone() });
+        let attached = (0..).map(AttachedId).zip(world.attached());
+        let attached = attached.map(|(id, o)| Part { body: Body::Attached(id), name: o.name.clone() });
+        let parts: Vec<Part> = links.chain(attached).collect();
+        let usual = (parts.iter())
+            .map(|part| !scene.is_some_and(|scene| scene.allows_by_default(&part.name)))
+            .collect();
+        let mut list = Self { parts, usual, scene: scene.cloned(), checks_world: true, ..Self::default() };
+        list.add_self_pairs(robot, world);
+        for id in (0..).map(ObstacleId).take(world.place_count()) {
+            list.set_obstacle(id, world.place(id).map(|obstacle| obstacle.name.as_str()));
+        }
         list
     }
 
-    fn add_self_pairs(
-        &mut self,
-        robot: &RobotModel,
-        solid: &[LinkId],
-        scene: Option<&AllowedCollisionMatrix>,
-    ) {
+    fn add_self_pairs(&mut self, robot: &RobotModel, world: &World) {
         let srdf = robot.srdf().map(|_| AllowedCollisionMatrix::from_srdf(robot));
-        for (i, &a) in solid.iter().enumerate() {
-            for &b in &solid[i + 1..] {
-                let (name_a, name_b) = (&robot.link(a).name, &robot.link(b).name);
-                let reason = if robot.same_rigid_body(a, b) {
-                    Some(SkipReason::SameRigidBody)
-                } else if let Some(scene) = scene {
-                    scene.allows(name_a, name_b).then_some(SkipReason::Allowed)
-                } else if let Some(srdf) = &srdf {
-                    srdf.allows(name_a, name_b).then_some(SkipReason::Disabled)
-                } else {
-                    (robot.adjacent_rigid_bodies(a, b)).then_some(SkipReason::Adjacent)
-                };
-                match reason {
+        for (i, a) in self.parts.iter().enumerate() {
+            for b in &self.parts[i + 1..] {
+                match why_skipped(robot, world, (a, b), self.scene.as_ref(), srdf.as_ref()) {
                     Some(reason) => self.skipped[reason as usize] += 1,
-                    None => self.self_pairs.push((a, b)),
+                    None => self.self_pairs.push((a.body, b.body)),
                 }
             }
         }
     }
 
-    fn add_world_pairs(
-        &mut self,
-        robot: &RobotModel,
-        solid: &[LinkId],
-        world: &World,
-        scene: Option<&AllowedCollisionMatrix>,
-    ) {
-        for &link in solid {
-            for obstacle in world.ids() {
-                let names = (&robot.link(link).name, &world.obstacle(obstacle).name);
-                if scene.is_some_and(|m| m.allows(names.0, names.1)) {
-                    self.skipped[SkipReason::Allowed as usize] += 1;
-                } else {
-                    self.world_pairs.push((link, obstacle));
-                }
-            }
+    /// Notes that an obstacle of this name is at a place, or none.
+    pub(super) fn set_obstacle(&mut self, id: ObstacleId, name: Option<&str>) {
+        let place = id.0 as usize;
+        if self.checked.len() <= place {
+            self.checked.resize(place + 1, None);
         }
+        if let Some(before) = self.checked[place].take() {
+            let checked = before.iter().filter(|checked| **checked).count();
+            self.world_count -= checked;
+            self.skipped[SkipReason::Allowed as usize] -= before.len() - checked;
+        }
+        if !self.checks_world {
+            return;
+        }
+        let Some(name) = name else { return };
+        let row = match self.scene.as_ref().filter(|scene| scene.mentions(name)) {
+            Some(scene) => self.parts.iter().map(|part| !scene.allows(&part.name, name)).collect(),
+            None => Arc::clone(&self.usual),
+        };
+        let checked = row.iter().filter(|checked| **checked).count();
+        self.world_count += checked;
+        self.skipped[SkipReason::Allowed as usize] += row.len() - checked;
+        self.checked[place] = Some(row);
     }
 
     #[must_use]
-    pub fn self_pairs(&self) -> &[(LinkId, LinkId)] {
+    pub fn self_pairs(&self) -> &[(Body, Body)] {
         &self.self_pairs
     }
 
-    #[must_use]
-    pub fn world_pairs(&self) -> &[(LinkId, ObstacleId)] {
-        &self.world_pairs
+    /// Pairs of links alone, without what they carry.
+    pub fn link_pairs(&self) -> impl Iterator<Item = (LinkId, LinkId)> {
+        self.self_pairs.iter().filter_map(|pair| match *pair {
+            (Body::Link(a), Body::Link(b)) => Some((a, b)),
+            _ => None,
+        })
+    }
+
+    /// Pairs of a part of the robot and an obstacle, the part's first.
+    pub fn world_pairs(&self) -> impl Iterator<Item = (Body, ObstacleId)> {
+        self.parts.iter().enumerate().flat_map(move |(i, part)| {
+            let rows = (0..).map(ObstacleId).zip(&self.checked);
+            rows.filter(move |(_, row)| row.as_ref().is_some_and(|row| row[i]))
+                .map(move |(id, _)| (part.body, id))
+        })
+    }
+
+    /// Links and attached objects that have geometry.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Body> {
+        self.parts.iter().map(|part| part.body)
+    }
+
+    /// Whether a part, by its number among those with geometry, is checked against an obstacle.
+    #[inline]
+    pub(super) fn checks(&self, part: usize, obstacle: ObstacleId) -> bool {
+        self.checked.get(obstacle.0 as usize).is_some_and(|row| row.as_ref().is_some_and(|row| row[part]))
     }
 
     /// Number of pairs that are checked.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.self_pairs.len() + self.world_pairs.len()
+        self.self_pairs.len() + self.world_count
     }
 
     #[must_use]
@@ -122,19 +170,62 @@ impl PairList {
         self.len() == 0
     }
 
+    /// Number of pairs of a part and an obstacle that are checked.
+    #[must_use]
+    pub fn world_len(&self) -> usize {
+        self.world_count
+    }
+
     /// Why pairs are left out, and how many for each reason that occurs.
     pub fn skipped(&self) -> impl Iterator<Item = (SkipReason, usize)> {
         (SkipReason::ALL.into_iter().zip(self.skipped)).filter(|(_, count)| *count > 0)
     }
 
-    /// Leaves out all pairs of links, or all pairs with obstacles.
+    /// Leaves out all pairs of parts, or all pairs with obstacles.
     pub(super) fn restricted(mut self, check_self: bool, check_world: bool) -> Self {
         if !check_self {
             self.self_pairs.clear();
         }
         if !check_world {
-            self.world_pairs.clear();
+            self.checks_world = false;
+            self.world_count = 0;
+            self.checked.fill(None);
         }
         self
+    }
+}
+
+/// Why two parts are not checked, if they are not.
+fn why_skipped(
+    robot: &RobotModel,
+    world: &World,
+    (a, b): (&Part, &Part),
+    scene: Option<&AllowedCollisionMatrix>,
+    srdf: Option<&AllowedCollisionMatrix>,
+) -> Option<SkipReason> {
+    let allowed = || scene.is_some_and(|scene| scene.allows(&a.name, &b.name)).then_some(SkipReason::Allowed);
+    match (a.body, b.body) {
+        (Body::Link(link_a), Body::Link(link_b)) => {
+            if robot.same_rigid_body(link_a, link_b) {
+                return Some(SkipReason::SameRigidBody);
+            }
+            match (scene, srdf) {
+                (Some(_), _) => allowed(),
+                (None, Some(srdf)) => srdf.allows(&a.name, &b.name).then_some(SkipReason::Disabled),
+                (None, None) => robot.adjacent_rigid_bodies(link_a, link_b).then_some(SkipReason::Adjacent),
+            }
+        }
+        (Body::Attached(id), Body::Attached(other)) => {
+            let same = world.attached_object(id).link == world.attached_object(other).link;
+            if same { Some(SkipReason::SameRigidBody) } else { allowed() }
+        }
+        (Body::Link(_), Body::Attached(id)) => {
+            if world.attached_object(id).may_touch(&a.name) {
+                Some(SkipReason::Touches)
+            } else {
+                allowed()
+            }
+        }
+        _ => None,
     }
 }

@@ -5,21 +5,25 @@ use std::collections::BinaryHeap;
 use super::capsules::up;
 use super::collision_checker::CollisionChecker;
 use super::likely::LikelyPairs;
+use super::nearby::{Near, NearbyScratch};
+use super::numbers::PairNumber;
 use super::pair::{Pair, PairInfo};
 use super::report::{Body, CollisionReport, PairDistance, Question};
-use super::workspace::{QueuedPair, Workspace};
+use super::workspace::{QueuedNear, QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::MatrixPose;
-use crate::query::{Effort, Work};
+use crate::query::{Effort, Scratch, Work};
 use crate::robot::{Configuration, Frame};
 use crate::simd::{LANES, dispatch_lean};
+
+/// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
+const WORLD_LOOK_AHEAD: f64 = 0.05;
 
 impl CollisionChecker {
     /// Whether every pair is proven apart; stops at the first that is not.
     #[must_use]
     pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
         self.suit(workspace);
-        if workspace.stream_of(self.identity).is_some() {
+        if workspace.stream_of(self.revision).is_some() {
             self.candidates(q, CONTACT_DISTANCE, workspace);
             let (effort, mut report) = (Effort::default(), CollisionReport::default());
             let mut asked = Asked { checker: self, q, effort: &effort, workspace, report: &mut report };
@@ -28,13 +32,69 @@ impl CollisionChecker {
             return !hit;
         }
         self.place_and_screen(q, workspace);
-        let Workspace { frames, near, likely, scratch, .. } = workspace;
-        let touches = |i: usize| self.pair(i, frames).touches(scratch);
-        match first_of_near(near, likely, touches) {
-            Some(hit) => likely.hit(hit),
-            None => return true,
+        let hit = self.first_hit(workspace);
+        if let Some(hit) = hit {
+            workspace.likely.hit(hit);
         }
-        false
+        hit.is_none()
+    }
+
+    /// A pair that touches, of bodies that are placed and screened; likely ones are asked first.
+    fn first_hit(&self, workspace: &mut Workspace) -> Option<usize> {
+        let Workspace { frames, near, likely, scratch, .. } = workspace;
+        for rank in 0.. {
+            let Some(i) = likely.get(rank) else { break };
+            if self.may_touch(i, near, frames) && self.pair(i, frames).touches(scratch) {
+                return Some(i);
+            }
+        }
+        let unlikely =
+            near_pairs(near).find(|i| !likely.contains(*i) && self.pair(*i, frames).touches(scratch));
+        unlikely.or_else(|| {
+            let Workspace { frames, likely, scratch, nearby, queue, .. } = workspace;
+            self.first_obstacle(&|body| frames[body], likely, (scratch, nearby, queue))
+        })
+    }
+
+    /// Whether level 0 leaves a pair, which may be the number of none.
+    fn may_touch(&self, index: usize, near: &[u8], frames: &[Frame<f64>]) -> bool {
+        if !self.is_pair(index) {
+            return false;
+        }
+        match self.number(index) {
+            PairNumber::OfParts(index) => near[index / LANES] & (1 << (index % LANES)) != 0,
+            PairNumber::WithObstacle { part, place } => {
+                self.may_touch_obstacle(part, place, &frames[self.riders[part].body])
+            }
+        }
+    }
+
+    /// Whether capsules leave a part and an obstacle.
+    pub(super) fn may_touch_obstacle(&self, part: usize, place: usize, frame: &Frame<f64>) -> bool {
+        let place = u32::try_from(place).unwrap_or(u32::MAX);
+        let bound = self.distance_bound(part, place, &self.reach_of(part, frame));
+        bound.is_some_and(|lower| lower <= CONTACT_DISTANCE)
+    }
+
+    /// A pair with an obstacle that touches, but for likely ones.
+    pub(super) fn first_obstacle(
+        &self,
+        frame: &impl Fn(usize) -> Frame<f64>,
+        likely: &LikelyPairs,
+        (scratch, nearby, queue): (&mut Scratch, &mut NearbyScratch, &mut Vec<QueuedPair>),
+    ) -> Option<usize> {
+        if self.pairs().world_len() == 0 {
+            return None;
+        }
+        // what is farthest from the base hits most
+        (0..self.riders.len()).rev().find_map(|part| {
+            let reach = self.reach_of(part, &frame(self.riders[part].body));
+            queue.clear();
+            let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
+            self.obstacles_near(part, &reach, CONTACT_DISTANCE, memory, queue);
+            let mut unlikely = queue.iter().map(|pair| pair.index).filter(|i| !likely.contains(*i));
+            unlikely.find(|i| self.pair_with(*i, frame).touches(scratch))
+        })
     }
 
     /// Answers `question` about the state `q`.
@@ -77,9 +137,39 @@ impl CollisionChecker {
     /// if there are any, all bodies are placed.
     fn candidates(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) {
         let limit = limit.max(CONTACT_DISTANCE);
+        if !self.self_candidates(q, limit, workspace) {
+            return;
+        }
+        let Workspace { frames, queue, scratch, nearby, stream, .. } = workspace;
+        let mut stream = stream.as_mut().filter(|stream| stream.is_of(self.revision));
+        for part in 0..self.riders.len() {
+            if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
+                continue;
+            }
+            let reach = self.reach_of(part, &frames[self.riders[part].body]);
+            let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
+            let begin = queue.len();
+            match &mut stream {
+                Some(stream) => {
+                    let farther = limit + WORLD_LOOK_AHEAD;
+                    self.obstacles_near(part, &reach, farther, memory, queue);
+                    stream.see(part, farther, &queue[begin..]);
+                    let mut rank = 0;
+                    queue.retain(|pair| {
+                        rank += 1;
+                        rank <= begin || pair.lower <= limit
+                    });
+                }
+                None => self.obstacles_near(part, &reach, limit, memory, queue),
+            }
+        }
+    }
+
+    /// As [`Self::candidates`], pairs of parts alone; tells whether any pair may be within the limit.
+    fn self_candidates(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) -> bool {
         workspace.queue.clear();
-        if workspace.stream_of(self.identity).is_some() {
-            return self.candidates_of_stream(q, limit, workspace);
+        if workspace.stream_of(self.revision).is_some() {
+            return self.self_candidates_of_stream(q, limit, workspace);
         }
         self.place(q, workspace);
         self.bound(workspace);
@@ -88,14 +178,15 @@ impl CollisionChecker {
         let bounded =
             pairs.map(|(index, info)| QueuedPair { lower: lower_bound(bounds, index, info), index });
         queue.extend(bounded.filter(|pair| pair.lower <= limit));
+        true
     }
 
-    /// As [`Self::candidates`], from what the last states left, and from capsules where that does not suffice.
-    fn candidates_of_stream(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) {
-        let Some(stream) = workspace.stream_of(self.identity) else { return };
+    /// As [`Self::self_candidates`], from what the last states left, and from capsules where that does not suffice.
+    fn self_candidates_of_stream(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) -> bool {
+        let Some(stream) = workspace.stream_of(self.revision) else { return false };
         stream.advance(&self.rates, q.positions());
         if stream.all_beyond(limit) {
-            return;
+            return false;
         }
         let unclear = (0..self.infos.len()).any(|i| stream.is_unclear(i, limit));
         self.place(q, workspace);
@@ -103,7 +194,7 @@ impl CollisionChecker {
             self.bound(workspace);
         }
         let Workspace { bounds, queue, stream, .. } = workspace;
-        let Some(stream) = stream else { return };
+        let Some(stream) = stream else { return false };
         for (index, info) in self.infos.iter().enumerate() {
             if unclear {
                 stream.learn(index, lower_bound(bounds, index, info));
@@ -113,11 +204,12 @@ impl CollisionChecker {
                 queue.push(QueuedPair { lower: lower.max(0.0), index });
             }
         }
+        true
     }
 
     /// Lets a stream note what was learned.
     fn settle(&self, workspace: &mut Workspace) {
-        if let Some(stream) = workspace.stream_of(self.identity) {
+        if let Some(stream) = workspace.stream_of(self.revision) {
             stream.settle();
         }
     }
@@ -159,15 +251,6 @@ impl CollisionChecker {
     /// Pair number `index` of the pair list.
     fn pair(&self, index: usize, frames: &[Frame<f64>]) -> Pair<'_> {
         self.pair_with(index, |body| frames[body])
-    }
-
-    /// As [`Self::pair`], with the frames of the chain's bodies.
-    pub(super) fn pair_with(&self, index: usize, frame: impl Fn(usize) -> Frame<f64>) -> Pair<'_> {
-        let info = &self.infos[index];
-        let rider = |i: usize| self.riders[i].as_ref().expect("pairs name only bodies with geometry");
-        let (a, b) = (rider(info.bodies.0), rider(info.bodies.1));
-        let (pose_ra, pose_rb) = (MatrixPose::from(&frame(a.body)), MatrixPose::from(&frame(b.body)));
-        Pair { info, bodies: (&a.solid, &b.solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) }
     }
 }
 
@@ -214,13 +297,13 @@ impl Asked<'_> {
         self.queue(CONTACT_DISTANCE);
         for k in 0..self.workspace.queue.len() {
             let pair = self.workspace.queue[k];
-            let known = if pair.index < self.checker.pairs().self_pairs().len() {
+            let known = if pair.index < self.checker.infos.len() {
                 self.report.self_collision
             } else {
                 self.report.world_collision
             };
             if !known && self.touches(pair) {
-                self.report.add_hit(self.checker.infos[pair.index].ids);
+                self.report.add_hit(self.checker.info(pair.index).ids);
             }
         }
     }
@@ -230,34 +313,71 @@ impl Asked<'_> {
         for k in 0..self.workspace.queue.len() {
             let pair = self.workspace.queue[k];
             if self.touches(pair) {
-                self.report.add_hit(self.checker.infos[pair.index].ids);
+                self.report.add_hit(self.checker.info(pair.index).ids);
             }
         }
     }
 
-    /// The least distance of all pairs; pairs that may be nearer are asked first, and each only up to the least so far.
+    /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
     fn least_distance(&mut self, limit: f64) {
-        self.queue(limit);
-        let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.queue));
+        let limit = limit.max(CONTACT_DISTANCE);
+        let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.nearest_first));
+        heap.clear();
+        if self.checker.self_candidates(self.q, limit, self.workspace) {
+            let pairs = self.workspace.queue.iter();
+            heap.extend(pairs.map(|p| QueuedNear { lower: p.lower, near: Near::Pair(p.index) }));
+            let world = (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part));
+            heap.extend(world.map(|near| QueuedNear { lower: 0.0, near }));
+        }
         let mut nearest: Option<(usize, PairDistance)> = None;
         let mut least_lower = f64::INFINITY;
-        while let Some(pair) = heap.pop() {
-            let bound = nearest.map_or(limit.max(CONTACT_DISTANCE), |(_, n)| self.effort.lower(n.distance));
-            if pair.lower > bound || bound <= 0.0 {
+        while let Some(QueuedNear { lower, near }) = heap.pop() {
+            let bound = nearest.map_or(limit, |(_, n)| self.effort.lower(n.distance));
+            if lower > bound || bound <= 0.0 {
                 break;
             }
-            let Some(found) = self.distance(pair, bound) else { continue };
+            let index = match near {
+                Near::Pair(index) => index,
+                Near::Obstacle { part, place } => {
+                    heap.extend(self.looked_at(part, place, lower).filter(|found| found.lower <= bound));
+                    continue;
+                }
+                Near::Node { part, node } => {
+                    heap.extend(self.opened(part, node).filter(|found| found.lower <= bound));
+                    continue;
+                }
+            };
+            let Some(found) = self.distance(QueuedPair { lower, index }, bound) else { continue };
             least_lower = found.lower.min(least_lower);
-            if nearest.is_none_or(|(index, n)| (found.distance, pair.index) < (n.distance, index)) {
-                nearest = Some((pair.index, found));
+            if nearest.is_none_or(|(other, n)| (found.distance, index) < (n.distance, other)) {
+                nearest = Some((index, found));
             }
         }
-        self.workspace.queue = heap.into_vec();
+        self.workspace.nearest_first = heap.into_vec();
         self.report.nearest = nearest.map(|(_, found)| PairDistance {
             // of others it is only known that they are not nearer than the tolerance allows
             lower: least_lower.min(self.effort.lower(found.distance).max(0.0)),
             ..found
         });
+    }
+
+    /// An obstacle's pair with a part, once their capsules were looked at.
+    fn looked_at(&mut self, part: usize, place: u32, known: f64) -> impl Iterator<Item = QueuedNear> + use<> {
+        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += 1;
+        let reach = self.checker.reach_of(part, &frames[self.checker.riders[part].body]);
+        let bound = self.checker.distance_bound(part, place, &reach);
+        let near = Near::Pair(self.checker.world_pair(part, place as usize));
+        bound.map(|lower| QueuedNear { lower: lower.max(known).max(0.0), near }).into_iter()
+    }
+
+    /// What a node of the obstacles' tree holds.
+    fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
+        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += LANES as u64;
+        let reach = self.checker.reach_of(part, &frames[self.checker.riders[part].body]);
+        let opened = self.checker.opened(part, node, (&reach, scratch.level()));
+        opened.map(|(lower, near)| QueuedNear { lower: lower.max(0.0), near })
     }
 
     /// Every pair's distance up to `limit`.
@@ -270,7 +390,7 @@ impl Asked<'_> {
             let Some(found) = self.distance(pair, limit) else { continue };
             let may_touch = found.lower < found.distance && found.lower <= CONTACT_DISTANCE;
             if found.distance == 0.0 || (may_touch && self.touches(pair)) {
-                self.report.add_hit(self.checker.infos[pair.index].ids);
+                self.report.add_hit(self.checker.info(pair.index).ids);
             }
             if self.report.nearest.is_none_or(|n| found.distance < n.distance) {
                 self.report.nearest = Some(found);
@@ -293,7 +413,7 @@ impl Asked<'_> {
             }
             return touches;
         }
-        match stream.as_mut().filter(|s| s.is_of(self.checker.identity)) {
+        match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
             Some(stream) => {
                 let touches = pair.touches_remembering(stream.memory(index), scratch);
                 stream.learn_from_memory(index, &pair);
@@ -313,7 +433,7 @@ impl Asked<'_> {
         let pair = self.checker.pair(index, frames);
         // rounded up, so that of equal ones none is left out
         let limit = (limit + pair.info.padding).next_up();
-        let found = match stream.as_mut().filter(|s| s.is_of(self.checker.identity)) {
+        let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
             Some(stream) => {
                 let found = pair.separation_remembering(limit, stream.memory(index), scratch);
                 stream.learn_from_memory(index, &pair);
@@ -349,27 +469,8 @@ impl Asked<'_> {
     }
 }
 
-/// The first of the pairs whose bits are set that touches; likely ones are asked first, and their bits cleared.
-fn first_of_near(
-    near: &mut [u8],
-    likely: &LikelyPairs,
-    mut touches: impl FnMut(usize) -> bool,
-) -> Option<usize> {
-    for rank in 0.. {
-        let Some(i) = likely.get(rank) else { break };
-        let bit = 1 << (i % LANES);
-        // the list may be that of another checker
-        let Some(group) = near.get_mut(i / LANES).filter(|group| **group & bit != 0) else { continue };
-        *group &= !bit;
-        if touches(i) {
-            return Some(i);
-        }
-    }
-    near_pairs(near).find(|i| touches(*i))
-}
-
 /// The numbers of the pairs whose bits are set.
-fn near_pairs(near: &[u8]) -> impl Iterator<Item = usize> {
+pub(super) fn near_pairs(near: &[u8]) -> impl Iterator<Item = usize> {
     near.iter().enumerate().flat_map(|(group, &bits)| {
         let mut left = bits;
         std::iter::from_fn(move || {
@@ -389,7 +490,7 @@ impl CollisionReport {
     /// Whether a collision with the same kind of body as `other` is known.
     fn hits_like(&self, other: Body) -> bool {
         match other {
-            Body::Link(_) => self.self_collision,
+            Body::Link(_) | Body::Attached(_) => self.self_collision,
             Body::Obstacle(_) => self.world_collision,
         }
     }
@@ -405,7 +506,7 @@ impl CollisionReport {
 
     fn add_hit(&mut self, pair: (Body, Body)) {
         match pair.1 {
-            Body::Link(_) => self.self_collision = true,
+            Body::Link(_) | Body::Attached(_) => self.self_collision = true,
             Body::Obstacle(_) => self.world_collision = true,
         }
         self.colliding_pairs.push(pair);

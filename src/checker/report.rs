@@ -4,7 +4,7 @@ use crate::constants::CONTACT_DISTANCE;
 use crate::math::Point;
 use crate::query::Work;
 use crate::robot::LinkId;
-use crate::world::ObstacleId;
+use crate::world::{AttachedId, ObstacleId};
 
 /// How much to find out about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub enum Question {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Body {
     Link(LinkId),
+    /// An object that a link carries.
+    Attached(AttachedId),
     Obstacle(ObstacleId),
 }
 

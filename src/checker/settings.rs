@@ -9,6 +9,12 @@ pub struct Settings {
     pub padding: f64,
     /// Safety distance (m) of single links, by name.
     pub link_padding: HashMap<String, f64>,
+    /// Factors by which the shapes of single links count as larger, by name (`Shape::scaled`).
+    pub link_scale: HashMap<String, f64>,
+    /// Safety distance (m) of single objects against the robot, by name, beside that of its links.
+    pub object_padding: HashMap<String, f64>,
+    /// Factors by which the shapes of single objects count as larger, by name.
+    pub object_scale: HashMap<String, f64>,
     /// Whether padding counts between links of the robot too. As in MoveIt, by default it counts against the world only.
     pub pad_self: bool,
     /// Check links against links.
@@ -34,6 +40,9 @@ impl Default for Settings {
         Self {
             padding: 0.0,
             link_padding: HashMap::new(),
+            link_scale: HashMap::new(),
+            object_padding: HashMap::new(),
+            object_scale: HashMap::new(),
             pad_self: false,
             check_self: true,
             check_world: true,

@@ -2,40 +2,55 @@
 //!
 //! By how much distances can have changed is known from the joints alone ([`TravelRates`]). Each pair's distance has lost at
 //! most that since it was last looked at; only a pair for which this is too much is looked at again, and
-//! where there is none, nothing is even placed.
+//! where there is none, nothing is even placed. Of obstacles, one number for each part of the robot does for all of them.
+
+use std::collections::HashMap;
 
 use super::memory::Memory;
 use super::pair::Pair;
+use super::workspace::QueuedPair;
 use crate::robot::TravelRates;
 
 /// Travel (m) after which counting begins anew: sums are rounded outward, and large ones coarsely.
 const LONGEST_TRAVEL: f64 = 1e3;
 
+/// Most obstacles that are remembered; when more were near, all are forgotten.
+const MOST_MEMORIES: usize = 4096;
+
 /// What is known about all pairs of one checker.
 #[derive(Clone, Debug)]
 pub(super) struct Stream {
-    /// The checker that it is about.
+    /// The revision of the checker that it is about.
     checker: u64,
     /// The last state.
     positions: Vec<f64>,
     /// By how much (m) distances have changed, at most.
     travelled: f64,
-    /// A pair's padded distance (m) is not less than this, less what has been travelled.
+    /// By self pair: its padded distance (m) is not less than this, less what has been travelled.
     horizons: Vec<f64>,
+    /// By part: the same of its distance from any obstacle.
+    world_horizons: Vec<f64>,
+    /// Of the present state: parts, obstacles near them by pair, and their horizons.
+    seen: Vec<(usize, usize, f64)>,
     /// Not more than any horizon.
     nearest_horizon: f64,
     memories: Vec<Option<Memory>>,
+    /// Of pairs with obstacles.
+    world_memories: HashMap<usize, Option<Memory>>,
 }
 
 impl Stream {
-    pub fn new(checker: u64, pairs: usize) -> Self {
+    pub fn new(checker: u64, self_pairs: usize, parts: usize) -> Self {
         Self {
             checker,
             positions: Vec::new(),
             travelled: 0.0,
-            horizons: vec![f64::NEG_INFINITY; pairs],
+            horizons: vec![f64::NEG_INFINITY; self_pairs],
+            world_horizons: vec![f64::NEG_INFINITY; parts],
+            seen: Vec::new(),
             nearest_horizon: f64::NEG_INFINITY,
-            memories: (0..pairs).map(|_| None).collect(),
+            memories: (0..self_pairs).map(|_| None).collect(),
+            world_memories: HashMap::new(),
         }
     }
 
@@ -57,7 +72,11 @@ impl Stream {
         if self.travelled > LONGEST_TRAVEL {
             self.travelled = 0.0;
             self.horizons.fill(f64::NEG_INFINITY);
+            self.world_horizons.fill(f64::NEG_INFINITY);
             self.nearest_horizon = f64::NEG_INFINITY;
+        }
+        if self.world_memories.len() > MOST_MEMORIES {
+            self.world_memories.clear();
         }
     }
 
@@ -66,34 +85,65 @@ impl Stream {
         self.nearest_horizon - self.travelled > limit
     }
 
-    /// A number never larger than a pair's padded distance (m).
+    /// Whether all obstacles are certainly farther from a part than `limit` (m).
+    pub fn obstacles_beyond(&self, part: usize, limit: f64) -> bool {
+        self.world_horizons[part] - self.travelled > limit
+    }
+
+    /// A number never larger than a self pair's padded distance (m).
     pub fn lower(&self, index: usize) -> f64 {
         self.horizons[index] - self.travelled
     }
 
-    /// Whether a pair may be within `limit` (m) though it was not when last asked.
+    /// Whether a self pair may be within `limit` (m) though it was not when last asked.
     pub fn is_unclear(&self, index: usize, limit: f64) -> bool {
         self.lower(index) <= limit && !self.memories[index].as_ref().is_some_and(Memory::was_near)
     }
 
     /// Notes that a pair's padded distance is now not less than `lower` (m).
     pub fn learn(&mut self, index: usize, lower: f64) {
-        self.horizons[index] = self.horizons[index].max((lower + self.travelled).next_down());
+        let horizon = (lower + self.travelled).next_down();
+        match self.horizons.get_mut(index) {
+            Some(known) => *known = known.max(horizon),
+            None => {
+                if let Some((_, _, known)) = self.seen.iter_mut().find(|(_, pair, _)| *pair == index) {
+                    *known = known.max(horizon);
+                }
+            }
+        }
+    }
+
+    /// Notes which obstacles are within `limit` (m) of a part: all of them, with lower bounds of their padded distances.
+    pub fn see(&mut self, part: usize, limit: f64, near: &[QueuedPair]) {
+        self.world_horizons[part] = (limit + self.travelled).next_down();
+        let horizon = |pair: &QueuedPair| (pair.lower + self.travelled).next_down();
+        self.seen.extend(near.iter().map(|pair| (part, pair.index, horizon(pair))));
     }
 
     /// Notes what a pair's memory tells at its present pose.
     pub fn learn_from_memory(&mut self, index: usize, pair: &Pair) {
-        if let Some(memory) = &self.memories[index] {
-            self.learn(index, memory.lower_at(pair) - pair.info.padding);
+        let memory = match self.memories.get(index) {
+            Some(memory) => memory.as_ref(),
+            None => self.world_memories.get(&index).and_then(Option::as_ref),
+        };
+        if let Some(lower) = memory.map(|memory| memory.lower_at(pair)) {
+            self.learn(index, lower - pair.info.padding);
         }
     }
 
     /// Notes what was learned.
     pub fn settle(&mut self) {
-        self.nearest_horizon = self.horizons.iter().copied().fold(f64::INFINITY, f64::min);
+        for (part, _, horizon) in self.seen.drain(..) {
+            self.world_horizons[part] = self.world_horizons[part].min(horizon);
+        }
+        let all = self.horizons.iter().chain(&self.world_horizons);
+        self.nearest_horizon = all.copied().fold(f64::INFINITY, f64::min);
     }
 
     pub fn memory(&mut self, index: usize) -> &mut Option<Memory> {
-        &mut self.memories[index]
+        match self.memories.get_mut(index) {
+            Some(memory) => memory,
+            None => self.world_memories.entry(index).or_default(),
+        }
     }
 }

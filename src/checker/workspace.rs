@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use super::capsules::Segment;
 use super::likely::LikelyPairs;
 use super::motion::MotionScratch;
+use super::nearby::{Near, NearbyScratch};
 use super::stream::Stream;
 use crate::query::Scratch;
 use crate::robot::Frame;
@@ -26,7 +27,10 @@ pub struct Workspace {
     pub(super) bounds: Vec<[f32; LANES]>,
     /// Pairs to ask about.
     pub(super) queue: Vec<QueuedPair>,
+    /// What is looked at for the least distance.
+    pub(super) nearest_first: Vec<QueuedNear>,
     pub(super) likely: LikelyPairs,
+    pub(super) nearby: NearbyScratch,
     pub(super) scratch: Scratch,
     /// For motions.
     pub(super) motion: MotionScratch,
@@ -50,16 +54,25 @@ pub(super) struct QueuedPair {
     pub index: usize,
 }
 
-impl Eq for QueuedPair {}
+/// A pair, or obstacles near a part, of which the nearest are to be asked first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct QueuedNear {
+    /// Nothing of it is nearer than this (m).
+    pub lower: f64,
+    pub near: Near,
+}
 
-impl Ord for QueuedPair {
+impl Eq for QueuedNear {}
+
+impl Ord for QueuedNear {
     /// What may be nearer is greater: a heap gives the greatest first.
+
     fn cmp(&self, other: &Self) -> Ordering {
-        other.lower.total_cmp(&self.lower).then(other.index.cmp(&self.index))
+        other.lower.total_cmp(&self.lower).then(other.near.cmp(&self.near))
     }
 }
 
-impl PartialOrd for QueuedPair {
+impl PartialOrd for QueuedNear {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }

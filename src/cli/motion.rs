@@ -8,7 +8,7 @@ use clap::Args;
 use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
-use clearance::motion::{Certificate, MotionSegment, Trajectory};
+use clearance::motion::{Certificate, MotionSegment, ObstacleTrajectory, Trajectory};
 use clearance::robot::{Configuration, RobotModel};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -38,6 +38,15 @@ pub struct MotionArgs {
     /// How far the robot may be from its way: one number (rad, m) for every joint, or "j1=0.01 j2=0.02"
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tube: Option<String>,
+
+    /// Obstacles that move meanwhile: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
+    /// m/s, "angular" in rad/s about "centre") or with "poses" ("time" in s, "position", "orientation"), in the root frame.
+    ///
+    /// Times are those of the trajectory, which needs time_from_start then; at time 0 a twist begins, and at its first pose an
+    /// obstacle stands where the world has it. A straight way has no times: there it begins at 0, ends at 1, and a twist is what
+    /// happens on the whole way.
+    #[arg(long, value_name = "FILE")]
+    moving: Option<PathBuf>,
 
     /// What keeps farther apart than this many metres is always decided
     #[arg(long, value_name = "M", default_value_t = 5e-4, allow_negative_numbers = true)]
@@ -142,7 +151,8 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
-    let ways = args.ways(robot)?;
+    let robots_ways = args.ways(robot)?;
+    let ways = args.with_obstacles(&robots_ways, &checker)?;
     if args.certificate.is_some() && ways.len() != 1 {
         let count = ways.len();
         return Err(Failure::Input(format!("--certificate is for one way, but {count} are given")));
@@ -156,9 +166,9 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     }
     let timing = time_passes(&checker, &ways, &options, args);
     let is_trajectory = args.input.trajectory.is_some();
-    let results = reports.iter().zip(&ways).map(|(report, way)| {
-        let swept = args.swept_volumes.map(|n| swept_volumes(&checker, way, n as usize));
-        WayAnswer { swept_volumes: swept, ..WayAnswer::new(report, &checker, is_trajectory) }
+    let results = reports.iter().zip(&ways).zip(&robots_ways).map(|((report, way), robots_way)| {
+        let swept = args.swept_volumes.map(|n| swept_volumes(&checker, robots_way, n as usize));
+        WayAnswer { swept_volumes: swept, ..WayAnswer::new(report, way, &checker, is_trajectory) }
     });
     let answer = Answer {
         robot: robot.name().to_owned(),
@@ -201,6 +211,21 @@ impl MotionArgs {
     fn starting_now(&self, options: &MotionOptions) -> MotionOptions {
         let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
         MotionOptions { deadline: span.and_then(|span| Instant::now().checked_add(span)), ..options.clone() }
+    }
+
+    /// The ways with the obstacles that move meanwhile.
+    fn with_obstacles(
+        &self,
+        ways: &[Trajectory],
+        checker: &CollisionChecker,
+    ) -> Result<Vec<Trajectory>, Failure> {
+        let Some(path) = &self.moving else { return Ok(ways.to_vec()) };
+        let file = path.display();
+        let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
+        let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+        let world = checker.world();
+        let obstacles = ObstacleTrajectory::list_from_yaml(&text, world).map_err(|e| bad(&e))?;
+        (ways.iter()).map(|way| way.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e))).collect()
     }
 
     /// What is to be checked: each way as a trajectory.
@@ -300,7 +325,7 @@ fn swept_volumes(checker: &CollisionChecker, way: &Trajectory, intervals: usize)
             volumes.into_iter().map(move |v| (segment, v))
         })
         .map(|(segment, v)| SweptVolumeAnswer {
-            link: checker.body_name(Body::Link(v.link)).to_owned(),
+            link: checker.body_name(v.body).to_owned(),
             segment,
             t: v.t,
             a: v.a.coords.into(),
@@ -319,13 +344,20 @@ fn verdict_name(verdict: &MotionVerdict) -> &'static str {
 }
 
 impl WayAnswer {
-    fn new(report: &TrajectoryReport, checker: &CollisionChecker, is_trajectory: bool) -> Self {
+    fn new(
+        report: &TrajectoryReport,
+        way: &Trajectory,
+        checker: &CollisionChecker,
+        is_trajectory: bool,
+    ) -> Self {
         let names = |(a, b): (Body, Body)| {
             let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
             names.sort();
             names
         };
         let free = report.is_free();
+        // not of the parts that moving obstacles cut it into
+        let origin = |t: f64| way.origin(report.segment, t);
         let mut answer = Self {
             verdict: verdict_name(&report.verdict),
             t: None,
@@ -333,7 +365,7 @@ impl WayAnswer {
             witness_point: None,
             distance: None,
             reason: None,
-            segment: (is_trajectory && !free).then_some(report.segment),
+            segment: (is_trajectory && !free).then_some(origin(0.0).0),
             time: report.time,
             swept_volumes: None,
             reason_text: String::new(),
@@ -341,11 +373,11 @@ impl WayAnswer {
         match report.verdict {
             MotionVerdict::Free => {}
             MotionVerdict::Contact { t, pair, witness } => {
-                (answer.t, answer.pair) = (Some(t), Some(names(pair)));
+                (answer.t, answer.pair) = (Some(t.map(|t| origin(t).1)), Some(names(pair)));
                 answer.witness_point = witness.map(|p| p.coords.into());
             }
             MotionVerdict::Undecided { t, pair, distance, reason } => {
-                (answer.t, answer.pair) = (Some(t), pair.map(names));
+                (answer.t, answer.pair) = (Some(t.map(|t| origin(t).1)), pair.map(names));
                 answer.distance = Some(distance.map(|d| d.is_finite().then_some(d)));
                 answer.reason = Some(reason.code());
                 answer.reason_text = reason.to_string();

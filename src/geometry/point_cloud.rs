@@ -1,6 +1,7 @@
 //! Clouds of points, as depth cameras and laser scanners see the world.
 
 use crate::constants::LARGEST_COORDINATE;
+use crate::math::Point;
 
 /// Points in the cloud's frame (m), each a solid ball. Never empty.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,20 @@ impl PointCloud {
     #[must_use]
     pub fn points(&self) -> &[[f32; 3]] {
         &self.points
+    }
+
+    /// Smallest and largest corner of the box around all balls.
+    #[must_use]
+    pub fn bounds(&self) -> (Point, Point) {
+        let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for p in &self.points {
+            for i in 0..3 {
+                lo[i] = lo[i].min(p[i]);
+                hi[i] = hi[i].max(p[i]);
+            }
+        }
+        let corner = |p: [f32; 3], radius: f64| Point::from(p.map(|c| f64::from(c) + radius));
+        (corner(lo, -self.radius), corner(hi, self.radius))
     }
 
     /// Of every point's ball (m).

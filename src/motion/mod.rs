@@ -4,12 +4,15 @@
 //! |---|---|
 //! | one smooth stretch, t from 0 to 1 | [`MotionSegment`] |
 //! | a rigid obstacle on the move | [`MovingObstacle`] |
+//! | the same on a clock, evenly or through poses | [`ObstacleTrajectory`] |
 //! | stretches one after the other, with times | [`Trajectory`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
 mod certificate;
 mod fingerprint;
 mod moving_obstacle;
+mod obstacle_trajectory;
+mod obstacle_trajectory_text;
 mod segment;
 mod trajectory;
 mod trajectory_text;
@@ -17,6 +20,8 @@ mod trajectory_text;
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
 pub(crate) use fingerprint::Fingerprint;
 pub use moving_obstacle::MovingObstacle;
+pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
+pub use obstacle_trajectory_text::ObstacleTextError;
 pub(crate) use segment::floating;
 pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};

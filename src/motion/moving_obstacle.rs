@@ -56,6 +56,22 @@ impl MovingObstacle {
         }
     }
 
+    /// What it does from one t to another, which may lie beyond 1, as a motion of its own.
+    #[must_use]
+    pub fn part(&self, [from, to]: [f64; 2]) -> Self {
+        let [centre, linear, angular] = [self.centre, self.linear, self.angular].map(Vector::from);
+        let start = self.displacement(from);
+        let q = start.rotation.coords;
+        Self {
+            name: self.name.clone(),
+            centre: (centre + linear * from).into(),
+            linear: (linear * (to - from)).into(),
+            angular: (angular * (to - from)).into(),
+            start: (from != 0.0 || self.start.is_some())
+                .then(|| (start.translation.vector.into(), [q.x, q.y, q.z, q.w])),
+        }
+    }
+
     /// [`Self::displacement`], as a matrix.
     #[must_use]
     pub fn matrix(&self, t: f64) -> MatrixPose {

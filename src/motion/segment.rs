@@ -188,6 +188,33 @@ impl MotionSegment {
         Self { spread, ..self }
     }
 
+    /// What it does from one t to another, as a segment of its own.
+    #[must_use]
+    pub(super) fn part(&self, [from, to]: [f64; 2]) -> Self {
+        if [from, to] == [0.0, 1.0] {
+            return self.clone();
+        }
+        let part = |p: &Polynomial| {
+            let (mut c, mut scale) = (taylor(p, from), 1.0);
+            for c in &mut c {
+                *c *= scale;
+                scale *= to - from;
+            }
+            c
+        };
+        let turn = |turn: &Turn| Turn {
+            from: Rotation::from_axis_angle(&turn.axis, turn.angle * from) * turn.from,
+            angle: turn.angle * (to - from),
+            ..turn.clone()
+        };
+        Self {
+            positions: self.positions.iter().map(part).collect(),
+            turns: self.turns.iter().map(turn).collect(),
+            obstacles: self.obstacles.iter().map(|mover| mover.part([from, to])).collect(),
+            ..self.clone()
+        }
+    }
+
     /// The same without tolerances.
     #[must_use]
     pub fn nominal(&self) -> Self {
@@ -287,13 +314,7 @@ impl MotionSegment {
         if self.is_straight {
             return Deviation { velocity: p[1], most: half_width * p[1].abs(), bent: 0.0, off };
         }
-        // Taylor's numbers at the middle, by repeated synthetic division
-        let mut c = *p;
-        for i in 0..6 {
-            for j in (i..5).rev() {
-                c[j] += middle * c[j + 1];
-            }
-        }
+        let c = taylor(p, middle);
         let bent = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
         Deviation { velocity: c[1], most: half_width * c[1].abs() + bent, bent, off }
     }
@@ -315,6 +336,18 @@ impl MotionSegment {
             tube: self.tube.clone(),
         }
     }
+}
+
+/// Taylor's numbers at t, by repeated synthetic division.
+#[inline]
+fn taylor(p: &Polynomial, t: f64) -> Polynomial {
+    let mut c = *p;
+    for i in 0..6 {
+        for j in (i..5).rev() {
+            c[j] += t * c[j + 1];
+        }
+    }
+    c
 }
 
 fn value(p: &Polynomial, t: f64) -> f64 {

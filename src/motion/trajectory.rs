@@ -1,5 +1,6 @@
 //! Stretches one after the other: what ROS calls a joint trajectory.
 
+use super::obstacle_trajectory::jumping_obstacle;
 use super::{MotionSegment, SegmentError};
 use crate::robot::{Configuration, ConfigurationError, RobotModel};
 
@@ -9,6 +10,15 @@ pub struct Trajectory {
     segments: Vec<MotionSegment>,
     /// One more than segments; empty where no times were given.
     times: Vec<f64>,
+    /// By segment, what it is a part of; empty where each is a whole.
+    parts: Vec<Part>,
+}
+
+/// A part of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    pub segment: usize,
+    pub t: [f64; 2],
 }
 
 /// How far (rad, m) the end of a segment may be from the start of the next: what rounding makes of polynomials.
@@ -43,12 +53,20 @@ pub enum TrajectoryError {
     NoTimes(usize),
     #[error("segment {segment} begins {jump} rad or m off where the last one ends")]
     Jump { segment: usize, jump: f64 },
+    #[error("obstacle '{name}' is not at the start of segment {segment} where it was at the end of the last")]
+    ObstacleJump { segment: usize, name: String },
+    #[error("obstacles are to move, but the trajectory has no times: give its points time_from_start")]
+    NoClock,
+    #[error(
+        "obstacle '{name}' has poses from time {} to {}, but the motion lasts from {} to {}", poses[0], poses[1], motion[0], motion[1]
+    )]
+    ObstacleTimes { name: String, poses: [f64; 2], motion: [f64; 2] },
     #[error("segment {segment}: {error}")]
     Segment { segment: usize, error: SegmentError },
 }
 
 impl Trajectory {
-    /// Segments without times, each beginning where the last ends.
+    /// Segments without times, each beginning where the last ends, robot and obstacles.
     pub fn of_segments(segments: Vec<MotionSegment>) -> Result<Self, TrajectoryError> {
         if segments.is_empty() {
             return Err(TrajectoryError::TooShort(0));
@@ -60,8 +78,11 @@ impl Trajectory {
             if jump > JOINED || end.positions().len() != start.positions().len() {
                 return Err(TrajectoryError::Jump { segment: i + 1, jump });
             }
+            if let Some(name) = jumping_obstacle(&two[0], &two[1]) {
+                return Err(TrajectoryError::ObstacleJump { segment: i + 1, name });
+            }
         }
-        Ok(Self { segments, times: Vec::new() })
+        Ok(Self { segments, times: Vec::new(), parts: Vec::new() })
     }
 
     /// As `trajectory_msgs/JointTrajectory` means it: between two points positions go straight, or as cubic polynomials if both
@@ -101,7 +122,7 @@ impl Trajectory {
             })
             .collect::<Result<_, _>>()?;
         let times = if timed { points.iter().map(|p| p.time_from_start).collect() } else { Vec::new() };
-        Ok(Self { segments, times })
+        Ok(Self { segments, times, parts: Vec::new() })
     }
 
     #[must_use]
@@ -109,10 +130,34 @@ impl Trajectory {
         &self.segments
     }
 
-    /// The same with each segment changed.
+    /// The same with each segment changed. Obstacles that move from segment to segment are for [`Self::with_obstacles`].
     pub fn map<E>(self, change: impl FnMut(MotionSegment) -> Result<MotionSegment, E>) -> Result<Self, E> {
         let segments = self.segments.into_iter().map(change).collect::<Result<_, _>>()?;
-        Ok(Self { segments, times: self.times })
+        Ok(Self { segments, times: self.times, parts: self.parts })
+    }
+
+    /// When segments begin and end; a single one without times goes from 0 to 1.
+    pub(super) fn clock(&self) -> Result<Vec<f64>, TrajectoryError> {
+        match (self.times.as_slice(), self.segments.len()) {
+            ([], 1) => Ok(vec![0.0, 1.0]),
+            ([], _) => Err(TrajectoryError::NoClock),
+            (times, _) => Ok(times.to_vec()),
+        }
+    }
+
+    /// The same, cut at more times.
+    pub(super) fn cut(self, segments: Vec<MotionSegment>, parts: Vec<Part>, times: Vec<f64>) -> Self {
+        let times = if self.times.is_empty() { Vec::new() } else { times };
+        Self { segments, times, parts }
+    }
+
+    /// Of a fraction of a segment: which segment it was, and which fraction of it, before moving obstacles cut it.
+    #[must_use]
+    pub fn origin(&self, segment: usize, t: f64) -> (usize, f64) {
+        match self.parts.get(segment) {
+            None => (segment, t),
+            Some(Part { segment, t: [from, to] }) => (*segment, from + t * (to - from)),
+        }
     }
 
     /// Seconds from the start at a fraction of a segment; `None` where no times were given.

@@ -34,6 +34,7 @@ pub struct MotionTerms {
     pub timeout: f64,
     pub joint_tolerances: Vec<f64>,
     pub certificate: bool,
+    pub swept_volume_intervals: u32,
 }
 
 /// What is known about a motion. The default says `ERROR`.

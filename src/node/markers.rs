@@ -91,7 +91,7 @@ impl Scene {
             .flat_map(|&(a, b)| [a, b])
             .filter_map(|body| match body {
                 Body::Link(link) => Some(link),
-                Body::Obstacle(_) => None,
+                Body::Attached(_) | Body::Obstacle(_) => None,
             })
             .collect();
         for link in links {
@@ -294,11 +294,11 @@ fn resource(source: &MeshSource) -> Option<(String, Vector)> {
     Some((uri, source.scale))
 }
 
-fn vector_message(vector: &Vector) -> Vector3 {
+pub(super) fn vector_message(vector: &Vector) -> Vector3 {
     Vector3 { x: vector.x, y: vector.y, z: vector.z }
 }
 
-fn pose_message(pose: &Pose) -> PoseMessage {
+pub(super) fn pose_message(pose: &Pose) -> PoseMessage {
     let position = pose.translation.vector;
     let q = pose.rotation.quaternion();
     PoseMessage {

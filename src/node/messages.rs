@@ -130,6 +130,7 @@ fn add_findings(
 pub fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
     let kind = |body| match body {
         Body::Link(_) => BodyPair::LINK,
+        Body::Attached(_) => BodyPair::ATTACHED,
         Body::Obstacle(_) => BodyPair::OBSTACLE,
     };
     BodyPair {

@@ -5,7 +5,7 @@
 //! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics,
 //! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
-//!                                       answers <── services <──┘ └──> ~/certificates
+//!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
 //! ```
 //!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
@@ -35,6 +35,7 @@ mod parameters;
 mod publishers;
 mod run;
 mod simulation_clock;
+mod swept_volume_markers;
 mod threads;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};

@@ -3,11 +3,13 @@
 use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
+use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 
 use super::clearance_srvs::{
     CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionTerms,
 };
 use super::messages::{pair_message, point_message};
+use super::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 use crate::checker::{
     CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, Workspace,
 };
@@ -81,17 +83,18 @@ fn bad(what: impl Into<String>) -> Refusal {
     Refusal::BadRequest(what.into())
 }
 
-/// An answer, and the certificate that was asked for, if there is one.
+/// An answer, and what was asked for beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answered {
     /// About a straight way only its first part is told.
     pub response: CheckTrajectoryResponse,
     pub certificate: Option<String>,
+    pub swept_volume: Option<MarkerArray>,
 }
 
 impl From<&Refusal> for Answered {
     fn from(refusal: &Refusal) -> Self {
-        Self { response: refusal.response(), certificate: None }
+        Self { response: refusal.response(), certificate: None, swept_volume: None }
     }
 }
 
@@ -124,11 +127,16 @@ fn answer(
     let started = Instant::now();
     let found = Cell::of(judgement).and_then(|cell| {
         let options = options(terms, started)?;
-        let Way { trajectory, note } = way(&cell)?;
+        let way = way(&cell)?;
+        check_intervals(terms.swept_volume_intervals, &way.trajectory, cell.robot())?;
         let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
-        Ok(verdict(cell.checker, &trajectory, &options, terms.certificate, note, workspace))
+        Ok(verdict(cell.checker, way, &options, terms, workspace))
     });
     let mut answered = found.unwrap_or_else(|refusal| Answered::from(&refusal));
+    if terms.swept_volume_intervals > 0 {
+        // without volumes of its own, a request still takes those of the last one away
+        answered.swept_volume.get_or_insert_with(no_markers);
+    }
     let motion = &mut answered.response.motion;
     if let Some(revision) = judgement.and_then(|judgement| judgement.revision.as_ref()) {
         motion.model_revision = revision.model;
@@ -274,14 +282,28 @@ fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(),
     Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
 }
 
+/// Refuses more volumes than fit into one message.
+fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) -> Result<(), Refusal> {
+    let segments = trajectory.segments().len();
+    let most = most_intervals(robot, segments);
+    if intervals as usize <= most {
+        return Ok(());
+    }
+    let instead = if most == 0 { "ask about fewer points at a time" } else { "ask for fewer" };
+    Err(bad(format!(
+        "swept_volume_intervals is {intervals}, but the volumes of at most {most} intervals in each of {segments} segments fit into one \
+         message: {instead}"
+    )))
+}
+
 fn verdict(
     checker: &CollisionChecker,
-    trajectory: &Trajectory,
+    Way { trajectory, note }: Way,
     options: &MotionOptions,
-    certificate: bool,
-    note: Option<String>,
+    terms: &MotionTerms,
     workspace: &mut Workspace,
 ) -> Answered {
+    let (trajectory, certificate) = (&trajectory, terms.certificate);
     let mut notes: Vec<String> = note.into_iter().collect();
     let segments = trajectory.segments().len();
     let hopeless = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
@@ -299,6 +321,12 @@ fn verdict(
              use clearance motion --certificate, or ask about fewer points at a time"
         ));
     }
+    let swept_volume = (terms.swept_volume_intervals > 0).then(|| {
+        swept_volume_markers(checker, trajectory, &report, terms.swept_volume_intervals as usize, workspace)
+    });
+    if matches!(swept_volume, Some(None)) {
+        notes.push("the volumes swept over are too large to be shown".to_owned());
+    }
     if checker.pairs().is_empty() {
         notes.push("there is no pair to check: every motion counts as free".to_owned());
     }
@@ -312,7 +340,7 @@ fn verdict(
             motion.certificate.clone_from(text);
         }
     }
-    Answered { response, certificate: text }
+    Answered { response, certificate: text, swept_volume: swept_volume.flatten() }
 }
 
 /// What a report says, but for the robot it is about and the time it took.

@@ -6,6 +6,7 @@ use std::sync::PoisonError;
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
 
@@ -38,6 +39,7 @@ pub struct MotionServices {
     motions: Server<CheckMotionRequest, CheckMotionResponse>,
     trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
     certificates: Publisher<StringMessage>,
+    swept_volumes: Publisher<MarkerArray>,
     requests: Sender<Request>,
     answers: Receiver<Answer>,
 }
@@ -61,6 +63,7 @@ impl MotionServices {
         // never more than requests that waited
         let (answers, answers_in) = channel::unbounded();
         let string = MessageKind("std_msgs", "String");
+        let markers = MessageKind("visualization_msgs", "MarkerArray");
         let services = Self {
             motions: middleware
                 .server(&names.resolve("~/check_motion")?, ("clearance_msgs", "CheckMotion"))?,
@@ -69,6 +72,11 @@ impl MotionServices {
             certificates: middleware.publisher(
                 &names.resolve("~/certificates")?,
                 string,
+                Quality::Reliable,
+            )?,
+            swept_volumes: middleware.publisher(
+                &names.resolve("~/swept_volume")?,
+                markers,
                 Quality::Reliable,
             )?,
             requests,
@@ -114,11 +122,11 @@ impl MotionServices {
         let send = async move {
             match answer {
                 Answer::Motion(id, answered) => {
-                    let response = self.publish_certificate(*answered);
+                    let response = self.publish_more(*answered);
                     self.motions.answer(id, response.motion).await;
                 }
                 Answer::Trajectory(id, answered) => {
-                    let response = self.publish_certificate(*answered);
+                    let response = self.publish_more(*answered);
                     self.trajectories.answer(id, response).await;
                 }
             }
@@ -126,9 +134,14 @@ impl MotionServices {
         sending.spawn(send).detach();
     }
 
-    fn publish_certificate(&self, Answered { response, certificate }: Answered) -> CheckTrajectoryResponse {
+    /// Publishes what was asked for beside the answer, and gives the answer.
+    fn publish_more(&self, answered: Answered) -> CheckTrajectoryResponse {
+        let Answered { response, certificate, swept_volume } = answered;
         if let Some(data) = certificate {
             self.certificates.publish(StringMessage { data });
+        }
+        if let Some(markers) = swept_volume {
+            self.swept_volumes.publish(markers);
         }
         response
     }

@@ -31,6 +31,14 @@ pub(super) struct Line {
     pub turns: bool,
 }
 
+/// What moves a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ride {
+    On(LinkId),
+    /// By its place.
+    Obstacle(usize),
+}
+
 /// A body at its place.
 #[derive(Debug)]
 pub(super) struct Placed {
@@ -92,14 +100,14 @@ impl Moment {
         self.radians = angles.fold(0.0, f64::max);
     }
 
-    /// Finds where a body is and what its box reaches, if that is not known yet. `path` has the numbers of the steps that move it.
-    pub fn place(&mut self, robot: &RobotModel, course: &Course, index: usize, body: &Body, path: &[usize]) {
+    /// Finds where a body is and what its box reaches, if that is not known yet: it rides on a link, or is an obstacle.
+    /// `path` has the numbers of the steps that move it.
+    pub fn place(&mut self, course: &Course, (index, ride): (usize, Ride), body: &Body, path: &[usize]) {
         let Self { poses, lines, bodies, t, .. } = self;
         bodies[index].get_or_insert_with(|| {
-            let links = robot.links().len();
-            let pose_rb = match index.checked_sub(links) {
-                None => MatrixPose::from(poses.pose(LinkId(u32::try_from(index).unwrap_or(u32::MAX)))),
-                Some(obstacle) => match course.mover_of[obstacle] {
+            let pose_rb = match ride {
+                Ride::On(link) => MatrixPose::from(poses.pose(link)),
+                Ride::Obstacle(obstacle) => match course.mover_of[obstacle] {
                     Some(mover) => course.motion.obstacles()[mover].matrix(*t),
                     None => MatrixPose::identity(),
                 },

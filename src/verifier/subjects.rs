@@ -2,15 +2,15 @@
 
 use super::Refusal;
 use super::body::Body;
-use crate::checker::{AllowedCollisionMatrix, MeshModel, PairList, Settings};
+use crate::checker::{self, AllowedCollisionMatrix, MeshModel, PairList, Settings};
 use crate::math::Pose;
-use crate::robot::RobotModel;
+use crate::robot::{LinkId, RobotModel};
 use crate::world::{ObstacleId, World};
 
 /// A pair of bodies that must stay apart.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Pair {
-    /// Links by index, then obstacles.
+    /// Links by index, then attached objects, then obstacles by their places.
     pub bodies: [usize; 2],
     pub names: [String; 2],
     /// Safety distance (m).
@@ -24,41 +24,60 @@ pub(super) fn pairs(
     settings: &Settings,
     matrix: Option<&AllowedCollisionMatrix>,
 ) -> Result<Vec<Pair>, Refusal> {
-    let padding = paddings(robot, settings)?;
+    let padding = paddings(robot, world, settings)?;
     let list = PairList::new(robot, world, matrix);
-    let link = |index: usize| robot.links()[index].name.clone();
+    let links = robot.links().len();
+    let numbered = |body: checker::Body| match body {
+        checker::Body::Link(id) => (id.index(), robot.link(id).name.clone()),
+        checker::Body::Attached(id) => (links + id.0 as usize, world.attached_object(id).name.clone()),
+        checker::Body::Obstacle(id) => {
+            (links + world.attached().len() + id.0 as usize, world.obstacle(id).name.clone())
+        }
+    };
+    let pair = |a: checker::Body, b: checker::Body, counts: bool| {
+        let [(i, first), (j, second)] = [a, b].map(numbered);
+        let padding = if counts { padding[i] + padding[j] } else { 0.0 };
+        Pair { bodies: [i, j], names: [first, second], padding }
+    };
     let mut pairs = Vec::new();
     if settings.check_self {
-        pairs.extend(list.self_pairs().iter().map(|(a, b)| {
-            let bodies = [a.index(), b.index()];
-            let padding = if settings.pad_self { padding[bodies[0]] + padding[bodies[1]] } else { 0.0 };
-            Pair { bodies, names: bodies.map(link), padding }
-        }));
+        pairs.extend(list.self_pairs().iter().map(|(a, b)| pair(*a, *b, settings.pad_self)));
     }
     if settings.check_world {
-        pairs.extend(list.world_pairs().iter().map(|(a, o)| Pair {
-            bodies: [a.index(), robot.links().len() + o.0 as usize],
-            names: [link(a.index()), world.obstacle(*o).name.clone()],
-            padding: padding[a.index()],
-        }));
+        pairs.extend(list.world_pairs().map(|(a, o)| pair(a, checker::Body::Obstacle(o), true)));
     }
     Ok(pairs)
 }
 
-/// By link.
-fn paddings(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>, Refusal> {
-    for name in settings.link_padding.keys() {
-        robot.link_by_name(name).ok_or_else(|| Refusal::UnknownLink(name.clone()))?;
-    }
-    let padding = |name: &String| {
-        let value = settings.link_padding.get(name).copied().unwrap_or(settings.padding);
-        let usable = value.is_finite() && value >= 0.0;
-        usable.then_some(value).ok_or_else(|| Refusal::BadPadding { of: name.clone(), value })
-    };
-    robot.links().iter().map(|link| padding(&link.name)).collect()
+/// By link and attached object: the link that carries it.
+pub(super) fn carriers(robot: &RobotModel, world: &World) -> Result<Vec<LinkId>, Refusal> {
+    let attached = world.attached().iter().map(|object| {
+        robot.link_by_name(&object.link).ok_or_else(|| Refusal::UnknownLink(object.link.clone()))
+    });
+    robot.link_ids().map(Ok).chain(attached).collect()
 }
 
-/// Links, then obstacles; `None` for those without shapes and those that no pair names.
+/// By body.
+fn paddings(robot: &RobotModel, world: &World, settings: &Settings) -> Result<Vec<f64>, Refusal> {
+    for name in settings.link_padding.keys().chain(settings.link_scale.keys()) {
+        robot.link_by_name(name).ok_or_else(|| Refusal::UnknownLink(name.clone()))?;
+    }
+    let usable = |name: &str, value: f64| {
+        let usable = value.is_finite() && value >= 0.0;
+        usable.then_some(value).ok_or_else(|| Refusal::BadPadding { of: name.to_owned(), value })
+    };
+    let of_link =
+        |name: &str| usable(name, settings.link_padding.get(name).copied().unwrap_or(settings.padding));
+    let of_object = |name: &str| usable(name, settings.object_padding.get(name).copied().unwrap_or(0.0));
+    let links = robot.links().iter().map(|link| of_link(&link.name));
+    let attached =
+        world.attached().iter().map(|object| Ok(of_link(&object.link)? + of_object(&object.name)?));
+    let obstacles = (0..).map(ObstacleId).take(world.place_count());
+    let obstacles = obstacles.map(|id| world.place(id).map_or(Ok(0.0), |obstacle| of_object(&obstacle.name)));
+    links.chain(attached).chain(obstacles).collect()
+}
+
+/// Links, then attached objects, then obstacles; `None` for those without shapes and those that no pair names.
 pub(super) fn bodies(
     robot: &RobotModel,
     world: &World,
@@ -70,15 +89,19 @@ pub(super) fn bodies(
         let shapes = link.collisions.iter().map(|c| (c.pose_ls, &c.shape));
         shapes.collect::<Vec<(Pose, _)>>()
     });
+    let attached = world.attached().iter().map(|object| {
+        let shapes = object.shapes.iter().map(|s| (object.pose_lo * s.pose_os, &s.shape));
+        shapes.collect::<Vec<_>>()
+    });
     let obstacles = (0..).map(ObstacleId).take(world.place_count()).map(|id| {
         let obstacle = world.place(id);
         obstacle.map_or_else(Vec::new, |obstacle| obstacle.placed_shapes().collect::<Vec<_>>())
     });
-    let mut named = vec![false; robot.links().len() + world.place_count()];
+    let mut named = vec![false; robot.links().len() + world.attached().len() + world.place_count()];
     for index in pairs.iter().flat_map(|pair| pair.bodies) {
         named[index] = true;
     }
-    (links.chain(obstacles).zip(named))
+    (links.chain(attached).chain(obstacles).zip(named))
         .map(|(shapes, named)| (named && !shapes.is_empty()).then(|| Body::new(&shapes, solid)))
         .collect()
 }

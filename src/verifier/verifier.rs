@@ -5,11 +5,11 @@ use super::body::Body;
 use super::bound::{Approach, Side};
 use super::course::{Course, Rate, link_paths};
 use super::documents::{self, Subject};
-use super::moment::Moment;
+use super::moment::{Moment, Ride};
 use super::{Refusal, Verified, coverage, subjects};
 use crate::checker::{AllowedCollisionMatrix, Settings, model_fingerprint, world_fingerprint};
 use crate::motion::{Certificate, Proof};
-use crate::robot::RobotModel;
+use crate::robot::{LinkId, RobotModel};
 use crate::world::World;
 
 /// How far (m) distances may be below what is claimed: where the search for nearest points of round solids stops.
@@ -24,9 +24,10 @@ pub struct Verifier<'r> {
     pub(super) robot: &'r RobotModel,
     pub(super) world: &'r World,
     pub(super) subject: Subject,
-    /// By link, then by obstacle.
+    /// By link, by attached object, then by obstacle.
     bodies: Vec<Option<Body>>,
-    /// By link: the steps that move it.
+    /// By link and attached object: the link whose pose it has, and the steps that move that.
+    carriers: Vec<LinkId>,
     paths: Vec<Vec<usize>>,
 }
 
@@ -56,7 +57,10 @@ impl<'r> Verifier<'r> {
         let bodies = subjects::bodies(robot, world, settings, &pairs);
         let model = model_fingerprint(robot, settings, matrix);
         let subject = Subject { model, world: world_fingerprint(world), pairs };
-        Ok(Self { robot, world, subject, bodies, paths: link_paths(robot) })
+        let carriers = subjects::carriers(robot, world)?;
+        let of_links = link_paths(robot);
+        let paths = carriers.iter().map(|link| of_links[link.index()].clone()).collect();
+        Ok(Self { robot, world, subject, bodies, carriers, paths })
     }
 
     /// Accepts a certificate only if all that it claims is proven here again.
@@ -159,7 +163,10 @@ impl<'p, 'r> Pass<'p, 'r> {
 
     pub fn place(&mut self, pair: usize) {
         for (index, body, path) in self.bodies(pair) {
-            self.moment.place(self.verifier.robot, self.course, index, body, path);
+            let carriers = &self.verifier.carriers;
+            let obstacle = || Ride::Obstacle(index - carriers.len());
+            let ride = carriers.get(index).map_or_else(obstacle, |link| Ride::On(*link));
+            self.moment.place(self.course, (index, ride), body, path);
         }
     }
 

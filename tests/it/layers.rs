@@ -15,7 +15,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("robot", &["constants", "math", "simd", "geometry"]),
     ("world", &["constants", "math", "geometry", "robot"]),
     ("motion", &["constants", "math", "geometry", "robot", "world"]),
-    ("checker", &["constants", "math", "simd", "geometry", "query", "robot", "world", "motion"]),
+    ("checker", &["constants", "math", "simd", "geometry", "bvh", "query", "robot", "world", "motion"]),
     ("verifier", &["constants", "math", "geometry", "robot", "world", "motion", "checker"]),
     ("monitor", &["constants", "math", "geometry", "query", "robot", "world", "checker"]),
     ("node", &["constants", "math", "geometry", "query", "robot", "world", "motion", "checker", "monitor"]),

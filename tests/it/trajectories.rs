@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clearance::checker::{
-    CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, Settings, UndecidedReason,
+    Body, CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, Settings,
+    UndecidedReason,
 };
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
@@ -286,11 +287,14 @@ fn swept_volumes_hold_what_is_swept() {
             robot.forward_kinematics(&segment.at(t), &mut poses);
             for end in [Vector::zeros(), Vector::x()] {
                 let ball = poses.pose(tip) * clearance::math::Point::from(end);
-                let holds = volumes.iter().filter(|v| v.link == tip && v.t[0] <= t && t <= v.t[1]).any(|v| {
-                    let axis = v.b - v.a;
-                    let along = (axis.dot(&(ball - v.a)) / axis.norm_squared()).clamp(0.0, 1.0);
-                    (ball - (v.a + axis * along)).norm() + 0.1 <= v.radius + 1e-9
-                });
+                let holds = volumes
+                    .iter()
+                    .filter(|v| v.body == Body::Link(tip) && v.t[0] <= t && t <= v.t[1])
+                    .any(|v| {
+                        let axis = v.b - v.a;
+                        let along = (axis.dot(&(ball - v.a)) / axis.norm_squared()).clamp(0.0, 1.0);
+                        (ball - (v.a + axis * along)).norm() + 0.1 <= v.radius + 1e-9
+                    });
                 assert!(holds, "{intervals} intervals, t = {t}");
             }
         }

@@ -78,8 +78,8 @@ fn self_collisions_of_the_shared_robots() {
         let mut workspace = checker.workspace();
         // the file counts pairs of collision geometries
         let geometries = |l| robot.link(l).collisions.len();
-        let pairs = checker.pairs().self_pairs().iter();
-        let geometry_pairs: usize = pairs.map(|&(a, b)| geometries(a) * geometries(b)).sum();
+        let pairs = checker.pairs().link_pairs();
+        let geometry_pairs: usize = pairs.map(|(a, b)| geometries(a) * geometries(b)).sum();
         assert_eq!(Some(geometry_pairs as u64), truth["pairs_checked"].as_u64(), "{name}");
         for (i, state) in truth["states"].as_array().unwrap().iter().enumerate() {
             let q = robot.configuration_from_names(named(&state["joints"])).unwrap();
@@ -354,9 +354,8 @@ pub fn truth_robot(folder: &Path) -> TruthRobot {
             (pair[0].clone(), pair[1].clone())
         })
         .collect();
-    let mut ours: Vec<_> = (checker.pairs().self_pairs().iter())
-        .map(|&(a, b)| names(&checker, Body::Link(a), Body::Link(b)))
-        .collect();
+    let mut ours: Vec<_> =
+        (checker.pairs().self_pairs().iter()).map(|&(a, b)| names(&checker, a, b)).collect();
     let mut theirs = link_pairs.clone();
     ours.sort();
     theirs.sort();

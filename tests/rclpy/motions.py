@@ -5,6 +5,7 @@ import json
 from clearance_msgs.srv import CheckMotion, CheckTrajectory
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
 
 import two_link
 
@@ -23,11 +24,11 @@ class Motions:
             CheckTrajectory, node.private("check_trajectory"), qos_profile=BURST
         )
         self._certificates = peer.record(String, node.private("certificates"))
+        self._swept_volumes = peer.record(MarkerArray, node.private("swept_volume"))
         for client in (self._motions, self._trajectories):
             peer.wait_for(client.service_is_ready, client.srv_name)
-        peer.wait_for(
-            lambda: peer.node.count_publishers(node.private("certificates")) == 1, "the topic of certificates"
-        )
+        for topic in ("certificates", "swept_volume"):
+            peer.wait_for(lambda: peer.node.count_publishers(node.private(topic)) == 1, f"the topic {topic}")
 
     def ask(self, start, goal, joints=two_link.JOINTS, **terms):
         """Like `check`, but gives the future of the answer."""
@@ -51,3 +52,11 @@ class Motions:
         )
         assert answer.certificate in ("", message.data)
         return message.data
+
+    def with_swept_volume(self, ask):
+        """What `ask()` gives, and the markers that are published meanwhile, without the one that takes away all others."""
+        heard = len(self._swept_volumes.messages)
+        answer = ask()
+        first, *markers = self._swept_volumes.wait_for(lambda _: True, "a swept volume", after=heard).markers
+        assert first.action == Marker.DELETEALL
+        return answer, markers

@@ -14,6 +14,7 @@ PUBLISHED = {
     "~/distance": "std_msgs/msg/Float64",
     "~/time_to_contact": "std_msgs/msg/Float64",
     "~/certificates": "std_msgs/msg/String",
+    "~/swept_volume": "visualization_msgs/msg/MarkerArray",
     "~/markers": "visualization_msgs/msg/MarkerArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }

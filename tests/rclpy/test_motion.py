@@ -1,13 +1,15 @@
 """`~/check_motion`, `~/check_trajectory` and `~/time_to_contact` against answers worked out by hand."""
 
 import json
-from math import inf, isnan, nan, pi
+import re
+from math import cos, dist, inf, isnan, nan, pi, sin
 
 import pytest
 from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckMotion, CheckTrajectory
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from visualization_msgs.msg import Marker
 
 import two_link
 from cell import STALE_AFTER, Cell
@@ -295,6 +297,110 @@ def test_a_long_certificate_arrives_whole_and_a_longer_one_is_left_out(cell):
     assert answer.verdict == CheckTrajectory.Response.FREE
     assert (answer.certificate, answer.certificate_digest) == ("", "")
     assert "certificate" in answer.message
+
+
+def xyz(vector):
+    return vector.x, vector.y, vector.z
+
+
+def capsules(markers, link):
+    """Ends and radius of a link's capsules in their order; each has its cylinder, if it is longer than a ball."""
+    assert all((marker.action, marker.header.frame_id) == (Marker.ADD, "base") for marker in markers)
+    shown = [marker for marker in markers if marker.ns == link]
+    cylinders = {marker.id: marker for marker in shown if marker.type == Marker.CYLINDER}
+    found = []
+    for balls in (marker for marker in shown if marker.type == Marker.SPHERE_LIST):
+        a, b = xyz(balls.points[0]), xyz(balls.points[-1])
+        if len(balls.points) > 1:
+            cylinder = cylinders.pop(balls.id - 1)
+            assert xyz(cylinder.pose.position) == pytest.approx([(p + q) / 2 for p, q in zip(a, b, strict=True)])
+            assert xyz(cylinder.scale) == pytest.approx((balls.scale.x, balls.scale.x, dist(a, b)))
+        found.append((a, b, balls.scale.x / 2))
+    assert not cylinders
+    return found
+
+
+def room(point, capsule):
+    """How far inside a capsule a point is."""
+    a, b, radius = capsule
+    axis = [q - p for p, q in zip(a, b, strict=True)]
+    along = sum(d * (x - p) for d, x, p in zip(axis, point, a, strict=True)) / (sum(d * d for d in axis) or 1)
+    along = min(max(along, 0), 1)
+    return radius - dist(point, [p + along * d for p, d in zip(a, axis, strict=True)])
+
+
+def assert_swept(capsules_of_tip, start, goal):
+    """What the tip is at any time, by forward kinematics, lies within its capsule of that time."""
+    count = len(capsules_of_tip)
+    for i in range(1001):
+        t = i / 1000
+        q = between(start, goal, t)
+        elbow = cos(q["joint1"]), sin(q["joint1"]), 0
+        turned = q["joint1"] + q["joint2"]
+        ball = elbow[0] + cos(turned), elbow[1] + sin(turned), 0
+        held = [c for k, c in enumerate(capsules_of_tip) if k <= t * count <= k + 1]
+        assert held
+        for capsule in held:
+            assert min(room(elbow, capsule), room(ball, capsule)) >= 0.1 - 1e-6
+
+
+def colours(markers, link):
+    return [(marker.color.r, marker.color.g) for marker in markers if marker.ns == link and marker.color.a > 0]
+
+
+def test_the_volume_that_is_swept_over_is_shown(cell):
+    start, goal = (-1.0, 0.5), (1.5, -2.0)
+    answer, markers = cell.motions.with_swept_volume(
+        lambda: cell.motions.check(start, goal, swept_volume_intervals=16)
+    )
+
+    assert (answer.verdict, answer.message) == (CheckMotion.Response.FREE, "")
+    tip = capsules(markers, "tip")
+    assert len(tip) == len(capsules(markers, "upper")) == len(capsules(markers, "base")) == 16
+    assert_swept(tip, start, goal)
+    assert all(green > red for red, green in colours(markers, "tip"))
+    assert max(radius for *_, radius in tip) < 0.5, "sixteen intervals make it tight"
+
+    _, markers = cell.motions.with_swept_volume(
+        lambda: (
+            cell.motions.check(start, goal, certificate=True),
+            cell.motions.check(start, goal, swept_volume_intervals=3),
+        )
+    )
+    assert len(capsules(markers, "tip")) == 3, "unasked, nothing is shown"
+
+
+def test_the_volume_of_a_trajectory_is_red_where_it_touches(cell):
+    answer, markers = cell.motions.with_swept_volume(
+        lambda: cell.motions.follow(trajectory(((0, 0), 0), (NEAR, 2), (BEYOND, 4)), swept_volume_intervals=10)
+    )
+
+    assert (answer.verdict, answer.segment) == (CheckTrajectory.Response.CONTACT, 1)
+    tip = capsules(markers, "tip")
+    assert len(tip) == 20
+    assert_swept(tip[:10], (0, 0), NEAR)
+    assert_swept(tip[10:], NEAR, BEYOND)
+    red = [red > green for red, green in colours(markers, "tip")]
+    assert sum(red) == len(red) // 20, "one interval of twenty"
+    assert [red > green for red, green in colours(markers, "upper")].count(True) == 0
+
+
+def test_more_volumes_than_a_message_holds_are_refused(cell):
+    answer, markers = cell.motions.with_swept_volume(
+        lambda: cell.motions.check((0, 0), (1, 0), swept_volume_intervals=2**32 - 1)
+    )
+    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "bad_request")
+    assert "swept_volume_intervals is 4294967295" in answer.message
+    assert markers == [], "what was shown is about another request"
+
+    most = int(re.search(r"at most (\d+) intervals", answer.message).group(1))
+    answer, markers = cell.motions.with_swept_volume(
+        lambda: cell.motions.check((0, 0), (1, 0), swept_volume_intervals=most)
+    )
+    assert answer.verdict == CheckMotion.Response.FREE
+    assert [len(capsules(markers, link)) for link in ("base", "upper", "tip")] == [most] * 3
+    answer = cell.motions.check((0, 0), (1, 0), swept_volume_intervals=most + 1)
+    assert answer.reason_code == "bad_request"
 
 
 def test_eight_clients_at_once_are_answered_while_states_go_on(peer, start):

@@ -36,7 +36,7 @@ impl Neutral {
                 self.shape(link, &collision.pose_ls, &collision.shape)?;
             }
         }
-        for (a, b) in checker.pairs().self_pairs() {
+        for (a, b) in checker.pairs().link_pairs() {
             writeln!(self.0, "pair\t{}\t{}", a.0, b.0)?;
         }
         Ok(())

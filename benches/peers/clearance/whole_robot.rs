@@ -204,8 +204,7 @@ fn checker_of(
         return Ok((given, None, 0));
     }
     // a matrix replaces the SRDF: it must allow what the SRDF allowed, too
-    let kept: BTreeSet<_> =
-        given.pairs().self_pairs().iter().filter(|pair| !by_design.contains(pair)).collect();
+    let kept: BTreeSet<_> = given.pairs().link_pairs().filter(|pair| !by_design.contains(pair)).collect();
     let mut matrix = AllowedCollisionMatrix::default();
     for a in robot.link_ids() {
         for b in robot.link_ids().filter(|b| a < *b && !kept.contains(&(a, *b))) {

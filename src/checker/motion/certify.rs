@@ -43,7 +43,7 @@ impl CollisionChecker {
 
     fn certificate(&self, segments: Vec<SegmentProof>) -> Certificate {
         let names = |(a, b)| [self.body_name(a).to_owned(), self.body_name(b).to_owned()];
-        let pairs = self.infos.iter().map(|info| names(info.ids)).collect();
+        let pairs = self.all_pairs().map(|pair| names(self.info(pair).ids)).collect();
         Certificate::new(self.robot(), self.fingerprints().clone(), pairs, segments)
     }
 

@@ -1,42 +1,51 @@
 //! Level 0 of a motion: capsules of all pairs, eight intervals at once.
 
 use super::MotionScratch;
+use super::moment::of_whole_interval;
 use crate::checker::batch::Eight;
 use crate::checker::bodies::Rider;
 use crate::checker::capsules::up;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::PairInfo;
+use crate::checker::questions::near_pairs;
 use crate::checker::workspace::Workspace;
 use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
-use crate::robot::{Between, Chain, Deviation, Deviations};
-use crate::simd::{LANES, Level, dispatch, dispatch_lean};
+use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
+use crate::simd::{LANES, dispatch, dispatch_lean};
 
-/// Where each body's ways stand in a list of all.
+/// Where each part's ways stand in a list of all.
 #[derive(Clone, Debug)]
 pub struct Ways {
-    /// By rider.
-    starts: Vec<usize>,
-    /// By pair: the two ways that matter.
+    /// By self pair: the two ways that matter.
     of_pairs: Vec<[usize; 2]>,
-    /// By rider: how far it reaches (m) from its body's origin.
+    /// By part: the way that matters to what stands still.
+    to_root: Vec<usize>,
+    /// By part: how far it reaches (m) from its body's origin.
     reach: Vec<f64>,
 }
 
 /// The places of all ways.
-pub fn ways_of(chain: &Chain, riders: &[Option<Rider>], infos: &[PairInfo], between: &[Between]) -> Ways {
-    let (mut starts, mut reach, mut next) = (Vec::new(), Vec::new(), 0);
+pub fn ways_of(chain: &Chain, riders: &[Rider], (infos, between): (&[PairInfo], &[Between])) -> Ways {
+    let (mut starts, mut next) = (Vec::new(), 0);
     for rider in riders {
         starts.push(next);
-        reach.push(rider.as_ref().map_or(0.0, Rider::reach));
-        next += rider.as_ref().map_or(0, |rider| chain.depth(rider.body) + 1);
+        next += chain.depth(rider.body) + 1;
     }
     let places = |(info, between): (&PairInfo, &Between)| {
         [starts[info.bodies.0] + between.side(0).len(), starts[info.bodies.1] + between.side(1).len()]
     };
     let of_pairs = infos.iter().zip(between).map(places).collect();
-    Ways { starts, of_pairs, reach }
+    let to_root = (starts.iter().zip(riders)).map(|(start, rider)| start + chain.depth(rider.body)).collect();
+    Ways { of_pairs, to_root, reach: riders.iter().map(Rider::reach).collect() }
+}
+
+/// A pair that may touch in some of eight intervals, and a bit for each of them.
+#[derive(Clone, Copy, Debug)]
+pub struct NearPair {
+    pub pair: usize,
+    pub intervals: u8,
 }
 
 /// How positions deviate within one unit of t, at their fastest.
@@ -74,7 +83,8 @@ impl Deviations for Off<'_> {
 }
 
 impl CollisionChecker {
-    /// For each pair, how far (m) it may come nearer in one unit of t, and how far tolerances let it be nearer.
+    /// For each self pair, how far (m) it may come nearer in one unit of t; then for each part, how far it may come nearer to
+    /// what stands still.
     pub(super) fn approach_speeds(
         &self,
         segment: &MotionSegment,
@@ -82,42 +92,51 @@ impl CollisionChecker {
         speeds: &mut Vec<f32>,
     ) {
         self.fill_ways(&AtTopSpeed(segment), segment, ways);
-        speeds.clear();
-        speeds.extend(self.ways.of_pairs.iter().map(|[a, b]| up(ways[*a] + ways[*b])));
+        self.sums(ways, speeds);
+        if self.pairs().world_len() == 0 {
+            speeds[self.infos.len()..].fill(0.0);
+        }
     }
 
-    /// For each pair, how much (m) nearer tolerances let it be.
+    /// In the same order, how much (m) nearer tolerances let them be.
     pub(super) fn tolerated(&self, segment: &MotionSegment, ways: &mut Vec<f64>, off: &mut Vec<f32>) {
-        off.clear();
         if segment.tube().is_empty() {
-            off.resize(self.infos.len(), 0.0);
+            off.clear();
+            off.resize(self.infos.len() + self.riders.len(), 0.0);
             return;
         }
         self.fill_ways(&Off(segment), segment, ways);
-        off.extend(self.ways.of_pairs.iter().map(|[a, b]| up(ways[*a] + ways[*b])));
+        self.sums(ways, off);
     }
 
     fn fill_ways(&self, deviations: &impl Deviations, segment: &MotionSegment, ways: &mut Vec<f64>) {
         ways.clear();
         for (rider, reach) in self.riders.iter().zip(&self.ways.reach) {
-            let Some(rider) = rider else { continue };
             self.chain.stretched_ways(rider.body, *reach, deviations, |i| segment.range(i), ways);
         }
-        debug_assert!(self.ways.starts.last().is_none_or(|last| *last <= ways.len()));
     }
 
-    /// For each pair, in which of the eight intervals of this half width around `middles` capsules do not prove it apart.
+    fn sums(&self, ways: &[f64], sums: &mut Vec<f32>) {
+        sums.clear();
+        sums.extend(self.ways.of_pairs.iter().map(|[a, b]| up(ways[*a] + ways[*b])));
+        sums.extend(self.ways.to_root.iter().map(|way| up(ways[*way])));
+    }
+
+    /// The pairs that capsules do not prove apart in the eight intervals of this half width around `middles`.
     pub(super) fn screen_intervals(
         &self,
         segment: &MotionSegment,
         (middles, half_width): ([f64; LANES], f64),
         (speeds, off): (&[f32], &[f32]),
         scratch: &mut MotionScratch,
-        level: Level,
+        workspace: &mut Workspace,
     ) {
-        let margin = self.margins(half_width, speeds, off);
+        let motion = self.motion_within(half_width, speeds, off);
+        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
         let MotionScratch { positions, near, .. } = scratch;
-        dispatch!(level, simd => {
+        near.clear();
+        workspace.scratch.work.volume_tests += (self.infos.len() * LANES) as u64;
+        dispatch!(workspace.scratch.level(), simd => {
             let mut eight = Eight::new(self, simd);
             for (lane, middle) in middles.iter().enumerate() {
                 segment.positions_at(*middle, positions);
@@ -125,44 +144,114 @@ impl CollisionChecker {
                     column[lane] = *position;
                 }
             }
-            eight.screen(simd, self, margin);
-            std::mem::swap(near, &mut eight.near);
+            eight.screen(simd, self, |i| motion(i) + padding);
+            let of_parts = eight.near.iter().enumerate().filter(|(_, intervals)| **intervals != 0);
+            near.extend(of_parts.map(|(pair, intervals)| NearPair { pair, intervals: *intervals }));
+            let frame = |body: usize, lane: usize| eight.frame(body, lane);
+            self.screen_obstacles(segment, frame, |part| motion(self.infos.len() + part), workspace, near);
         });
     }
 
-    /// By pair: nearer than this (m) it may come to touch within an interval of this half width.
-    fn margins<'m>(
+    /// As [`Self::screen_intervals`], pairs with obstacles.
+    fn screen_obstacles(
+        &self,
+        segment: &MotionSegment,
+        frame: impl Fn(usize, usize) -> Frame<f64>,
+        motion: impl Fn(usize) -> f32,
+        workspace: &mut Workspace,
+        near: &mut Vec<NearPair>,
+    ) {
+        if self.pairs().world_len() == 0 {
+            return;
+        }
+        let movers = self.moving_places(segment);
+        for (part, rider) in self.riders.iter().enumerate() {
+            let reaches: [_; LANES] =
+                std::array::from_fn(|lane| self.reach_of(part, &frame(rider.body, lane)));
+            let motion = f64::from(motion(part));
+            self.each_obstacle_near(part, &reaches, motion, workspace, |place, intervals| {
+                if !movers.contains(&place) {
+                    near.push(NearPair { pair: self.world_pair(part, place), intervals });
+                }
+            });
+            // level 0 knows nothing of obstacles that move
+            let moving =
+                movers.iter().map(|place| self.world_pair(part, *place)).filter(|i| self.is_pair(*i));
+            near.extend(moving.map(|pair| NearPair { pair, intervals: u8::MAX }));
+        }
+        near.sort_unstable_by_key(|near| near.pair);
+    }
+
+    /// By number of [`Self::approach_speeds`]: how much nearer (m) they may come within an interval of this half width.
+    fn motion_within<'m>(
         &self,
         half_width: f64,
         speeds: &'m [f32],
         off: &'m [f32],
     ) -> impl Fn(usize) -> f32 + use<'m> {
-        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
         let half_width = up(half_width * (1.0 + 1e-6));
         // without any width it is about states
         let loose = f32::from(u8::from(half_width > 0.0));
-        move |i| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6) + padding
+        move |i| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6)
     }
 
-    /// For each group of eight pairs, which of them capsules do not prove apart in the whole motion: from its middle alone.
+    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone: in the first interval.
     pub(super) fn screen_whole(
         &self,
         segment: &MotionSegment,
         (speeds, off): (&[f32], &[f32]),
-        positions: &mut [f64],
+        scratch: &mut MotionScratch,
         workspace: &mut Workspace,
     ) {
+        let MotionScratch { positions, near: found, .. } = scratch;
         segment.positions_at(0.5, positions);
-        let margin = self.margins(0.5, speeds, off);
+        let motion = self.motion_within(0.5, speeds, off);
+        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
         // a group that is not full repeats its last pair
         let last = self.infos.len().saturating_sub(1);
-        let margins = |group: usize| std::array::from_fn(|lane| margin((8 * group + lane).min(last)));
-        let Workspace { frames, segments, near, scratch, .. } = workspace;
+        let margins =
+            |group: usize| std::array::from_fn(|lane| motion((LANES * group + lane).min(last)) + padding);
+        let Workspace { frames, segments, near, scratch, .. } = &mut *workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
         dispatch_lean!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, positions, frames);
             self.capsules.place(frames, segments);
             self.capsules.near_one(simd, segments, margins, near);
         });
+        found.clear();
+        found.extend(near_pairs(near).map(|pair| NearPair { pair, intervals: 1 }));
+        let frames = std::mem::take(&mut workspace.frames);
+        let motion = |part: usize| motion(self.infos.len() + part);
+        self.screen_obstacles(segment, |body, _| frames[body], motion, workspace, found);
+        workspace.frames = frames;
+    }
+
+    /// The pairs that capsules do not prove apart in an interval of a motion that widens: in the first interval.
+    pub(super) fn screen_widening(
+        &self,
+        segment: &MotionSegment,
+        [from, to]: [f64; 2],
+        scratch: &mut MotionScratch,
+        workspace: &mut Workspace,
+    ) {
+        let MotionScratch { positions, near: found, .. } = scratch;
+        found.clear();
+        found.extend((0..self.infos.len()).map(|pair| NearPair { pair, intervals: 1 }));
+        if self.pairs().world_len() == 0 {
+            return;
+        }
+        segment.positions_at(0.5 * (from + to), positions);
+        let mut frames = std::mem::take(&mut workspace.frames);
+        dispatch_lean!(workspace.scratch.level(), simd => {
+            self.chain.frames_of_one(simd, positions, &mut frames);
+        });
+        let whole = of_whole_interval(segment, [from, to]);
+        let motion = |part: usize| {
+            let reach = self.reach_of(part, &frames[self.riders[part].body]);
+            let moved = self.chain.side_motion(self.to_root[part].side(0), &reach, &frames, &whole);
+            up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
+        };
+        self.screen_obstacles(segment, |body, _| frames[body], motion, workspace, found);
+        workspace.frames = frames;
     }
 }

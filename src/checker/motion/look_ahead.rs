@@ -59,7 +59,7 @@ impl CollisionChecker {
         if let Some(bad) = spread.iter().position(|a| !a.is_finite()) {
             return Err(SegmentError::NotFinite(self.robot().position_names()[bad].clone()));
         }
-        let budget = LOOKS + LOOKS_A_PAIR * self.infos.len() as u64;
+        let budget = LOOKS + LOOKS_A_PAIR * self.pairs().len() as u64;
         let options = MotionOptions { tolerance: RESOLUTION, budget, ..MotionOptions::default() };
         let (report, _) = self.prove(&segment.with_spread(spread), &options, workspace, false);
         Ok(match report.verdict {

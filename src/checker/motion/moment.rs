@@ -1,16 +1,17 @@
 //! One pair in the middle of an interval: how far apart, and how much nearer it can come on the way to either end.
 
+use crate::checker::Body;
 use crate::checker::bodies::Rider;
-use crate::checker::capsules::LinkCapsule;
 use crate::checker::collision_checker::CollisionChecker;
+use crate::checker::nearby::capsule_bound;
+use crate::checker::numbers::PairNumber;
 use crate::checker::pair::Pair;
 use crate::constants::MOTION_SLACK;
-use crate::math::{MatrixPose, Point, UnitVector, Vector};
+use crate::math::{MatrixPose, UnitVector, Vector};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::query::Scratch;
 use crate::robot::{Approach, Deviation, Deviations, Frame, Reach, SideMotion};
 use crate::simd::dispatch_lean;
-use crate::world::ObstacleId;
 
 /// The positions of a segment around a moment.
 struct Around<'s> {
@@ -64,17 +65,31 @@ impl CollisionChecker {
         positions: &mut [f64],
         scratch: &Scratch,
     ) -> PlacedPair<'c> {
-        let (info, between) = (&self.infos[index], &self.between[index]);
-        let rider = |i: usize| self.riders[i].as_ref().expect("pairs name only bodies with geometry");
-        let (a, b) = (rider(info.bodies.0), rider(info.bodies.1));
+        let (info, between) = (self.info(index), self.between(index));
         segment.positions_at(t, positions);
         dispatch_lean!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
+        let a = &self.riders[info.bodies.0];
         let pose_ra = MatrixPose::from(&frames[a.body]);
-        let mover = self.mover(segment, info.bodies.1);
-        let pose_rb = mover.map_or_else(|| MatrixPose::from(&frames[b.body]), |mover| mover.matrix(t));
+        let (solid, pose_rb, reach) = match info.ids.1 {
+            Body::Obstacle(_) => {
+                let b = self.obstacles.at(info.bodies.1);
+                match self.mover(segment, index) {
+                    Some(mover) => {
+                        let pose = MatrixPose::from(&(mover.displacement(t) * b.pose()));
+                        (&b.solid, pose, b.reach_at(&pose))
+                    }
+                    None => (&b.solid, b.pose_ro, b.reach),
+                }
+            }
+            _ => {
+                let b = &self.riders[info.bodies.1];
+                let pose = MatrixPose::from(&frames[b.body]);
+                (&b.solid, pose, b.reach_at(&pose))
+            }
+        };
         PlacedPair {
-            reaches: [a.reach_at(&pose_ra), b.reach_at(&pose_rb)],
-            pair: Pair { info, bodies: (&a.solid, &b.solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) },
+            reaches: [a.reach_at(&pose_ra), reach],
+            pair: Pair { info, bodies: (&a.solid, solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) },
         }
     }
 
@@ -91,9 +106,9 @@ impl CollisionChecker {
         let PlacedPair { pair, reaches } =
             self.placed_pair(index, segment, middle, frames, positions, scratch);
         let around = Around { segment, middle, half_width };
-        let between = &self.between[index];
+        let between = self.between(index);
         let side = |i: usize| self.chain.side_motion(between.side(i), &reaches[i], frames, &around);
-        let second = match self.mover(segment, pair.info.bodies.1) {
+        let second = match self.mover(segment, index) {
             Some(mover) => of_obstacle(mover, &reaches[1], &around),
             None => side(1),
         };
@@ -101,14 +116,22 @@ impl CollisionChecker {
         Moment { pair, approach, lower: capsule_bound(&reaches) }
     }
 
-    /// How a body moves, if it is an obstacle that does.
-    pub(super) fn mover<'s>(&self, segment: &'s MotionSegment, body: usize) -> Option<&'s MovingObstacle> {
+    /// How the obstacle of a pair moves, if it does.
+    fn mover<'s>(&self, segment: &'s MotionSegment, index: usize) -> Option<&'s MovingObstacle> {
         if segment.obstacles().is_empty() {
             return None;
         }
-        let obstacle = body.checked_sub(self.robot().links().len())?;
-        let name = &self.world().place(ObstacleId(u32::try_from(obstacle).ok()?))?.name;
-        segment.obstacles().iter().find(|mover| mover.name == *name)
+        let PairNumber::WithObstacle { place, .. } = self.number(index) else { return None };
+        let name = self.obstacles.at(place).name();
+        segment.obstacles().iter().find(|mover| mover.name == name)
+    }
+
+    /// The places of obstacles that move, ascending.
+    pub(super) fn moving_places(&self, segment: &MotionSegment) -> Vec<usize> {
+        let ids = segment.obstacles().iter().filter_map(|mover| self.world().id(&mover.name));
+        let mut places: Vec<_> = ids.map(|id| id.0 as usize).collect();
+        places.sort_unstable();
+        places
     }
 }
 
@@ -132,40 +155,12 @@ fn of_obstacle(mover: &MovingObstacle, reach: &Reach, around: &Around) -> SideMo
 impl Rider {
     /// Its capsule, seen from outside.
     pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
-        let LinkCapsule { a, b, radius } = self.capsule;
-        let seen = |p: Point| (pose * p).coords;
-        Reach { ends: [seen(a), seen(b)], radius: radius * (1.0 + MOTION_SLACK) + MOTION_SLACK }
+        self.capsule.reach_at(pose)
     }
 
     /// How far (m) it reaches from its body's origin.
     pub fn reach(&self) -> f64 {
         let ends = [self.capsule.a, self.capsule.b].map(|p| p.coords.norm());
         (ends[0].max(ends[1]) + self.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK
-    }
-}
-
-/// A number (m) never larger than the distance of two capsules: that of their axes along the line between about nearest
-/// points, as at level 0, but in f64.
-fn capsule_bound([a, b]: &[Reach; 2]) -> f64 {
-    let (c, u) = ((a.ends[0] + a.ends[1]) * 0.5, (a.ends[1] - a.ends[0]) * 0.5);
-    let (d, v) = ((b.ends[0] + b.ends[1]) * 0.5, (b.ends[1] - b.ends[0]) * 0.5);
-    let w = d - c;
-    let (uu, vv, uv) = (u.norm_squared(), v.norm_squared(), u.dot(&v));
-    let (uw, vw) = (u.dot(&w), v.dot(&w));
-    let over = |numerator: f64, denominator: f64| {
-        if denominator > 0.0 { (numerator / denominator).clamp(-1.0, 1.0) } else { 0.0 }
-    };
-    let determinant = uu * vv - uv * uv;
-    let s = if determinant > 1e-12 * uu * vv { over(uw * vv - uv * vw, determinant) } else { 0.0 };
-    let t = over(uv * s - vw, vv);
-    let s = over(uv * t + uw, uu);
-    let n = w + v * t - u * s;
-    let length = n.norm();
-    if length > 0.0 {
-        (n.dot(&w) - n.dot(&u).abs() - n.dot(&v).abs()) / length - a.radius - b.radius - MOTION_SLACK
-    } else if length == 0.0 {
-        -a.radius - b.radius
-    } else {
-        f64::NEG_INFINITY
     }
 }

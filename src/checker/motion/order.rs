@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::prover::{MotionScratch, Piece, Prover};
+use super::level_zero::NearPair;
+use super::prover::{Piece, Prover};
 use super::report::{MotionOrder, UndecidedReason};
 use crate::simd::LANES;
 
@@ -52,7 +53,7 @@ impl Prover<'_> {
 
     /// One pair after the other, each from the whole motion to smaller pieces: the fewest proofs.
     fn all_pairs_alone(&mut self) {
-        for pair in 0..self.checker.infos.len() {
+        for pair in self.checker.all_pairs() {
             self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
         }
     }
@@ -63,8 +64,9 @@ impl Prover<'_> {
         let mut from = 0.0;
         for doubling in (0..DOUBLINGS).rev() {
             let to = 0.5_f64.powi(doubling);
-            for pair in 0..self.checker.infos.len() {
-                self.pair_in(Piece { pair, from, to });
+            self.checker.screen_widening(self.segment, [from, to], &mut self.motion, self.workspace);
+            for near in 0..self.motion.near.len() {
+                self.pair_in(Piece { pair: self.motion.near[near].pair, from, to });
             }
             if self.cutoff <= to || self.stopped.is_some() {
                 return;
@@ -76,13 +78,11 @@ impl Prover<'_> {
 
     /// Where little moves, the middle tells enough of all but a few pairs.
     fn short(&mut self) {
-        let MotionScratch { speeds, off, positions, .. } = &mut self.motion;
-        self.checker.screen_whole(self.segment, (speeds, off), positions, self.workspace);
-        for pair in 0..self.checker.infos.len() {
-            let near = self.workspace.near[pair / LANES] & (1 << (pair % LANES)) != 0;
-            if near || self.checker.mover(self.segment, self.checker.infos[pair].bodies.1).is_some() {
-                self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
-            }
+        let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
+        self.checker.screen_whole(self.segment, (&speeds, &off), &mut self.motion, self.workspace);
+        (self.motion.speeds, self.motion.off) = (speeds, off);
+        for near in 0..self.motion.near.len() {
+            self.pair_in(Piece { pair: self.motion.near[near].pair, from: 0.0, to: 1.0 });
         }
     }
 
@@ -96,8 +96,9 @@ impl Prover<'_> {
                 if ends[lane] >= self.cutoff || self.stopped.is_some() {
                     return;
                 }
-                for pair in 0..self.motion.near.len() {
-                    if let Some(end) = run_from(self.motion.near[pair], lane) {
+                for near in 0..self.motion.near.len() {
+                    let NearPair { pair, intervals } = self.motion.near[near];
+                    if let Some(end) = run_from(intervals, lane) {
                         self.pair_in(Piece { pair, from: ends[lane], to: ends[end] });
                     }
                 }
@@ -116,9 +117,9 @@ impl Prover<'_> {
         for block in 0..blocks {
             let ends = self.screen(block, blocks);
             for lane in 0..LANES {
-                for (pair, near) in self.motion.near.iter().enumerate() {
-                    if let Some(end) = run_from(*near, lane) {
-                        queue.push_back(Piece { pair, from: ends[lane], to: ends[end] });
+                for NearPair { pair, intervals } in &self.motion.near {
+                    if let Some(end) = run_from(*intervals, lane) {
+                        queue.push_back(Piece { pair: *pair, from: ends[lane], to: ends[end] });
                     }
                 }
             }
@@ -141,8 +142,9 @@ impl Prover<'_> {
     fn some_state_collides(&mut self) -> Option<usize> {
         self.screen_at(SAMPLES, 0.0);
         for (lane, t) in SAMPLES.into_iter().enumerate() {
-            for pair in 0..self.motion.near.len() {
-                if self.motion.near[pair] & (1 << lane) != 0 && self.touches(pair, t) {
+            for near in 0..self.motion.near.len() {
+                let NearPair { pair, intervals } = self.motion.near[near];
+                if intervals & (1 << lane) != 0 && self.touches(pair, t) {
                     return Some(pair);
                 }
             }
@@ -171,29 +173,14 @@ impl Prover<'_> {
     /// Level 0 of eight intervals.
     fn screen_at(&mut self, middles: [f64; LANES], half_width: f64) {
         let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
-        let level = self.workspace.scratch.level();
         self.checker.screen_intervals(
             self.segment,
             (middles, half_width),
             (&speeds, &off),
             &mut self.motion,
-            level,
+            self.workspace,
         );
         (self.motion.speeds, self.motion.off) = (speeds, off);
-        self.workspace.scratch.work.volume_tests += (self.checker.infos.len() * LANES) as u64;
-        self.mark_movers();
-    }
-
-    /// Level 0 knows nothing of obstacles that move.
-    fn mark_movers(&mut self) {
-        if self.segment.obstacles().is_empty() {
-            return;
-        }
-        for (near, info) in self.motion.near.iter_mut().zip(&self.checker.infos) {
-            if self.checker.mover(self.segment, info.bodies.1).is_some() {
-                *near = u8::MAX;
-            }
-        }
     }
 }
 

@@ -7,9 +7,9 @@
 
 use std::time::Instant;
 
+use super::level_zero::NearPair;
 use super::moment::{Moment, PlacedPair};
 use super::report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
-use crate::checker::Body;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::Pair;
 use crate::checker::workspace::Workspace;
@@ -44,8 +44,8 @@ const PATIENCE: u32 = 2000;
 #[derive(Clone, Debug, Default)]
 pub struct MotionScratch {
     pub(super) positions: Vec<f64>,
-    /// By pair: in which of eight intervals it may touch.
-    pub(super) near: Vec<u8>,
+    /// In which of eight intervals which pairs may touch.
+    pub(super) near: Vec<NearPair>,
     pub(super) ways: Vec<f64>,
     pub(super) speeds: Vec<f32>,
     pub(super) off: Vec<f32>,
@@ -133,6 +133,17 @@ impl CollisionChecker {
         self.sure_of_contact(report, segment, options, workspace)
     }
 
+    /// Makes the numbers of pairs those that they have in the list of all.
+    fn number_in_order(&self, proofs: &mut [Proof]) {
+        if proofs.is_empty() {
+            return;
+        }
+        let all: Vec<usize> = self.all_pairs().collect();
+        for proof in proofs {
+            proof.0 = all.binary_search(&proof.0).expect("what is proven is about a pair");
+        }
+    }
+
     /// What would stand where it is although it is to move must not be taken for free.
     fn refusal(&self, segment: &MotionSegment) -> Option<MotionVerdict> {
         let known = |name: &str| self.world().id(name).is_some();
@@ -209,6 +220,7 @@ impl CollisionChecker {
         let Prover { motion, looks, proofs, workspace, .. } = prover;
         workspace.motion = motion;
         let mut proofs = proofs.unwrap_or_default();
+        self.number_in_order(&mut proofs);
         proofs.sort_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
         (MotionReport { verdict, looks, work: workspace.scratch.work }, proofs)
     }
@@ -391,7 +403,7 @@ impl Prover<'_> {
     }
 
     fn verdict(&mut self) -> MotionVerdict {
-        let ids = |pair: usize| self.checker.infos[pair].ids;
+        let ids = |pair: usize| self.checker.info(pair).ids;
         let open = self.open.filter(|open| open.piece.from <= self.cutoff);
         let free_until = open.map_or(self.cutoff, |open| open.piece.from);
         // who stops early has not looked at everything before that
@@ -424,7 +436,7 @@ impl Prover<'_> {
 impl CollisionChecker {
     /// A point in the frame of a pair's first body, as seen from the root.
     fn in_root(&self, pair: &Pair, point: &Point, segment: &MotionSegment, t: f64) -> Option<Point> {
-        let Body::Link(link) = pair.info.ids.0 else { return None };
+        let link = self.riders[pair.info.bodies.0].link;
         let mut poses = LinkPoses::new(self.robot());
         self.robot().forward_kinematics(&segment.at(t), &mut poses);
         let seat = self.chain.seat(link.index())?;

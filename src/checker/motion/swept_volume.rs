@@ -1,18 +1,18 @@
 //! Volumes around what a robot sweeps over during a motion.
 
 use super::moment::of_whole_interval;
+use crate::checker::Body;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::workspace::Workspace;
 use crate::math::Point;
 use crate::motion::MotionSegment;
-use crate::robot::LinkId;
 use crate::simd::dispatch_lean;
 
-/// All that a link's geometry touches from one t to another lies within `radius` of the line from `a` to `b` (root frame, metres): its
+/// All that a link or an attached object touches from one t to another lies within `radius` of the line from `a` to `b` (root frame, metres): its
 /// capsule in the middle of the interval, grown by the farthest that any of it moves on the way to either end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweptVolume {
-    pub link: LinkId,
+    pub body: Body,
     pub t: [f64; 2],
     pub a: Point,
     pub b: Point,
@@ -20,7 +20,7 @@ pub struct SweptVolume {
 }
 
 impl CollisionChecker {
-    /// The volumes of all links with geometry, in intervals of even length; more intervals make smaller volumes. Padding is not
+    /// The volumes of all links and attached objects with geometry, in intervals of even length; more intervals make smaller volumes. Padding is not
     /// part of them.
     #[must_use]
     pub fn swept_volumes(
@@ -37,19 +37,17 @@ impl CollisionChecker {
             let end = |i: usize| i as f64 / intervals.max(1) as f64;
             let t = [end(interval), end(interval + 1)];
             segment.positions_at(0.5 * (t[0] + t[1]), &mut positions);
-            for link in self.robot().link_ids() {
-                let Some(rider) = &self.riders[link.index()] else { continue };
-                let between = self.chain.between(rider.body, 0);
+            for (rider, between) in self.riders.iter().zip(&self.to_root) {
                 let frames = &mut workspace.frames;
                 dispatch_lean!(workspace.scratch.level(), simd => {
-                    self.chain.frames_between(simd, &between, &positions, frames);
+                    self.chain.frames_between(simd, between, &positions, frames);
                 });
                 let reach = rider.reach_at(&(&frames[rider.body]).into());
                 let motion = of_whole_interval(segment, t);
                 let moved = self.chain.side_motion(between.side(0), &reach, frames, &motion);
                 let [a, b] = reach.ends.map(Point::from);
                 let radius = (reach.radius + moved.way + moved.off) * (1.0 + 1e-9) + 1e-9;
-                volumes.push(SweptVolume { link, t, a, b, radius });
+                volumes.push(SweptVolume { body: rider.id, t, a, b, radius });
             }
         }
         volumes

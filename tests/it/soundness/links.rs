@@ -140,6 +140,7 @@ impl Scene<'_> {
         match body {
             Body::Link(id) => self.robot.links[id.index()].as_ref().expect("pairs have geometry"),
             Body::Obstacle(id) => &self.obstacles[id.0 as usize],
+            Body::Attached(_) => unreachable!("nothing is attached"),
         }
     }
 
@@ -169,7 +170,7 @@ impl Scene<'_> {
         robot.forward_kinematics(&q, &mut poses);
         let pose = |body| match body {
             Body::Link(id) => *poses.pose(id),
-            Body::Obstacle(_) => Pose::identity(),
+            Body::Attached(_) | Body::Obstacle(_) => Pose::identity(),
         };
         for told in &all.pair_distances {
             let pose_ab = pose(told.a).inv_mul(&pose(told.b));

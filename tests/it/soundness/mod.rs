@@ -33,7 +33,7 @@ mod triangle_oracle;
 mod triangles;
 
 /// How many cases to try: few in the normal tests, many in the long mode, or any share of those.
-fn share(fast: usize, long: usize) -> usize {
+pub fn share(fast: usize, long: usize) -> usize {
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
     let part_of_long = |part: f64| (long as f64 * part).ceil() as usize;
     match std::env::var("CLEARANCE_SOUNDNESS").as_deref() {

@@ -1,0 +1,75 @@
+//! Boxes along the axes of one common frame.
+
+use crate::math::Point;
+
+/// A box along the axes (m), rounded outward; lower corner above the upper one: nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisBox {
+    pub lo: [f32; 3],
+    pub hi: [f32; 3],
+}
+
+impl AxisBox {
+    pub const EMPTY: Self = Self { lo: [f32::INFINITY; 3], hi: [f32::NEG_INFINITY; 3] };
+
+    /// Everything.
+    pub const ALL: Self = Self { lo: [f32::NEG_INFINITY; 3], hi: [f32::INFINITY; 3] };
+
+    /// The box around points that reach `radius` (m) farther. What is no number makes it unbounded.
+    #[must_use]
+    pub fn around(points: impl IntoIterator<Item = Point>, radius: f64) -> Self {
+        let mut found = Self::EMPTY;
+        for p in points {
+            for i in 0..3 {
+                found.lo[i] = found.lo[i].min(down(p[i] - radius));
+                found.hi[i] = found.hi[i].max(-down(-p[i] - radius));
+            }
+        }
+        found
+    }
+
+    #[must_use]
+    pub fn is_bounded(&self) -> bool {
+        self.lo.iter().chain(&self.hi).all(|c| c.is_finite())
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|i| self.lo[i].min(other.lo[i])),
+            hi: std::array::from_fn(|i| self.hi[i].max(other.hi[i])),
+        }
+    }
+
+    /// The box that reaches `by` (m, not negative) farther on all sides.
+    #[must_use]
+    pub fn grown(&self, by: f64) -> Self {
+        Self { lo: self.lo.map(|c| down(f64::from(c) - by)), hi: self.hi.map(|c| -down(-f64::from(c) - by)) }
+    }
+
+    /// The sum of its edges (m).
+    #[must_use]
+    pub fn girth(&self) -> f32 {
+        (0..3).map(|i| self.hi[i] - self.lo[i]).sum()
+    }
+
+    /// Twice its centre.
+    #[must_use]
+    pub fn doubled_centre(&self) -> [f32; 3] {
+        std::array::from_fn(|i| self.lo[i] + self.hi[i])
+    }
+}
+
+/// The nearest f32 that is not above; negative infinity for what is no number.
+#[allow(clippy::cast_possible_truncation)] // rounded down right after
+fn down(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) <= x {
+        nearest
+    } else if x.is_nan() {
+        f32::NEG_INFINITY
+    } else {
+        nearest.next_down()
+    }
+}

@@ -1,0 +1,378 @@
+//! A tree that changes: numbered items with boxes, eight to a node, put in, moved and taken out in place.
+//!
+//! What is put in goes where it makes boxes grow least (Catto 2019, *Dynamic bounding volume hierarchies*); after as many changes
+//! as there are items the tree is built anew.
+
+use super::axis_box::AxisBox;
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8};
+
+/// Changes after which even a small tree is not yet built anew.
+const FEW_CHANGES: usize = 64;
+
+/// Taken off a gap, relative to itself: some roundings of f32.
+const SLACK: f32 = 1e-6;
+
+/// Items with boxes.
+#[derive(Clone, Debug, Default)]
+pub struct DynamicTree {
+    /// The root is node 0, if there is one.
+    nodes: Vec<Node>,
+    unused: Vec<u32>,
+    /// By item.
+    seats: Vec<Option<Seat>>,
+    count: usize,
+    changes: usize,
+}
+
+/// Eight boxes, and what is in them.
+#[derive(Clone, Debug)]
+struct Node {
+    lo: [[f32; LANES]; 3],
+    hi: [[f32; LANES]; 3],
+    children: [Child; LANES],
+    /// Where it is a child.
+    seat: Option<Seat>,
+}
+
+/// What a box is around.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Child {
+    Nothing,
+    Item(u32),
+    Node(u32),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seat {
+    node: u32,
+    lane: usize,
+}
+
+impl DynamicTree {
+    /// A tree of items with different numbers.
+    #[must_use]
+    pub fn build(items: &[(u32, AxisBox)]) -> Self {
+        let mut tree = Self::default();
+        tree.fill(&mut items.to_vec());
+        tree
+    }
+
+    /// Number of items.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The root's number, if there are items.
+    #[must_use]
+    pub fn root(&self) -> Option<u32> {
+        (!self.is_empty()).then_some(0)
+    }
+
+    /// Puts an item in, or gives it another box.
+    pub fn set(&mut self, item: u32, bounds: AxisBox) {
+        self.make_room(item);
+        match self.seats[item as usize] {
+            Some(seat) if self.nodes[seat.node as usize].holds(&bounds) => self.sit(seat, item, &bounds),
+            Some(seat) => {
+                self.clear(seat);
+                self.insert(item, bounds);
+            }
+            None => {
+                self.count += 1;
+                self.insert(item, bounds);
+            }
+        }
+        self.note_change();
+    }
+
+    /// Takes an item out, if it is in.
+    pub fn remove(&mut self, item: u32) {
+        let Some(seat) = self.seats.get_mut(item as usize).and_then(Option::take) else { return };
+        self.count -= 1;
+        self.clear(seat);
+        self.note_change();
+    }
+
+    /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
+    pub fn overlapping(
+        &self,
+        level: Level,
+        with: &AxisBox,
+        stack: &mut Vec<u32>,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        stack.clear();
+        stack.extend(self.root());
+        dispatch_lean!(level, simd => self.descend(simd, with, stack, found))
+    }
+
+    /// The children of a node, each with a number never larger than the distance (m) of its box from another.
+    pub fn children(
+        &self,
+        level: Level,
+        node: u32,
+        from: &AxisBox,
+    ) -> impl Iterator<Item = (f32, Child)> + use<> {
+        let node = &self.nodes[node as usize];
+        let gaps = dispatch_lean!(level, simd => node.gaps(simd, from));
+        let children = node.children;
+        gaps.into_iter().zip(children).filter(|(_, child)| *child != Child::Nothing)
+    }
+
+    #[inline(always)]
+    fn descend<S: Simd>(&self, simd: S, with: &AxisBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) -> u64 {
+        let mut tested = 0;
+        while let Some(node) = stack.pop() {
+            tested += LANES as u64;
+            let node = &self.nodes[node as usize];
+            let mut near = node.overlaps(simd, with);
+            while near != 0 {
+                let lane = near.trailing_zeros() as usize;
+                near &= near - 1;
+                match node.children[lane] {
+                    Child::Item(item) => found.push(item),
+                    Child::Node(node) => stack.push(node),
+                    Child::Nothing => {}
+                }
+            }
+        }
+        tested
+    }
+
+    fn make_room(&mut self, item: u32) {
+        if self.seats.len() <= item as usize {
+            self.seats.resize(item as usize + 1, None);
+        }
+    }
+
+    fn note_change(&mut self) {
+        self.changes += 1;
+        if self.changes > self.count.max(FEW_CHANGES) {
+            let mut items = self.items();
+            *self = Self { seats: vec![None; self.seats.len()], ..Self::default() };
+            self.fill(&mut items);
+        }
+    }
+
+    /// All items with their boxes, by number.
+    fn items(&self) -> Vec<(u32, AxisBox)> {
+        let seats = (0..).zip(&self.seats);
+        let placed = seats.filter_map(|(item, seat)| {
+            let seat = (*seat)?;
+            Some((item, self.nodes[seat.node as usize].lane(seat.lane)))
+        });
+        placed.collect()
+    }
+
+    fn fill(&mut self, items: &mut [(u32, AxisBox)]) {
+        self.count = items.len();
+        if let Some(largest) = items.iter().map(|(item, _)| *item).max() {
+            self.make_room(largest);
+            self.add_node(items, None);
+        }
+    }
+
+    /// A node over items, which are sorted.
+    fn add_node(&mut self, items: &mut [(u32, AxisBox)], seat: Option<Seat>) -> u32 {
+        let number = self.new_node(seat);
+        let mut ends = vec![0, items.len()];
+        for _ in 0..3 {
+            let parts: Vec<_> = ends.windows(2).map(|w| (w[0], w[1])).collect();
+            ends.truncate(1);
+            for (from, to) in parts {
+                if let Some(half) = split(&mut items[from..to]) {
+                    ends.push(from + half);
+                }
+                ends.push(to);
+            }
+        }
+        for (lane, part) in ends.windows(2).enumerate() {
+            let part = &mut items[part[0]..part[1]];
+            let bounds = part.iter().fold(AxisBox::EMPTY, |all, (_, bounds)| all.union(bounds));
+            let seat = Seat { node: number, lane };
+            let child = match part {
+                [(item, _)] => {
+                    self.seats[*item as usize] = Some(seat);
+                    Child::Item(*item)
+                }
+                _ => Child::Node(self.add_node(part, Some(seat))),
+            };
+            self.nodes[number as usize].set(lane, child, &bounds);
+        }
+        number
+    }
+
+    fn new_node(&mut self, seat: Option<Seat>) -> u32 {
+        let node = Node::empty(seat);
+        if let Some(unused) = self.unused.pop() {
+            self.nodes[unused as usize] = node;
+            return unused;
+        }
+        self.nodes.push(node);
+        u32::try_from(self.nodes.len() - 1).expect("there are fewer nodes than items")
+    }
+
+    /// Where boxes grow least.
+    fn insert(&mut self, item: u32, bounds: AxisBox) {
+        if self.nodes.is_empty() {
+            self.new_node(None);
+        }
+        let mut number = 0;
+        loop {
+            let node = &mut self.nodes[number as usize];
+            let free = node.children.iter().position(|child| *child == Child::Nothing);
+            let lane = free.unwrap_or_else(|| node.least_growth(&bounds));
+            let seat = Seat { node: number, lane };
+            match node.children[lane] {
+                Child::Nothing => return self.sit(seat, item, &bounds),
+                Child::Node(child) => {
+                    let grown = node.lane(lane).union(&bounds);
+                    node.set(lane, Child::Node(child), &grown);
+                    number = child;
+                }
+                Child::Item(other) => {
+                    let old = node.lane(lane);
+                    let pair = self.new_node(Some(seat));
+                    let grown = old.union(&bounds);
+                    self.nodes[number as usize].set(lane, Child::Node(pair), &grown);
+                    self.sit(Seat { node: pair, lane: 0 }, other, &old);
+                    self.sit(Seat { node: pair, lane: 1 }, item, &bounds);
+                    return self.refit(number);
+                }
+            }
+        }
+    }
+
+    fn sit(&mut self, seat: Seat, item: u32, bounds: &AxisBox) {
+        self.nodes[seat.node as usize].set(seat.lane, Child::Item(item), bounds);
+        self.seats[item as usize] = Some(seat);
+        self.refit(seat.node);
+    }
+
+    /// Empties a lane, and takes away nodes that are left with nothing.
+    fn clear(&mut self, mut seat: Seat) {
+        loop {
+            let node = &mut self.nodes[seat.node as usize];
+            node.set(seat.lane, Child::Nothing, &AxisBox::EMPTY);
+            let empty = node.children.iter().all(|child| *child == Child::Nothing);
+            match node.seat.filter(|_| empty) {
+                Some(parent) => {
+                    self.unused.push(seat.node);
+                    seat = parent;
+                }
+                None => return self.refit(seat.node),
+            }
+        }
+    }
+
+    /// Makes the boxes above a node fit.
+    fn refit(&mut self, mut number: u32) {
+        while let Some(seat) = self.nodes[number as usize].seat {
+            let bounds = self.nodes[number as usize].bounds();
+            let parent = &mut self.nodes[seat.node as usize];
+            if parent.lane(seat.lane) == bounds {
+                return;
+            }
+            parent.set(seat.lane, Child::Node(number), &bounds);
+            number = seat.node;
+        }
+    }
+}
+
+/// Sorts the half with smaller coordinates to the front, along the axis on which centres differ most; tells where it ends.
+fn split(items: &mut [(u32, AxisBox)]) -> Option<usize> {
+    if items.len() < 2 {
+        return None;
+    }
+    let centres = || items.iter().map(|(_, bounds)| bounds.doubled_centre());
+    let lo = centres().fold([f32::INFINITY; 3], |lo, c| std::array::from_fn(|i| lo[i].min(c[i])));
+    let hi = centres().fold([f32::NEG_INFINITY; 3], |hi, c| std::array::from_fn(|i| hi[i].max(c[i])));
+    let axis = (0..3).max_by(|&i, &j| (hi[i] - lo[i]).total_cmp(&(hi[j] - lo[j]))).unwrap_or(0);
+    let half = items.len() / 2;
+    let key = |entry: &(u32, AxisBox)| entry.1.doubled_centre()[axis];
+    items.select_nth_unstable_by(half, |p, q| key(p).total_cmp(&key(q)).then(p.0.cmp(&q.0)));
+    Some(half)
+}
+
+impl Node {
+    fn empty(seat: Option<Seat>) -> Self {
+        Self {
+            lo: [[f32::INFINITY; LANES]; 3],
+            hi: [[f32::NEG_INFINITY; LANES]; 3],
+            children: [Child::Nothing; LANES],
+            seat,
+        }
+    }
+
+    fn set(&mut self, lane: usize, child: Child, bounds: &AxisBox) {
+        self.children[lane] = child;
+        for i in 0..3 {
+            (self.lo[i][lane], self.hi[i][lane]) = (bounds.lo[i], bounds.hi[i]);
+        }
+    }
+
+    fn lane(&self, lane: usize) -> AxisBox {
+        AxisBox { lo: self.lo.map(|lo| lo[lane]), hi: self.hi.map(|hi| hi[lane]) }
+    }
+
+    fn bounds(&self) -> AxisBox {
+        (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
+    }
+
+    fn holds(&self, bounds: &AxisBox) -> bool {
+        let all = self.bounds();
+        all.union(bounds) == all
+    }
+
+    fn least_growth(&self, bounds: &AxisBox) -> usize {
+        let growth = |lane: usize| {
+            let old = self.lane(lane);
+            let grown = old.union(bounds).girth();
+            (grown - old.girth(), grown)
+        };
+        let cost = |lane: &usize| growth(*lane);
+        (0..LANES)
+            .min_by(|i, j| {
+                let ((p, a), (q, b)) = (cost(i), cost(j));
+                p.total_cmp(&q).then(a.total_cmp(&b))
+            })
+            .unwrap_or(0)
+    }
+
+    /// The lanes whose boxes overlap another.
+    #[inline(always)]
+    fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u64 {
+        let mut apart = 0;
+        for i in 0..3 {
+            let (lo, hi) = (f32x8::from_slice(simd, &self.lo[i]), f32x8::from_slice(simd, &self.hi[i]));
+            apart |= lo.simd_gt(with.hi[i]).to_bitmask() | hi.simd_lt(with.lo[i]).to_bitmask();
+        }
+        !apart & u64::from(u8::MAX)
+    }
+
+    /// Numbers never larger than the distances of the boxes from another.
+    #[inline(always)]
+    fn gaps<S: Simd>(&self, simd: S, from: &AxisBox) -> [f32; LANES] {
+        let mut squares = f32x8::splat(simd, 0.0);
+        for i in 0..3 {
+            let (lo, hi) = (f32x8::from_slice(simd, &self.lo[i]), f32x8::from_slice(simd, &self.hi[i]));
+            let above = lo - from.hi[i];
+            let below = f32x8::splat(simd, from.lo[i]) - hi;
+            // what is no number, as between unbounded boxes, is no gap
+            let gap = above.max(0.0) + below.max(0.0);
+            squares = squares + gap * gap;
+        }
+        let gaps: [f32; LANES] = (squares.sqrt() * (1.0 - SLACK)).into();
+        gaps.map(|gap| if gap.is_nan() { 0.0 } else { gap })
+    }
+}
+
+#[cfg(test)]
+mod tests;

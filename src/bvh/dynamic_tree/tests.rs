@@ -1,0 +1,115 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::math::Point;
+
+fn axis_box() -> impl Strategy<Value = AxisBox> {
+    let point = prop::array::uniform3(-2.0..2.0_f64);
+    (point, 0.0..0.7_f64).prop_map(|(p, radius)| AxisBox::around([Point::from(p)], radius))
+}
+
+#[derive(Clone, Debug)]
+enum Edit {
+    Set(u32, AxisBox),
+    Remove(u32),
+}
+
+fn edits() -> impl Strategy<Value = Vec<Edit>> {
+    let item = 0..200_u32;
+    let set = (item.clone(), axis_box()).prop_map(|(item, bounds)| Edit::Set(item, bounds));
+    prop::collection::vec(prop_oneof![3 => set, 1 => item.prop_map(Edit::Remove)], 1..600)
+}
+
+fn overlap(a: &AxisBox, b: &AxisBox) -> bool {
+    (0..3).all(|i| a.lo[i] <= b.hi[i] && b.lo[i] <= a.hi[i])
+}
+
+fn gap(a: &AxisBox, b: &AxisBox) -> f64 {
+    let along = |i: usize| {
+        let (a, b) = ([a.lo[i], a.hi[i]].map(f64::from), [b.lo[i], b.hi[i]].map(f64::from));
+        (a[0] - b[1]).max(b[0] - a[1]).max(0.0)
+    };
+    (0..3).map(|i| along(i) * along(i)).sum::<f64>().sqrt()
+}
+
+/// All that a tree holds: every box is within those above it, and no item is lost or there twice.
+fn assert_holds(tree: &DynamicTree, expected: &[Option<AxisBox>]) {
+    let mut seen = vec![None; expected.len()];
+    let mut stack: Vec<(u32, Option<AxisBox>)> = tree.nodes.first().map(|_| (0, None)).into_iter().collect();
+    while let Some((number, bounds)) = stack.pop() {
+        let node = &tree.nodes[number as usize];
+        for lane in 0..LANES {
+            let own = node.lane(lane);
+            if let Some(bounds) = bounds {
+                assert_eq!(bounds.union(&own), bounds);
+            }
+            match node.children[lane] {
+                Child::Nothing => assert_eq!(own, AxisBox::EMPTY),
+                Child::Item(item) => assert!(seen[item as usize].replace(own).is_none()),
+                Child::Node(child) => stack.push((child, Some(own))),
+            }
+        }
+    }
+    assert_eq!(seen, expected);
+    assert_eq!(tree.len(), expected.iter().flatten().count());
+}
+
+proptest! {
+    #[test]
+    fn edits_leave_what_they_say(edits in edits(), with in axis_box()) {
+        let mut tree = DynamicTree::default();
+        let mut expected = vec![None; 200];
+        for edit in edits {
+            match edit {
+                Edit::Set(item, bounds) => {
+                    tree.set(item, bounds);
+                    expected[item as usize] = Some(bounds);
+                }
+                Edit::Remove(item) => {
+                    tree.remove(item);
+                    expected[item as usize] = None;
+                }
+            }
+        }
+        assert_holds(&tree, &expected);
+        let (mut stack, mut found) = (Vec::new(), Vec::new());
+        for level in [Level::new(), crate::simd::baseline()] {
+            found.clear();
+            tree.overlapping(level, &with, &mut stack, &mut found);
+            found.sort_unstable();
+            let all = (0..200_u32).filter(|i| expected[*i as usize].is_some_and(|b| overlap(&b, &with)));
+            prop_assert_eq!(&found, &all.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn gaps_are_lower_bounds_and_tight(boxes in prop::collection::vec(axis_box(), 1..100), from in axis_box()) {
+        let items: Vec<_> = (0..).zip(boxes.iter().copied()).collect();
+        let tree = DynamicTree::build(&items);
+        let mut stack = vec![(0.0, Child::Node(0))];
+        let mut least = vec![f64::NAN; boxes.len()];
+        while let Some((lower, child)) = stack.pop() {
+            match child {
+                Child::Item(item) => least[item as usize] = f64::from(lower),
+                Child::Node(node) => stack.extend(tree.children(Level::new(), node, &from)),
+                Child::Nothing => unreachable!(),
+            }
+        }
+        for (lower, bounds) in least.iter().zip(&boxes) {
+            let exact = gap(bounds, &from);
+            prop_assert!(*lower <= exact && *lower >= exact * (1.0 - 1e-5) - 1e-6);
+        }
+    }
+}
+
+#[test]
+fn unbounded_boxes_are_near_everything() {
+    let mut tree = DynamicTree::default();
+    tree.set(0, AxisBox::ALL);
+    tree.set(1, AxisBox::around([Point::new(f64::NAN, 0.0, 0.0)], 0.1));
+    let mut found = Vec::new();
+    let with = AxisBox::around([Point::new(5.0, 0.0, 0.0)], 0.1);
+    tree.overlapping(Level::new(), &with, &mut Vec::new(), &mut found);
+    assert_eq!(found, [0, 1]);
+    assert!(tree.children(Level::new(), 0, &AxisBox::ALL).all(|(gap, _)| gap == 0.0));
+}

@@ -1,0 +1,246 @@
+//! Obstacles that move, through the program: contacts against dense samples, proofs against the verifier.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+const TWO_LINK: &str = "urdf/two_link/two_link.urdf";
+
+/// A ball of radius 0.1, two metres to the side of the tip's, and a block out of reach.
+const WORLD: &str = "
+world:
+  collision_objects:
+  - {id: ball, pose: {position: [2, 2, 0]}, primitives: [{type: sphere, dimensions: [0.1]}]}
+  - {id: bar, pose: {position: [0, -4, 0]}, primitives: [{type: box, dimensions: [0.02, 2, 0.02]}]}
+  - id: two
+    primitives: [{type: sphere, dimensions: [0.1]}, {type: sphere, dimensions: [0.1]}]
+    primitive_poses: [{position: [9, 0, 0]}, {position: [9.5, 0, 0]}]
+";
+
+/// Files in a folder of their own.
+struct Case {
+    folder: TempDir,
+}
+
+impl Case {
+    fn new(moving: &str) -> Self {
+        let case = Self { folder: tempfile::tempdir().unwrap() };
+        case.write("world.yaml", WORLD);
+        case.write("moving.yaml", moving);
+        case
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    fn write(&self, name: &str, text: &str) -> String {
+        let path = self.path(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn run(&self, command: &str, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_clearance"))
+            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
+            .args([command, "--urdf", TWO_LINK, "--world", &self.path("world.yaml")])
+            .args(arguments)
+            .output()
+            .unwrap()
+    }
+
+    fn motion(&self, arguments: &[&str]) -> Output {
+        let moving = self.path("moving.yaml");
+        self.run("motion", &[&["--moving", &moving, "--format", "json"], arguments].concat())
+    }
+
+    /// The answer about the only way.
+    fn answer(&self, arguments: &[&str]) -> Value {
+        let output = self.motion(arguments);
+        let answer: Value =
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"));
+        answer["results"][0].clone()
+    }
+
+    /// A certificate of the way, accepted by the verifier when obstacles may move, and only then.
+    fn assert_proven(&self, arguments: &[&str]) -> Value {
+        let certificate = self.path("certificate.json");
+        let output = self.motion(&[arguments, &["--certificate", &certificate]].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let verified = self.run("verify", &[&certificate, "--moving-obstacles"]);
+        assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+        let unexpected = self.run("verify", &[&certificate]);
+        assert_eq!(unexpected.status.code(), Some(2), "{unexpected:?}");
+        serde_json::from_str(&std::fs::read_to_string(certificate).unwrap()).unwrap()
+    }
+
+    fn assert_refused(&self, arguments: &[&str], words: &[&str]) {
+        let output = self.motion(arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(output.stdout.is_empty());
+        for word in words {
+            assert!(message.contains(word), "{message} does not name {word}");
+        }
+    }
+}
+
+fn numbers(value: &Value) -> [f64; 2] {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
+/// `joint1` from one point to the next, straight, at these seconds.
+fn trajectory(points: &[(f64, u32)]) -> String {
+    let point =
+        |(q, sec): &(f64, u32)| json!({"positions": [q, 0.0], "time_from_start": {"sec": sec, "nanosec": 0}});
+    let points: Vec<Value> = points.iter().map(point).collect();
+    json!({"joint_names": ["joint1", "joint2"], "points": points}).to_string()
+}
+
+const STILL: [&str; 4] = ["--from", "", "--to", ""];
+
+/// The tip's ball is at (2, 0): they touch when the centres are 0.2 apart.
+#[test]
+fn a_straight_way_is_the_unit_of_time() {
+    let case = Case::new("moving_obstacles: [{name: ball, linear: [0, -2, 0], angular: [0, 0, 1]}]");
+    let answer = case.answer(&STILL);
+    assert_eq!(answer["verdict"], "contact");
+    let [lo, hi] = numbers(&answer["t"]);
+    assert!(lo <= 0.9 && 0.9 <= hi && hi - lo < 1e-3, "{answer}");
+    assert_eq!(answer["pair"], json!(["ball", "tip"]));
+    assert!(answer.get("segment").is_none() && answer.get("time").is_none());
+
+    // the arm turns out of the way, or stays where the world has no ball
+    case.assert_proven(&["--from", "", "--to", "joint1=-1"]);
+    let slower = Case::new(r#"{"moving_obstacles": [{"name": "ball", "linear": [0, -1.75, 0]}]}"#);
+    slower.assert_proven(&STILL);
+}
+
+#[test]
+fn edges_are_cut_where_obstacles_turn_and_told_whole() {
+    let case = Case::new(
+        "moving_obstacles:
+- name: ball
+  poses:
+  - {time: 0, position: [2, 2, 0]}
+  - {time: 0.5, position: [2, 0.5, 0]}
+  - {time: 0.75, position: [2, 0.25, 0]}
+  - {time: 1, position: [2, 2, 0], orientation: [0, 0, 1, 1]}",
+    );
+    let proof = case.assert_proven(&STILL);
+    assert_eq!(proof["segments"].as_array().unwrap().len(), 3);
+    let edges = case
+        .write("edges.json", r#"{"joints": ["joint1"], "edges": [[[0], [0]], [[0], [0.1]], [[0], [-0.1]]]}"#);
+    let output = case.motion(&["--edges", &edges, "--swept-volumes", "3"]);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let verdicts: Vec<_> =
+        answer["results"].as_array().unwrap().iter().map(|r| r["verdict"].clone()).collect();
+    assert_eq!(verdicts, ["free", "contact", "free"]);
+    let volumes = answer["results"][1]["swept_volumes"].as_array().unwrap();
+    assert_eq!(volumes.len(), 9, "three links, three intervals of the whole edge");
+    let [lo, hi] = numbers(&answer["results"][1]["t"]);
+    let touch = first_touch(|t| {
+        let y = if t < 0.5 { 2.0 - 3.0 * t } else { 0.5 - (t - 0.5) };
+        ([2.0, y], 0.1 * t)
+    });
+    assert!(lo <= touch && touch <= hi + 1e-5 && hi - lo < 1e-2, "{answer} but {touch}");
+}
+
+/// The first t, by samples, at which a ball of radius 0.1 there touches the tip's at this joint1.
+fn first_touch(at: impl Fn(f64) -> ([f64; 2], f64)) -> f64 {
+    let touches = |t: f64| {
+        let ([x, y], q) = at(t);
+        (x - 2.0 * q.cos()).hypot(y - 2.0 * q.sin()) <= 0.2
+    };
+    (0..=1_000_000).map(|i| f64::from(i) * 1e-6).find(|t| touches(*t)).unwrap()
+}
+
+/// The obstacle does not begin anew in every segment.
+#[test]
+fn a_twist_goes_on_through_a_trajectory() {
+    let case = Case::new("moving_obstacles: [{name: ball, linear: [0, -0.5, 0]}]");
+    let still = case.write("still.json", &trajectory(&[(0.0, 0), (0.0, 1), (0.0, 3), (0.0, 4)]));
+    let answer = case.answer(&["--trajectory", &still]);
+    assert_eq!((&answer["verdict"], &answer["segment"]), (&json!("contact"), &json!(2)));
+    let [lo, hi] = numbers(&answer["time"]);
+    assert!(lo <= 3.6 && 3.6 <= hi && hi - lo < 1e-2, "{answer}");
+    let away = case.write("away.json", &trajectory(&[(0.0, 0), (0.0, 1), (0.0, 3), (-1.0, 4)]));
+    case.assert_proven(&["--trajectory", &away]);
+    // the clock of a trajectory that begins later has gone on
+    let late = case.write("late.json", &trajectory(&[(0.0, 2), (0.0, 4)]));
+    let [lo, hi] = numbers(&case.answer(&["--trajectory", &late])["time"]);
+    assert!(lo <= 3.6 && 3.6 <= hi, "{lo} {hi}");
+}
+
+/// A thin bar that hangs from its pivot, swings round and strikes the tip's ball, which is above the pivot.
+#[test]
+fn a_bar_that_turns_strikes_what_it_sweeps_over() {
+    let q: f64 = -1.5;
+    let way = trajectory(&[(q, 0), (q, 1), (q, 2)]);
+    let (right, up) = (2.0 * q.cos(), 2.0 * q.sin() + 3.0);
+    // how far it has to turn, but for how thick all is
+    let turn = std::f64::consts::PI - right.atan2(up);
+    for (speed, turn) in [(2.0, turn), (-2.0, std::f64::consts::TAU - turn), (1.0, turn), (-1.0, turn)] {
+        let twist = format!("{{name: bar, angular: [0, 0, {speed}], centre: [0, -3, 0]}}");
+        let case = Case::new(&format!("moving_obstacles: [{twist}]"));
+        let file = case.write("way.json", &way);
+        if 2.0 * f64::abs(speed) < turn {
+            case.assert_proven(&["--trajectory", &file]);
+            continue;
+        }
+        let answer = case.answer(&["--trajectory", &file]);
+        assert_eq!((&answer["verdict"], &answer["segment"]), (&json!("contact"), &json!(1)));
+        for time in numbers(&answer["time"]) {
+            let left = turn - time * f64::abs(speed);
+            assert!((0.05..0.2).contains(&left), "{speed}: {answer}, but it is {left} rad away");
+        }
+    }
+}
+
+#[test]
+fn broken_files_are_refused_by_name() {
+    let cases: [(&str, &[&str]); 15] = [
+        ("moving_obstacles: []", &["moving.yaml", "empty"]),
+        ("obstacles: []", &["moving.yaml", "obstacles"]),
+        ("moving_obstacles: [{name: ball}]", &["'ball'", "linear", "poses"]),
+        ("moving_obstacles: [{name: bal, linear: [0, 0, 1]}]", &["'bal'", "no such obstacle"]),
+        (
+            "moving_obstacles: [{name: ball, linear: [0, 0, 1]}, {name: ball, linear: [0, 0, 1]}]",
+            &["'ball'", "two ways"],
+        ),
+        ("moving_obstacles: [{name: ball, linear: [0, 0]}]", &["moving.yaml"]),
+        ("moving_obstacles: [{name: ball, linear: [0, .nan, 0]}]", &["'ball'", "linear"]),
+        ("moving_obstacles: [{name: ball, angular: [0, .inf, 0]}]", &["'ball'", "angular"]),
+        ("moving_obstacles: [{name: ball, speed: [0, 0, 0]}]", &["speed"]),
+        ("moving_obstacles: [{name: two, angular: [0, 0, 1]}]", &["'two'", "centre"]),
+        ("moving_obstacles: [{name: ball, centre: [0, 0, 1]}]", &["'ball'", "linear"]),
+        (
+            "moving_obstacles: [{name: ball, linear: [0, 0, 1], poses: [{time: 0, position: [0, 0, 0]}]}]",
+            &["'ball'", "not both"],
+        ),
+        (
+            "moving_obstacles: [{name: ball, poses: [{time: 0, position: [0, 0, 0]}]}]",
+            &["'ball'", "two poses"],
+        ),
+        (
+            "moving_obstacles: [{name: ball, poses: [{time: 0, position: [0, 0, 0]}, {time: 0.5, position: [0, 0, 0]}]}]",
+            &["'ball'", "from time 0 to 0.5", "from 0 to 1"],
+        ),
+        (
+            "moving_obstacles: [{name: ball, poses: [{time: 0, position: [0, 0, 0], orientation: [0, 0, 0, 0]}]}]",
+            &["'ball'", "pose 0"],
+        ),
+    ];
+    for (text, words) in cases {
+        Case::new(text).assert_refused(&STILL, words);
+    }
+    let case = Case::new("moving_obstacles: [{name: two, linear: [0, 0, 1]}]");
+    let untimed = case.write("untimed.json", &trajectory(&[(0.0, 0), (0.1, 0), (0.0, 0)]));
+    case.assert_refused(&["--trajectory", &untimed], &["time_from_start"]);
+    case.assert_proven(&STILL);
+    let missing = case.run("motion", &[&["--moving", "no/such.yaml"], &STILL[..]].concat());
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&missing.stderr).contains("no/such.yaml"));
+}

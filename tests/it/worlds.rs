@@ -1,0 +1,372 @@
+//! Worlds that are large, that change, and that a robot carries a part of: against every pair asked one by one, against worlds built
+//! anew, and against robots that have the part as a link.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clearance::checker::{
+    AllowedCollisionMatrix, Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, Question,
+    Settings, Workspace,
+};
+use clearance::geometry::{Primitive, Shape};
+use clearance::math::{Pose, Vector};
+use clearance::motion::MotionSegment;
+use clearance::query::{self, CollisionBody, Scratch};
+use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel};
+use clearance::verifier::verify;
+use clearance::world::{AttachedObject, Obstacle, ObstacleShape, World, WorldError};
+
+use crate::random::Random;
+
+fn demo_arm() -> Arc<RobotModel> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/demo_arm");
+    let srdf = folder.join("demo_arm.srdf");
+    Arc::new(RobotModel::load(&folder.join("demo_arm.urdf"), Some(&srdf), &[]).unwrap())
+}
+
+fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
+    let within = |joint| {
+        let limits = robot.joint(joint).limits;
+        limits.map_or([-3.0, 3.0], |limits| [limits.lower.max(-3.0), limits.upper.min(3.0)])
+    };
+    let mut positions = robot.default_configuration().positions().to_vec();
+    for joint in robot.joint_ids() {
+        if let Some(i) = robot.first_position(joint) {
+            let [lo, hi] = within(joint);
+            positions[i] = random.within(lo, hi);
+        }
+    }
+    robot.configuration(&positions).unwrap()
+}
+
+fn obstacle(name: String, random: &mut Random, reach: f64, size: f64) -> Obstacle {
+    let pose = Pose::from_parts(random.vector(reach).into(), random.rotation());
+    let mut edge = || random.within(0.1, 1.0) * size;
+    let (x, y, z) = (edge(), edge(), edge());
+    let primitive = match random.below(3) {
+        0 => Primitive::cuboid([x, y, z]),
+        1 => Primitive::sphere(0.5 * x),
+        _ => Primitive::cylinder(0.5 * x, y),
+    };
+    Obstacle::of_shape(name, pose, Shape::Primitive(primitive.unwrap()))
+}
+
+/// The distance of each link from each obstacle, all asked one by one: by link, then by obstacle.
+struct OneByOne {
+    links: Vec<(Body, CollisionBody)>,
+    obstacles: Vec<(Body, Pose, CollisionBody)>,
+}
+
+impl OneByOne {
+    fn new(robot: &RobotModel, world: &World) -> Self {
+        let links = robot.link_ids().filter_map(|id| {
+            let shapes = robot.link(id).collisions.iter().map(|c| (&c.pose_ls, &c.shape));
+            Some((Body::Link(id), CollisionBody::new(shapes)?))
+        });
+        let obstacles = world.ids().map(|id| {
+            let obstacle = world.obstacle(id);
+            let body = CollisionBody::new(obstacle.shapes.iter().map(|s| (&s.pose_os, &s.shape)));
+            (Body::Obstacle(id), obstacle.pose_ro, body.unwrap())
+        });
+        Self { links: links.collect(), obstacles: obstacles.collect() }
+    }
+
+    fn distances(&self, robot: &RobotModel, q: &Configuration, limit: f64) -> Vec<(Body, Body, f64)> {
+        let mut poses = LinkPoses::new(robot);
+        robot.forward_kinematics(q, &mut poses);
+        let mut scratch = Scratch::default();
+        let mut found = Vec::new();
+        for (link, a) in &self.links {
+            let Body::Link(id) = link else { unreachable!() };
+            for (obstacle, pose, b) in &self.obstacles {
+                let pose_ab = poses.pose(*id).inverse() * pose;
+                if let Some(near) = query::distance(a, b, &pose_ab, limit, &mut scratch) {
+                    found.push((*link, *obstacle, near.distance));
+                }
+            }
+        }
+        found
+    }
+}
+
+#[test]
+fn a_large_world_is_as_all_its_pairs_one_by_one() {
+    let robot = demo_arm();
+    let mut random = Random::new(7);
+    let mut world = World::default();
+    for i in 0..600 {
+        world.add(obstacle(format!("o{i}"), &mut random, 2.5, 0.15)).unwrap();
+    }
+    let settings = Settings { check_self: false, ..Settings::default() };
+    let checker = CollisionChecker::new(robot.clone(), &world, settings).unwrap();
+    let slow = OneByOne::new(&robot, &world);
+    let (mut workspace, mut stream) = (checker.workspace(), checker.streaming_workspace());
+    let states: Vec<_> = (0..60).map(|_| state(&robot, &mut random)).collect();
+    let mut free = 0;
+    for q in &states {
+        let near = slow.distances(&robot, q, 0.2);
+        let touching: Vec<_> = near.iter().filter(|(_, _, d)| *d == 0.0).map(|(a, b, _)| (*a, *b)).collect();
+        free += usize::from(touching.is_empty());
+        assert_eq!(checker.is_free(q, &mut workspace), touching.is_empty());
+        let report = checker.check(q, Question::PairDistances { limit: 0.2 }, &mut workspace);
+        assert_eq!(report.colliding_pairs, touching);
+        assert_eq!(checker.check(q, Question::Pairs, &mut workspace).colliding_pairs, touching);
+        let told: Vec<_> = report.pair_distances.iter().map(|p| (p.a, p.b)).collect();
+        assert_eq!(told, near.iter().map(|(a, b, _)| (*a, *b)).collect::<Vec<_>>());
+        for (pair, (_, _, distance)) in report.pair_distances.iter().zip(&near) {
+            assert!((pair.distance - distance).abs() < 1e-5, "{pair:?} {distance}");
+        }
+        let least = checker.check(q, Question::Distance { limit: f64::INFINITY }, &mut workspace);
+        let all = slow.distances(&robot, q, f64::INFINITY);
+        let expected = all.iter().map(|(_, _, d)| *d).fold(f64::INFINITY, f64::min);
+        assert!((least.nearest.unwrap().distance - expected).abs() < 1e-5);
+        for question in [
+            Question::Free,
+            Question::Survey { influence_distance: 0.05, limit: 2.0 },
+            Question::Distance { limit: f64::INFINITY },
+        ] {
+            let (cold, mut warm) =
+                (checker.check(q, question, &mut workspace), checker.check(q, question, &mut stream));
+            warm.work = cold.work;
+            assert_eq!(cold, warm);
+        }
+    }
+    assert!((5..55).contains(&free), "{free} of 60 are free: the world is too dense or too thin");
+    let expected: Vec<_> = states.iter().map(|q| checker.is_free(q, &mut workspace)).collect();
+    assert_eq!(checker.are_free(&states), expected);
+}
+
+#[test]
+fn the_price_of_a_state_hardly_grows_with_the_world() {
+    let robot = demo_arm();
+    let mut random = Random::new(3);
+    let states: Vec<_> = (0..50).map(|_| state(&robot, &mut random)).collect();
+    let near: Vec<_> = (0..10).map(|i| obstacle(format!("near{i}"), &mut random, 0.8, 0.1)).collect();
+    let volume_tests = |far: u32| {
+        let mut world = World::default();
+        for o in &near {
+            world.add(o.clone()).unwrap();
+        }
+        let mut random = Random::new(5);
+        for i in 0..far {
+            let mut o = obstacle(format!("far{i}"), &mut random, 20.0, 0.1);
+            o.pose_ro.translation.vector += Vector::new(30.0, 0.0, 0.0);
+            world.add(o).unwrap();
+        }
+        let checker = CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap();
+        let mut workspace = checker.workspace();
+        let tests = |q| checker.check(q, Question::Free, &mut workspace).work.volume_tests;
+        states.iter().map(tests).sum::<u64>()
+    };
+    let (few, many) = (volume_tests(0), volume_tests(10_000));
+    assert!(many < 2 * few, "{few} volume tests among ten obstacles, {many} among ten thousand");
+}
+
+/// The same answers, about this state and the way to the next.
+fn assert_agree(
+    (changed, anew): (&CollisionChecker, &CollisionChecker),
+    (q, r): (&Configuration, &Configuration),
+    (mine, theirs): (&mut Workspace, &mut Workspace),
+) {
+    assert_eq!(changed.pairs().len(), anew.pairs().len());
+    let named = |checker: &CollisionChecker, workspace: &mut Workspace| {
+        let report = checker.check(q, Question::PairDistances { limit: 0.1 }, workspace);
+        let name = |body| checker.body_name(body).to_owned();
+        let mut pairs: Vec<_> =
+            report.pair_distances.iter().map(|p| (name(p.a), name(p.b), p.distance.to_bits())).collect();
+        pairs.sort();
+        (checker.is_free(q, workspace), pairs)
+    };
+    assert_eq!(named(changed, mine), named(anew, theirs));
+    let segment = MotionSegment::straight(changed.robot(), q, r);
+    let any = MotionOptions { order: MotionOrder::Any, ..MotionOptions::default() };
+    let free = |checker: &CollisionChecker, options: &MotionOptions, workspace: &mut Workspace| {
+        checker.check_motion_with(&segment, options, workspace).is_free()
+    };
+    assert_eq!(free(changed, &any, mine), free(anew, &any, theirs));
+}
+
+#[test]
+fn random_edits_agree_with_a_world_built_anew() {
+    let robot = demo_arm();
+    let mut random = Random::new(11);
+    let mut world = World::default();
+    let settings = Settings::default();
+    let mut changed = CollisionChecker::new(robot.clone(), &world, settings.clone()).unwrap();
+    let (mut mine, edits) = (changed.workspace(), crate::soundness::share(1500, 100_000));
+    for edit in 0..edits {
+        let name = format!("o{}", random.below(40));
+        let known = world.id(&name).is_some();
+        match random.below(5) {
+            0 if known => drop(world.remove(&name).unwrap()),
+            1 if known => {
+                let pose = Pose::from_parts(random.vector(1.0).into(), random.rotation());
+                world.move_to(&name, pose).unwrap();
+            }
+            2 if known => {
+                let more = obstacle(name.clone(), &mut random, 0.3, 0.2);
+                world
+                    .append(&name, [ObstacleShape { pose_os: more.pose_ro, ..more.shapes[0].clone() }])
+                    .unwrap();
+            }
+            3 if edit % 10 == 0 => {
+                let object = obstacle(format!("held{}", random.below(2)), &mut random, 0.1, 0.1);
+                let link = &robot.links()[robot.links().len() - 1].name;
+                world.attach(AttachedObject::grasped(&object, link, &Pose::identity(), vec![])).unwrap();
+            }
+            4 if edit % 10 == 0 && !world.attached().is_empty() => {
+                let name = world.attached()[0].name.clone();
+                world.detach(&name, &Pose::from_parts(random.vector(1.0).into(), random.rotation())).unwrap();
+            }
+            _ => drop(world.replace(obstacle(name, &mut random, 1.0, 0.2)).unwrap()),
+        }
+        changed.set_world(&world).unwrap();
+        let anew = CollisionChecker::new(robot.clone(), &world, settings.clone()).unwrap();
+        let (q, r) = (state(&robot, &mut random), state(&robot, &mut random));
+        assert_agree((&changed, &anew), (&q, &r), (&mut mine, &mut anew.workspace()));
+    }
+}
+
+#[test]
+fn an_edit_leaves_what_others_hold_as_it_was() {
+    let robot = demo_arm();
+    let mut random = Random::new(2);
+    let mut world = World::default();
+    for i in 0..20 {
+        world.add(obstacle(format!("o{i}"), &mut random, 1.0, 0.2)).unwrap();
+    }
+    let before = CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap();
+    let q = state(&robot, &mut random);
+    let report = before.check(&q, Question::PairDistances { limit: 0.5 }, &mut before.workspace());
+    let mut after = before.clone();
+    world.clear();
+    after.set_world(&world).unwrap();
+    assert_eq!(before.check(&q, Question::PairDistances { limit: 0.5 }, &mut before.workspace()), report);
+    assert_eq!(after.pairs().world_len(), 0);
+}
+
+/// `two_link` with a box at the end, as a link of its own or to be attached.
+fn with_tool(tool: bool) -> Arc<RobotModel> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/two_link");
+    let text = std::fs::read_to_string(folder.join("two_link.urdf")).unwrap();
+    let link = r#"<link name="tool"><collision><origin xyz="0.05 0.1 0"/>
+        <geometry><box size="0.3 0.2 0.1"/></geometry></collision></link>
+        <joint name="grip" type="fixed"><parent link="tip"/><child link="tool"/><origin xyz="1.2 0 0" rpy="0 0 0.4"/></joint>
+        </robot>"#;
+    let text = if tool { text.replace("</robot>", link) } else { text };
+    Arc::new(RobotModel::from_urdf(&text, &MeshFiles::under(&folder)).unwrap())
+}
+
+fn tool() -> AttachedObject {
+    let shape = Shape::Primitive(Primitive::cuboid([0.3, 0.2, 0.1]).unwrap());
+    let placed = ObstacleShape { pose_os: Pose::translation(0.05, 0.1, 0.0), shape };
+    let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), 0.4);
+    AttachedObject {
+        name: "tool".to_owned(),
+        link: "tip".to_owned(),
+        pose_lo: Pose::from_parts(Vector::new(1.2, 0.0, 0.0).into(), turn),
+        shapes: vec![placed].into(),
+        subframes: Vec::new(),
+        touch_links: Vec::new(),
+    }
+}
+
+#[test]
+fn what_is_attached_is_as_a_link_that_is_fixed_there() {
+    let mut random = Random::new(4);
+    let mut world = World::default();
+    for i in 0..12 {
+        world.add(obstacle(format!("o{i}"), &mut random, 2.0, 0.3)).unwrap();
+    }
+    let link = CollisionChecker::new(with_tool(true), &world, Settings::default()).unwrap();
+    let robot = with_tool(false);
+    world.attach(tool()).unwrap();
+    // adjacent links are not checked, but what upper may hit of the tool is not adjacent to it
+    let mut matrix = AllowedCollisionMatrix::default();
+    for (a, b) in [("base", "upper"), ("upper", "tip"), ("upper", "tool")] {
+        matrix.set(a, b, true);
+    }
+    let held =
+        CollisionChecker::with_matrix(robot.clone(), &world, Settings::default(), Some(&matrix)).unwrap();
+    assert_eq!(link.pairs().len(), held.pairs().len());
+    let (mut one, mut other) = (link.workspace(), held.workspace());
+    let named = |checker: &CollisionChecker, q: &Configuration, workspace: &mut Workspace| {
+        let report = checker.check(q, Question::PairDistances { limit: 5.0 }, workspace);
+        let name = |body| checker.body_name(body).to_owned();
+        let mut pairs: Vec<_> =
+            report.pair_distances.iter().map(|p| (name(p.a), name(p.b), p.distance)).collect();
+        pairs.sort_by(|p, q| (&p.0, &p.1).cmp(&(&q.0, &q.1)));
+        (report.self_collision, report.world_collision, pairs)
+    };
+    let (mut contacts, mut free) = (0, 0);
+    for _ in 0..200 {
+        let (q, r) = (state(&robot, &mut random), state(&robot, &mut random));
+        let same = |q: &Configuration| link.robot().configuration(q.positions()).unwrap();
+        let (a, b) = (named(&link, &same(&q), &mut one), named(&held, &q, &mut other));
+        assert_eq!((a.0, a.1), (b.0, b.1));
+        for ((p, d), (s, e)) in
+            a.2.iter().map(|p| ((&p.0, &p.1), p.2)).zip(b.2.iter().map(|p| ((&p.0, &p.1), p.2)))
+        {
+            assert!(p == s && (d - e).abs() < 1e-6, "{p:?} {d} {s:?} {e}");
+        }
+        let segment = MotionSegment::straight(&robot, &q, &r);
+        let (report, certificate) = held.certify_motion(&segment, &MotionOptions::default(), &mut other);
+        let expected = link.check_motion(&same(&q), &same(&r), &mut one);
+        assert_eq!(report.is_free(), expected.is_free());
+        match report.verdict {
+            MotionVerdict::Free => {
+                free += 1;
+                let certificate = certificate.unwrap();
+                verify(&robot, &world, &Settings::default(), Some(&matrix), &certificate).unwrap();
+            }
+            MotionVerdict::Contact { .. } => contacts += 1,
+            MotionVerdict::Undecided { .. } => {}
+        }
+    }
+    assert!(contacts > 20 && free > 20, "{contacts} contacts, {free} free");
+}
+
+#[test]
+fn attach_move_and_detach_bring_an_object_along() {
+    let robot = with_tool(false);
+    let mut world = World::default();
+    let shape = Shape::Primitive(Primitive::sphere(0.05).unwrap());
+    world.add(Obstacle::of_shape("part", Pose::translation(2.2, 0.0, 0.0), shape)).unwrap();
+    let at = |q1: f64| robot.configuration_from_names([("joint1", q1), ("joint2", 0.0)]).unwrap();
+    let pose = |q: &Configuration| {
+        let mut poses = LinkPoses::new(&robot);
+        robot.forward_kinematics(q, &mut poses);
+        *poses.pose(robot.link_by_name("tip").unwrap())
+    };
+    let part = world.obstacle_by_name("part").unwrap().clone();
+    world.attach(AttachedObject::grasped(&part, "tip", &pose(&at(0.0)), vec![])).unwrap();
+    assert!(world.obstacle_by_name("part").is_none());
+    assert_eq!(world.remove("part").unwrap_err(), WorldError::Unknown("part".to_owned()));
+    world.detach("part", &pose(&at(std::f64::consts::FRAC_PI_2))).unwrap();
+    let lies = world.obstacle_by_name("part").unwrap().pose_ro.translation.vector;
+    assert!((lies - Vector::new(0.0, 2.2, 0.0)).norm() < 1e-12, "{lies}");
+    assert!(world.attached().is_empty());
+}
+
+#[test]
+fn touch_links_may_touch_and_others_may_not() {
+    let robot = with_tool(false);
+    let ball =
+        Obstacle::of_shape("ball", Pose::identity(), Shape::Primitive(Primitive::sphere(0.3).unwrap()));
+    let folded = robot.configuration_from_names([("joint1", 0.0), ("joint2", 3.0)]).unwrap();
+    let collides = |touch_links: &[&str]| {
+        let mut world = World::default();
+        let touch = touch_links.iter().map(|&l| l.to_owned()).collect();
+        let mut object = AttachedObject::grasped(&ball, "tip", &Pose::identity(), touch);
+        object.pose_lo = Pose::translation(0.9, 0.4, 0.0);
+        world.attach(object).unwrap();
+        let settings = Settings::default();
+        let checker = CollisionChecker::new(robot.clone(), &world, settings).unwrap();
+        let report = checker.check(&folded, Question::Pairs, &mut checker.workspace());
+        let attached = report.colliding_pairs.iter().filter(|(_, b)| matches!(b, Body::Attached(_)));
+        attached.map(|(a, _)| checker.body_name(*a).to_owned()).collect::<Vec<_>>()
+    };
+    let all = collides(&[]);
+    assert!(all.contains(&"base".to_owned()) && !all.contains(&"tip".to_owned()), "{all:?}");
+    assert!(!collides(&["base"]).contains(&"base".to_owned()));
+}
