@@ -125,8 +125,8 @@ impl ModelArgs {
 impl WorldArgs {
     /// Loads all files into one world; warnings are logged.
     pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<LoadedWorld, Failure> {
-        let unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
-        let mut scene = PlanningScene { unknown_is_occupied, ..PlanningScene::default() };
+        let mut scene = PlanningScene::default();
+        scene.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
         for path in self.world.iter().chain(&self.cloud) {
             let file = path.display();
             let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
@@ -161,14 +161,11 @@ impl WorldArgs {
 
 impl LoadedWorld {
     /// Adds what scene files say of links; the larger padding counts.
-    pub fn add_to(&self, settings: &mut Settings) -> Result<(), Failure> {
-        if let Some(link) = self.link_scale.keys().min() {
-            return Err(Failure::Input(format!("link_scale of '{link}' is not supported: remove it")));
-        }
+    pub fn add_to(&self, settings: &mut Settings) {
+        settings.link_scale.extend(self.link_scale.clone());
         for (link, &padding) in &self.link_padding {
             settings.link_padding.insert(link.clone(), padding.max(settings.padding));
         }
-        Ok(())
     }
 }
 
@@ -178,7 +175,7 @@ pub fn checker(
     loaded: &LoadedWorld,
     mut settings: Settings,
 ) -> Result<CollisionChecker, Failure> {
-    loaded.add_to(&mut settings)?;
+    loaded.add_to(&mut settings);
     if settings.mesh_model == MeshModel::Solid {
         for mesh in clearance::checker::open_meshes(&robot, &loaded.world) {
             log::warn!("{mesh} is not closed: it stays a surface");

@@ -59,8 +59,9 @@ pub fn message_pose(position: [f64; 3], orientation_xyzw: [f64; 4]) -> Result<Po
         [0.0, 0.0, 0.0, 0.0] => [0.0, 0.0, 0.0, 1.0],
         given => given,
     };
-    pose_from_xyz_quaternion(position, orientation)
-        .ok_or_else(|| "position and orientation must be finite and the quaternion not zero".to_owned())
+    pose_from_xyz_quaternion(position, orientation).ok_or_else(|| {
+        "position and orientation must be finite, the position near and the quaternion not zero".to_owned()
+    })
 }
 
 /// Shapes with their poses in the object; those beyond the last pose have the object's own. `field` is that of the poses.

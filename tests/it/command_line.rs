@@ -395,4 +395,33 @@ fn padding_of_scene_files_counts() {
     // the larger one counts
     std::fs::write(&world, text.replace("padding: 0.31", "padding: 0.01")).unwrap();
     assert!(free(&["--padding", "0.2"]) && !free(&["--padding", "0.31"]));
+    // the tip's ball of 0.1 m becomes one of 0.41 m
+    std::fs::write(
+        &world,
+        text.replace("link_padding", "link_scale")
+            .replace("padding: 0.31", "scale: 4.1")
+            .replace("padding: 0}", "scale: 1}"),
+    )
+    .unwrap();
+    assert!(!free(&[]));
+}
+
+#[test]
+fn attached_objects_of_scene_files_move_with_their_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "robot_state: {attached_collision_objects: [{link_name: tip, touch_links: [upper], object: {id: rod,
+        header: {frame_id: tip}, primitives: [{type: box, dimensions: [1, 0.02, 0.02]}], primitive_poses: [{position: [1.5, 0, 0]}]}}]}
+world: {collision_objects: [{id: o, pose: {position: [2.8, 0, 0]}, primitives: [{type: sphere, dimensions: [0.1]}]}]}
+";
+    let world = file(&folder, "held.yaml", text);
+    let pairs = |state: &str| {
+        let arguments = ["--state", state, "--world", &world, "--format", "json", "--query", "pairs"];
+        json(&check(&TWO_LINK, &arguments))["results"][0]["pairs"].clone()
+    };
+    assert_eq!(pairs(""), serde_json::json!([["o", "rod"]]));
+    assert_eq!(pairs("joint1=1.5"), serde_json::json!([]));
+    // folded back, the rod lies on the upper link, which may touch it, and on the base, which may not
+    let folded = pairs("joint2=3.141592653589793");
+    assert!(folded.as_array().unwrap().contains(&serde_json::json!(["base", "rod"])), "{folded}");
+    assert!(!folded.as_array().unwrap().contains(&serde_json::json!(["rod", "upper"])), "{folded}");
 }

@@ -74,10 +74,16 @@ impl Node {
 
 fn tree() -> impl Strategy<Value = Node> {
     let leaf = prop_oneof![Just(Node::Unknown), any::<bool>().prop_map(Node::Leaf)];
-    let inner = leaf.prop_recursive(4, 60, 8, |child| {
-        prop::collection::vec(child, 8).prop_map(|c| Node::Inner(Box::new(c.try_into().unwrap())))
-    });
-    prop::collection::vec(inner, 8).prop_map(|c| Node::Inner(Box::new(c.try_into().unwrap())))
+    let inner = leaf.prop_recursive(4, 60, 8, |child| prop::collection::vec(child, 8).prop_map(inner_node));
+    prop::collection::vec(inner, 8).prop_map(inner_node)
+}
+
+/// With something known below it: a node without children is a leaf.
+fn inner_node(mut children: Vec<Node>) -> Node {
+    if children.iter().all(|c| matches!(c, Node::Unknown)) {
+        children[3] = Node::Leaf(false);
+    }
+    Node::Inner(Box::new(children.try_into().unwrap()))
 }
 
 /// A chain of inner nodes with one leaf at the end, so many halvings down.
@@ -122,6 +128,7 @@ proptest! {
             prop_assert_eq!(space_at(&full, cell), vec![tree.at(cell, LEVELS)]);
         }
         prop_assert_eq!(&full, &colour);
+        prop_assert_eq!(full.cells().len(), map.cells().len());
         prop_assert_eq!(&map, &Octomap::from_file(&bt_file(&tree, 0.05)).unwrap());
         prop_assert_eq!(&full, &Octomap::from_file(&ot_file(&tree, "OcTree")).unwrap());
         prop_assert_eq!(&full, &Octomap::from_file(&ot_file(&tree, "ColorOcTree")).unwrap());
@@ -153,10 +160,11 @@ proptest! {
         for (cell, cube) in occupied.iter().zip(voxels.iter().flat_map(|v| v.cubes())) {
             let [lo, hi] = map.corners(**cell);
             let half = f64::from(cube.half_edge);
+            let farthest = cube.centre.map(f32::abs).into_iter().fold(0.0, f32::max);
             for k in 0..3 {
                 let centre = f64::from(cube.centre[k]);
                 prop_assert!(centre - half <= lo[k] && hi[k] <= centre + half);
-                prop_assert!(2.0 * half <= (hi[k] - lo[k]) + 1e-6 * (1.0 + centre.abs()));
+                prop_assert!(2.0 * half <= (hi[k] - lo[k]) + 1e-6 * (1.0 + f64::from(farthest)));
             }
         }
     }

@@ -159,7 +159,7 @@ fn faults_name_object_and_field() {
         (object("mesh_poses: [{}]"), vec!["'o'", "mesh_poses"]),
         (object("subframe_names: [a, b], subframe_poses: [{}]"), vec!["'o'", "subframe_poses"]),
         (
-            object("subframe_names: [a], subframe_poses: [{position: [.nan, 0, 0]}]"),
+            object("subframe_names: [a], subframe_poses: [{position: [1e300, 0, 0]}]"),
             vec!["'o'", "subframe_poses[0]"],
         ),
         (object("operation: 7"), vec!["'o'", "operation", "'7'"]),

@@ -1,6 +1,5 @@
 use proptest::prelude::*;
 
-use super::*;
 use crate::world::read_cloud;
 
 /// The bytes of a number in the order of the file.
