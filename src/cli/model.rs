@@ -1,12 +1,13 @@
 //! The arguments that name a robot and a world, and what they load.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
 use clearance::checker::{AllowedCollisionMatrix, CollisionChecker, MeshModel, Settings};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::{PlanningScene, World};
+use clearance::world::{PlanningScene, World, WorldFileKind};
 
 use super::failure::Failure;
 
@@ -47,16 +48,40 @@ pub enum MeshArg {
 /// A world.
 #[derive(Args, Clone, Debug, Default)]
 pub struct WorldArgs {
-    /// Obstacles: the YAML of a MoveIt planning scene; may be given more than once
+    /// Obstacles: the YAML of a MoveIt planning scene, a MoveIt .scene file, an octree (.bt, .ot) or a cloud (.pcd, .ply);
+    /// may be given more than once
     #[arg(long, value_name = "FILE")]
     pub world: Vec<PathBuf>,
+
+    /// A cloud of points in the root frame: PCD or PLY; may be given more than once
+    #[arg(long, value_name = "FILE", requires = "point_radius")]
+    pub cloud: Vec<PathBuf>,
+
+    /// Radius of the ball around every point of a cloud, in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub point_radius: Option<f64>,
+
+    /// What the space is that an octree does not know, within the box around what it knows
+    #[arg(long, value_name = "SPACE", default_value = "free")]
+    pub unknown_space: UnknownSpace,
 }
 
-/// Obstacles and what scene files say of allowed collisions.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnknownSpace {
+    #[default]
+    Free,
+    Occupied,
+}
+
+/// Obstacles and what scene files say of links and allowed collisions.
 #[derive(Clone, Debug, Default)]
 pub struct LoadedWorld {
     pub world: World,
     pub allowed: Option<AllowedCollisionMatrix>,
+    /// Safety distances (m) of single links.
+    pub link_padding: HashMap<String, f64>,
+    /// Factors of single links.
+    pub link_scale: HashMap<String, f64>,
 }
 
 impl ModelArgs {
@@ -98,32 +123,49 @@ impl ModelArgs {
 }
 
 impl WorldArgs {
-    /// Loads all scene files into one world; warnings are logged.
+    /// Loads all files into one world; warnings are logged.
     pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<LoadedWorld, Failure> {
-        let mut loaded = LoadedWorld::default();
-        for path in &self.world {
-            let file = path.display().to_string();
-            let text = std::fs::read_to_string(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+        let mut scene = PlanningScene::default();
+        scene.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
+        for path in self.world.iter().chain(&self.cloud) {
+            let file = path.display();
+            let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+            let kind = WorldFileKind::of(&bytes, path);
+            if kind == WorldFileKind::Cloud && self.point_radius.is_none() {
+                return Err(Failure::Input(format!("{file}: a cloud needs --point-radius M")));
+            }
+            if kind != WorldFileKind::Cloud && self.cloud.contains(path) {
+                return Err(Failure::Input(format!("{file}: --cloud takes PCD and PLY; give it as --world")));
+            }
             let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
-            let scene = PlanningScene::from_yaml(&text, &file, robot, &files).map_err(Failure::input)?;
-            for warning in &scene.warnings {
+            let had_matrix = scene.allowed.is_some();
+            scene.read_file(&bytes, path, self.point_radius, robot, &files).map_err(Failure::input)?;
+            for warning in scene.warnings.drain(..) {
                 log::warn!("{warning}");
             }
-            if let Some(entries) = &scene.allowed {
-                let matrix = AllowedCollisionMatrix::from_entries(entries)
-                    .map_err(|e| Failure::Input(format!("{file}: {e}")))?;
-                if loaded.allowed.replace(matrix).is_some() {
-                    return Err(Failure::Input(format!(
-                        "{file}: a second allowed_collision_matrix; only one world file may have one"
-                    )));
-                }
+            if scene.allowed.is_some() && !had_matrix {
                 log::warn!("{file}: its allowed_collision_matrix replaces the SRDF's disabled pairs");
             }
-            for obstacle in scene.obstacles {
-                (loaded.world.add(obstacle)).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
-            }
         }
-        Ok(loaded)
+        let allowed = (scene.allowed.as_ref()).map(AllowedCollisionMatrix::from_entries).transpose();
+        let allowed = allowed.map_err(|e| Failure::Input(format!("{}: {e}", self.files())))?;
+        let PlanningScene { world, link_padding, link_scale, .. } = scene;
+        Ok(LoadedWorld { world, allowed, link_padding, link_scale })
+    }
+
+    /// For messages about no file in particular.
+    fn files(&self) -> String {
+        self.world.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl LoadedWorld {
+    /// Adds what scene files say of links; the larger padding counts.
+    pub fn add_to(&self, settings: &mut Settings) {
+        settings.link_scale.extend(self.link_scale.clone());
+        for (link, &padding) in &self.link_padding {
+            settings.link_padding.insert(link.clone(), padding.max(settings.padding));
+        }
     }
 }
 
@@ -131,8 +173,9 @@ impl WorldArgs {
 pub fn checker(
     robot: RobotModel,
     loaded: &LoadedWorld,
-    settings: Settings,
+    mut settings: Settings,
 ) -> Result<CollisionChecker, Failure> {
+    loaded.add_to(&mut settings);
     if settings.mesh_model == MeshModel::Solid {
         for mesh in clearance::checker::open_meshes(&robot, &loaded.world) {
             log::warn!("{mesh} is not closed: it stays a surface");

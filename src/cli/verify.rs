@@ -42,6 +42,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     let loaded = args.world.load(&robot, &args.model.mesh_files())?;
     let mut settings = args.model.settings();
     (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);
+    loaded.add_to(&mut settings);
     let file = args.certificate.display();
     let text =
         std::fs::read_to_string(&args.certificate).map_err(|e| Failure::Input(format!("{file}: {e}")))?;

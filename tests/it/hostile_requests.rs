@@ -14,7 +14,6 @@ fn answer(request: &Value, robot: &RobotModel) -> Result<String, String> {
         let scene = PlanningScene::from_yaml(&scene.to_string(), "request", robot, &MeshFiles::default())
             .map_err(|e| e.to_string())?;
         said.extend(scene.warnings.clone());
-        scene.into_world().map_err(|e| e.to_string())?;
     }
     let value = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
     let named: Vec<(String, f64)> = match (request["joints"].as_object(), request["joint_names"].as_array()) {

@@ -18,7 +18,7 @@ fn checker(urdf: &str, srdf: Option<&str>, world: Option<&str>) -> CollisionChec
         let text = std::fs::read_to_string(root.join(w)).unwrap();
         PlanningScene::from_yaml(&text, w, &robot, &MeshFiles::default()).unwrap()
     });
-    let world = scene.unwrap_or_default().into_world().unwrap();
+    let world = scene.unwrap_or_default().world;
     CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap()
 }
 

@@ -34,7 +34,7 @@ pub fn checkers() -> [CollisionChecker; 2] {
     let others = other_shapes::world(&mut Random::new(59), 1.2);
     let padded = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
     [
-        CollisionChecker::new(arm, &scene.into_world().unwrap(), padded).unwrap(),
+        CollisionChecker::new(arm, &scene.world, padded).unwrap(),
         CollisionChecker::new(load("dual_arm"), &others, Settings::default()).unwrap(),
     ]
 }

@@ -7,7 +7,7 @@ use clearance::checker::{AllowedCollisionMatrix, Body, CollisionChecker, Questio
 use clearance::geometry::{PointCloud, Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::{Obstacle, World};
+use clearance::world::{Obstacle, PlanningScene, World};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -246,6 +246,57 @@ pub fn scene_files(scenes: &Path) -> Vec<std::path::PathBuf> {
     files.retain(|f| f.extension().is_some_and(|e| e == "json"));
     files.sort();
     files
+}
+
+/// MoveIt's own file of a scene, read against the truth of the neutral one.
+#[test]
+fn native_scenes_agree_with_the_truth() {
+    let (Some(scenes), Some(robots)) = (shared_folder("scenes"), shared_folder("robots")) else { return };
+    let robot = Arc::new(robot(&robots, "panda", true));
+    let mut tally = Tally::new("scenes/native, path_samples");
+    for (file, native, id) in [
+        ("panda-box.json", "panda-box-scene0003.yaml", "box-0003"),
+        ("panda-cage.json", "panda-cage-scene0009.yaml", "cage-0009"),
+    ] {
+        let scene = json(&scenes.join(file));
+        let problems = scene["problems"].as_array().unwrap();
+        let problem = problems.iter().find(|p| p["id"] == id).unwrap();
+        let path = scenes.join("native").join(native);
+        let bytes = std::fs::read(&path).unwrap();
+        let mut read = PlanningScene::default();
+        read.read_file(&bytes, &path, None, &robot, &MeshFiles::default()).unwrap();
+        let names: Vec<_> = read.world.obstacles().map(|o| o.name.clone()).collect();
+        let wanted = problem["obstacles"].as_array().unwrap();
+        assert!(wanted.iter().all(|o| names.contains(&o["name"].as_str().unwrap().to_owned())), "{names:?}");
+        // the truth is about the SRDF's pairs
+        let checker = CollisionChecker::new(robot.clone(), &read.world, Settings::default()).unwrap();
+        let mut workspace = checker.workspace();
+        for sample in problem["path_samples"].as_array().unwrap() {
+            let t = sample["t"].as_f64().unwrap();
+            let q = scene_configuration(problem, &robot, t);
+            tally.add(
+                &format!("{native} at {t}"),
+                &sample_disagreements(&checker, &q, sample, &mut workspace),
+            );
+        }
+    }
+    tally.finish(18);
+}
+
+#[test]
+fn a_native_scene_text_has_the_shapes_it_says() {
+    let (Some(scenes), Some(robots)) = (shared_folder("scenes/native"), shared_folder("robots")) else {
+        return;
+    };
+    let robot = robot(&robots, "baxter", true);
+    let path = scenes.join("baxter_pillar.scene");
+    let mut read = PlanningScene::default();
+    read.read_file(&std::fs::read(&path).unwrap(), &path, None, &robot, &MeshFiles::default()).unwrap();
+    let pillar = read.world.obstacle_by_name("pillar").unwrap();
+    let (pose, shape) = pillar.placed_shapes().next().unwrap();
+    assert!(matches!(shape, Shape::Primitive(p) if *p == Primitive::cuboid([0.2, 0.2, 1.0]).unwrap()));
+    assert_eq!(pose, Pose::translation(0.6, 0.15, 0.0));
+    assert_eq!((read.world.len(), pillar.shapes.len()), (1, 1));
 }
 
 fn sample_disagreements(
