@@ -25,7 +25,7 @@ pub struct PlanningSceneState {
     /// Poses of frames in the root frame.
     pub fixed_frames: BTreeMap<String, Pose>,
     /// Obstacles that sensors see: only who saw them takes them away.
-    pub(super) sensed: BTreeSet<String>,
+    pub sensed: BTreeSet<String>,
 }
 
 /// What became of a message.
