@@ -150,7 +150,7 @@ fn from_list(items: &[Yaml]) -> Value {
         Value::Double(number) => Some(number),
         _ => None,
     });
-    numbers.collect().map_or(Value::Other("a list of various things"), Value::Doubles)
+    numbers.collect::<Option<_>>().map_or(Value::Other("a list of various things"), Value::Doubles)
 }
 
 /// YAML's numbers that JSON has not.

@@ -74,14 +74,14 @@ fn axes_in_any_direction_have_their_cylinder() {
     for axis in [[0.0, 0.0, 2.0], [0.0, 0.0, -2.0], [1.0, -2.0, 3.0], [1e-9, 0.0, -2.0]] {
         let b = Point::from(axis);
         let volume =
-            SweptVolume { link: crate::robot::LinkId(0), t: [0.0, 1.0], a: Point::origin(), b, radius: 0.1 };
+            SweptVolume { body: Body::Link(crate::robot::LinkId(0)), t: [0.0, 1.0], a: Point::origin(), b, radius: 0.1 };
         let cylinder = capsule(&volume)[0].clone().unwrap();
         let q = cylinder.pose.orientation;
         let turn = Rotation::from_quaternion(nalgebra::Quaternion::new(q.w, q.x, q.y, q.z));
         assert!((turn * Vector::z() - b.coords.normalize()).norm() < 1e-9, "{axis:?}");
     }
     let volume = |b: Point| SweptVolume {
-        link: crate::robot::LinkId(0),
+        body: Body::Link(crate::robot::LinkId(0)),
         t: [0.0, 1.0],
         a: Point::origin(),
         b,
