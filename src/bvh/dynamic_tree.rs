@@ -367,7 +367,7 @@ impl Node {
             let below = f32x8::splat(simd, from.lo[i]) - hi;
             // what is no number, as between unbounded boxes, is no gap
             let gap = above.max(0.0) + below.max(0.0);
-            squares = squares + gap * gap;
+            squares += gap * gap;
         }
         let gaps: [f32; LANES] = (squares.sqrt() * (1.0 - SLACK)).into();
         gaps.map(|gap| if gap.is_nan() { 0.0 } else { gap })

@@ -66,7 +66,6 @@ impl Eq for QueuedNear {}
 
 impl Ord for QueuedNear {
     /// What may be nearer is greater: a heap gives the greatest first.
-
     fn cmp(&self, other: &Self) -> Ordering {
         other.lower.total_cmp(&self.lower).then(other.near.cmp(&self.near))
     }

@@ -82,9 +82,9 @@ impl OneTriangle {
         let (zero, unit) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let mut nearest = w[0];
         let mut squared = w[0].dot(w[0]);
-        for i in 0..3 {
-            let t = (w[i].along(&self.edges[i]) * self.over_squared[i]).max(zero).min(unit);
-            let from_edge = w[i].minus(Vectors::splat(simd, &self.edges[i]).scaled(t));
+        for (i, corner) in w.iter().enumerate() {
+            let t = (corner.along(&self.edges[i]) * self.over_squared[i]).max(zero).min(unit);
+            let from_edge = corner.minus(Vectors::splat(simd, &self.edges[i]).scaled(t));
             let s = from_edge.dot(from_edge);
             nearest = from_edge.or(s.simd_lt(squared), nearest);
             squared = s.min(squared);

@@ -58,11 +58,11 @@ impl std::fmt::Display for SceneError {
 impl std::error::Error for SceneError {}
 
 impl SceneError {
-    pub(super) fn of_file(file: &str, message: impl ToString) -> Self {
-        Self { file: file.to_owned(), object: None, message: message.to_string() }
+    pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), object: None, message: message.into() }
     }
 
-    pub(super) fn of_object(file: &str, object: &str, message: impl ToString) -> Self {
+    pub(super) fn of_object(file: &str, object: &str, message: impl Into<String>) -> Self {
         Self { object: Some(object.to_owned()), ..Self::of_file(file, message) }
     }
 }

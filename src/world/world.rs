@@ -42,12 +42,11 @@ impl World {
         if self.id(&obstacle.name).is_some() || self.attached_by_name(&obstacle.name).is_some() {
             return Err(WorldError::Duplicate(obstacle.name));
         }
-        let place = match self.gaps.pop() {
-            Some(gap) => gap,
-            None => {
-                self.places.push(None);
-                u32::try_from(self.places.len() - 1).map_err(|_| WorldError::TooMany)?
-            }
+        let place = if let Some(gap) = self.gaps.pop() {
+            gap
+        } else {
+            self.places.push(None);
+            u32::try_from(self.places.len() - 1).map_err(|_| WorldError::TooMany)?
         };
         self.names.insert(obstacle.name.as_str().into(), ObstacleId(place));
         self.places[place as usize] = Some(Arc::new(obstacle));

@@ -64,14 +64,15 @@ impl PlanningScene {
             WorldFileKind::Yaml => self.read_yaml(text()?, &file, robot, files),
             WorldFileKind::SceneText => self.read_scene_text(text()?, &file, robot),
             WorldFileKind::Octomap => {
-                let octomap = Octomap::from_file(bytes).map_err(|e| SceneError::of_file(&file, e))?;
+                let octomap =
+                    Octomap::from_file(bytes).map_err(|e| SceneError::of_file(&file, e.to_string()))?;
                 self.set_octomap(&octomap, Pose::identity(), false, &file)
             }
             WorldFileKind::Cloud => {
                 let Some(radius) = point_radius else {
                     return Err(SceneError::of_file(&file, "a cloud needs the radius of its points"));
                 };
-                let points = read_cloud(bytes).map_err(|e| SceneError::of_file(&file, e))?;
+                let points = read_cloud(bytes).map_err(|e| SceneError::of_file(&file, e.to_string()))?;
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
                 self.add_cloud(points, &name, radius, &file, robot)
             }

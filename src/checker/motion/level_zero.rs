@@ -131,7 +131,7 @@ impl CollisionChecker {
         scratch: &mut MotionScratch,
         workspace: &mut Workspace,
     ) {
-        let motion = self.motion_within(half_width, speeds, off);
+        let motion = Self::motion_within(half_width, speeds, off);
         let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
         let MotionScratch { positions, near, .. } = scratch;
         near.clear();
@@ -184,7 +184,6 @@ impl CollisionChecker {
 
     /// By number of [`Self::approach_speeds`]: how much nearer (m) they may come within an interval of this half width.
     fn motion_within<'m>(
-        &self,
         half_width: f64,
         speeds: &'m [f32],
         off: &'m [f32],
@@ -205,7 +204,7 @@ impl CollisionChecker {
     ) {
         let MotionScratch { positions, near: found, .. } = scratch;
         segment.positions_at(0.5, positions);
-        let motion = self.motion_within(0.5, speeds, off);
+        let motion = Self::motion_within(0.5, speeds, off);
         let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
         // a group that is not full repeats its last pair
         let last = self.infos.len().saturating_sub(1);

@@ -70,22 +70,19 @@ impl CollisionChecker {
         dispatch_lean!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
         let a = &self.riders[info.bodies.0];
         let pose_ra = MatrixPose::from(&frames[a.body]);
-        let (solid, pose_rb, reach) = match info.ids.1 {
-            Body::Obstacle(_) => {
-                let b = self.obstacles.at(info.bodies.1);
-                match self.mover(segment, index) {
-                    Some(mover) => {
-                        let pose = MatrixPose::from(&(mover.displacement(t) * b.pose()));
-                        (&b.solid, pose, b.reach_at(&pose))
-                    }
-                    None => (&b.solid, b.pose_ro, b.reach),
+        let (solid, pose_rb, reach) = if let Body::Obstacle(_) = info.ids.1 {
+            let b = self.obstacles.at(info.bodies.1);
+            match self.mover(segment, index) {
+                Some(mover) => {
+                    let pose = MatrixPose::from(&(mover.displacement(t) * b.pose()));
+                    (&b.solid, pose, b.reach_at(&pose))
                 }
+                None => (&b.solid, b.pose_ro, b.reach),
             }
-            _ => {
-                let b = &self.riders[info.bodies.1];
-                let pose = MatrixPose::from(&frames[b.body]);
-                (&b.solid, pose, b.reach_at(&pose))
-            }
+        } else {
+            let b = &self.riders[info.bodies.1];
+            let pose = MatrixPose::from(&frames[b.body]);
+            (&b.solid, pose, b.reach_at(&pose))
         };
         PlacedPair {
             reaches: [a.reach_at(&pose_ra), reach],

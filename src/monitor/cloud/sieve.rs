@@ -89,8 +89,8 @@ fn cloud(points: &[Point], radius: f64) -> Result<Option<Arc<PointCloud>>, Strin
     let mut reach: f64 = 0.0;
     let mut rounded = Vec::with_capacity(points.len());
     for p in points {
-        // also true of what is no number
-        if !(p.coords.amax() <= LARGEST_COORDINATE) {
+        let usable = p.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
+        if !usable {
             return Err(format!(
                 "a point lies at {p:?}, farther than the {LARGEST_COORDINATE:e} m that can be computed with"
             ));

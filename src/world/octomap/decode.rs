@@ -5,6 +5,8 @@
 //! three bytes of colour, then a byte whose bits say which children exist; those follow. A node without children is a leaf,
 //! occupied if its log-odds are not below zero (a probability of one half).
 
+#![allow(clippy::redundant_closure_for_method_calls)] // a method's lifetimes are not general enough
+
 use super::{Cell, MOST_CELLS, Octomap, OctomapError, Space};
 
 struct Decoder<'b> {
