@@ -342,14 +342,14 @@ fn octomaps_are_trees_of_one_kind() {
         ..Octomap::default()
     };
     // the first child of the root is occupied
-    let placed = octomap_placement(&map("OcTree", vec![0b01, 0]), false).unwrap();
+    let placed = octomap_placement(&map("OcTree", vec![0b10, 0]), false).unwrap();
     assert!(placed.shape.is_some());
     assert!(octomap_placement(&map("OcTree", vec![]), false).unwrap().shape.is_none());
     for (broken, named) in [
         (map("", vec![]), "type ''"),
-        (map("ColorOcTree", vec![0b01, 0]), "'ColorOcTree'"),
+        (map("ColorOcTree", vec![0b10, 0]), "'ColorOcTree'"),
         (map("OcTree", vec![0b01]), "byte"),
-        (Octomap { resolution: 0.0, ..map("OcTree", vec![0b01, 0]) }, "resolution"),
+        (Octomap { resolution: 0.0, ..map("OcTree", vec![0b10, 0]) }, "resolution"),
     ] {
         let refusal = octomap_placement(&broken, false).unwrap_err();
         assert!(refusal.message.starts_with("octomap: ") && refusal.message.contains(named), "{refusal}");
