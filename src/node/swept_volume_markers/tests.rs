@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::checker::{MotionOptions, Settings};
+use crate::checker::{Body, MotionOptions, Settings};
 use crate::math::Point;
 use crate::motion::MotionSegment;
 use crate::robot::MeshFiles;
