@@ -77,7 +77,7 @@ fn surroundings() -> Surroundings {
         let file = "config/demo_world.yaml";
         let scene =
             PlanningScene::from_yaml(WORLD, file, robot, &MeshFiles::default()).map_err(|e| e.to_string())?;
-        Ok(PlanningSceneState { world: scene.world, ..PlanningSceneState::default() })
+        Ok(PlanningSceneState::new(scene.world))
     })
 }
 

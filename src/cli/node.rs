@@ -83,13 +83,10 @@ impl NodeArgs {
         let (world, mesh_files) = (self.world.clone(), self.model.mesh_files());
         Box::new(move |robot| {
             let loaded = world.load(robot, &mesh_files).map_err(|failure| failure.to_string())?;
-            Ok(PlanningSceneState {
-                world: loaded.world,
-                matrix: loaded.allowed,
-                link_padding: loaded.link_padding,
-                link_scale: loaded.link_scale,
-                ..PlanningSceneState::default()
-            })
+            let mut scene = PlanningSceneState::new(loaded.world);
+            scene.matrix = loaded.allowed;
+            (scene.link_padding, scene.link_scale) = (loaded.link_padding, loaded.link_scale);
+            Ok(scene)
         })
     }
 }

@@ -49,6 +49,12 @@ impl Applied {
 }
 
 impl PlanningSceneState {
+    /// A scene of a world alone.
+    #[must_use]
+    pub fn new(world: World) -> Self {
+        Self { world, ..Self::default() }
+    }
+
     /// Applies what a message says: each object, each field or nothing of it. As in `MoveIt`, what is right comes into force even if
     /// something beside it is refused.
     pub fn apply(&mut self, update: &SceneUpdate, context: &SceneContext) -> Applied {
