@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::geometry::{Primitive, Shape};
+use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
 use clearance::math::Pose;
 use clearance::query::{CollisionBody, Scratch, collide, distance, within_margin};
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};
@@ -71,12 +71,22 @@ fn warm_queries_of_bodies_allocate_nothing() {
         Primitive::cuboid([0.1, 0.2, 0.3]),
         Primitive::capsule(0.05, 0.2),
         Primitive::cylinder(0.07, 0.2),
+        Primitive::cone(0.07, 0.2),
         Primitive::sphere(0.1),
     ];
     let turned = Pose::rotation(clearance::math::Vector::new(0.4, 0.5, 0.6));
     let of_primitives = primitives
         .map(|p| CollisionBody::new([(&turned, &Shape::Primitive(p.unwrap()))]).expect("a body has a shape"));
-    let bodies: Vec<CollisionBody> = of_links.chain(of_primitives).collect();
+    #[allow(clippy::cast_precision_loss)]
+    let points: Vec<[f32; 3]> = (0..500).map(|i| [0.1, 0.001 * i as f32, 0.01 * (i % 20) as f32]).collect();
+    let cubes = points.iter().map(|centre| Cube { centre: *centre, half_edge: 0.01 }).collect();
+    let of_others = [
+        Shape::Plane(Plane::from_coefficients([1.0, 2.0, 3.0, -0.2]).unwrap()),
+        Shape::Points(PointCloud::new(points, 0.01).unwrap().into()),
+        Shape::Voxels(Voxels::new(cubes).unwrap().into()),
+    ]
+    .map(|shape| CollisionBody::new([(&turned, &shape)]).expect("a body has a shape"));
+    let bodies: Vec<CollisionBody> = of_links.chain(of_primitives).chain(of_others).collect();
     let mut scratch = Scratch::default();
     let mut pass = |count: bool| {
         for a in &bodies {

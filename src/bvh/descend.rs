@@ -103,7 +103,7 @@ fn nearest_to_top(entries: &mut [Entry]) {
 
 /// Sorts by insertion, the nearest last: entries are few.
 #[inline(always)]
-fn sort(entries: &mut [Entry]) {
+pub(super) fn sort(entries: &mut [Entry]) {
     for i in 1..entries.len() {
         let entry = entries[i];
         let mut place = i;

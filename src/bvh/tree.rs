@@ -76,7 +76,7 @@ impl NodeRef {
         self.0 & Self::LEAF != 0
     }
 
-    fn index(self) -> usize {
+    pub(super) fn index(self) -> usize {
         (self.0 & !Self::LEAF) as usize
     }
 }

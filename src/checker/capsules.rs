@@ -67,7 +67,7 @@ pub struct CapsulePairs {
     riders: Vec<Rider>,
     /// Pairs, eight by eight; the last group is filled up with its last pair.
     groups: Vec<Group>,
-    /// H above.
+    /// H above, of pairs that have one.
     size: f32,
 }
 
@@ -151,7 +151,10 @@ impl CapsulePairs {
                     (b, &riders[b]),
                     capsules[a].1.radius + capsules[b].1.radius,
                 );
-                size = size.max(group.reach[lane]);
+                // what is infinitely large is never proven apart, whatever rounding is granted
+                if group.reach[lane].is_finite() {
+                    size = size.max(group.reach[lane]);
+                }
             }
             groups.push(group);
         }

@@ -1,7 +1,7 @@
 //! What is remembered of a pair of bodies from state to state.
 //!
-//! A distance that it certainly had at some pose: at another it has lost at most what the second body has moved in the frame
-//! of the first, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
+//! A distance that it certainly had at some pose: at another it has lost at most what one body has moved in the frame
+//! of the other, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
 //! distance from above, and of a pair that stays near, the elements that may be nearest are kept.
 //!
 //! None of this changes an answer: a distance that is found depends neither on the limit of the search, as long as that is not
@@ -70,11 +70,12 @@ impl Memory {
         self.front.collect(pair.bodies, &pair.pose_ab, found, found.distance + FRONT, scratch);
     }
 
-    /// A number never larger than the bodies' distance (m) at another pose.
+    /// A number never larger than the bodies' distance (m) at another pose: by either's motion in the frame of the other.
     pub fn lower_at(&self, pair: &Pair) -> f64 {
-        self.lower
-            - pair.bodies.1.bounding_sphere().displacement(&self.pose_ab, &pair.pose_ab)
-            - CONTACT_DISTANCE
+        let (from, to) = (&self.pose_ab, &pair.pose_ab);
+        let of_b = pair.bodies.1.bounding_sphere().displacement(from, to);
+        let of_a = pair.bodies.0.bounding_sphere().displacement(&from.inverse(), &to.inverse());
+        self.lower - of_a.min(of_b) - CONTACT_DISTANCE
     }
 
     /// Whether the nearest points were found.

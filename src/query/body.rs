@@ -1,15 +1,17 @@
-//! A rigid body ready for questions: its triangles and solids, and the hierarchies over them.
+//! A rigid body ready for questions: its triangles, solids, planes and grains, and the hierarchies over them.
 
 use super::bounding_sphere::BoundingSphere;
 use super::containment::Interior;
 use super::core::RoundedCore;
 use super::element::ElementNumber;
+use super::grains::Grains;
+use super::planes::planes_bound;
 use super::solid::{Solid, SolidLeaf};
 use super::surface::Surface;
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::Tree;
-use crate::geometry::Shape;
-use crate::math::{Point, Pose};
+use crate::geometry::{Plane, Shape};
+use crate::math::{MatrixPose, Point, Pose};
 
 /// One body in its own frame, with hierarchies of volumes `B`.
 #[derive(Clone, Debug)]
@@ -18,8 +20,13 @@ pub struct CollisionBody<B: BoundingVolume = Obb> {
     pub(super) surface: Option<Surface<B>>,
     /// All primitives.
     pub(super) solids: Option<Tree<B, SolidLeaf>>,
+    /// In the frame of the body.
+    pub(super) planes: Vec<Plane>,
+    /// Clouds of points and sets of voxels.
+    pub(super) grains: Vec<Grains<B>>,
     pub(super) interior: Option<Interior>,
-    bounding_sphere: BoundingSphere,
+    /// Around all but the planes.
+    bounded: Option<BoundingSphere>,
 }
 
 impl CollisionBody {
@@ -50,6 +57,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
         let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) =
             Default::default();
+        let (mut planes, mut grains): (Vec<Plane>, Vec<Grains<B>>) = Default::default();
         for (pose, shape) in shapes {
             match shape {
                 Shape::Primitive(primitive) => solids.push(Solid { primitive: *primitive, pose: *pose }),
@@ -58,18 +66,40 @@ impl<B: BoundingVolume> CollisionBody<B> {
                     vertices.extend(mesh.vertices().iter().map(|p| pose * p));
                     faces.extend(mesh.triangles().iter().map(|t| t.map(|v| v + first)));
                 }
-                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
+                Shape::Plane(plane) => planes.push(plane.transformed(pose)),
+                Shape::Points(cloud) => grains.push(Grains::of_points(cloud, pose, set(&grains))),
+                Shape::Voxels(voxels) => grains.push(Grains::of_voxels(voxels, pose, set(&grains))),
             }
         }
-        let bounding_sphere = BoundingSphere::around(&vertices, &faces, &solids)?;
+        let bounded = BoundingSphere::around(&vertices, &faces, &solids, &grains);
+        if bounded.is_none() && planes.is_empty() {
+            return None;
+        }
         let solids = (!solids.is_empty()).then(|| Tree::build(&solids).0);
-        Some(Self { surface: Surface::new(vertices, &faces), solids, interior: None, bounding_sphere })
+        let surface = Surface::new(vertices, &faces);
+        Some(Self { surface, solids, planes, grains, interior: None, bounded })
     }
 
-    /// A sphere around the body, in its frame.
+    /// A sphere around the body, in its frame; its radius is infinite where the body has a plane.
     #[must_use]
-    pub fn bounding_sphere(&self) -> &BoundingSphere {
-        &self.bounding_sphere
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        self.bounded.filter(|_| !self.has_planes()).unwrap_or(BoundingSphere::UNBOUNDED)
+    }
+
+    /// The same around all but the planes.
+    pub(super) fn bounded(&self) -> Option<&BoundingSphere> {
+        self.bounded.as_ref()
+    }
+
+    /// A number (m) never larger than the distance of two bodies, from the spheres and planes around and in them.
+    #[must_use]
+    pub fn sphere_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
+        let bounded = self.bounded.as_ref().zip(other.bounded.as_ref());
+        let of_spheres = bounded.map_or(f64::INFINITY, |(a, b)| a.lower_bound(b, pose_ab));
+        if !self.has_planes() && !other.has_planes() {
+            return of_spheres;
+        }
+        of_spheres.min(planes_bound((self, other), pose_ab))
     }
 
     /// One of the elements.
@@ -86,15 +116,35 @@ impl<B: BoundingVolume> CollisionBody<B> {
         self.solids.is_some()
     }
 
+    pub(super) fn has_planes(&self) -> bool {
+        !self.planes.is_empty()
+    }
+
+    pub(super) fn has_grains(&self) -> bool {
+        !self.grains.is_empty()
+    }
+
     /// Number of triangles.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.surface.as_ref().map_or(0, Surface::triangle_count)
     }
 
-    /// Memory of the hierarchies and of the triangles in them, in bytes.
+    /// Number of points in clouds and of voxels.
+    #[must_use]
+    pub fn grain_count(&self) -> usize {
+        self.grains.iter().map(Grains::count).sum()
+    }
+
+    /// Memory of the hierarchies and of the triangles, points and voxels in them, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes)
+        let grains: usize = self.grains.iter().map(Grains::bytes).sum();
+        self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + grains
     }
+}
+
+/// The number of the next set.
+fn set<B: BoundingVolume>(grains: &[Grains<B>]) -> u32 {
+    u32::try_from(grains.len()).expect("a body has few clouds")
 }

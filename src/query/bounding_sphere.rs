@@ -1,6 +1,8 @@
 //! A sphere around a whole body, in f64.
 
+use super::grains::Grains;
 use super::solid::Solid;
+use crate::bounding_volume::BoundingVolume;
 use crate::constants::FIT_SLACK;
 use crate::math::{MatrixPose, Point};
 
@@ -12,6 +14,9 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
+    /// Around what has no end.
+    pub(super) const UNBOUNDED: Self = Self { centre: Point::new(0.0, 0.0, 0.0), radius: f64::INFINITY };
+
     /// A number never larger than the distance (m) of what two spheres hold.
     #[must_use]
     pub fn lower_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
@@ -25,6 +30,9 @@ impl BoundingSphere {
     /// turns by, the stretch of a matrix being at most its Frobenius norm.
     #[must_use]
     pub fn displacement(&self, from: &MatrixPose, to: &MatrixPose) -> f64 {
+        if self.radius == f64::INFINITY {
+            return f64::INFINITY;
+        }
         let (p, q) = (from * self.centre, to * self.centre);
         let turn = (to.rotation - from.rotation).norm();
         let reach = p.coords.abs().sum() + q.coords.abs().sum() + self.radius;
@@ -32,10 +40,18 @@ impl BoundingSphere {
     }
 
     /// `None` around nothing. The centre is the middle of the box around everything.
-    pub(super) fn around(vertices: &[Point], faces: &[[u32; 3]], solids: &[Solid]) -> Option<Self> {
+    pub(super) fn around<B: BoundingVolume>(
+        vertices: &[Point],
+        faces: &[[u32; 3]],
+        solids: &[Solid],
+        grains: &[Grains<B>],
+    ) -> Option<Self> {
         let corners = || faces.iter().flatten().map(|&v| vertices[v as usize]);
-        let balls =
-            || solids.iter().map(|s| (Point::from(s.pose.translation.vector), s.primitive.bounding_radius()));
+        let of_grains: Vec<(Point, f64)> = grains.iter().map(Grains::ball).collect();
+        let balls = || {
+            let solid = |s: &Solid| (Point::from(s.pose.translation.vector), s.primitive.bounding_radius());
+            solids.iter().map(solid).chain(of_grains.iter().copied())
+        };
         let mut lo = Point::from([f64::INFINITY; 3]);
         let mut hi = Point::from([f64::NEG_INFINITY; 3]);
         for (p, radius) in corners().map(|p| (p, 0.0)).chain(balls()) {

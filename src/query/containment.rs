@@ -6,8 +6,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::body::CollisionBody;
+use super::grains::Grains;
+use super::search::Descent;
+use crate::bounding_volume::BoundingVolume;
+use crate::bvh::{GrainLeaf, PlaneVisitor, TreePlane};
 use crate::geometry::{Shape, TriangleMesh};
-use crate::math::{Point, Pose};
+use crate::math::{MatrixPose, Point, Pose, Vector};
 
 /// The closed meshes of a body, and a point of each connected part of it.
 #[derive(Clone, Debug)]
@@ -28,7 +33,8 @@ impl Interior {
         let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
-                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
+                // no closed mesh holds a plane; grains are looked for in their tree
+                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => {}
                 Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
                     interior.part_points.extend(part_points(mesh).iter().map(|p| pose * p));
@@ -68,6 +74,85 @@ impl ClosedMesh {
         let p = self.pose_bm.inverse_transform_point(point_b);
         let (lo, hi) = self.bounds;
         (0..3).all(|i| (lo[i]..=hi[i]).contains(&p[i])) && winding_number(&self.mesh, &p).abs() > 0.5
+    }
+}
+
+/// The centre of a point or cube of one body inside a closed mesh of the other, in the frame of a: where surfaces do not touch
+/// them, all of each is inside or outside.
+pub(super) fn contained_grain<B: BoundingVolume>(
+    (a, b): (&CollisionBody<B>, &CollisionBody<B>),
+    pose_ab: &MatrixPose,
+    descent: &mut Descent,
+) -> Option<Point> {
+    let (of_a, of_b) = a.interior.as_ref().zip(b.interior.as_ref())?;
+    let in_a = of_a.grain_inside(&b.grains, pose_ab, descent);
+    in_a.or_else(|| Some(pose_ab * of_b.grain_inside(&a.grains, &pose_ab.inverse(), descent)?))
+}
+
+impl Interior {
+    /// The centre of a grain of another body inside one of the meshes, in the frame of this.
+    fn grain_inside<B: BoundingVolume>(
+        &self,
+        sets: &[Grains<B>],
+        pose_to_own: &MatrixPose,
+        descent: &mut Descent,
+    ) -> Option<Point> {
+        self.closed_meshes.iter().find_map(|mesh| {
+            sets.iter().find_map(|grains| {
+                let mut visitor = CentresInside::new(mesh, grains, pose_to_own);
+                let plane = visitor.middle_plane();
+                descent.run_to_plane(&grains.tree, &plane, &mut visitor, 0.0);
+                visitor.found
+            })
+        })
+    }
+}
+
+/// Looks for grains inside a mesh, between two planes of the box around it.
+struct CentresInside<'i, B: BoundingVolume> {
+    mesh: &'i ClosedMesh,
+    grains: &'i Grains<B>,
+    pose_to_mesh_body: &'i MatrixPose,
+    /// The axis along which the box is thinnest.
+    axis: usize,
+    half_width: f64,
+    found: Option<Point>,
+}
+
+impl<'i, B: BoundingVolume> CentresInside<'i, B> {
+    fn new(mesh: &'i ClosedMesh, grains: &'i Grains<B>, pose_to_mesh_body: &'i MatrixPose) -> Self {
+        let widths = mesh.bounds.1 - mesh.bounds.0;
+        let axis = widths.imin();
+        Self { mesh, grains, pose_to_mesh_body, axis, half_width: 0.5 * widths[axis], found: None }
+    }
+
+    /// In the frame of the grains.
+    fn middle_plane(&self) -> TreePlane {
+        let (lo, hi) = self.mesh.bounds;
+        let pose_mb = MatrixPose::from(&self.mesh.pose_bm).inverse();
+        let pose_mg = pose_mb.compose(self.pose_to_mesh_body).compose(&self.grains.pose_bg);
+        let axis = Vector::ith(self.axis, 1.0);
+        let offset = nalgebra::center(&lo, &hi)[self.axis] - pose_mg.translation[self.axis];
+        TreePlane::new(&pose_mg.rotation.tr_mul(&axis), offset, &self.grains.tree)
+    }
+}
+
+impl<B: BoundingVolume> PlaneVisitor<GrainLeaf> for CentresInside<'_, B> {
+    #[allow(clippy::cast_possible_truncation)] // rounded up right after
+    fn threshold(&self) -> f32 {
+        if self.found.is_some() { f32::NEG_INFINITY } else { (self.half_width as f32).next_up() }
+    }
+
+    fn volume_tests(&mut self, _: u32) {}
+
+    fn leaf(&mut self, leaf: &GrainLeaf) {
+        let centres =
+            (leaf.first..leaf.first + leaf.count).map(|i| self.pose_to_mesh_body * self.grains.centre(i));
+        self.found = self.found.or(centres.into_iter().find(|p| self.mesh.contains(p)));
+    }
+
+    fn interrupted(&mut self) -> bool {
+        false
     }
 }
 

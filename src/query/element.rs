@@ -10,27 +10,43 @@ pub enum Element {
     Primitive { primitive: Primitive, pose: Pose },
 }
 
-/// Which element of a body, in the orders of its trees: solids before triangles.
+/// Which element of a body, in the orders of its trees: solids before triangles before planes before grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct ElementNumber(u32);
+pub(super) struct ElementNumber {
+    kind: u32,
+    index: u32,
+}
 
 impl ElementNumber {
-    const TRIANGLE: u32 = 1 << 31;
+    const SOLID: u32 = 0;
+    const TRIANGLE: u32 = 1;
+    const PLANE: u32 = 2;
+    /// Of the first set; the others follow.
+    const GRAIN: u32 = 3;
 
     pub const fn of_solid(index: u32) -> Self {
-        Self(index)
+        Self { kind: Self::SOLID, index }
     }
 
     pub const fn of_triangle(index: u32) -> Self {
-        Self(index | Self::TRIANGLE)
+        Self { kind: Self::TRIANGLE, index }
+    }
+
+    pub const fn of_plane(index: u32) -> Self {
+        Self { kind: Self::PLANE, index }
+    }
+
+    /// Of one of the body's sets of grains.
+    pub const fn of_grain(set: u32, index: u32) -> Self {
+        Self { kind: Self::GRAIN + set, index }
     }
 
     pub const fn is_triangle(self) -> bool {
-        self.0 & Self::TRIANGLE != 0
+        self.kind == Self::TRIANGLE
     }
 
     /// Among those of its kind.
     pub const fn index(self) -> u32 {
-        self.0 & !Self::TRIANGLE
+        self.index
     }
 }

@@ -71,7 +71,7 @@ impl Front {
     }
 
     /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
-    /// many. `nearest` is what a search found there. Bodies with solid meshes have no front.
+    /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front.
     pub fn collect(
         &mut self,
         bodies: (&CollisionBody, &CollisionBody),
@@ -81,7 +81,9 @@ impl Front {
         scratch: &mut Scratch,
     ) {
         self.clear();
-        if bodies.0.interior.is_some() || bodies.1.interior.is_some() {
+        let has_none =
+            |body: &CollisionBody| body.interior.is_some() || body.has_grains() || body.has_planes();
+        if has_none(bodies.0) || has_none(bodies.1) {
             return;
         }
         let lists = (&mut self.with_solids.listed, &mut self.of_triangles.listed);

@@ -46,6 +46,10 @@ impl<'w> Incumbent<'w> {
         if bound == f64::NEG_INFINITY { f32::NEG_INFINITY } else { (bound as f32).next_up() }
     }
 
+    pub fn touches(&self) -> bool {
+        self.best.is_some_and(|best| best.distance == 0.0)
+    }
+
     pub fn is_settled(&self) -> bool {
         self.bound() == f64::NEG_INFINITY
     }

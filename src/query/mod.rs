@@ -8,6 +8,8 @@
 //! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | numbers that it is certainly between |
 //! | how deep are two solids in each other? | [`signed_distance`] | least translation that separates, negative |
 //!
+//! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
+//!
 //! Bodies touch when their distance is at most [`CONTACT_DISTANCE`](crate::constants::CONTACT_DISTANCE). A mesh is a
 //! surface; a body made with [`CollisionBody::with_solid_meshes`] also counts what lies inside its closed meshes.
 //! `pose_ab` is the pose of body b in the frame of body a; witness points are in the frame of a, first on a. After the
@@ -23,15 +25,21 @@ mod element;
 mod element_pair;
 mod front;
 mod gjk;
+mod grain_grains;
+mod grain_lanes;
+mod grains;
 mod incumbent;
 mod narrow_phase;
 mod penetration;
+mod planes;
 mod scratch;
 mod search;
 mod solid;
+mod solid_grains;
 mod solid_lanes;
 mod solid_solid;
 mod surface;
+mod surface_grains;
 mod surface_solid;
 mod surface_surface;
 mod triangle_lanes;

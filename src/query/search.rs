@@ -1,16 +1,21 @@
 //! One search through all pairs of parts of two bodies.
 
 use super::body::CollisionBody;
-use super::containment::Interior;
+use super::containment::{Interior, contained_grain};
 use super::distance::Effort;
 use super::element_pair::Separation;
+use super::grain_grains::GrainGrains;
+use super::grains::{GrainSearch, Grains};
 use super::incumbent::Incumbent;
+use super::planes::planes;
 use super::scratch::Scratch;
+use super::solid_grains::SolidGrains;
 use super::solid_solid::SolidSolid;
+use super::surface_grains::SurfaceGrains;
 use super::surface_solid::SurfaceSolid;
 use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
-use crate::bvh::{Entry, Tree, Visitor, descend};
+use crate::bvh::{Entry, PlaneVisitor, Tree, TreePlane, Visitor, descend, descend_to_plane};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::{MatrixPose, Pose};
 use crate::simd::{Level, dispatch_lean};
@@ -51,7 +56,7 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     scratch: &mut Scratch,
 ) -> Found {
     // spheres cost a tenth of what it takes to begin
-    if a.bounding_sphere().lower_bound(b.bounding_sphere(), pose_ab) > goal.limit.max(CONTACT_DISTANCE) {
+    if a.sphere_bound(b, pose_ab) > goal.limit.max(CONTACT_DISTANCE) {
         scratch.work.volume_tests += 1;
         return Found { best: None, unseen: f64::INFINITY };
     }
@@ -69,10 +74,22 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
         descent.run((&a.tree, &b.tree), relative, &mut visitor);
         visitor.measure_candidates();
     }
-    let touching = incumbent.best.is_some_and(|best| best.distance == 0.0);
-    if !touching && let Some((a, b)) = a.interior.as_ref().zip(b.interior.as_ref()) {
+    if a.has_planes() || b.has_planes() {
+        planes((a, b), pose_ab, &mut incumbent, &mut descent);
+    }
+    if a.has_grains() || b.has_grains() {
+        grains((a, b), pose_ab, &mut incumbent, &mut descent);
+    }
+    if !incumbent.touches()
+        && let Some((a, b)) = a.interior.as_ref().zip(b.interior.as_ref())
+    {
         let inside = Interior::contained_point(a, b, &Pose::from(pose_ab));
         incumbent.best = inside.map(Separation::touching_at).or(incumbent.best);
+    }
+    if !incumbent.touches()
+        && let Some(point) = contained_grain((a, b), pose_ab, &mut descent)
+    {
+        incumbent.best = Some(Separation::touching_at(point));
     }
     Found { best: incumbent.best, unseen: descent.unseen }
 }
@@ -101,8 +118,55 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
     }
 }
 
+/// Looks at all grains of either body.
+fn grains<B: BoundingVolume>(
+    (a, b): (&CollisionBody<B>, &CollisionBody<B>),
+    pose_ab: &MatrixPose,
+    incumbent: &mut Incumbent,
+    descent: &mut Descent,
+) {
+    for grains in &b.grains {
+        let pose_og = pose_ab.compose(&grains.pose_bg);
+        grains_of((grains, false), a, (pose_ab, &pose_og), incumbent, descent);
+        for others in &a.grains {
+            let relative = &others.tree.relative(&grains.tree, &others.pose_bg.relative(&pose_og));
+            let radius = others.radius + grains.radius;
+            let search = GrainSearch { grains, grains_are_a: false, pose_ab, relative, radius, incumbent };
+            let visitor = &mut GrainGrains { others, search };
+            descent.run_widened((&others.tree, &grains.tree), relative, visitor, radius);
+        }
+    }
+    let pose_ba = pose_ab.inverse();
+    for grains in &a.grains {
+        let pose_og = pose_ba.compose(&grains.pose_bg);
+        grains_of((grains, true), b, (pose_ab, &pose_og), incumbent, descent);
+    }
+}
+
+/// Looks at grains against the surface and the solids of another body, in whose frame they are at `pose_og`.
+fn grains_of<B: BoundingVolume>(
+    (grains, grains_are_a): (&Grains<B>, bool),
+    other: &CollisionBody<B>,
+    (pose_ab, pose_og): (&MatrixPose, &MatrixPose),
+    incumbent: &mut Incumbent,
+    descent: &mut Descent,
+) {
+    let radius = grains.radius;
+    if let Some(solids) = &other.solids {
+        let relative = &solids.relative(&grains.tree, pose_og);
+        let search = GrainSearch { grains, grains_are_a, pose_ab, relative, radius, incumbent };
+        descent.run_widened((solids, &grains.tree), relative, &mut SolidGrains(search), radius);
+    }
+    if let Some(surface) = &other.surface {
+        let relative = &surface.tree.relative(&grains.tree, pose_og);
+        let search = GrainSearch { grains, grains_are_a, pose_ab, relative, radius, incumbent };
+        let visitor = &mut SurfaceGrains { surface, search };
+        descent.run_widened((&surface.tree, &grains.tree), relative, visitor, radius);
+    }
+}
+
 /// The traversal with its scratch memory.
-struct Descent<'s> {
+pub(super) struct Descent<'s> {
     level: Level,
     stack: &'s mut Vec<Entry>,
     unseen: f64,
@@ -115,13 +179,45 @@ impl Descent<'_> {
         relative: &Relative,
         visitor: &mut V,
     ) {
+        self.run_widened(trees, relative, visitor, 0.0);
+    }
+
+    /// As [`Self::run`] where balls around what trees hold take a `radius` (m) off distances.
+    fn run_widened<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+        &mut self,
+        trees: (&Tree<B, LA>, &Tree<B, LB>),
+        relative: &Relative,
+        visitor: &mut V,
+        radius: f64,
+    ) {
         if visitor.threshold() == f32::NEG_INFINITY {
             return;
         }
         let stack = &mut *self.stack;
         dispatch_lean!(self.level, simd => descend(simd, trees, relative, stack, visitor));
+        self.note_unseen(radius);
+    }
+
+    /// Brings the leaves of a tree that may be near to a plane to a visitor.
+    pub fn run_to_plane<B: BoundingVolume, L, V: PlaneVisitor<L>>(
+        &mut self,
+        tree: &Tree<B, L>,
+        plane: &TreePlane,
+        visitor: &mut V,
+        radius: f64,
+    ) {
+        if visitor.threshold() == f32::NEG_INFINITY {
+            return;
+        }
+        let stack = &mut *self.stack;
+        dispatch_lean!(self.level, simd => descend_to_plane(simd, tree, plane, stack, visitor));
+        self.note_unseen(radius);
+    }
+
+    /// What an interrupted search has left may be as near as its volumes, less the balls around what they hold.
+    fn note_unseen(&mut self, radius: f64) {
         for left in self.stack.iter() {
-            self.unseen = self.unseen.min(f64::from(left.lower.max(0.0)));
+            self.unseen = self.unseen.min((f64::from(left.lower) - radius).max(0.0));
         }
     }
 }

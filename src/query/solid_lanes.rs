@@ -1,8 +1,8 @@
-//! A solid against the eight triangles of a leaf, in f32.
+//! A solid against the eight triangles or grains of a leaf, in f32.
 
 use super::solid::{Hull, SolidLeaf};
 use crate::bounding_volume::{Axes, Relative};
-use crate::bvh::TriangleLeaf;
+use crate::bvh::{GrainLeaf, TriangleLeaf};
 use crate::simd::prelude::*;
 use crate::simd::{Simd, Vectors, f32x8};
 
@@ -41,6 +41,28 @@ pub(super) fn lower_bounds<S: Simd>(
     let (a, b, c) = (p.along(&along), q.along(&along), r.along(&along));
     let beyond = a.min(b).min(c).max(f32x8::splat(simd, 0.0) - a.max(b).max(c)) - shadow;
     from_boxes.max(across_plane).max(beyond) - 4.0 * slack
+}
+
+/// As [`lower_bounds`] for the grains of a leaf, the balls around these left out; `relative` places their tree in the solid's.
+#[inline(always)]
+pub(super) fn bounds_of_grains<S: Simd>(
+    simd: S,
+    solid: &SolidLeaf,
+    grains: &GrainLeaf,
+    relative: &Relative,
+    slack: f32,
+) -> f32x8<S> {
+    // the grains in the frame of the solid
+    let own = relative.of_nodes(&Axes::IDENTITY, &solid.axes);
+    let [x, y, z] = solid.axes.turned(&solid.centre);
+    let centre =
+        Vectors::load(simd, &grains.centre).placed(&own.r, &[own.t[0] - x, own.t[1] - y, own.t[2] - z]);
+    let half = f32x8::from_slice(simd, &grains.half_edge);
+    let [u, v, w] = &own.r;
+    let shadow = |row: &[f32; 3]| row[0].abs() + row[1].abs() + row[2].abs();
+    let shadow = Vectors { x: half * shadow(u), y: half * shadow(v), z: half * shadow(w) };
+    let from_hull = solid.hull.distance_of_boxes(simd, centre.minus(shadow), centre.plus(shadow));
+    from_hull - half * (16.0 * f32::EPSILON) - 4.0 * slack
 }
 
 impl Hull {

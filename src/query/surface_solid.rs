@@ -2,6 +2,7 @@
 
 use super::element::ElementNumber;
 use super::element_pair::separation_within;
+use super::grain_lanes::nearest;
 use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
 use super::solid_lanes;
@@ -85,10 +86,4 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
             self.test(solid, leaf.first + lane as u32);
         }
     }
-}
-
-/// The lane of `mask` with the least number.
-fn nearest(numbers: &[f32; LANES], mask: u64) -> usize {
-    let lanes = (0..LANES).filter(|lane| mask & (1 << lane) != 0);
-    lanes.min_by(|&i, &j| numbers[i].total_cmp(&numbers[j])).unwrap_or(0)
 }

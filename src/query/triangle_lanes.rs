@@ -20,24 +20,30 @@ pub(super) struct MovedTriangles {
 }
 
 impl MovedTriangles {
-    /// The triangles, and a bit for each whose box is not farther than `margin` from the box of `b`'s triangles.
+    /// The triangles, and a bit for each whose box is not farther than `margin` from a box with corners `low` and `high`.
     #[inline(always)]
     pub fn new<S: Simd>(
         simd: S,
         a: &TriangleLeaf,
         relative: &Relative,
-        b: &TriangleLeaf,
+        (low, high): (&[f32; 3], &[f32; 3]),
         margin: f32,
     ) -> (Self, u64) {
         let (r, t) = (&relative.r, &relative.t);
         let p = Vectors::load(simd, &a.corners[0]).placed(r, t);
         let q = Vectors::load(simd, &a.corners[1]).placed(r, t);
         let s = Vectors::load(simd, &a.corners[2]).placed(r, t);
-        let above = p.min(q).min(s).minus(Vectors::splat(simd, &b.high));
-        let below = Vectors::splat(simd, &b.low).minus(p.max(q).max(s));
+        let above = p.min(q).min(s).minus(Vectors::splat(simd, high));
+        let below = Vectors::splat(simd, low).minus(p.max(q).max(s));
         let gap = above.max(below).max(Vectors::splat(simd, &[0.0; 3])).norm();
         let near = not_beyond(gap, margin) & a.mask();
         (Self { corners: [p.store(), q.store(), s.store()] }, near)
+    }
+
+    /// The corners of triangle `lane`.
+    pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
+        let taken = |[x, y, z]: &[[f32; LANES]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
+        [taken(&self.corners[0]), taken(&self.corners[1]), taken(&self.corners[2])]
     }
 
     /// Triangle `lane`, in all lanes.

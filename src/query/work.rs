@@ -6,9 +6,9 @@
 pub struct Work {
     /// Tests of two bounding volumes.
     pub volume_tests: u64,
-    /// Pairs of triangles, or of a triangle and a primitive, that were looked at eight at a time in f32.
+    /// Pairs of triangles, or of one and a primitive, a point or a cube, that were looked at eight at a time in f32.
     pub screened_pairs: u64,
-    /// Tests in f64 of two triangles, two convex primitives, or one of each.
+    /// Tests in f64 of two elements: triangles, convex primitives, planes, points or cubes.
     pub primitive_tests: u64,
 }
 

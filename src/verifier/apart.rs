@@ -3,7 +3,8 @@
 use super::body::{Body, Content, Node};
 use super::direction;
 use super::element::{gap, gap_of_supports};
-use crate::math::{MatrixPose, Vector};
+use crate::geometry::Plane;
+use crate::math::{MatrixPose, UnitVector, Vector};
 
 /// Most steps of the search for a direction between two nodes: if it takes longer, their children are easier.
 const MOST_STEPS: usize = 30;
@@ -28,14 +29,25 @@ impl<'b> Apart<'b> {
         let spread = pose_ab.rotation.abs();
         let zero = [Vector::zeros(); 2];
         let mut apart = Self { a, b, pose_ab, spread, target, n: zero, n_abs: zero, element_tests: 0 };
-        let between = &apart.pose_ab * b.root().centre - a.root().centre;
-        apart.look_along(between.try_normalize(0.0).unwrap_or(Vector::x()));
+        if let (Some(x), Some(y)) = (a.root(), b.root()) {
+            let between = &apart.pose_ab * y.centre - x.centre;
+            apart.look_along(between.try_normalize(0.0).unwrap_or(Vector::x()));
+        }
         apart
     }
 
-    /// Whether all elements are proven at least the target apart.
+    /// Whether all elements and planes are proven at least the target apart.
     pub fn prove(&mut self) -> bool {
-        self.nodes(0, 0)
+        self.planes() && (self.a.root().is_none() || self.b.root().is_none() || self.nodes(0, 0))
+    }
+
+    /// The same of planes; of two planes nothing is proven.
+    fn planes(&self) -> bool {
+        let Self { a, b, target, .. } = *self;
+        let pose_ba = self.pose_ab.inverse();
+        (a.planes().is_empty() || b.planes().is_empty())
+            && a.planes().iter().all(|plane| b.is_clear_of(&placed(plane, &pose_ba), target))
+            && b.planes().iter().all(|plane| a.is_clear_of(&placed(plane, &self.pose_ab), target))
     }
 
     fn look_along(&mut self, n: Vector) {
@@ -121,4 +133,10 @@ impl<'b> Apart<'b> {
         }
         true
     }
+}
+
+/// A plane of a frame at `pose`, seen from outside.
+fn placed(plane: &Plane, pose: &MatrixPose) -> Plane {
+    let normal = pose.rotation * plane.normal.into_inner();
+    Plane { offset: plane.offset + normal.dot(&pose.translation), normal: UnitVector::new_unchecked(normal) }
 }

@@ -1,15 +1,19 @@
-//! A body: its elements, and a binary tree of boxes around them.
+//! A body: its elements with a binary tree of boxes around them, and its planes.
 
 use super::element::Element;
 use super::interior::Interior;
-use crate::geometry::Shape;
+use crate::geometry::{Plane, Primitive, Shape};
 use crate::math::{Point, Pose, Vector};
+
+type Translation = nalgebra::Translation3<f64>;
 
 /// A link or an obstacle in its own frame.
 #[derive(Debug)]
 pub(super) struct Body {
     elements: Vec<Element>,
+    /// None without elements.
     nodes: Vec<Node>,
+    planes: Vec<Plane>,
     /// `None` where meshes are surfaces.
     pub interior: Option<Interior>,
 }
@@ -32,10 +36,18 @@ pub(super) enum Content {
 impl Body {
     /// A body of shapes at their poses; there must be one.
     pub fn new(shapes: &[(Pose, &Shape)], solid_meshes: bool) -> Self {
-        let mut elements = Vec::new();
+        let (mut elements, mut planes) = (Vec::new(), Vec::new());
         for (pose, shape) in shapes {
             match shape {
-                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
+                Shape::Plane(plane) => planes.push(plane.transformed(pose)),
+                Shape::Points(cloud) => elements.extend(cloud.points().iter().map(|p| {
+                    let ball = Primitive::Sphere { radius: cloud.radius() };
+                    Element::primitive(&ball, &(pose * Translation::from(p.map(f64::from))))
+                })),
+                Shape::Voxels(voxels) => elements.extend(voxels.cubes().iter().map(|cube| {
+                    let solid = Primitive::Box { half_extents: [f64::from(cube.half_edge); 3] };
+                    Element::primitive(&solid, &(pose * Translation::from(cube.centre.map(f64::from))))
+                })),
                 Shape::Primitive(primitive) => elements.push(Element::primitive(primitive, pose)),
                 Shape::Mesh(mesh) => {
                     let triangles = (0..mesh.triangles().len()).map(|i| mesh.triangle(i));
@@ -46,13 +58,19 @@ impl Body {
         let bounds: Vec<[Point; 2]> = elements.iter().map(Element::bounds).collect();
         let mut order: Vec<usize> = (0..elements.len()).collect();
         let mut nodes = Vec::with_capacity(2 * elements.len());
-        Builder { elements: &elements, bounds: &bounds, nodes: &mut nodes }.build(&mut order);
-        Self { elements, nodes, interior: solid_meshes.then(|| Interior::new(shapes)) }
+        if !elements.is_empty() {
+            Builder { elements: &elements, bounds: &bounds, nodes: &mut nodes }.build(&mut order);
+        }
+        Self { elements, nodes, planes, interior: solid_meshes.then(|| Interior::new(shapes)) }
     }
 
-    /// The node around everything.
-    pub fn root(&self) -> &Node {
-        &self.nodes[0]
+    /// The node around all elements.
+    pub fn root(&self) -> Option<&Node> {
+        self.nodes.first()
+    }
+
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
     }
 
     pub fn node(&self, index: usize) -> &Node {
@@ -68,9 +86,11 @@ impl Body {
         &self.elements
     }
 
-    /// Corners of the box around everything.
+    /// Corners of the box around all elements; where there are none, the point of a plane nearest to the origin.
     pub fn box_corners(&self) -> [Point; 8] {
-        let Node { centre, half, .. } = self.root();
+        let Some(Node { centre, half, .. }) = self.root() else {
+            return [self.planes.first().map_or_else(Point::origin, Plane::foot); 8];
+        };
         std::array::from_fn(|i| {
             let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
             centre + half.component_mul(&Vector::new(sign(1), sign(2), sign(4)))
@@ -109,12 +129,42 @@ impl Body {
         }
     }
 
+    /// Whether all elements are on either side of a plane, at least `target` (m) from it.
+    pub fn is_clear_of(&self, plane: &Plane, target: f64) -> bool {
+        let n = plane.normal.into_inner();
+        let is_unit = (n.norm_squared() - 1.0).abs() <= 1e-14;
+        is_unit && (self.nodes.is_empty() || self.node_is_clear_of(0, (&n, &n.abs()), plane, target))
+    }
+
+    fn node_is_clear_of(
+        &self,
+        index: usize,
+        (n, n_abs): (&Vector, &Vector),
+        plane: &Plane,
+        target: f64,
+    ) -> bool {
+        let node = &self.nodes[index];
+        let (height, reach) = (plane.height(&node.centre), n_abs.dot(&node.half));
+        if height - reach >= target || -height - reach >= target {
+            return true;
+        }
+        match node.content {
+            Content::Element(e) => {
+                let (high, low) = (self.elements[e].support(n), -self.elements[e].support(&-n));
+                low - plane.offset >= target || plane.offset - high >= target
+            }
+            Content::Children(pair) => {
+                pair.iter().all(|child| self.node_is_clear_of(*child, (n, n_abs), plane, target))
+            }
+        }
+    }
+
     /// The largest value of a convex, never negative function that changes by no more than `slope` a metre, or more. Only what may
     /// hold it is looked at.
     pub fn greatest(&self, slope: f64, function: impl Fn(&Point) -> f64) -> f64 {
         let mut greatest = 0.0;
         let most = |node: &Node| function(&node.centre) + slope * node.radius;
-        let mut open = vec![(0, f64::INFINITY)];
+        let mut open = if self.nodes.is_empty() { vec![] } else { vec![(0, f64::INFINITY)] };
         while let Some((index, most_here)) = open.pop() {
             if most_here <= greatest {
                 continue;

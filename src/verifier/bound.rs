@@ -40,6 +40,9 @@ impl Twist {
 
     /// The largest speed of a body that rides on it; `exact` looks at the body, otherwise at its box.
     fn most(&self, body: &Body, placed: &Placed, exact: bool) -> f64 {
+        if !body.planes().is_empty() {
+            return f64::INFINITY;
+        }
         if !exact {
             return placed.corners.iter().map(|p| self.speed(p)).fold(0.0, f64::max);
         }
@@ -107,6 +110,11 @@ impl Approach<'_> {
     /// The most that the distance loses (m) within `half_width` of the middle; `exact` looks at the bodies, otherwise at their boxes.
     pub fn bound(&self, lines: &[Line], rates: &[Rate], half_width: f64, exact: bool) -> f64 {
         if !self.sides.iter().all(|side| side.is_sound(lines, rates)) {
+            return f64::INFINITY;
+        }
+        // what has no end moves without end when it turns
+        let stays = |i: usize| self.bodies[i].planes().is_empty() || self.sides[i].path.is_empty();
+        if !(stays(0) && stays(1)) {
             return f64::INFINITY;
         }
         let [a, b] = self.sides.map(|side| side.shift(lines, rates));

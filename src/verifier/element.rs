@@ -6,11 +6,12 @@ use std::f64::consts::PI;
 use crate::geometry::{Primitive, Triangle};
 use crate::math::{MatrixPose, Point, Pose, Vector};
 
-/// A triangle of a mesh, or a primitive, in the frame of its body.
+/// A triangle of a mesh, or a convex solid, in the frame of its body.
 #[derive(Clone, Debug)]
 pub(super) enum Element {
     Triangle(Triangle),
     Solid(Box<Solid>),
+    Cone(Box<Cone>),
 }
 
 /// A primitive as a sum: a centre, up to three segments through it, a disc, and a ball. What it has not is zero.
@@ -26,6 +27,17 @@ pub(super) struct Solid {
     corners: Vec<Point>,
 }
 
+/// The hull of a disc and an apex.
+#[derive(Clone, Debug)]
+pub(super) struct Cone {
+    apex: Point,
+    centre: Point,
+    /// Two radii of the disc, square to each other.
+    disc: [Vector; 2],
+    /// Their hull holds all of it.
+    corners: Vec<Point>,
+}
+
 /// Corners of the polygon around a disc; a multiple of four, so that the square around the disc holds it.
 const POLYGON: u32 = 16;
 
@@ -37,6 +49,7 @@ impl Element {
     pub fn primitive(primitive: &Primitive, pose: &Pose) -> Self {
         let along = |x: f64, y: f64, z: f64| pose.rotation * Vector::new(x, y, z);
         let zero = Vector::zeros();
+        let centre = Point::from(pose.translation.vector);
         let (halves, disc, ball) = match *primitive {
             Primitive::Box { half_extents: [x, y, z] } => {
                 ([along(x, 0.0, 0.0), along(0.0, y, 0.0), along(0.0, 0.0, z)], [zero; 2], 0.0)
@@ -45,13 +58,19 @@ impl Element {
             Primitive::Capsule { radius, half_length } => {
                 ([along(0.0, 0.0, half_length), zero, zero], [zero; 2], radius)
             }
-            Primitive::Cone { .. } => todo!("cones"),
+            Primitive::Cone { radius, half_length } => {
+                let up = along(0.0, 0.0, half_length);
+                let disc = [along(radius, 0.0, 0.0), along(0.0, radius, 0.0)];
+                let (apex, centre) = (centre + up, centre - up);
+                let mut corners = corners(&centre, &[zero; 3], &disc);
+                corners.push(apex);
+                return Self::Cone(Box::new(Cone { apex, centre, disc, corners }));
+            }
             Primitive::Cylinder { radius, half_length } => {
                 let disc = [along(radius, 0.0, 0.0), along(0.0, radius, 0.0)];
                 ([along(0.0, 0.0, half_length), zero, zero], disc, 0.0)
             }
         };
-        let centre = Point::from(pose.translation.vector);
         let corners = corners(&centre, &halves, &disc);
         Self::Solid(Box::new(Solid { centre, halves, disc, ball, corners }))
     }
@@ -66,6 +85,10 @@ impl Element {
                 let segments: f64 = solid.halves.iter().map(|half| n.dot(half).abs()).sum();
                 let disc = n.dot(&solid.disc[0]).hypot(n.dot(&solid.disc[1]));
                 n.dot(&solid.centre.coords) + segments + disc + solid.ball * n.norm()
+            }
+            Self::Cone(cone) => {
+                let disc = n.dot(&cone.disc[0]).hypot(n.dot(&cone.disc[1]));
+                n.dot(&cone.apex.coords).max(n.dot(&cone.centre.coords) + disc)
             }
         }
     }
@@ -84,10 +107,11 @@ impl Element {
                 for half in &solid.halves {
                     point += if n.dot(half) < 0.0 { -half } else { *half };
                 }
-                let [u, v] = &solid.disc;
-                let (x, y) = (n.dot(u), n.dot(v));
-                let length = x.hypot(y);
-                if length > 0.0 { point + u * (x / length) + v * (y / length) } else { point }
+                point + rim(&solid.disc, n)
+            }
+            Self::Cone(cone) => {
+                let rim = cone.centre + rim(&cone.disc, n);
+                if n.dot(&(cone.apex - rim)) > 0.0 { cone.apex } else { rim }
             }
         }
     }
@@ -102,6 +126,7 @@ impl Element {
         match self {
             Self::Triangle(Triangle { a, b, c }) => function(a).max(function(b)).max(function(c)),
             Self::Solid(solid) => solid.corners.iter().map(function).fold(0.0, f64::max) + slope * solid.ball,
+            Self::Cone(cone) => cone.corners.iter().map(function).fold(0.0, f64::max),
         }
     }
 
@@ -109,7 +134,7 @@ impl Element {
     pub fn bounds(&self) -> [Point; 2] {
         match self {
             Self::Triangle(Triangle { a, b, c }) => [a.inf(b).inf(c), a.sup(b).sup(c)],
-            Self::Solid(_) => {
+            Self::Solid(_) | Self::Cone(_) => {
                 let axes = [Vector::x(), Vector::y(), Vector::z()];
                 let high = axes.map(|axis| self.support(&axis));
                 let low = axes.map(|axis| -self.support(&-axis));
@@ -117,6 +142,13 @@ impl Element {
             }
         }
     }
+}
+
+/// From the centre of a disc to where it is farthest along n.
+fn rim([u, v]: &[Vector; 2], n: &Vector) -> Vector {
+    let (x, y) = (n.dot(u), n.dot(v));
+    let length = x.hypot(y);
+    if length > 0.0 { u * (x / length) + v * (y / length) } else { Vector::zeros() }
 }
 
 fn corners(centre: &Point, halves: &[Vector; 3], disc: &[Vector; 2]) -> Vec<Point> {

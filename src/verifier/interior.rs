@@ -22,7 +22,12 @@ impl Interior {
         let mut interior = Self { closed: Vec::new(), parts: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
-                Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => todo!("planes, points, cubes"),
+                // no closed mesh holds a plane
+                Shape::Plane(_) => {}
+                Shape::Points(cloud) => interior.parts.extend(cloud.points().iter().map(|p| pose * at(p))),
+                Shape::Voxels(voxels) => {
+                    interior.parts.extend(voxels.cubes().iter().map(|cube| pose * at(&cube.centre)));
+                }
                 Shape::Primitive(_) => interior.parts.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
                     interior.parts.extend(parts(mesh).iter().map(|p| pose * p));
@@ -48,6 +53,10 @@ impl Interior {
             (0..3).all(|i| low[i] <= p[i] && p[i] <= high[i]) && turns(mesh, &p).abs() > 0.5
         })
     }
+}
+
+fn at(coordinates: &[f32; 3]) -> Point {
+    Point::from(coordinates.map(f64::from))
 }
 
 /// How often a mesh winds around a point.

@@ -11,6 +11,7 @@ mod hostile_requests;
 mod layers;
 mod motions;
 mod moving;
+mod other_shapes;
 mod random;
 mod reference;
 mod robots;

@@ -1,7 +1,7 @@
 //! Deterministic random shapes and poses.
 
-use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
-use clearance::math::{Point, Pose, Rotation, Vector};
+use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Triangle, TriangleMesh, Voxels};
+use clearance::math::{Point, Pose, Rotation, UnitVector, Vector};
 
 /// A small generator of reproducible numbers (SplitMix64, Steele, Lea & Flood 2014).
 pub struct Random(u64);
@@ -54,10 +54,11 @@ impl Random {
 
     pub fn primitive(&mut self) -> Primitive {
         let (x, y, z) = (self.within(0.05, 0.5), self.within(0.05, 0.5), self.within(0.05, 0.5));
-        match self.below(4) {
+        match self.below(5) {
             0 => Primitive::cuboid([x, y, z]),
             1 => Primitive::sphere(x),
             2 => Primitive::cylinder(x, y),
+            3 => Primitive::cone(x, y),
             _ => Primitive::capsule(x, y),
         }
         .unwrap()
@@ -97,6 +98,40 @@ impl Random {
         }
         let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
         TriangleMesh::new(vertices, triangles.collect()).unwrap()
+    }
+
+    /// A plane within so many metres of the origin.
+    pub fn plane(&mut self, offset: f64) -> Shape {
+        let normal = UnitVector::new_normalize(self.vector(1.0) + Vector::repeat(1e-9));
+        Shape::Plane(Plane { normal, offset: self.within(-offset, offset) })
+    }
+
+    /// Up to so many points.
+    pub fn points(&mut self, most: u32, size: f64, radius: f64) -> Shape {
+        let centres = (0..=self.below(most)).map(|_| self.single_point(size)).collect();
+        Shape::Points(PointCloud::new(centres, radius).unwrap().into())
+    }
+
+    #[allow(clippy::cast_possible_truncation)]
+    fn cube(&mut self, size: f64, half_edge: f64, on_grid: bool) -> Cube {
+        let half_edge = half_edge as f32 / f32::from(1_u8 << self.below(3));
+        let centre = self.single_point(size);
+        let snapped = |c: f32| ((c / (2.0 * half_edge)).floor() + 0.5) * (2.0 * half_edge);
+        Cube { centre: if on_grid { centre.map(snapped) } else { centre }, half_edge }
+    }
+
+    /// Up to so many cubes of three sizes, on a grid or not.
+    pub fn voxels(&mut self, most: u32, size: f64, half_edge: f64) -> Shape {
+        let on_grid = self.below(2) == 0;
+        let count = 1 + self.below(most);
+        Shape::Voxels(
+            Voxels::new((0..count).map(|_| self.cube(size, half_edge, on_grid)).collect()).unwrap().into(),
+        )
+    }
+
+    #[allow(clippy::cast_possible_truncation)]
+    fn single_point(&mut self, size: f64) -> [f32; 3] {
+        <[f64; 3]>::from(self.vector(size)).map(|c| c as f32)
     }
 
     pub fn shape(&mut self) -> Shape {

@@ -8,6 +8,7 @@ use clearance::query::Work;
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::world::{PlanningScene, World};
 
+use crate::other_shapes;
 use crate::random::Random;
 use crate::tally::{json, shared_folder};
 
@@ -20,7 +21,7 @@ const QUESTIONS: [Question; 6] = [
     Question::Survey { influence_distance: 0.05, limit: 1.0 },
 ];
 
-/// The demo arm in its world, with padding; and the dual arm.
+/// The demo arm in its world, with padding; and the dual arm among planes, cones, points and voxels.
 pub fn checkers() -> [CollisionChecker; 2] {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let load = |name: &str| {
@@ -30,10 +31,11 @@ pub fn checkers() -> [CollisionChecker; 2] {
     let arm = load("demo_arm");
     let text = std::fs::read_to_string(root.join("config/demo_world.yaml")).unwrap();
     let scene = PlanningScene::from_yaml(&text, "demo_world", &arm, &MeshFiles::default()).unwrap();
+    let others = other_shapes::world(&mut Random::new(59), 1.2);
     let padded = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
     [
         CollisionChecker::new(arm, &scene.world, padded).unwrap(),
-        CollisionChecker::new(load("dual_arm"), &World::default(), Settings::default()).unwrap(),
+        CollisionChecker::new(load("dual_arm"), &others, Settings::default()).unwrap(),
     ]
 }
 

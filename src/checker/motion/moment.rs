@@ -107,13 +107,21 @@ impl CollisionChecker {
             self.placed_pair(index, segment, middle, frames, positions, scratch);
         let around = Around { segment, middle, half_width };
         let between = self.between(index);
+        let mover = self.mover(segment, index);
+        let stands = [between.side(0).is_empty(), between.side(1).is_empty() && mover.is_none()];
+        let lower = if reaches.iter().all(|reach| reach.radius.is_finite()) {
+            capsule_bound(&reaches)
+        } else {
+            pair.bodies.0.sphere_bound(pair.bodies.1, &pair.pose_ab)
+        };
+        let reaches = moving_reaches(reaches, stands);
         let side = |i: usize| self.chain.side_motion(between.side(i), &reaches[i], frames, &around);
-        let second = match self.mover(segment, index) {
+        let second = match mover {
             Some(mover) => of_obstacle(mover, &reaches[1], &around),
             None => side(1),
         };
         let approach = Approach::new(&[side(0), second], &reaches, half_width, segment.size());
-        Moment { pair, approach, lower: capsule_bound(&reaches) }
+        Moment { pair, approach, lower }
     }
 
     /// How the obstacle of a pair moves, if it does.
@@ -132,6 +140,16 @@ impl CollisionChecker {
         let mut places: Vec<_> = ids.map(|id| id.0 as usize).collect();
         places.sort_unstable();
         places
+    }
+}
+
+/// What comes nearer when bodies of these reaches move: where one that has no end stands still, all that matters is what the
+/// other's points do.
+fn moving_reaches([a, b]: [Reach; 2], stands: [bool; 2]) -> [Reach; 2] {
+    match (a.radius.is_finite(), b.radius.is_finite()) {
+        (true, false) if stands[1] => [a, a],
+        (false, true) if stands[0] => [b, b],
+        _ => [a, b],
     }
 }
 

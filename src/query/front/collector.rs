@@ -191,7 +191,7 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
     fn leaves<S: Simd>(&mut self, simd: S, a: &TriangleLeaf, b: &TriangleLeaf) {
         let slack = triangle_slack(self.relative);
         let margin = self.near.beyond + 4.0 * slack;
-        let (moved, mut lanes) = MovedTriangles::new(simd, a, self.relative, b, margin);
+        let (moved, mut lanes) = MovedTriangles::new(simd, a, self.relative, (&b.low, &b.high), margin);
         if lanes == 0 {
             return;
         }

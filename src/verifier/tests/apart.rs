@@ -1,6 +1,6 @@
 //! Bodies are proven apart up to their distance, and not beyond.
 
-use super::scenes::{mesh, point_of, primitive};
+use super::scenes::{grains, mesh, plane, point_of, primitive};
 use crate::checker::{CollisionChecker, Question, Settings};
 use crate::geometry::Shape;
 use crate::math::{MatrixPose, Point, Pose, Vector};
@@ -19,7 +19,11 @@ fn proven(a: &Body, b: &Body, pose_ab: &Pose, target: f64) -> bool {
 fn shapes(random: &mut Random, extent: f64) -> Vec<(Pose, Shape)> {
     (0..=random.below(3))
         .map(|_| {
-            let shape = if random.below(2) == 0 { mesh(random, extent) } else { primitive(random, extent) };
+            let shape = match random.below(3) {
+                0 => mesh(random, extent),
+                1 => primitive(random, extent),
+                _ => grains(random, extent),
+            };
             (random.pose(extent), shape)
         })
         .collect()
@@ -62,7 +66,12 @@ fn proven_up_to_the_distance_that_the_engine_finds() {
     let ball = (Pose::identity(), robot.links()[0].collisions[0].shape.clone());
     let mut random = Random::new(73);
     for _ in 0..1000 {
-        let shapes = shapes(&mut random, 0.2);
+        let mut shapes = shapes(&mut random, 0.2);
+        match random.below(4) {
+            0 => shapes.push((random.pose(0.3), plane(&mut random, 0.3))),
+            1 => shapes = vec![(random.pose(0.3), plane(&mut random, 0.5))],
+            _ => {}
+        }
         let pose = Pose::from_parts((random.direction().into_inner() * 0.5).into(), random.rotation());
         let mut world = World::default();
         let placed = shapes.iter().map(|(p, shape)| ObstacleShape { pose_os: *p, shape: shape.clone() });

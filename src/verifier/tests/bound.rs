@@ -1,7 +1,8 @@
 //! No sampled point of any robot comes nearer to another than the bound says.
 
-use super::scenes::{ALL_KINDS, motion, point_of, robot, world};
+use super::scenes::{ALL_KINDS, motion, plane, point_of, robot, world};
 use crate::checker::Settings;
+use crate::geometry::Shape;
 use crate::math::{Point, Pose};
 use crate::motion::MotionSegment;
 use crate::robot::{LinkPoses, RobotModel};
@@ -9,7 +10,7 @@ use crate::testing::Random;
 use crate::verifier::Verifier;
 use crate::verifier::course::Course;
 use crate::verifier::verifier::{Interval, Pass};
-use crate::world::{ObstacleId, World};
+use crate::world::{Obstacle, ObstacleId, World};
 
 /// Where a body is at t, the robot anywhere in its tube.
 struct Scene<'s> {
@@ -106,4 +107,47 @@ fn no_point_comes_nearer_than_bound() {
         // the samples come near enough to it to find one that is too small
         assert!(worst > 0.5, "{worst}");
     }
+}
+
+/// The same of a plane, which has no points to sample: the robot's come nearer to it by no more than the bound. Of a plane that
+/// turns, or is part of a link, nothing is claimed.
+#[test]
+fn no_point_comes_nearer_to_a_plane() {
+    let mut random = Random::new(76);
+    let mut worst: f64 = 0.0;
+    for _ in 0..600 {
+        let robot = robot(&mut random, &ALL_KINDS);
+        let Shape::Plane(wall) = plane(&mut random, 1.0) else { unreachable!() };
+        let mut world = World::default();
+        world.add(Obstacle::of_shape("wall", Pose::identity(), Shape::Plane(wall))).unwrap();
+        let motion = motion(&mut random, &robot, 0.5).nominal();
+        let motion = motion.with_movers(vec![]).unwrap();
+        let settings = Settings { check_self: false, ..Settings::default() };
+        let verifier = Verifier::new(&robot, &world, &settings, None).unwrap();
+        let course = Course::new(&robot, &world, 0, motion.clone()).unwrap();
+        let mut pass = Pass::new(&verifier, 0, &course);
+        let interval = Interval::new(0.2, 0.2 + 0.8 * random.within(1.0).abs());
+        pass.go_to(interval);
+        let mut scene =
+            Scene { robot: &robot, world: &world, motion: &motion, poses: LinkPoses::new(&robot), t: 0.0 };
+        for pair in 0..verifier.subject.pairs.len() {
+            pass.place(pair);
+            let bound = pass.bound(pair, interval, true).min(pass.bound(pair, interval, false));
+            let [(link, body, _), _] = pass.bodies(pair);
+            let points: Vec<Point> = (0..4).map(|_| point_of(&mut random, &body.elements()[0])).collect();
+            let heights = |scene: &Scene| -> Vec<f64> {
+                points.iter().map(|p| wall.height(&(scene.pose(link) * p)).abs()).collect()
+            };
+            scene.go_to(interval.middle, |_| 0.0);
+            let before = heights(&scene);
+            for end in [-1.0, 1.0, random.within(1.0)] {
+                scene.go_to(interval.middle + end * interval.half_width, |_| 0.0);
+                for (before, now) in before.iter().zip(heights(&scene)) {
+                    assert!(before - now <= bound + 1e-9, "{before} to {now}, but at most {bound}");
+                    worst = worst.max((before - now) / bound.max(1e-6));
+                }
+            }
+        }
+    }
+    assert!(worst > 0.5, "{worst}");
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use crate::geometry::{Primitive, Shape, TriangleMesh};
+use crate::geometry::{Cube, Plane, PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use crate::math::{Point, Pose, Vector};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::robot::{JointKind, MeshFiles, RobotModel};
@@ -83,19 +83,39 @@ pub fn eight_faces(corners: [Point; 6]) -> Shape {
 /// A primitive of any kind.
 pub fn primitive(random: &mut Random, extent: f64) -> Shape {
     let [x, y, z] = [0, 1, 2].map(|_| extent * (0.05 + random.within(1.0).abs()));
-    Shape::Primitive(match random.below(4) {
+    Shape::Primitive(match random.below(5) {
         0 => Primitive::Box { half_extents: [x, y, z] },
         1 => Primitive::Sphere { radius: x },
         2 => Primitive::Capsule { radius: x, half_length: y },
+        3 => Primitive::Cone { radius: x, half_length: y },
         _ => Primitive::Cylinder { radius: x, half_length: y },
     })
 }
 
-/// A primitive and a mesh, somewhere around the robot.
+/// A few points or cubes.
+#[allow(clippy::cast_possible_truncation)]
+pub fn grains(random: &mut Random, extent: f64) -> Shape {
+    let centres: Vec<[f32; 3]> =
+        (0..=random.below(20)).map(|_| <[f64; 3]>::from(random.vector(extent)).map(|c| c as f32)).collect();
+    if random.below(2) == 0 {
+        let cloud = PointCloud::new(centres, 0.3 * random.within(extent).abs());
+        return Shape::Points(Arc::new(cloud.unwrap()));
+    }
+    let half_edge = |random: &mut Random| 0.3 * random.within(extent).abs() as f32;
+    let cubes = centres.into_iter().map(|centre| Cube { centre, half_edge: half_edge(random) });
+    Shape::Voxels(Arc::new(Voxels::new(cubes.collect()).unwrap()))
+}
+
+/// A plane somewhere near the origin.
+pub fn plane(random: &mut Random, extent: f64) -> Shape {
+    Shape::Plane(Plane { normal: random.direction(), offset: random.within(extent) })
+}
+
+/// A primitive, a mesh and some grains, somewhere around the robot.
 pub fn world(random: &mut Random, distance: f64) -> World {
     let mut world = World::default();
-    let shapes = [primitive(random, 0.1), mesh(random, 0.1)];
-    for (shape, name) in shapes.into_iter().zip(["solid", "mesh"]) {
+    let shapes = [primitive(random, 0.1), mesh(random, 0.1), grains(random, 0.1)];
+    for (shape, name) in shapes.into_iter().zip(["solid", "mesh", "grains"]) {
         let away = random.direction().into_inner() * distance;
         let pose_rs = Pose::from_parts((away + random.vector(0.2)).into(), random.rotation());
         world.add(Obstacle::of_shape(name, pose_rs, shape)).unwrap();
@@ -180,6 +200,6 @@ pub fn point_of(random: &mut Random, element: &Element) -> Point {
                 Point::from((t.a.coords * u + t.b.coords * v + t.c.coords * w) / sum)
             }
         }
-        Element::Solid(_) => element.extreme(&n) + n.into_inner() * element.ball(),
+        Element::Solid(_) | Element::Cone(_) => element.extreme(&n) + n.into_inner() * element.ball(),
     }
 }

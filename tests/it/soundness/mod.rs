@@ -13,8 +13,8 @@
 //! it in `soundness.md` of cargo's temporary folder; a missed collision, a broken law or an error beyond the stated
 //! accuracy fails. A disagreement names its case: `CLEARANCE_SOUNDNESS_CASE=17` asks about number 17 only.
 
-mod cylinder_oracle;
 mod double_double;
+mod grains;
 mod grid;
 mod grid_oracle;
 mod laws;
@@ -31,6 +31,7 @@ mod solid_oracle;
 mod subject;
 mod triangle_oracle;
 mod triangles;
+mod turned_oracle;
 
 /// How many cases to try: few in the normal tests, many in the long mode, or any share of those.
 pub fn share(fast: usize, long: usize) -> usize {

@@ -18,6 +18,7 @@ use clearance::world::{Obstacle, World};
 use rayon::prelude::*;
 
 use super::share;
+use crate::other_shapes;
 use crate::random::Random;
 use crate::tally::{Tally, json, shared_folder};
 use crate::truth::env_world;
@@ -183,7 +184,11 @@ fn subjects() -> Vec<(String, Subject)> {
     add(
         "demo_arm",
         &Arc::new(demo.unwrap()),
-        vec![("alone", World::default()), ("walls", walls(&mut random))],
+        vec![
+            ("alone", World::default()),
+            ("walls", walls(&mut random)),
+            ("other shapes", other_shapes::world(&mut random, 0.6)),
+        ],
     );
     if let Some(truth) = shared_folder("truth") {
         for name in ["ur5", "panda"] {
@@ -198,6 +203,7 @@ fn subjects() -> Vec<(String, Subject)> {
                 ("primitives", env("env_prim_10.json")),
                 ("mesh", env("env_mesh.json")),
                 ("walls", walls(&mut random)),
+                ("other shapes", other_shapes::world(&mut random, 0.8)),
             ];
             add(name, &Arc::new(robot.unwrap()), worlds);
         }

@@ -3,10 +3,10 @@
 use clearance::geometry::Primitive;
 use clearance::math::{Point, Vector};
 
-use super::cylinder_oracle::Cylinder;
 use super::double_double::{ExactPose, Vec3};
 use super::outline::Outline;
 use super::triangle_oracle::{Nearest, triangle_distance};
+use super::turned_oracle::Turned;
 
 type Corners = [Vec3; 3];
 
@@ -23,7 +23,7 @@ pub enum Core {
     /// Also a point or a segment: corners may be equal.
     Triangle(Corners),
     Cuboid(Box<Cuboid>),
-    Cylinder(Cylinder, ExactPose),
+    Turned(Turned, ExactPose),
 }
 
 /// A solid box: its half extents, where it is, and two triangles for each of its faces.
@@ -51,13 +51,38 @@ impl Part {
                 radius: 0.0,
                 outline: Outline::cuboid(half_extents, pose),
             },
-            Primitive::Cone { .. } => todo!(),
-            Primitive::Cylinder { radius, half_length } => Self {
-                core: Core::Cylinder(Cylinder { radius, half_length }, *pose),
-                radius: 0.0,
-                outline: Outline::cylinder(radius, half_length, pose),
-            },
+            Primitive::Cylinder { radius, half_length } => {
+                Self::turned(Turned { foot: radius, top: radius, half_length }, pose)
+            }
+            Primitive::Cone { radius, half_length } => {
+                Self::turned(Turned { foot: radius, top: 0.0, half_length }, pose)
+            }
         }
+    }
+
+    fn turned(turned: Turned, pose: &ExactPose) -> Self {
+        let outline = Outline::cylinder(turned.foot.max(turned.top), turned.half_length, pose);
+        Self { core: Core::Turned(turned, *pose), radius: 0.0, outline }
+    }
+
+    /// Least and largest number along a unit vector.
+    pub fn extent(&self, n: &Vector) -> (f64, f64) {
+        let along = |p: &Vec3| p.rounded().dot(n);
+        let corners: Vec<f64> = match &self.core {
+            Core::Turned(Turned { foot, top, half_length }, pose) => {
+                let axis = pose.turned(&Vec3::from(&Point::new(0.0, 0.0, 1.0))).rounded();
+                let across = axis.cross(n).norm();
+                let disc = |z: f64, r: f64| {
+                    let centre = along(&pose.point(&Vec3::from(&Point::new(0.0, 0.0, z))));
+                    [centre - r * across, centre + r * across]
+                };
+                [disc(-half_length, *foot), disc(*half_length, *top)].concat()
+            }
+            core => core.faces().iter().flatten().map(along).collect(),
+        };
+        let low = corners.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (low - self.radius, high + self.radius)
     }
 }
 
@@ -87,7 +112,7 @@ impl Core {
         match self {
             Self::Triangle(t) => Self::Triangle(t.map(|c| pose.point(&c))),
             Self::Cuboid(cuboid) => Self::Cuboid(Cuboid::new(cuboid.half, pose.then(&cuboid.pose)).into()),
-            Self::Cylinder(cylinder, own) => Self::Cylinder(*cylinder, pose.then(own)),
+            Self::Turned(turned, own) => Self::Turned(*turned, pose.then(own)),
         }
     }
 
@@ -95,7 +120,7 @@ impl Core {
         match self {
             Self::Triangle(t) => std::slice::from_ref(t),
             Self::Cuboid(cuboid) => &cuboid.faces,
-            Self::Cylinder(..) => &[],
+            Self::Turned(..) => &[],
         }
     }
 
@@ -106,7 +131,7 @@ impl Core {
 
     fn some_point(&self) -> Vec3 {
         match self {
-            Self::Cylinder(_, pose) => pose.point(&Vec3::ZERO),
+            Self::Turned(_, pose) => pose.point(&Vec3::ZERO),
             _ => self.faces()[0][0],
         }
     }
@@ -117,17 +142,17 @@ impl Core {
             return Nearest { squared: 0.0, direction: Vector::zeros() };
         }
         match (self, other) {
-            (Self::Cylinder(x, pose_x), Self::Cylinder(y, pose_y)) => {
+            (Self::Turned(x, pose_x), Self::Turned(y, pose_y)) => {
                 let into = |p: &Point| in_frame(pose_x, &pose_y.point(&Vec3::from(p)));
                 // the composed motion is rounded once, not at each of the search's points
                 let origin = into(&Point::origin());
                 let axes = [Vector::x(), Vector::y(), Vector::z()].map(|a| into(&Point::from(a)) - origin);
                 let into = |p: &Point| origin + axes[0] * p.x + axes[1] * p.y + axes[2] * p.z;
-                seen_from(x.nearest_of_cylinder(y, into), pose_x)
+                seen_from(x.nearest_of_turned(y, into), pose_x)
             }
-            (Self::Cylinder(cylinder, pose), hull) | (hull, Self::Cylinder(cylinder, pose)) => {
+            (Self::Turned(turned, pose), hull) | (hull, Self::Turned(turned, pose)) => {
                 let local = |t: &Corners| t.map(|c| in_frame(pose, &c));
-                let found = hull.faces().iter().map(|t| cylinder.nearest_of_triangle(&local(t)));
+                let found = hull.faces().iter().map(|t| turned.nearest_of_triangle(&local(t)));
                 seen_from(found.reduce(nearer).expect("a hull has faces"), pose)
             }
             _ => nearest_faces(self.faces(), other.faces()),
@@ -148,7 +173,7 @@ fn in_frame(pose: &ExactPose, p: &Vec3) -> Point {
     Point::from(pose.inverse_point(p).rounded())
 }
 
-/// The same, its direction turned out of a cylinder's frame.
+/// The same, its direction turned out of a frame.
 fn seen_from(found: Nearest, pose: &ExactPose) -> Nearest {
     let direction = pose.turned(&Vec3::from(&Point::from(found.direction))).rounded();
     Nearest { direction, ..found }

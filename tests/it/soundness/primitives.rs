@@ -13,7 +13,7 @@ use super::{is_long, share};
 use crate::random::Random;
 
 /// Where both solids have a closed form; a sphere's and a capsule's radius are taken off a distance of cores.
-const OF_CLOSED_FORMS: Accuracy = Accuracy { absolute: 0.0, of_reach: 1e-14, shortfall: 0.0 };
+pub const OF_CLOSED_FORMS: Accuracy = Accuracy { absolute: 0.0, of_reach: 1e-14, shortfall: 0.0 };
 
 /// Where one iterates: never told farther than by what keeps overlap and contact apart, but nearer by as much (m) as the
 /// proof in which GJK's answer ends may fall short of the distance. An engine whose iteration always ends needs no
@@ -22,17 +22,21 @@ const fn of_iterations(shortfall: f64) -> Accuracy {
     Accuracy { absolute: 9e-10, of_reach: 1e-12, shortfall }
 }
 
-const OF_BOXES: Accuracy = of_iterations(0.0);
+pub const OF_BOXES: Accuracy = of_iterations(0.0);
 pub const OF_CYLINDERS: Accuracy = of_iterations(0.0);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
     Box,
     Sphere,
     Cylinder,
+    Cone,
     Capsule,
     Triangle,
     Soup,
+    Plane,
+    Points,
+    Voxels,
 }
 
 impl Kind {
@@ -44,16 +48,20 @@ impl Kind {
             Self::Box => Primitive::cuboid([x, y, z]),
             Self::Sphere => Primitive::sphere(x),
             Self::Cylinder => Primitive::cylinder(x, y),
+            Self::Cone => Primitive::cone(x, y),
             Self::Capsule => Primitive::capsule(x, y),
             Self::Triangle => return Shape::Mesh(random.soup(1, 0.2 * size, size).into()),
             Self::Soup => return Shape::Mesh(random.soup(30, size, 0.3 * size).into()),
+            Self::Plane => return random.plane(0.5 * size),
+            Self::Points => return random.points(60, size, 0.1 * x),
+            Self::Voxels => return random.voxels(40, size, 0.3 * x),
         };
         Shape::Primitive(primitive.expect("lengths are positive"))
     }
 }
 
 /// Judges pairs of kinds: at random poses, and pushed together until they nearly touch.
-fn ask(name: &'static str, accuracy: Accuracy, kinds: [&[Kind]; 2], counts: (usize, usize), seed: u64) {
+pub fn ask(name: &'static str, accuracy: Accuracy, kinds: [&[Kind]; 2], counts: (usize, usize), seed: u64) {
     let family = Family { name, accuracy };
     let count = share(counts.0, counts.1);
     let ledger = survey(count, seed, |random, ledger| {
@@ -91,7 +99,7 @@ fn nearly_touching<'c>(case: &Case<'c>, random: &mut Random) -> Case<'c> {
     Case { pose_ab, ..*case }
 }
 
-const CLOSED: [Kind; 3] = [Kind::Box, Kind::Sphere, Kind::Capsule];
+pub const CLOSED: [Kind; 3] = [Kind::Box, Kind::Sphere, Kind::Capsule];
 
 #[test]
 fn round_solids() {
@@ -136,6 +144,28 @@ fn boxes_and_meshes() {
 fn cylinders_and_meshes() {
     let meshes = [Kind::Triangle, Kind::Soup];
     ask("cylinders against meshes", OF_CYLINDERS, [&meshes, &[Kind::Cylinder]], (60, 20_000), 407);
+}
+
+#[test]
+fn cones_and_spheres() {
+    ask("cones and spheres", OF_CLOSED_FORMS, [&[Kind::Cone], &[Kind::Sphere]], (600, 100_000), 409);
+}
+
+#[test]
+fn cones_and_others() {
+    ask("cones, boxes, capsules", OF_CYLINDERS, [&CLOSED, &[Kind::Cone]], (60, 20_000), 410);
+}
+
+#[test]
+fn cones_and_round_solids() {
+    let turned = [Kind::Cone, Kind::Cylinder];
+    ask("cones and cylinders", OF_CYLINDERS, [&[Kind::Cone], &turned], (30, 6_000), 411);
+}
+
+#[test]
+fn cones_and_meshes() {
+    let meshes = [Kind::Triangle, Kind::Soup];
+    ask("cones against meshes", OF_CYLINDERS, [&meshes, &[Kind::Cone]], (60, 20_000), 412);
 }
 
 /// How far a primitive reaches from its origin along a unit vector.

@@ -1,6 +1,6 @@
 //! How far two bodies are apart: every part against every part, less what a tree of boxes proves too far.
 
-use clearance::geometry::Shape;
+use clearance::geometry::{Plane, Primitive, Shape};
 use clearance::math::{Point, Pose, Vector};
 
 use super::double_double::{ExactPose, Vec3};
@@ -26,15 +26,19 @@ enum Content {
 #[derive(Clone, Debug)]
 pub struct Solid {
     parts: Vec<Part>,
+    /// None without parts.
     nodes: Vec<Node>,
-    root: usize,
+    planes: Vec<Plane>,
     /// Largest coordinate (m).
     pub reach: f64,
 }
 
 impl Solid {
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Self {
-        let mut parts = vec![];
+        let (mut parts, mut planes) = (vec![], vec![]);
+        let at = |pose: &ExactPose, centre: &[f32; 3]| {
+            pose.then(&ExactPose::from(&Pose::from_parts(centre.map(f64::from).into(), nalgebra::one())))
+        };
         for (pose, shape) in shapes {
             let exact = ExactPose::from(pose);
             match shape {
@@ -42,35 +46,49 @@ impl Solid {
                 Shape::Mesh(mesh) => parts.extend(mesh.triangles().iter().map(|t| {
                     Part::triangle(t.map(|v| exact.point(&Vec3::from(&mesh.vertices()[v as usize]))), 0.0)
                 })),
-                _ => todo!(),
+                Shape::Plane(plane) => planes.push(plane.transformed(pose)),
+                Shape::Points(cloud) => parts.extend(cloud.points().iter().map(|p| {
+                    let ball = Primitive::Sphere { radius: cloud.radius() };
+                    Part::primitive(&ball, &at(&exact, p))
+                })),
+                Shape::Voxels(voxels) => parts.extend(voxels.cubes().iter().map(|cube| {
+                    let solid = Primitive::Box { half_extents: [f64::from(cube.half_edge); 3] };
+                    Part::primitive(&solid, &at(&exact, &cube.centre))
+                })),
             }
         }
-        Self::of(parts)
+        Self::of(parts, planes)
     }
 
-    fn of(parts: Vec<Part>) -> Self {
+    fn of(parts: Vec<Part>, planes: Vec<Plane>) -> Self {
         let bounds: Vec<Bounds> = parts.iter().map(|p| p.outline.bounds(p.radius)).collect();
         let farthest = |b: &Bounds| (b.centre.coords.abs() + b.half).amax();
-        let reach = bounds.iter().map(farthest).fold(0.0, f64::max);
+        let of_planes = planes.iter().map(|plane| plane.offset.abs());
+        let reach = bounds.iter().map(farthest).chain(of_planes).fold(0.0, f64::max);
         let mut order: Vec<usize> = (0..parts.len()).collect();
         let mut nodes = Vec::with_capacity(2 * parts.len());
-        let root = build(&bounds, &mut order, &mut nodes);
-        Self { parts, nodes, root, reach }
+        if !parts.is_empty() {
+            build(&bounds, &mut order, &mut nodes);
+        }
+        Self { parts, nodes, planes, reach }
     }
 
-    /// A sphere around the body, in its frame.
+    /// A sphere around the parts of the body, in its frame; where there are only planes, some point of one.
     pub fn ball(&self) -> (Point, f64) {
-        let bounds = &self.nodes[self.root].bounds;
-        (bounds.centre, bounds.radius())
+        match (self.nodes.last(), self.planes.first()) {
+            (Some(Node { bounds, .. }), _) => (bounds.centre, bounds.radius()),
+            (None, Some(plane)) => (plane.foot(), 0.0),
+            (None, None) => unreachable!("a body is made of something"),
+        }
     }
 
     pub fn part_count(&self) -> usize {
-        self.parts.len()
+        self.parts.len() + self.planes.len()
     }
 
     /// The distance of a point (in the body's frame) from the body.
     pub fn distance_to(&self, point: &Point) -> f64 {
-        let probe = Self::of(vec![Part::triangle([Vec3::from(point); 3], 0.0)]);
+        let probe = Self::of(vec![Part::triangle([Vec3::from(point); 3], 0.0)], vec![]);
         solid_distance(self, &probe, &Pose::identity(), f64::INFINITY).unwrap_or(f64::INFINITY)
     }
 }
@@ -91,9 +109,10 @@ fn build(bounds: &[Bounds], order: &mut [usize], nodes: &mut Vec<Node>) -> usize
     nodes.len() - 1
 }
 
-/// The least distance (m) of two bodies if it is less than `below`; b is posed in the frame of a.
-pub fn solid_distance(a: &Solid, b: &Solid, pose_ab: &Pose, below: f64) -> Option<f64> {
+/// The least distance (m) of two bodies if it is less than `limit`; b is posed in the frame of a.
+pub fn solid_distance(a: &Solid, b: &Solid, pose_ab: &Pose, limit: f64) -> Option<f64> {
     let reach = a.reach + b.reach + pose_ab.translation.vector.amax();
+    let below = limit.min(plane_distance(a, b, pose_ab)).min(plane_distance(b, a, &pose_ab.inverse()));
     let mut search = Search {
         a,
         b,
@@ -104,9 +123,23 @@ pub fn solid_distance(a: &Solid, b: &Solid, pose_ab: &Pose, below: f64) -> Optio
         best: below,
         direction: Vector::zeros(),
     };
-    let lower = search.lower_bound((a.root, b.root));
-    search.nodes((a.root, b.root), lower);
-    (search.best < below).then_some(search.best)
+    if let (Some(i), Some(j)) = (a.nodes.len().checked_sub(1), b.nodes.len().checked_sub(1)) {
+        let lower = search.lower_bound((i, j));
+        search.nodes((i, j), lower);
+    }
+    (search.best < limit).then_some(search.best)
+}
+
+/// The least distance of a body's planes from parts of another; of planes only parallel ones are apart, and there are none here.
+fn plane_distance(a: &Solid, b: &Solid, pose_ab: &Pose) -> f64 {
+    let of_plane = |plane: &Plane| {
+        let seen = plane.transformed(&pose_ab.inverse());
+        let n = seen.normal.into_inner();
+        let extents = b.parts.iter().map(|part| part.extent(&n));
+        let gaps = extents.map(|(low, high)| (low - seen.offset).max(seen.offset - high).max(0.0));
+        gaps.fold(if b.planes.is_empty() { f64::INFINITY } else { 0.0 }, f64::min)
+    };
+    a.planes.iter().map(of_plane).fold(f64::INFINITY, f64::min)
 }
 
 struct Search<'s> {
