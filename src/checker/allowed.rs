@@ -1,6 +1,6 @@
 //! Pairs that may touch: what MoveIt calls the allowed collision matrix (ACM).
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::robot::RobotModel;
 use crate::world::MatrixEntries;
@@ -35,6 +35,21 @@ impl AllowedCollisionMatrix {
         let mut matrix = Self::default();
         for pair in robot.srdf().iter().flat_map(|s| &s.disabled_pairs) {
             matrix.set(&robot.link(pair.a).name, &robot.link(pair.b).name, true);
+        }
+        matrix
+    }
+
+    /// What is allowed without any scene's matrix: what the SRDF disables, or without one, adjacent rigid bodies.
+    #[must_use]
+    pub fn of_robot(robot: &RobotModel) -> Self {
+        if robot.srdf().is_some() {
+            return Self::from_srdf(robot);
+        }
+        let mut matrix = Self::default();
+        for a in robot.link_ids() {
+            for b in robot.link_ids().filter(|b| a < *b && robot.adjacent_rigid_bodies(a, *b)) {
+                matrix.set(&robot.link(a).name, &robot.link(b).name, true);
+            }
         }
         matrix
     }
@@ -75,6 +90,27 @@ impl AllowedCollisionMatrix {
             if !self.named.contains(name) {
                 self.named.insert(name.to_owned());
             }
+        }
+    }
+
+    /// Leaves out everything about a name.
+    pub fn forget(&mut self, name: &str) {
+        self.entries.retain(|(a, b), _| a != name && b != name);
+        self.named = self.entries.keys().flat_map(|(a, b)| [a, b]).cloned().collect();
+        self.defaults.remove(name);
+    }
+
+    /// The matrix of a planning scene that allows the same; names are sorted.
+    #[must_use]
+    pub fn to_entries(&self) -> MatrixEntries {
+        let names: BTreeSet<&String> = self.named.iter().collect();
+        let row = |a: &&String| names.iter().map(|b| self.allows(a, b)).collect();
+        let defaults: BTreeMap<_, _> = self.defaults.iter().collect();
+        MatrixEntries {
+            entry_values: names.iter().map(row).collect(),
+            entry_names: names.into_iter().cloned().collect(),
+            default_entry_names: defaults.keys().map(|name| (*name).clone()).collect(),
+            default_entry_values: defaults.values().map(|allowed| **allowed).collect(),
         }
     }
 

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::{
     self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory,
 };
@@ -76,7 +77,7 @@ fn surroundings() -> Surroundings {
         let file = "config/demo_world.yaml";
         let scene =
             PlanningScene::from_yaml(WORLD, file, robot, &MeshFiles::default()).map_err(|e| e.to_string())?;
-        Ok((scene.world, None))
+        Ok(PlanningSceneState { world: scene.world, ..PlanningSceneState::default() })
     })
 }
 
@@ -88,8 +89,7 @@ mod tests {
     fn what_the_program_carries_is_sound() {
         let robot = robot().unwrap();
         assert_eq!(robot.warnings(), []);
-        let (world, _) = surroundings()(&robot).unwrap();
-        assert!(!world.is_empty());
+        assert!(!surroundings()(&robot).unwrap().world.is_empty());
         Trajectory::from_yaml(MOTION).unwrap();
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::{
     self, Environment, Motion, NodeError, NodeOptions, ParameterSource, Parameters, RosArguments,
     Surroundings, Value,
@@ -82,12 +83,13 @@ impl NodeArgs {
         let (world, mesh_files) = (self.world.clone(), self.model.mesh_files());
         Box::new(move |robot| {
             let loaded = world.load(robot, &mesh_files).map_err(|failure| failure.to_string())?;
-            if let Some(link) = loaded.link_padding.keys().chain(loaded.link_scale.keys()).min() {
-                return Err(format!(
-                    "link_padding and link_scale of '{link}': the node takes none from files; set the parameter padding"
-                ));
-            }
-            Ok((loaded.world, loaded.allowed))
+            Ok(PlanningSceneState {
+                world: loaded.world,
+                matrix: loaded.allowed,
+                link_padding: loaded.link_padding,
+                link_scale: loaded.link_scale,
+                ..PlanningSceneState::default()
+            })
         })
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::{Status, Time};
+use super::{Now, Reason, Status, Time, WorldSource};
 use crate::checker::{CollisionChecker, CollisionReport, LookAhead};
 use crate::robot::{Configuration, LinkPoses};
 
@@ -15,9 +15,25 @@ pub struct Revision {
     pub model: u64,
     /// Counts the changes of the world since the start.
     pub world: u64,
+    /// Who has to see the world for it to count as known.
+    pub sources: Vec<WorldSource>,
+    /// What has to be known about the world beside that.
+    pub warnings: Vec<String>,
 }
 
 impl Revision {
+    /// Of a world that only messages and files change.
+    #[must_use]
+    pub fn new(checker: CollisionChecker, model: u64, world: u64) -> Self {
+        Self { checker, model, world, sources: Vec::new(), warnings: Vec::new() }
+    }
+
+    /// Why the world is not known now, if it is not.
+    #[must_use]
+    pub fn stale_world(&self, now: Now) -> Option<Reason> {
+        self.sources.iter().find_map(|source| source.freshness(now).err())
+    }
+
     /// The frame of all poses and points: the robot's root link.
     #[must_use]
     pub fn frame(&self) -> &str {
@@ -50,6 +66,10 @@ pub struct Judgement {
     pub age: Option<f64>,
     /// Present exactly when the status is FREE or COLLIDING.
     pub evidence: Option<Arc<Evidence>>,
+    /// The same, also when only the world around the robot has become stale: where the robot is, is still known.
+    pub placement: Option<Arc<Evidence>>,
+    /// Why the world is not known, if it is not, whatever else is the matter.
+    pub stale_world: Option<Reason>,
     /// The robot and world that were checked, or would be.
     pub revision: Option<Arc<Revision>>,
     /// What did not prevent the judgement and should be known.

@@ -13,6 +13,7 @@
 //! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
 //! | a joint is missing | UNKNOWN | `partial` |
+//! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | every pair was found apart | FREE | |
 //!
@@ -20,16 +21,19 @@
 //! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
 //! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
 
+pub mod cloud;
 mod input;
 mod judgement;
 mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
+pub mod scene;
 mod settings;
 mod stamp_order;
 mod status;
 mod time;
 mod tracker;
+mod world_source;
 
 #[cfg(test)]
 mod tests;
@@ -42,3 +46,4 @@ pub use settings::MonitorSettings;
 pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};
 pub use time::{Now, Time};
+pub use world_source::{Sight, WorldSource};

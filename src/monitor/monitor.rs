@@ -21,6 +21,8 @@ pub struct Monitor {
     subject: Option<Subject>,
     /// What was wrong with the last model offered, while there is none.
     model_fault: Option<String>,
+    /// What was refused of the last changes of the world.
+    world_faults: Vec<String>,
     order: StampOrder,
     heard: Option<Heard>,
     verdict: Verdict,
@@ -73,6 +75,7 @@ impl Monitor {
             stopwatch,
             subject: None,
             model_fault: None,
+            world_faults: Vec::new(),
             order: StampOrder::default(),
             heard: None,
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
@@ -98,6 +101,11 @@ impl Monitor {
     pub fn note_model_fault(&mut self, fault: String) {
         self.model_fault = Some(fault);
         self.outdated = true;
+    }
+
+    /// What was refused of the last changes of the world; the rest of the world stays in use.
+    pub fn note_world_faults(&mut self, faults: Vec<String>) {
+        self.world_faults = faults;
     }
 
     pub fn set_settings(&mut self, settings: MonitorSettings) {
@@ -137,9 +145,12 @@ impl Monitor {
         };
         let heartbeat = (said_at + self.settings.heartbeat_period()).saturating_sub(now.steady);
         // the moment at which a judgement becomes stale is news
-        let stale = (self.heard.as_ref())
-            .filter(|_| self.verdict.evidence.is_some())
-            .and_then(|heard| heard.time_to_stale(now, &self.settings));
+        let judged = self.heard.as_ref().filter(|_| self.verdict.evidence.is_some());
+        let stale = judged.and_then(|heard| {
+            let sources = self.subject.iter().flat_map(|subject| &subject.revision.sources);
+            let of_world = sources.filter_map(|source| source.time_to_stale(now));
+            heard.time_to_stale(now, &self.settings).into_iter().chain(of_world).min()
+        });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
 
@@ -203,17 +214,24 @@ impl Monitor {
         let subject = self.subject.as_ref();
         let stale = (self.heard.as_ref().filter(|_| subject.is_some()))
             .and_then(|heard| heard.freshness(now, &self.settings).err());
-        let (status, evidence) = match stale {
-            Some(reason) => (Status::Unknown(self.with_other_fault(reason)), None),
-            None => (self.verdict.status.clone(), self.verdict.evidence.clone()),
+        let stale_world = subject.and_then(|subject| subject.revision.stale_world(now));
+        let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
+        let status = match (stale, &stale_world) {
+            (Some(reason), _) => Status::Unknown(self.with_other_fault(reason)),
+            (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
+            (None, _) => self.verdict.status.clone(),
         };
+        let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
+        let warnings = self.verdict.warnings.iter().chain(of_revision).chain(&self.world_faults);
         Judgement {
+            evidence: placement.clone().filter(|_| status.reason().is_none()),
             status,
-            evidence,
+            placement,
+            stale_world,
             stamp: self.heard.as_ref().map(|heard| heard.stamp),
             age: self.heard.as_ref().map(|heard| heard.age(now)),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
-            warnings: self.verdict.warnings.as_slice().into(),
+            warnings: warnings.cloned().collect(),
         }
     }
 

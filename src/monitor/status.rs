@@ -69,6 +69,12 @@ pub enum Reason {
     Partial {
         missing: Vec<String>,
     },
+    /// What `source` saw is `age` seconds old, or it never saw anything.
+    StaleWorld {
+        source: String,
+        age: Option<f64>,
+        ttl: f64,
+    },
 }
 
 impl Reason {
@@ -85,6 +91,7 @@ impl Reason {
             Self::Malformed(_) => "malformed",
             Self::NonFinite { .. } => "non_finite",
             Self::Partial { .. } => "partial",
+            Self::StaleWorld { .. } => "stale_world",
         }
     }
 
@@ -134,6 +141,14 @@ impl fmt::Display for Reason {
             Self::Partial { missing } => {
                 write!(f, "the joint state has no position of {}", quoted_list(missing))
             }
+            Self::StaleWorld { source, age: None, .. } => {
+                write!(f, "nothing has come from {} yet that can be used: is the sensor running?", quoted(source))
+            }
+            Self::StaleWorld { source, age: Some(age), ttl } => write!(
+                f,
+                "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
+                quoted(source)
+            ),
         }
     }
 }

@@ -38,7 +38,7 @@ const COLLIDING: [f64; 2] = [0.0, std::f64::consts::PI];
 fn revision(model: u64) -> Arc<Revision> {
     let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
-    Arc::new(Revision { checker, model, world: 0 })
+    Arc::new(Revision::new(checker, model, 0))
 }
 
 fn stopwatch() -> Duration {
@@ -264,6 +264,55 @@ fn the_next_heartbeat_is_due_after_its_period_or_when_the_judgement_turns_stale(
     let due = monitor.time_to_heartbeat(at(0.45));
     assert!((0.05..0.06).contains(&due.as_secs_f64()), "{due:?}");
     assert_eq!(code(&monitor.on_heartbeat(at(0.45 + due.as_secs_f64()))), "stale");
+}
+
+#[test]
+fn a_world_that_nobody_has_seen_lately_is_unknown() {
+    let seen = |seconds| Some(Sight { stamp: time(START + seconds), at: Duration::from_secs_f64(seconds) });
+    let watched = |seen| {
+        let mut revision = Arc::into_inner(revision(2)).unwrap();
+        let source = |name: &str, seen| WorldSource { name: name.to_owned(), seen, ttl: 0.25 };
+        revision.sources = vec![
+            source("/camera", seen),
+            source("/other", Some(Sight { stamp: time(START + 9.0), at: Duration::from_secs(9) })),
+        ];
+        revision.warnings = vec!["a cloud was dropped".to_owned()];
+        Arc::new(revision)
+    };
+    let mut monitor = monitor();
+    monitor.set_checker(watched(None));
+    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(code(&judgement), "stale_world");
+    assert!(judgement.status.reason().unwrap().to_string().contains("'/camera'"));
+    assert!(judgement.evidence.is_none() && judgement.placement.is_some() && judgement.distance().is_nan());
+    assert_eq!(&*judgement.warnings, ["a cloud was dropped"]);
+
+    monitor.set_checker(watched(seen(0.0)));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.2))), "FREE");
+    let due = monitor.time_to_heartbeat(at(0.2));
+    assert!((0.05..0.06).contains(&due.as_secs_f64()), "{due:?}");
+    let judgement = monitor.on_heartbeat(at(0.2 + due.as_secs_f64()));
+    assert_eq!((code(&judgement), judgement.stale_world.is_some()), ("stale_world", true));
+    // a joint state does not make it known, nor does a collision that it would be
+    assert_eq!(code(&monitor.on_joint_state(state(0.3, COLLIDING), at(0.3))), "stale_world");
+    // what comes late has used up its time already
+    monitor.set_checker(watched(Some(Sight { stamp: time(START), at: Duration::from_secs_f64(0.3) })));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.3))), "stale_world");
+    monitor.set_checker(watched(seen(0.3)));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.31))), "COLLIDING");
+    // a stale joint state is told first
+    let judgement = monitor.on_heartbeat(at(1.0));
+    assert_eq!((code(&judgement), judgement.stale_world.is_some()), ("stale", true));
+    assert!(judgement.placement.is_none());
+}
+
+#[test]
+fn what_was_refused_of_the_world_is_told() {
+    let mut monitor = monitor();
+    monitor.note_world_faults(vec!["object 'a': no shapes".to_owned()]);
+    assert_eq!(&*monitor.on_joint_state(state(0.0, FREE), at(0.0)).warnings, ["object 'a': no shapes"]);
+    monitor.note_world_faults(Vec::new());
+    assert!(monitor.on_heartbeat(at(0.1)).warnings.is_empty());
 }
 
 #[test]

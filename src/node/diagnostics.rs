@@ -6,6 +6,7 @@ use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{DiagnosticArray, Diagnos
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use super::messages::stamp_message;
+use super::scene::CloudReport;
 use crate::monitor::{Judgement, Reason, Status, Time};
 
 /// What happened since the last report.
@@ -34,7 +35,8 @@ impl Activity {
     }
 }
 
-/// A report: what is known, what happened in the last `interval`, and what was wrong with the last model if it was refused.
+/// A report: what is known, what happened in the last `interval`, what was wrong with the last model if it was refused, and what
+/// became of the last cloud of each topic.
 #[must_use]
 pub fn diagnostics(
     node: &str,
@@ -43,14 +45,17 @@ pub fn diagnostics(
     activity: &Activity,
     interval: Duration,
     model_fault: Option<&str>,
+    clouds: &[(String, CloudReport)],
 ) -> DiagnosticArray {
+    let mut values = values(judgement, activity, interval, model_fault);
+    values.extend(clouds.iter().flat_map(|(topic, report)| cloud_values(topic, report)));
     let status = DiagnosticStatus {
         level: level(judgement, model_fault),
         name: format!("{}: collision monitor", node.trim_start_matches('/')),
         message: message(judgement, model_fault),
         hardware_id: (judgement.revision.as_ref())
             .map_or_else(String::new, |r| r.checker.robot().name().to_owned()),
-        values: values(judgement, activity, interval, model_fault),
+        values,
     };
     let header = Header { stamp: stamp_message(now), frame_id: String::new() };
     DiagnosticArray { header, status: vec![status] }
@@ -146,6 +151,22 @@ fn values(
         tell("model refused", fault.to_owned());
     }
     values
+}
+
+/// What became of the last cloud of a topic.
+fn cloud_values(topic: &str, report: &CloudReport) -> Vec<KeyValue> {
+    let mut values = vec![
+        ("points avoided", report.points.to_string()),
+        ("points that are no place", report.not_finite.to_string()),
+        ("points cropped", report.cropped.to_string()),
+        ("points of the robot itself", report.of_robot.to_string()),
+        ("latency (ms)", milliseconds(report.latency)),
+    ];
+    if let Some(fault) = &report.fault {
+        values.push(("last cloud not taken", fault.clone()));
+    }
+    let tell = |(key, value): (&str, String)| KeyValue { key: format!("{topic}: {key}"), value };
+    values.into_iter().map(tell).collect()
 }
 
 fn milliseconds(duration: Duration) -> String {

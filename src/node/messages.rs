@@ -175,6 +175,8 @@ mod tests {
             stamp: None,
             age: None,
             evidence: None,
+            placement: None,
+            stale_world: None,
             revision: None,
             warnings: [].into(),
         };

@@ -8,6 +8,8 @@
 //!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
 //! ```
 //!
+//! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
+//!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
 mod arguments;
@@ -34,6 +36,8 @@ mod parameter_value;
 mod parameters;
 mod publishers;
 mod run;
+mod scene;
+mod scene_keeper;
 mod simulation_clock;
 mod swept_volume_markers;
 mod threads;

@@ -14,12 +14,15 @@ use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::scene_keeper::CloudReports;
 use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
 pub enum Event {
     Checker(Arc<Revision>),
     ModelFault(String),
+    /// What sensors see, and what was refused of the last changes of the world.
+    World(CloudReports, Vec<String>),
     Parameters(Box<Parameters>),
     Stop,
 }
@@ -62,6 +65,7 @@ pub struct OwnMotion {
 pub struct Report {
     activity: Activity,
     model_fault: Option<String>,
+    clouds: CloudReports,
     /// Status and code of the reason that were logged last.
     logged: Option<(&'static str, Option<&'static str>)>,
     /// Status and steady time of the last diagnostics.
@@ -127,6 +131,10 @@ impl MonitorLoop {
                 self.report.last = None;
                 self.monitor.note_model_fault(fault);
             }
+            Event::World(clouds, faults) => {
+                self.report.clouds = clouds;
+                self.monitor.note_world_faults(faults);
+            }
             Event::Parameters(parameters) => {
                 self.monitor.set_settings(parameters.monitor_settings());
                 self.parameters = *parameters;
@@ -184,7 +192,7 @@ impl MonitorLoop {
         let now = self.clock.now().unwrap_or_default();
         let activity = std::mem::take(&mut report.activity);
         let fault = report.model_fault.as_deref();
-        let message = diagnostics(&self.node, now, judgement, &activity, interval, fault);
+        let message = diagnostics(&self.node, now, judgement, &activity, interval, fault, &report.clouds);
         self.publishers.say_diagnostics(message);
     }
 }

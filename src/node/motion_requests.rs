@@ -41,6 +41,9 @@ pub enum Refusal {
     NoModel(String),
     #[error("there is no joint state to start from: {0}")]
     NoJointState(String),
+    /// The world is not known any more.
+    #[error("{0}")]
+    StaleWorld(String),
     #[error("{0}")]
     BadRequest(String),
     #[error("{0} requests are waiting already: ask again later")]
@@ -56,6 +59,7 @@ impl Refusal {
         match self {
             Self::NoModel(_) => "no_model",
             Self::NoJointState(_) => "no_joint_state",
+            Self::StaleWorld(_) => "stale_world",
             Self::BadRequest(_) => "bad_request",
             Self::Busy(_) => "busy",
             Self::Internal => "internal",
@@ -183,6 +187,9 @@ impl<'a> Cell<'a> {
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
         let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
         let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
+        if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
+            return Err(Refusal::StaleWorld(stale.to_string()));
+        }
         let evidence = judgement.and_then(|judgement| judgement.evidence.as_ref());
         let now = evidence.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
         Ok(Self { checker: &revision.checker, now })

@@ -245,7 +245,7 @@ fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
-        Range::Bool => Vec::new(),
+        Range::Bool | Range::Word(_) | Range::Texts | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
@@ -258,6 +258,11 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         name: declaration.name.to_owned(),
         r#type: declaration.get(&Parameters::default()).to_message().ptype,
         description: format!("{}{unit}", declaration.description),
+        additional_constraints: match declaration.range {
+            Range::Word(words) => words.join(" or "),
+            Range::Point => "three numbers, or none".to_owned(),
+            Range::Bool | Range::Double { .. } | Range::Texts => String::new(),
+        },
         floating_point_range: ranges,
         ..blank_descriptor()
     }

@@ -10,7 +10,12 @@ pub enum Value {
     Integer(i64),
     Double(f64),
     Text(String),
-    /// Arrays, and nothing at all: no parameter here takes them; the text says what it was.
+    Texts(Vec<String>),
+    /// Of integers too.
+    Doubles(Vec<f64>),
+    /// In YAML: of nobody knows what.
+    EmptyList,
+    /// Other arrays, and nothing at all: no parameter here takes them; the text says what it was.
     Other(&'static str),
 }
 
@@ -23,6 +28,9 @@ impl Value {
             Self::Integer(_) => "an integer",
             Self::Double(_) => "a double",
             Self::Text(_) => "a string",
+            Self::Texts(_) => "a list of strings",
+            Self::Doubles(_) => "a list of numbers",
+            Self::EmptyList => "an empty list",
             Self::Other(kind) => kind,
         }
     }
@@ -48,7 +56,15 @@ impl Value {
                 message.ptype = ParameterType::STRING;
                 message.string_value.clone_from(value);
             }
-            Self::Other(_) => {}
+            Self::Texts(values) => {
+                message.ptype = ParameterType::STRING_ARRAY;
+                message.string_array.clone_from(values);
+            }
+            Self::Doubles(values) => {
+                message.ptype = ParameterType::DOUBLE_ARRAY;
+                message.double_array.clone_from(values);
+            }
+            Self::EmptyList | Self::Other(_) => {}
         }
         message
     }
@@ -61,6 +77,12 @@ impl Value {
             ParameterType::INTEGER => Self::Integer(message.int_value),
             ParameterType::DOUBLE => Self::Double(message.double_value),
             ParameterType::STRING => Self::Text(message.string_value.clone()),
+            ParameterType::STRING_ARRAY => Self::Texts(message.string_array.clone()),
+            ParameterType::DOUBLE_ARRAY => Self::Doubles(message.double_array.clone()),
+            #[expect(clippy::cast_precision_loss, reason = "whoever wants doubles takes what they can hold")]
+            ParameterType::INTEGER_ARRAY => {
+                Self::Doubles(message.int_array.iter().map(|&number| number as f64).collect())
+            }
             ParameterType::NOT_SET => Self::Other("no value, which would delete it"),
             _ => Self::Other("an array"),
         }
@@ -104,10 +126,31 @@ pub fn from_node(yaml: &Yaml) -> Value {
             (None, None) => Value::Other("a number too large"),
         },
         Yaml::String(text) => special_number(text).map_or_else(|| Value::Text(text.clone()), Value::Double),
-        Yaml::Array(_) => Value::Other("a list"),
+        Yaml::Array(items) => from_list(items),
         Yaml::Object(_) => Value::Other("a map"),
         Yaml::Null => Value::Other("nothing, or not a number"),
     }
+}
+
+fn from_list(items: &[Yaml]) -> Value {
+    if items.is_empty() {
+        return Value::EmptyList;
+    }
+    let values: Vec<Value> = items.iter().map(from_node).collect();
+    let texts = values.iter().map(|value| match value {
+        Value::Text(text) => Some(text.clone()),
+        _ => None,
+    });
+    if let Some(texts) = texts.collect() {
+        return Value::Texts(texts);
+    }
+    let numbers = values.iter().map(|value| match *value {
+        #[expect(clippy::cast_precision_loss, reason = "whoever wants doubles takes what they can hold")]
+        Value::Integer(number) => Some(number as f64),
+        Value::Double(number) => Some(number),
+        _ => None,
+    });
+    numbers.collect().map_or(Value::Other("a list of various things"), Value::Doubles)
 }
 
 /// YAML's numbers that JSON has not.
@@ -132,14 +175,20 @@ mod tests {
         assert_eq!(from_yaml("1e-3"), Ok(Value::Double(1e-3)));
         assert_eq!(from_yaml(".inf"), Ok(Value::Double(f64::INFINITY)));
         assert_eq!(from_yaml("some text"), Ok(Value::Text("some text".into())));
-        assert_eq!(from_yaml("[1, 2]"), Ok(Value::Other("a list")));
+        assert_eq!(from_yaml("[1, 2.5]"), Ok(Value::Doubles(vec![1.0, 2.5])));
+        assert_eq!(from_yaml("[a, b]"), Ok(Value::Texts(vec!["a".into(), "b".into()])));
+        assert_eq!(from_yaml("[]"), Ok(Value::EmptyList));
+        assert_eq!(from_yaml("[a, 1]"), Ok(Value::Other("a list of various things")));
         assert!(from_yaml("[1, 2").is_err());
     }
 
     #[test]
     fn messages_go_both_ways() {
         let text = Value::Text("x".into());
-        for value in [Value::Bool(true), Value::Integer(-3), Value::Double(0.5), text] {
+        let lists = [Value::Texts(vec!["x".into()]), Value::Doubles(vec![0.5]), Value::Doubles(vec![])];
+        for value in
+            [Value::Bool(true), Value::Integer(-3), Value::Double(0.5), text].into_iter().chain(lists)
+        {
             assert_eq!(Value::from_message(&value.to_message()), value);
         }
         assert!(matches!(Value::from_message(&not_set()), Value::Other(_)));

@@ -18,8 +18,22 @@ pub struct Parameters {
     pub pad_self: bool,
     pub publish_markers: bool,
     pub marker_rate: f64,
+    pub point_cloud_topics: Vec<String>,
+    pub point_radius: f64,
+    pub point_cloud_ttl: f64,
+    pub stale_source_policy: &'static str,
+    pub self_filter_padding: f64,
+    pub cloud_voxel_size: f64,
+    pub cloud_crop_min: Vec<f64>,
+    pub cloud_crop_max: Vec<f64>,
+    pub octomap_ttl: f64,
+    pub unknown_space: &'static str,
+    pub transform_ttl: f64,
     pub use_sim_time: bool,
 }
+
+const STALE_SOURCE_POLICIES: &[&str] = &["unknown", "drop"];
+const UNKNOWN_SPACES: &[&str] = &["free", "occupied"];
 
 impl Default for Parameters {
     fn default() -> Self {
@@ -35,6 +49,17 @@ impl Default for Parameters {
             pad_self: false,
             publish_markers: true,
             marker_rate: 20.0,
+            point_cloud_topics: Vec::new(),
+            point_radius: 0.01,
+            point_cloud_ttl: 1.0,
+            stale_source_policy: STALE_SOURCE_POLICIES[0],
+            self_filter_padding: 0.03,
+            cloud_voxel_size: 0.0,
+            cloud_crop_min: Vec::new(),
+            cloud_crop_max: Vec::new(),
+            octomap_ttl: 0.0,
+            unknown_space: UNKNOWN_SPACES[0],
+            transform_ttl: 1.0,
             use_sim_time: false,
         }
     }
@@ -53,10 +78,32 @@ impl Parameters {
         }
     }
 
+    /// Whether what has gone stale is dropped, instead of making the state unknown.
+    #[must_use]
+    pub fn drops_stale_sources(&self) -> bool {
+        self.stale_source_policy == STALE_SOURCE_POLICIES[1]
+    }
+
+    /// Whether what an octomap does not know counts as occupied.
+    #[must_use]
+    pub fn unknown_is_occupied(&self) -> bool {
+        self.unknown_space == UNKNOWN_SPACES[1]
+    }
+
     /// Sets one parameter, or says why not.
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
         let declaration = declaration(name).ok_or_else(|| format!("this node has no parameter '{name}'"))?;
-        declaration.set(self, value)
+        let mut changed = self.clone();
+        declaration.set(&mut changed, value)?;
+        // a box that holds nothing would make every cloud empty
+        let below = |(min, max): (&f64, &f64)| min < max;
+        if !changed.cloud_crop_min.iter().zip(&changed.cloud_crop_max).all(below) {
+            return Err(format!(
+                "{name}: every number of cloud_crop_min must be below that of cloud_crop_max"
+            ));
+        }
+        *self = changed;
+        Ok(())
     }
 }
 
@@ -73,7 +120,15 @@ pub struct Declaration {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     Bool,
-    Double { from: f64, to: f64 },
+    Double {
+        from: f64,
+        to: f64,
+    },
+    /// One of these words.
+    Word(&'static [&'static str]),
+    Texts,
+    /// A point, or nothing.
+    Point,
 }
 
 /// Where in [`Parameters`] the value is.
@@ -81,17 +136,27 @@ pub enum Range {
 enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
     Double(fn(&mut Parameters) -> &mut f64),
+    Word(fn(&mut Parameters) -> &mut &'static str),
+    Texts(fn(&mut Parameters) -> &mut Vec<String>),
+    Point(fn(&mut Parameters) -> &mut Vec<f64>),
 }
 
 impl Declaration {
+    fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
     /// The value in force.
     #[must_use]
     pub fn get(&self, parameters: &Parameters) -> Value {
-        // one accessor serves reading and writing; a copy of eleven numbers costs nothing
+        // one accessor serves reading and writing; a copy of them costs little
         let mut parameters = parameters.clone();
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
             Access::Double(field) => Value::Double(*field(&mut parameters)),
+            Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
+            Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
+            Access::Point(field) => Value::Doubles(field(&mut parameters).clone()),
         }
     }
 
@@ -123,8 +188,50 @@ impl Declaration {
                 }
                 *field(parameters) = number;
             }
+            (Access::Word(field), _) => *field(parameters) = self.word(value)?,
+            (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
+            (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
         Ok(())
+    }
+
+    fn word(&self, value: &Value) -> Result<&'static str, String> {
+        let Range::Word(words) = self.range else { return Err(format!("{} is no word", self.name)) };
+        let Value::Text(text) = value else {
+            return Err(format!("{} is a string, but {} was given", self.name, value.kind()));
+        };
+        let known = words.iter().find(|word| *word == text);
+        known
+            .copied()
+            .ok_or_else(|| format!("{} is {}, but '{text}' was given", self.name, words.join(" or ")))
+    }
+
+    fn texts(&self, value: &Value) -> Result<Vec<String>, String> {
+        let texts = match value {
+            Value::Texts(texts) => texts.clone(),
+            Value::EmptyList => Vec::new(),
+            other => {
+                return Err(format!("{} is a list of strings, but {} was given", self.name, other.kind()));
+            }
+        };
+        match texts.iter().enumerate().find(|(i, text)| text.is_empty() || texts[..*i].contains(text)) {
+            Some((_, text)) => Err(format!("{}: '{text}' is empty or given twice", self.name)),
+            None => Ok(texts),
+        }
+    }
+
+    fn point(&self, value: &Value) -> Result<Vec<f64>, String> {
+        let numbers = match value {
+            Value::Doubles(numbers) => numbers.clone(),
+            Value::EmptyList => Vec::new(),
+            // an empty list on the command line of ros2 param is one of strings
+            Value::Texts(texts) if texts.is_empty() => Vec::new(),
+            other => {
+                return Err(format!("{} is a list of numbers, but {} was given", self.name, other.kind()));
+            }
+        };
+        let usable = (numbers.is_empty() || numbers.len() == 3) && numbers.iter().all(|n| n.is_finite());
+        usable.then_some(numbers).ok_or_else(|| format!("{} is three finite numbers, or none", self.name))
     }
 }
 
@@ -137,6 +244,23 @@ pub fn declaration(name: &str) -> Option<&'static Declaration> {
 /// Every parameter, by name. `config/clearance.yaml` says the same with more words; a test compares them.
 pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     vec![
+        Declaration {
+            range: Range::Point,
+            access: Access::Point(|p| &mut p.cloud_crop_max),
+            ..described("cloud_crop_max", "m", "Points of clouds beyond this corner are left out.")
+        },
+        Declaration {
+            range: Range::Point,
+            access: Access::Point(|p| &mut p.cloud_crop_min),
+            ..described("cloud_crop_min", "m", "Points of clouds before this corner are left out.")
+        },
+        double(
+            "cloud_voxel_size",
+            "m",
+            (0.0, 1.0),
+            |p| &mut p.cloud_voxel_size,
+            "Edge of the cubes to which clouds are thinned out; 0 turns it off.",
+        ),
         double(
             "distance_limit",
             "m",
@@ -179,6 +303,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.marker_rate,
             "How often markers are published at most; a change of status publishes them at once.",
         ),
+        double(
+            "octomap_ttl",
+            "s",
+            (0.0, 86400.0),
+            |p| &mut p.octomap_ttl,
+            "Age of an octomap beyond which it says nothing about the world any more; 0 means never.",
+        ),
         boolean(
             "pad_self",
             |p| &mut p.pad_self,
@@ -191,7 +322,33 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.padding,
             "Safety distance by which every link counts as larger.",
         ),
+        double(
+            "point_cloud_ttl",
+            "s",
+            (0.01, 86400.0),
+            |p| &mut p.point_cloud_ttl,
+            "Age of a point cloud beyond which it says nothing about the world any more.",
+        ),
+        Declaration {
+            range: Range::Texts,
+            access: Access::Texts(|p| &mut p.point_cloud_topics),
+            ..described("point_cloud_topics", "", "Topics of point clouds that have to be avoided.")
+        },
+        double(
+            "point_radius",
+            "m",
+            (0.0, 1.0),
+            |p| &mut p.point_radius,
+            "Radius of the balls that the points of clouds are.",
+        ),
         boolean("publish_markers", |p| &mut p.publish_markers, "Whether markers are published for RViz."),
+        double(
+            "self_filter_padding",
+            "m",
+            (0.0, 1.0),
+            |p| &mut p.self_filter_padding,
+            "Points of clouds nearer than this to the robot, or to what it holds, are taken for the robot.",
+        ),
         double(
             "stale_after",
             "s",
@@ -199,6 +356,27 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.stale_after,
             "Age of a joint state beyond which it says nothing about the robot any more.",
         ),
+        Declaration {
+            range: Range::Word(STALE_SOURCE_POLICIES),
+            access: Access::Word(|p| &mut p.stale_source_policy),
+            ..described(
+                "stale_source_policy",
+                "",
+                "What becomes of a cloud or octomap that has grown too old.",
+            )
+        },
+        double(
+            "transform_ttl",
+            "s",
+            (0.001, 3600.0),
+            |p| &mut p.transform_ttl,
+            "Age of a transform on tf beyond which it says nothing any more.",
+        ),
+        Declaration {
+            range: Range::Word(UNKNOWN_SPACES),
+            access: Access::Word(|p| &mut p.unknown_space),
+            ..described("unknown_space", "", "What the space that an octomap does not know counts as.")
+        },
         boolean(
             "use_sim_time",
             |p| &mut p.use_sim_time,
@@ -206,6 +384,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
         ),
     ]
 });
+
+/// Name, unit and meaning alone.
+fn described(name: &'static str, unit: &'static str, description: &'static str) -> Declaration {
+    boolean(name, |p| &mut p.use_sim_time, description).in_unit(unit)
+}
 
 fn double(
     name: &'static str,
@@ -240,6 +423,15 @@ mod tests {
         lines[above + 1..line].iter().map(|line| line.trim_start_matches('#')).collect()
     }
 
+    /// Parameters of which every one differs from its default where a list can.
+    fn declaration_test_start(name: &str) -> Parameters {
+        let mut parameters = Parameters::default();
+        if name == "point_cloud_topics" {
+            parameters.point_cloud_topics = vec!["/clouds".to_owned()];
+        }
+        parameters
+    }
+
     #[test]
     fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
         let manual: serde_json::Value = serde_saphyr::from_str(MANUAL).unwrap();
@@ -247,10 +439,15 @@ mod tests {
         let defaults = Parameters::default();
         for declaration in DECLARATIONS.iter() {
             let name = declaration.name;
-            assert_eq!(parameter_value::from_node(&values[name]), declaration.get(&defaults), "{name}");
+            let mut as_written = declaration_test_start(name);
+            as_written.set(name, &parameter_value::from_node(&values[name])).unwrap();
+            assert_eq!(declaration.get(&as_written), declaration.get(&defaults), "{name}");
             let begins = match declaration.range {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
+                Range::Word(words) => format!(" {}.", words.join(" or ")),
+                Range::Texts => " A list of topics.".to_owned(),
+                Range::Point => format!(" {}, three numbers or none.", declaration.unit),
             };
             let comment = comment_above(name);
             assert!(comment.starts_with(&begins), "{name} should begin with '{begins}': {comment}");
@@ -268,6 +465,12 @@ mod tests {
             ("publish_markers", Value::Integer(1), "an integer"),
             ("padding", Value::Other("an array"), "an array"),
             ("speed", Value::Bool(true), "'speed'"),
+            ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
+            ("unknown_space", Value::Bool(true), "a bool"),
+            ("point_cloud_topics", Value::Text("/a".into()), "a list of strings, but a string"),
+            ("point_cloud_topics", Value::Texts(vec!["/a".into(), "/a".into()]), "twice"),
+            ("cloud_crop_min", Value::Doubles(vec![0.0; 2]), "three finite numbers"),
+            ("cloud_crop_min", Value::Doubles(vec![0.0, f64::NAN, 0.0]), "three finite numbers"),
         ] {
             let mut parameters = Parameters::default();
             let error = parameters.set(name, &value).unwrap_err();
@@ -275,6 +478,10 @@ mod tests {
             assert_eq!(parameters, Parameters::default());
         }
         let mut parameters = Parameters::default();
+        parameters.set("cloud_crop_min", &Value::Doubles(vec![0.0; 3])).unwrap();
+        let error = parameters.set("cloud_crop_max", &Value::Doubles(vec![1.0, 0.0, 1.0])).unwrap_err();
+        assert!(error.contains("must be below"), "{error}");
+        parameters.set("cloud_crop_max", &Value::EmptyList).unwrap();
         parameters.set("heartbeat_rate", &Value::Integer(20)).unwrap();
         assert_eq!(declaration("heartbeat_rate").unwrap().get(&parameters), Value::Double(20.0));
     }

@@ -20,6 +20,8 @@ use super::parameter_files;
 use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::scene::{Monitored, SceneServices, SceneTopics, Shared, Transforms};
+use super::scene_keeper::SceneKeeper;
 use super::simulation_clock;
 use super::threads::{End, Part, run_together, until};
 use crate::checker::MeshModel;
@@ -94,13 +96,23 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (events, events_in) = channel::unbounded();
     let (orders, orders_in) = channel::unbounded();
     let (changes, changes_in) = channel::unbounded();
+    let (watch, watch_in) = channel::unbounded();
     let (stop, stopped) = channel::bounded(1);
     let end = End { events: events.clone(), orders: orders.clone(), stop };
-    let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, changes);
+    let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, [changes, watch]);
     let store = ParameterStore::new(parameters.clone(), on_change);
 
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
-    let mut loader = Loader::new(options.mesh_files, options.surroundings, options.mesh_model, store.clone());
+    let current = CurrentJudgement::default();
+    let shared = Shared {
+        transforms: Transforms::default(),
+        clouds: Arc::default(),
+        store: store.clone(),
+        clock: Arc::clone(&clock),
+    };
+    let keeper = SceneKeeper::new(shared.clone(), Arc::clone(&current));
+    let given = (options.mesh_files, options.surroundings, options.mesh_model);
+    let mut loader = Loader::new(given, store.clone(), keeper, Arc::clone(&clock));
     if let Some(robot) = options.robot {
         monitor.set_checker(loader.take_given(robot).map_err(NodeError::Input)?);
     }
@@ -114,7 +126,6 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         .transpose()
         .map_err(|error: MiddlewareError| NodeError::from(error))?;
     let (own_states, own_states_in) = channel::bounded(1);
-    let current = CurrentJudgement::default();
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -131,6 +142,11 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         observer: options.observer,
         report: Report::default(),
     };
+    loader.tell_on(Monitored::open(&middleware, &names)?);
+    let about_scene = (loader.current_scene(), Arc::clone(&current));
+    let (scenes, validity_desk) =
+        SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
+    let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
     let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current)?;
     let own = (store, Arc::clone(&clock), motions);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
@@ -150,6 +166,16 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         // a motion that takes hours does not hold up the end
         let work = smol::unblock(move || motion_desk.work());
         smol::block_on(until(&motions_stopped, work));
+    }));
+    let world_stopped = stopped.clone();
+    parts.push(Part::new("world", move || {
+        let work = async { future::zip(topics.listen(), scenes.serve(&topics)).await };
+        smol::block_on(until(&world_stopped, work));
+    }));
+    let validity_stopped = stopped.clone();
+    parts.push(Part::new("validity", move || {
+        let work = smol::unblock(move || validity_desk.work());
+        smol::block_on(until(&validity_stopped, work));
     }));
     parts.push(Part::new("services", move || smol::block_on(until(&stopped, services.serve()))));
 
@@ -245,7 +271,7 @@ fn on_change(
     initial: Parameters,
     clock: Arc<RosClock>,
     End { events, orders, .. }: &End,
-    changes: Sender<()>,
+    changes: [Sender<()>; 2],
 ) -> OnChange {
     let (events, orders) = (events.clone(), orders.clone());
     let last = Mutex::new(initial);
@@ -254,12 +280,22 @@ fn on_change(
         clock.use_sim_time(parameters.use_sim_time);
         // whoever no longer listens has ended
         let _ = events.try_send(Event::Parameters(Box::new(parameters.clone())));
-        if (last.padding, last.pad_self) != (parameters.padding, parameters.pad_self) {
+        if what_is_built(&last) != what_is_built(parameters) {
             let _ = orders.try_send(Order::Parameters);
         }
-        let _ = changes.try_send(());
+        for changes in &changes {
+            let _ = changes.try_send(());
+        }
         *last = parameters.clone();
     })
+}
+
+/// The parameters that a checker is built with, and what it has to be told.
+fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
+    (
+        (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
+        (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
+    )
 }
 
 fn end_on_signals(end: End) -> Result<(), NodeError> {

@@ -5,7 +5,7 @@ use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
 
 use super::markers::{pose_message, vector_message};
 use super::messages::point_message;
-use crate::checker::{Body, CollisionChecker, MotionVerdict, SweptVolume, TrajectoryReport, Workspace};
+use crate::checker::{CollisionChecker, MotionVerdict, SweptVolume, TrajectoryReport, Workspace};
 use crate::math::{Pose, Rotation, Vector};
 use crate::motion::Trajectory;
 use crate::robot::RobotModel;

@@ -10,6 +10,7 @@ import pytest
 from cell import Cell
 from node_process import NodeProcess
 from peer import Peer
+from scene_client import SceneClient
 
 _logs_of_peers = tempfile.TemporaryDirectory(prefix="clearance-rclpy-")
 os.environ["ROS_LOG_DIR"] = _logs_of_peers.name
@@ -46,6 +47,12 @@ def start(peer):
 def cell(start):
     """A node that checks the two-link robot."""
     return start()
+
+
+@pytest.fixture
+def scene(cell):
+    """Changes the world of `cell`."""
+    return SceneClient(cell)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Makes a Python environment with real rclpy (ROS 2 Kilted wheels from PyPI) and clearance_msgs built
-# from this repository, and prints its path. Nothing is installed outside the cache folder:
+# Makes a Python environment with real rclpy (ROS 2 Kilted wheels from PyPI), clearance_msgs built from this
+# repository and what of MoveIt's interfaces the node speaks, and prints its path. Nothing is installed outside
+# the cache folder:
 #   ${CLEARANCE_CACHE:-${XDG_CACHE_HOME:-~/.cache}/clearance}/rclpy-<hash of all that it is made from>
-# Needs CPython 3.10 to 3.13 with its headers, g++ and make. The first run takes a minute or two.
+# Needs CPython 3.10 to 3.13 with its headers, g++ and make. The first run takes two minutes or three.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -39,7 +40,7 @@ hash_of_inputs() {
     {
         "$python" --version
         cd "$root"
-        find tests/rclpy/environment.sh interfaces -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
+        find tests/rclpy/{environment.sh,interface_packages.py,moveit_interfaces.txt} interfaces -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
     } | sha256sum | cut -c1-16
 }
 
@@ -66,15 +67,25 @@ point_exports_at_this_python() {
 }
 
 build_interfaces() {
-    local package=$1 build="$venv/build/$1"
+    local source=$1 package build
+    package=$(basename "$source")
+    build="$venv/build/$package"
     (
         export PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" LD_LIBRARY_PATH="$venv/lib"
-        cmake -S "$root/interfaces/$package" -B "$build" -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
-            -DPython3_EXECUTABLE="$venv/bin/python" -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF
+        cmake -S "$source" -B "$build" -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
+            -DPython3_EXECUTABLE="$venv/bin/python" -DCMAKE_BUILD_TYPE=None -DBUILD_TESTING=OFF
         cmake --build "$build" -j2
         cmake --install "$build"
     ) >"$venv/$package.log" 2>&1 || { tail -n 60 "$venv/$package.log" >&2; die "$package does not build"; }
     rm -rf "$build"
+}
+
+build_moveit_interfaces() {
+    local package packages
+    packages=$("$venv/bin/python" "$here/interface_packages.py" "$here/moveit_interfaces.txt" "$venv/build/sources")
+    for package in $packages; do
+        build_interfaces "$venv/build/sources/$package"
+    done
 }
 
 python=$(find_python)
@@ -92,8 +103,10 @@ if [ ! -e "$venv/.complete" ]; then
     rm -rf "$venv"
     install_wheels
     point_exports_at_this_python
-    build_interfaces clearance_msgs
+    build_interfaces "$root/interfaces/clearance_msgs"
+    build_moveit_interfaces
     "$venv/bin/python" -c 'import rclpy; from clearance_msgs.msg import CollisionState; from clearance_msgs.srv import CheckMotion, CheckTrajectory'
+    "$venv/bin/python" -c 'from moveit_msgs.msg import PlanningScene; from moveit_msgs.srv import GetStateValidity'
     touch "$venv/.complete"
     say "ready"
 fi

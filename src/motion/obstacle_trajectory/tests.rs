@@ -125,7 +125,7 @@ fn floating_joints_turn_on_through_cuts() {
         <parent link='root'/><child link='body'/></joint></robot>";
     let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
     let at = |q: [f64; 7]| robot.configuration(&q).unwrap();
-    let (from, to) = (at([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), at([1.0, 2.0, 3.0, 0.1, 0.9, -0.3, 0.2]));
+    let (from, to) = (at([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), at([1.0, 2.0, 3.0, 0.1, 0.9, -0.3, 0.3]));
     let whole = MotionSegment::straight(&robot, &from, &to);
     let part = whole.part([0.25, 0.75]);
     for t in [0.0, 0.3, 1.0] {

@@ -13,7 +13,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use ros2_client::ServiceTypeName;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
 use ros2_client::{Context, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping};
-use rustdds::DomainParticipantBuilder;
+use rustdds::policy::ResourceLimits;
+use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, TopicKind};
 
 use self::peers::Peers;
 use super::environment::{Environment, Reach};
@@ -50,11 +51,23 @@ pub enum Quality {
     Reliable,
     /// The last sample is kept for those who come later.
     Latched,
+    /// As `Latched`, of many samples: those who come later hear the whole story.
+    Kept,
+    /// As `BestEffort`, of samples so large that few may be held at a time.
+    Bulk,
+    /// As `Reliable`, of samples so large that few may be held at a time.
+    ReliableBulk,
+    /// As `Latched`, of samples so large that few may be held at a time.
+    LatchedBulk,
 }
 
 impl Quality {
     /// Samples kept for each topic.
     const DEPTH: usize = 10;
+    /// The same of a story.
+    const STORY: usize = 100;
+    /// Large samples held for each topic, instead of the 64 that `RustDDS` holds of any.
+    const BULK: i32 = 4;
 
     fn profile(self) -> QosProfile {
         // a subscriber that has stopped reading must never hold up the monitor: its samples are dropped instead
@@ -62,8 +75,13 @@ impl Quality {
         let base = QosProfile::subscription_default();
         match self {
             Self::BestEffort => base.history(History::KeepLast { depth: Self::DEPTH }),
+            Self::Bulk => base.history(History::KeepLast { depth: 1 }),
+            Self::ReliableBulk => base.reliability(reliable).history(History::KeepLast { depth: 1 }),
+            Self::Kept => (base.reliability(reliable))
+                .durability(Durability::TransientLocal)
+                .history(History::KeepLast { depth: Self::STORY }),
             Self::Reliable => base.reliability(reliable).history(History::KeepLast { depth: Self::DEPTH }),
-            Self::Latched => (base.reliability(reliable))
+            Self::Latched | Self::LatchedBulk => (base.reliability(reliable))
                 .durability(Durability::TransientLocal)
                 .history(History::KeepLast { depth: 1 }),
         }
@@ -113,6 +131,34 @@ impl Middleware {
         drop(self);
     }
 
+    /// A topic, with as many samples held as its quality allows.
+    fn topic(
+        &self,
+        node: &Node,
+        name: &FullName,
+        kind: MessageKind,
+        quality: Quality,
+    ) -> Result<rustdds::Topic, MiddlewareError> {
+        let why = || format!("cannot create topic {name}");
+        let profile = quality.profile();
+        if !matches!(quality, Quality::Bulk | Quality::ReliableBulk | Quality::LatchedBulk) {
+            let topic = node.create_topic(&name_of(name)?, kind.type_name(), &profile);
+            return topic.map_err(refused(why()));
+        }
+        // the client library knows no such limits
+        let limits = ResourceLimits {
+            max_samples: Quality::BULK,
+            max_instances: Quality::BULK,
+            max_samples_per_instance: Quality::BULK,
+        };
+        let limits = QosPolicyBuilder::new().resource_limits(limits).build();
+        let policies = QosPolicies::from(&profile).modify_by(&limits);
+        let (topic, type_name) = (format!("rt{name}"), kind.type_name().dds_msg_type());
+        (self.context.domain_participant())
+            .create_topic(topic, type_name, &policies, TopicKind::NoKey)
+            .map_err(refused(why()))
+    }
+
     /// Publishes messages of `kind`, such as `std_msgs/Bool`, under a full name.
     pub fn publisher<M: Message>(
         &self,
@@ -122,7 +168,7 @@ impl Middleware {
     ) -> Result<Publisher<M>, MiddlewareError> {
         let mut node = lock(&self.node);
         let profile = quality.profile();
-        let topic = topic(&node, name, kind, &profile)?;
+        let topic = self.topic(&node, name, kind, quality)?;
         let inner = node
             .create_publisher(&topic, Some(profile))
             .map_err(refused(format!("cannot publish {name}")))?;
@@ -139,12 +185,12 @@ impl Middleware {
     ) -> Result<Subscription<M>, MiddlewareError> {
         let mut node = lock(&self.node);
         let profile = quality.profile();
-        let topic = topic(&node, name, kind, &profile)?;
+        let topic = self.topic(&node, name, kind, quality)?;
         let inner = node
             .create_subscription(&topic, Some(profile))
             .map_err(refused(format!("cannot subscribe to {name}")))?;
         self.peers.note(inner.guid(), name, &kind.type_name().dds_msg_type());
-        if quality != Quality::BestEffort {
+        if !matches!(quality, Quality::BestEffort | Quality::Bulk) {
             self.peers.note_reliably_read(format!("rt{name}"));
         }
         Ok(Subscription { inner, name: name.clone(), last_complaint: Mutex::default() })
@@ -178,16 +224,6 @@ impl Middleware {
     pub async fn meet_peers(&self) {
         self.peers.meet(&self.context.domain_participant()).await;
     }
-}
-
-fn topic(
-    node: &Node,
-    name: &FullName,
-    kind: MessageKind,
-    profile: &QosProfile,
-) -> Result<rustdds::Topic, MiddlewareError> {
-    node.create_topic(&name_of(name)?, kind.type_name(), profile)
-        .map_err(refused(format!("cannot create topic {name}")))
 }
 
 fn name_of(name: &FullName) -> Result<Name, MiddlewareError> {

@@ -27,7 +27,7 @@ fn judgement(positions: &[f64]) -> Judgement {
     let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
     let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
-    monitor.set_checker(Arc::new(Revision { checker, model: 3, world: 1 }));
+    monitor.set_checker(Arc::new(Revision::new(checker, 3, 1)));
     let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
     let names = names(&JOINTS[..positions.len()]);
     if positions.is_empty() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::checker::{MotionOptions, Settings};
+use crate::checker::{Body, MotionOptions, Settings};
 use crate::math::Point;
 use crate::motion::MotionSegment;
 use crate::robot::MeshFiles;
@@ -74,7 +74,7 @@ fn axes_in_any_direction_have_their_cylinder() {
     for axis in [[0.0, 0.0, 2.0], [0.0, 0.0, -2.0], [1.0, -2.0, 3.0], [1e-9, 0.0, -2.0]] {
         let b = Point::from(axis);
         let volume =
-            SweptVolume { link: crate::robot::LinkId(0), t: [0.0, 1.0], a: Point::origin(), b, radius: 0.1 };
+            SweptVolume { body: Body::Link(crate::robot::LinkId(0)), t: [0.0, 1.0], a: Point::origin(), b, radius: 0.1 };
         let cylinder = capsule(&volume)[0].clone().unwrap();
         let q = cylinder.pose.orientation;
         let turn = Rotation::from_quaternion(nalgebra::Quaternion::new(q.w, q.x, q.y, q.z));

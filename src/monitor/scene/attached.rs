@@ -1,0 +1,160 @@
+//! What the robot holds: taken up and put down.
+
+use std::sync::Arc;
+
+use super::{AttachedChange, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal};
+use crate::math::Pose;
+use crate::monitor::status::quoted;
+use crate::robot::LinkId;
+use crate::world::{AttachedObject, ObstacleShape};
+
+impl PlanningSceneState {
+    pub(super) fn change_attached(
+        &mut self,
+        change: &AttachedChange,
+        context: &SceneContext,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), SceneRefusal> {
+        let id = &change.object.id;
+        match change.object.operation {
+            Operation::Remove => self.detach(change, context),
+            Operation::Move => Err(SceneRefusal::of(
+                id,
+                "object.operation: what a link holds moves with it; attach it anew at another pose",
+            )),
+            Operation::Add | Operation::Append => {
+                self.check_name(id, context)?;
+                let unknown = change.touch_links.iter().filter(|l| context.robot.link_by_name(l).is_none());
+                let warn =
+                    |l: &String| format!("object '{id}': touch_links: the robot has no link {}", quoted(l));
+                warnings.extend(unknown.map(warn));
+                let object = self.object_to_attach(change, context, warnings)?;
+                (self.world.attach(object)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+                self.note_kind(&change.object);
+                Ok(())
+            }
+        }
+    }
+
+    fn object_to_attach(
+        &self,
+        change: &AttachedChange,
+        context: &SceneContext,
+        warnings: &mut Vec<String>,
+    ) -> Result<AttachedObject, SceneRefusal> {
+        let AttachedChange { link, object, touch_links } = change;
+        let id = &object.id;
+        let link_id = context.robot.link_by_name(link).ok_or_else(|| unknown_link(id, link))?;
+        let in_world = self.world.obstacle_by_name(id);
+        if object.shapes.is_empty() {
+            let obstacle = in_world.filter(|_| object.operation == Operation::Add).ok_or_else(|| {
+                SceneRefusal::of(
+                    id,
+                    "object: no shapes are given, and there is no such object in the world to take them from",
+                )
+            })?;
+            let pose_rl = where_is(id, link_id, context)?;
+            return Ok(AttachedObject::grasped(obstacle, link, &pose_rl, touch_links.clone()));
+        }
+        let given = AttachedObject {
+            name: id.clone(),
+            link: link.clone(),
+            pose_lo: self.pose_in_link(object, link_id, context)?,
+            shapes: object.shapes.as_slice().into(),
+            subframes: object.subframes.clone(),
+            touch_links: touch_links.clone(),
+        };
+        let held = self.world.attached_by_name(id).filter(|_| object.operation == Operation::Append);
+        if let Some(held) = held {
+            return extended(held, &given);
+        }
+        if in_world.is_some() && object.operation == Operation::Append {
+            warnings.push(format!(
+                "object '{id}' is attached with the shapes of the message; those it had in the world are gone"
+            ));
+        }
+        Ok(given)
+    }
+
+    /// Pose of a changed object in the frame of the link that takes it.
+    fn pose_in_link(
+        &self,
+        object: &ObjectChange,
+        link: LinkId,
+        context: &SceneContext,
+    ) -> Result<Pose, SceneRefusal> {
+        // in the frame of the link itself it does not matter where the link is
+        if object.frame.trim_start_matches('/') == context.robot.link(link).name {
+            return Ok(object.pose_fo);
+        }
+        let pose_rl = where_is(&object.id, link, context)?;
+        Ok(pose_rl.inverse() * self.pose_of(object, context)?)
+    }
+
+    fn detach(&mut self, change: &AttachedChange, context: &SceneContext) -> Result<(), SceneRefusal> {
+        let AttachedChange { link, object: ObjectChange { id, .. }, .. } = change;
+        if !link.is_empty() && context.robot.link_by_name(link).is_none() {
+            return Err(unknown_link(id, link));
+        }
+        let held: Vec<Arc<AttachedObject>> = if id.is_empty() {
+            let of_link = |o: &&Arc<AttachedObject>| link.is_empty() || o.link == *link;
+            self.world.attached().iter().filter(of_link).cloned().collect()
+        } else {
+            let object = self.world.attached_by_name(id).ok_or_else(|| {
+                SceneRefusal::of(id, "object.operation: it can not be detached, because no link holds it")
+            })?;
+            if !link.is_empty() && object.link != *link {
+                let holder = &object.link;
+                return Err(SceneRefusal::of(
+                    id,
+                    format!(
+                        "link_name: it is attached to '{holder}', not to '{link}'; leave link_name empty or correct it"
+                    ),
+                ));
+            }
+            vec![Arc::clone(object)]
+        };
+        // all poses first: what cannot be done for one is done for none
+        let mut placed = Vec::new();
+        for object in &held {
+            let holder = context.robot.link_by_name(&object.link);
+            let holder = holder.ok_or_else(|| unknown_link(&object.name, &object.link))?;
+            placed.push((object, where_is(&object.name, holder, context)?));
+        }
+        for (object, pose_rl) in placed {
+            let done = self.world.detach(&object.name, &pose_rl);
+            done.map_err(|error| SceneRefusal::of(&object.name, error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// What is held already, with more shapes; it stays where it is.
+fn extended(held: &AttachedObject, given: &AttachedObject) -> Result<AttachedObject, SceneRefusal> {
+    if held.link != given.link {
+        let message = format!("link_name: it is attached to '{}', not to '{}'", held.link, given.link);
+        return Err(SceneRefusal::of(&held.name, message));
+    }
+    let pose_og = held.pose_lo.inverse() * given.pose_lo;
+    let moved = |s: &ObstacleShape| ObstacleShape { pose_os: pose_og * s.pose_os, shape: s.shape.clone() };
+    let mut touch_links = held.touch_links.clone();
+    touch_links.extend(given.touch_links.iter().filter(|l| !held.touch_links.contains(l)).cloned());
+    let mut subframes = held.subframes.clone();
+    subframes.retain(|(name, _)| given.subframes.iter().all(|(other, _)| other != name));
+    subframes.extend(given.subframes.iter().map(|(name, pose_gs)| (name.clone(), pose_og * pose_gs)));
+    Ok(AttachedObject {
+        shapes: held.shapes.iter().cloned().chain(given.shapes.iter().map(moved)).collect(),
+        subframes,
+        touch_links,
+        ..held.clone()
+    })
+}
+
+fn where_is(id: &str, link: LinkId, context: &SceneContext) -> Result<Pose, SceneRefusal> {
+    (context.pose_of_link(link)).map_err(|message| SceneRefusal::of(id, format!("link_name: {message}")))
+}
+
+fn unknown_link(id: &str, link: &str) -> SceneRefusal {
+    let message = format!("link_name: the robot has no link {}", quoted(link));
+    if id.is_empty() { SceneRefusal::new(message) } else { SceneRefusal::of(id, message) }
+}

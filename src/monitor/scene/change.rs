@@ -1,0 +1,118 @@
+//! Changes of the world, as messages describe them: numbers checked, frames still by name.
+
+use crate::geometry::Shape;
+use crate::math::Pose;
+use crate::world::{MatrixEntries, ObstacleShape};
+
+/// What to do with an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// It takes the place of one of its name.
+    Add,
+    /// Its shapes come to those of the object of its name, if there is one: where the message puts them, and that object stays
+    /// where it is.
+    Append,
+    /// Only its pose changes.
+    Move,
+    Remove,
+}
+
+/// A change of one obstacle: `moveit_msgs/CollisionObject`.
+#[derive(Clone, Debug)]
+pub struct ObjectChange {
+    /// Empty, for [`Operation::Remove`]: all objects.
+    pub id: String,
+    pub operation: Operation,
+    /// The frame of its pose; the robot's root frame when it is empty.
+    pub frame: String,
+    /// Pose of the object in that frame.
+    pub pose_fo: Pose,
+    /// With poses in the frame of the object.
+    pub shapes: Vec<ObstacleShape>,
+    pub subframes: Vec<(String, Pose)>,
+    /// What it is: database and key of `object_recognition_msgs/ObjectType`, or nothing.
+    pub kind: [String; 2],
+}
+
+impl ObjectChange {
+    /// A change of the object `id` that needs no more than its name.
+    #[must_use]
+    pub fn named(id: impl Into<String>, operation: Operation) -> Self {
+        Self {
+            id: id.into(),
+            operation,
+            frame: String::new(),
+            pose_fo: Pose::identity(),
+            shapes: Vec::new(),
+            subframes: Vec::new(),
+            kind: Default::default(),
+        }
+    }
+}
+
+/// A change of what the robot holds: `moveit_msgs/AttachedCollisionObject`.
+#[derive(Clone, Debug)]
+pub struct AttachedChange {
+    /// Empty, for [`Operation::Remove`]: whichever link holds it.
+    pub link: String,
+    pub object: ObjectChange,
+    pub touch_links: Vec<String>,
+}
+
+/// Where an octomap stands; without a shape everything in it is free.
+#[derive(Clone, Debug)]
+pub struct OctomapPlacement {
+    pub frame: String,
+    pub pose_fo: Pose,
+    pub shape: Option<Shape>,
+}
+
+/// All obstacles anew: `moveit_msgs/PlanningSceneWorld`.
+#[derive(Clone, Debug, Default)]
+pub struct WorldChange {
+    pub objects: Vec<ObjectChange>,
+    pub octomap: Option<OctomapPlacement>,
+}
+
+/// A frame that stands still: one of `fixed_frame_transforms`.
+#[derive(Clone, Debug)]
+pub struct FixedFrame {
+    pub name: String,
+    pub parent: String,
+    /// Pose of the frame in its parent.
+    pub pose_pf: Pose,
+}
+
+/// What a scene says about the robot; joint positions come from joint states alone.
+#[derive(Clone, Debug, Default)]
+pub struct RobotStateChange {
+    pub is_diff: bool,
+    /// Whether it gives positions of joints.
+    pub names_joints: bool,
+    pub attached: Vec<AttachedChange>,
+}
+
+/// A scene or a difference to one: `moveit_msgs/PlanningScene`.
+#[derive(Clone, Debug, Default)]
+pub struct SceneChange {
+    pub robot_model_name: String,
+    pub is_diff: bool,
+    pub fixed_frames: Vec<FixedFrame>,
+    pub robot_state: RobotStateChange,
+    pub matrix: MatrixEntries,
+    /// Paddings (m) by link.
+    pub link_padding: Vec<(String, f64)>,
+    pub link_scale: Vec<(String, f64)>,
+    pub world: WorldChange,
+}
+
+/// Whatever may change a scene.
+#[derive(Clone, Debug)]
+pub enum SceneUpdate {
+    Object(Box<ObjectChange>),
+    Attached(Box<AttachedChange>),
+    World(Box<WorldChange>),
+    Scene(Box<SceneChange>),
+    /// An octomap by itself; `None` takes it away.
+    Octomap(Option<OctomapPlacement>),
+}

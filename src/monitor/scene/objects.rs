@@ -1,0 +1,179 @@
+//! Obstacles: added, replaced, extended, moved and removed.
+
+use std::sync::Arc;
+
+use super::state::OCTOMAP;
+use super::{ObjectChange, OctomapPlacement, Operation, PlanningSceneState, SceneContext, SceneRefusal};
+use crate::math::Pose;
+use crate::world::{Obstacle, ObstacleShape};
+
+impl PlanningSceneState {
+    pub(super) fn change_object(
+        &mut self,
+        change: &ObjectChange,
+        context: &SceneContext,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), SceneRefusal> {
+        match change.operation {
+            Operation::Remove if change.id.is_empty() => {
+                self.remove_all_objects();
+                Ok(())
+            }
+            Operation::Remove => self.remove_object(&change.id),
+            Operation::Move => self.move_object(change, context, warnings),
+            Operation::Add | Operation::Append => self.add_object(change, context),
+        }
+    }
+
+    /// Whether an object may bear this name.
+    pub(super) fn check_name(&self, id: &str, context: &SceneContext) -> Result<(), SceneRefusal> {
+        if id.is_empty() {
+            return Err(SceneRefusal::new("id is empty: every object needs a name"));
+        }
+        if id == OCTOMAP || self.is_sensed(id) {
+            return Err(SceneRefusal::of(id, "id: the name belongs to what sensors see; take another one"));
+        }
+        if context.robot.link_by_name(id).is_some() {
+            return Err(SceneRefusal::of(id, "id: the robot has a link of this name; take another one"));
+        }
+        Ok(())
+    }
+
+    fn add_object(&mut self, change: &ObjectChange, context: &SceneContext) -> Result<(), SceneRefusal> {
+        let id = &change.id;
+        self.check_name(id, context)?;
+        if change.shapes.is_empty() {
+            return Err(SceneRefusal::of(id, "no shapes: give primitives, meshes or planes"));
+        }
+        if let Some(held) = self.world.attached_by_name(id) {
+            let link = &held.link;
+            return Err(SceneRefusal::of(
+                id,
+                format!("id: it is attached to link '{link}'; detach it first"),
+            ));
+        }
+        let pose_ro = self.pose_of(change, context)?;
+        let known = self.world.obstacle_by_name(id).filter(|_| change.operation == Operation::Append);
+        let obstacle = match known {
+            Some(known) => extended(known, change, &pose_ro),
+            None => Obstacle {
+                name: id.clone(),
+                pose_ro,
+                shapes: change.shapes.as_slice().into(),
+                subframes: change.subframes.clone(),
+            },
+        };
+        (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+        self.note_kind(change);
+        Ok(())
+    }
+
+    pub(super) fn note_kind(&mut self, change: &ObjectChange) {
+        if change.kind.iter().any(|word| !word.is_empty()) {
+            self.kinds.insert(change.id.clone(), change.kind.clone());
+        }
+    }
+
+    /// Pose of a changed object in the root frame.
+    pub(super) fn pose_of(
+        &self,
+        change: &ObjectChange,
+        context: &SceneContext,
+    ) -> Result<Pose, SceneRefusal> {
+        let pose_rf = (context.frame_pose(&change.frame, self))
+            .map_err(|message| SceneRefusal::of(&change.id, format!("header.frame_id: {message}")))?;
+        Ok(pose_rf * change.pose_fo)
+    }
+
+    fn move_object(
+        &mut self,
+        change: &ObjectChange,
+        context: &SceneContext,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), SceneRefusal> {
+        let id = &change.id;
+        self.check_name(id, context)?;
+        let pose_ro = self.pose_of(change, context)?;
+        (self.world.move_to(id, pose_ro)).map_err(|_| {
+            SceneRefusal::of(
+                id,
+                "operation: it can not be moved, because there is no such object in the world",
+            )
+        })?;
+        if !change.shapes.is_empty() {
+            warnings.push(format!("object '{id}' is moved; the shapes given with the move are ignored"));
+        }
+        Ok(())
+    }
+
+    fn remove_object(&mut self, id: &str) -> Result<(), SceneRefusal> {
+        if self.is_sensed(id) || id == OCTOMAP {
+            return Err(SceneRefusal::of(
+                id,
+                "operation: what sensors see is not removed by name; see clear_octomap and point_cloud_ttl",
+            ));
+        }
+        self.world.remove(id).map_err(|_| {
+            SceneRefusal::of(
+                id,
+                "operation: it can not be removed, because there is no such object in the world",
+            )
+        })?;
+        self.kinds.remove(id);
+        // as in MoveIt: who bears the name next is another thing
+        if let Some(matrix) = &mut self.matrix {
+            matrix.forget(id);
+        }
+        Ok(())
+    }
+
+    /// Takes away what messages have put there; what sensors see stays.
+    pub(super) fn remove_all_objects(&mut self) {
+        for name in self.given_names() {
+            self.kinds.remove(&name);
+            if self.world.remove(&name).is_ok()
+                && let Some(matrix) = &mut self.matrix
+            {
+                matrix.forget(&name);
+            }
+        }
+    }
+
+    /// Names of the obstacles that come from messages and files.
+    pub(super) fn given_names(&self) -> Vec<String> {
+        let names = self.world.obstacles().map(|o| &o.name);
+        names.filter(|name| *name != OCTOMAP && !self.is_sensed(name)).cloned().collect()
+    }
+
+    /// Puts an octomap in the place of the one before.
+    pub(super) fn set_octomap(
+        &mut self,
+        octomap: Option<&OctomapPlacement>,
+        context: &SceneContext,
+    ) -> Result<(), SceneRefusal> {
+        let placed = octomap.and_then(|o| Some((o, o.shape.clone()?)));
+        let Some((octomap, shape)) = placed else {
+            let _ = self.world.remove(OCTOMAP);
+            return Ok(());
+        };
+        let pose_rf = (context.frame_pose(&octomap.frame, self))
+            .map_err(|message| SceneRefusal::of(OCTOMAP, format!("header.frame_id: {message}")))?;
+        let obstacle = Obstacle::of_shape(OCTOMAP, pose_rf * octomap.pose_fo, shape);
+        let placed = self.world.replace(obstacle);
+        placed.map(|_| ()).map_err(|error| SceneRefusal::of(OCTOMAP, error.to_string()))
+    }
+}
+
+/// An obstacle with more shapes, whose poses are in the frame of the change.
+fn extended(known: &Obstacle, change: &ObjectChange, pose_rc: &Pose) -> Obstacle {
+    let pose_oc = known.pose_ro.inverse() * pose_rc;
+    let moved = |s: &ObstacleShape| ObstacleShape { pose_os: pose_oc * s.pose_os, shape: s.shape.clone() };
+    let shapes: Arc<[ObstacleShape]> =
+        known.shapes.iter().cloned().chain(change.shapes.iter().map(moved)).collect();
+    let mut subframes = known.subframes.clone();
+    for (name, pose_cs) in &change.subframes {
+        subframes.retain(|(other, _)| other != name);
+        subframes.push((name.clone(), pose_oc * pose_cs));
+    }
+    Obstacle { name: known.name.clone(), pose_ro: known.pose_ro, shapes, subframes }
+}

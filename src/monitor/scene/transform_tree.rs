@@ -1,0 +1,75 @@
+//! Frames that others publish: the latest transform of each, as `tf` and `tf_static` tell it.
+
+use std::collections::HashMap;
+
+use crate::math::Pose;
+use crate::monitor::Time;
+
+/// Frames known at most, so that a hostile network can not fill the memory.
+const MOST_FRAMES: usize = 10_000;
+
+/// A frame in its parent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transform {
+    pub parent: String,
+    /// Pose of the frame in its parent.
+    pub pose_pf: Pose,
+    /// When it was so; `None` if it always is.
+    pub stamp: Option<Time>,
+}
+
+/// The latest transform of every frame.
+#[derive(Clone, Debug, Default)]
+pub struct TransformTree {
+    by_frame: HashMap<String, Transform>,
+}
+
+/// A frame above another one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ancestor<'t> {
+    pub name: &'t str,
+    /// Pose, in this frame, of the frame that was asked about.
+    pub pose_af: Pose,
+    /// The oldest transform on the way, if one of them changes: its frame and stamp.
+    pub oldest: Option<(&'t str, Time)>,
+}
+
+impl TransformTree {
+    /// Takes note of a transform; one that is older than the known one is passed over. `false` when there are too many frames.
+    pub fn note(&mut self, frame: &str, transform: Transform) -> bool {
+        let frame = frame.trim_start_matches('/');
+        let parent = transform.parent.trim_start_matches('/').to_owned();
+        let known = self.by_frame.get(frame);
+        if known.is_none() && self.by_frame.len() >= MOST_FRAMES {
+            return false;
+        }
+        // a clock that was set back by more than this starts anew
+        const SET_BACK: f64 = 1.0;
+        let older = known.is_some_and(|known| match (known.stamp, transform.stamp) {
+            (Some(known), Some(new)) => (0.0..SET_BACK).contains(&known.seconds_since(new)) && known != new,
+            _ => false,
+        });
+        if !older {
+            self.by_frame.insert(frame.to_owned(), Transform { parent, ..transform });
+        }
+        true
+    }
+
+    /// The frame itself and those above it, nearest first; ends before it would come around.
+    pub(super) fn ancestors<'t>(&'t self, frame: &'t str) -> Vec<Ancestor<'t>> {
+        let mut above = vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None }];
+        while let Some(last) = above.last()
+            && let Some(transform) = self.by_frame.get(last.name)
+            && above.iter().all(|a| a.name != transform.parent)
+        {
+            let stamped = transform.stamp.map(|stamp| (last.name, stamp));
+            let oldest = match (last.oldest, stamped) {
+                (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
+                (a, b) => a.or(b),
+            };
+            let pose_af = transform.pose_pf * last.pose_af;
+            above.push(Ancestor { name: &transform.parent, pose_af, oldest });
+        }
+        above
+    }
+}

@@ -1,0 +1,24 @@
+//! The world by topic and service, as MoveIt's users speak of it: messages to changes, the scene to messages.
+//!
+//! ```text
+//! planning_scene, collision_object, … ─┐                       ┌─> monitored_planning_scene
+//! octomaps, clouds, tf ────────────> topics ──> loader ──> monitor
+//! apply_planning_scene, clear_octomap ─┘          │ the scene in force
+//! get_planning_scene, check_state_validity <──────┘
+//! ```
+
+mod clouds;
+mod monitored;
+mod octomaps;
+mod reading;
+mod services;
+mod telling;
+#[cfg(test)]
+mod tests;
+mod topics;
+mod validity;
+
+pub use clouds::{CloudReport, decode};
+pub use monitored::Monitored;
+pub use services::SceneServices;
+pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms};

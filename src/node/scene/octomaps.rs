@@ -1,0 +1,53 @@
+//! Octomaps as obstacles.
+
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap as OctomapMessage, OctomapWithPose};
+
+use super::reading::pose;
+use crate::geometry::Shape;
+use crate::math::Pose;
+use crate::monitor::scene::{OCTOMAP, OctomapPlacement, SceneRefusal};
+use crate::world::Octomap;
+
+/// The only kind of tree that is taken, as in MoveIt.
+const KIND: &str = "OcTree";
+
+/// An `octomap_msgs/Octomap` by itself, which stands in the frame of its header. Without data it is empty.
+pub fn octomap_placement(
+    message: &OctomapMessage,
+    unknown_is_occupied: bool,
+) -> Result<OctomapPlacement, SceneRefusal> {
+    let frame = message.header.frame_id.clone();
+    let shape = shape(message, unknown_is_occupied)?;
+    Ok(OctomapPlacement { frame, pose_fo: Pose::identity(), shape })
+}
+
+/// That of a scene; `None` when the scene says nothing about it.
+pub fn octomap_with_pose(
+    message: &OctomapWithPose,
+    unknown_is_occupied: bool,
+) -> Result<Option<OctomapPlacement>, SceneRefusal> {
+    if message.octomap.data.is_empty() {
+        return Ok(None);
+    }
+    let pose_fo = pose(&message.origin, "octomap.origin").map_err(|why| SceneRefusal::of(OCTOMAP, why))?;
+    let shape = shape(&message.octomap, unknown_is_occupied)?;
+    Ok(Some(OctomapPlacement { frame: message.header.frame_id.clone(), pose_fo, shape }))
+}
+
+fn shape(message: &OctomapMessage, unknown_is_occupied: bool) -> Result<Option<Shape>, SceneRefusal> {
+    let refuse = |why: String| SceneRefusal::of(OCTOMAP, format!("octomap: {why}"));
+    if message.id != KIND {
+        return Err(refuse(format!(
+            "id: trees of type '{}' are not taken; {KIND} are",
+            message.id.escape_debug()
+        )));
+    }
+    if message.data.is_empty() {
+        return Ok(None);
+    }
+    let data: Vec<u8> = message.data.iter().map(|byte| byte.cast_unsigned()).collect();
+    let tree = Octomap::from_message(message.binary, &message.id, message.resolution, &data)
+        .map_err(|error| refuse(error.to_string()))?;
+    let voxels = tree.to_voxels(unknown_is_occupied).map_err(|error| refuse(error.to_string()))?;
+    Ok(voxels.map(Shape::Voxels))
+}

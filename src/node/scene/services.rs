@@ -1,0 +1,204 @@
+//! `get_planning_scene`, `apply_planning_scene`, `clear_octomap` and `check_state_validity`: requests come and answers go on the
+//! thread of the topics about the world; states are checked on a thread of their own.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, PoisonError};
+
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{
+    ApplyPlanningSceneRequest, ApplyPlanningSceneResponse, GetPlanningSceneRequest, GetPlanningSceneResponse,
+    GetStateValidityRequest, GetStateValidityResponse,
+};
+use serde::{Deserialize, Serialize};
+use smol::LocalExecutor;
+use smol::channel::{self, Receiver, Sender};
+
+use super::telling::{Told, scene_message};
+use super::topics::{SceneTopics, Shared};
+use super::validity::{Situation, state_validity};
+use crate::monitor::scene::SceneUpdate;
+use crate::node::loader::Order;
+use crate::node::middleware::{Message, Middleware, MiddlewareError, RequestId, Server};
+use crate::node::monitor_loop::CurrentJudgement;
+use crate::node::names::Names;
+use crate::node::scene_keeper::{CurrentScene, SceneInForce, SceneOrder};
+
+/// Questions about states that wait at most; who comes then is told at once that the state is not valid.
+const WAITING: usize = 64;
+
+/// `std_srvs/srv/Empty`, either way: ROS sends one byte where there is nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Empty {
+    structure_needs_at_least_one_member: u8,
+}
+
+impl Message for Empty {}
+
+/// The side that speaks with clients.
+pub struct SceneServices {
+    get: Server<GetPlanningSceneRequest, GetPlanningSceneResponse>,
+    apply: Server<ApplyPlanningSceneRequest, ApplyPlanningSceneResponse>,
+    clear: Server<Empty, Empty>,
+    validity: Server<GetStateValidityRequest, GetStateValidityResponse>,
+    scene: CurrentScene,
+    judgement: CurrentJudgement,
+    orders: Sender<Order>,
+    questions: Sender<(RequestId, GetStateValidityRequest)>,
+    answers: Receiver<(RequestId, GetStateValidityResponse)>,
+}
+
+/// The side that checks states.
+pub struct ValidityDesk {
+    questions: Receiver<(RequestId, GetStateValidityRequest)>,
+    answers: Sender<(RequestId, GetStateValidityResponse)>,
+    scene: CurrentScene,
+    judgement: CurrentJudgement,
+    shared: Shared,
+}
+
+impl SceneServices {
+    /// Both sides.
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        (scene, judgement): (CurrentScene, CurrentJudgement),
+        shared: Shared,
+        orders: Sender<Order>,
+    ) -> Result<(Self, ValidityDesk), MiddlewareError> {
+        let (questions, questions_in) = channel::bounded(WAITING);
+        let (answers, answers_in) = channel::unbounded();
+        let moveit = |kind| ("moveit_msgs", kind);
+        let services = Self {
+            get: middleware.server(&names.resolve("get_planning_scene")?, moveit("GetPlanningScene"))?,
+            apply: middleware
+                .server(&names.resolve("apply_planning_scene")?, moveit("ApplyPlanningScene"))?,
+            clear: middleware.server(&names.resolve("clear_octomap")?, ("std_srvs", "Empty"))?,
+            validity: middleware
+                .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
+            scene: Arc::clone(&scene),
+            judgement: Arc::clone(&judgement),
+            orders,
+            questions,
+            answers: answers_in,
+        };
+        Ok((services, ValidityDesk { questions: questions_in, answers, scene, judgement, shared }))
+    }
+
+    /// Serves for ever.
+    pub async fn serve(&self, topics: &SceneTopics) {
+        // each answer waits for its own client only
+        let answering = LocalExecutor::new();
+        let get = async {
+            loop {
+                let (id, request) = self.get.next().await;
+                let response = GetPlanningSceneResponse { scene: self.told(request.components.components) };
+                answering.spawn(self.get.answer(id, response)).detach();
+            }
+        };
+        let apply = async {
+            loop {
+                let (id, request) = self.apply.next().await;
+                let order = topics.scene("apply_planning_scene", request.scene);
+                let answer = async move {
+                    let success = self.ordered(order).await;
+                    self.apply.answer(id, ApplyPlanningSceneResponse { success }).await;
+                };
+                answering.spawn(answer).detach();
+            }
+        };
+        let clear = async {
+            loop {
+                let (id, _) = self.clear.next().await;
+                let answer = async move {
+                    self.ordered(SceneOrder::on("clear_octomap").to(SceneUpdate::Octomap(None))).await;
+                    self.clear.answer(id, Empty::default()).await;
+                };
+                answering.spawn(answer).detach();
+            }
+        };
+        let questions = async {
+            loop {
+                let question = self.validity.next().await;
+                if let Err(refused) = self.questions.try_send(question) {
+                    log::warn!(
+                        "check_state_validity: {WAITING} requests are waiting already: ask again later"
+                    );
+                    let (id, _) = refused.into_inner();
+                    answering.spawn(self.validity.answer(id, GetStateValidityResponse::default())).detach();
+                }
+            }
+        };
+        let answers = async {
+            while let Ok((id, response)) = self.answers.recv().await {
+                answering.spawn(self.validity.answer(id, response)).detach();
+            }
+        };
+        let scenes = future::zip(future::zip(get, apply), clear);
+        answering.run(future::zip(scenes, future::zip(questions, answers))).await;
+    }
+
+    /// Has something done to the scene, and waits until it is in force; whether all of it was done.
+    async fn ordered(&self, order: SceneOrder) -> bool {
+        let (done, is_done) = channel::bounded(1);
+        let order = Order::Scene(Box::new(order.answered_on(done)));
+        // a loader that has ended does nothing any more
+        self.orders.send(order).await.is_ok() && is_done.recv().await.unwrap_or(false)
+    }
+
+    fn told(&self, components: u32) -> ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene {
+        let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let Some(scene) = scene else {
+            log::warn!("get_planning_scene: there is no robot model yet");
+            return Default::default();
+        };
+        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let placement = judgement.and_then(|judgement| {
+            let same = judgement.revision?.model == scene.revision.model;
+            judgement.placement.filter(|_| same)
+        });
+        let SceneInForce { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
+        let told = Told {
+            robot: revision.checker.robot(),
+            scene: state,
+            padding: parameters.padding,
+            configuration: placement.as_ref().map(|evidence| &evidence.configuration),
+            octomap: octomap.as_deref(),
+        };
+        scene_message(&told, components)
+    }
+}
+
+impl ValidityDesk {
+    /// Checks what is asked until there is no one left to ask.
+    pub fn work(self) {
+        while let Ok((id, request)) = self.questions.recv_blocking() {
+            let answered = catch_unwind(AssertUnwindSafe(|| self.answer(&request)));
+            let response = match answered {
+                Ok(Ok(response)) => response,
+                Ok(Err(why)) => {
+                    log::warn!("check_state_validity: not valid: {why}");
+                    GetStateValidityResponse::default()
+                }
+                Err(_) => {
+                    log::error!("check_state_validity: checking failed inside the program");
+                    GetStateValidityResponse::default()
+                }
+            };
+            if self.answers.send_blocking((id, response)).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn answer(&self, request: &GetStateValidityRequest) -> Result<GetStateValidityResponse, String> {
+        let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let scene = scene.ok_or("there is no robot model yet")?;
+        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let now = self.shared.clock.read();
+        state_validity(
+            request,
+            &Situation { scene: &scene, judgement: judgement.as_ref(), transforms: &transforms, now },
+        )
+    }
+}

@@ -1,0 +1,292 @@
+//! Topics about the world: messages become orders of the loader, transforms go straight into the tree.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use futures_lite::{FutureExt, future};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
+};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
+use smol::channel::{Receiver, Sender};
+
+use super::clouds::{CloudMessage, CloudMessages};
+use super::octomaps::octomap_placement;
+use super::reading::{attached_change, object_change, scene_change, transform_pose, world_change};
+use crate::monitor::Sight;
+use crate::monitor::Time;
+use crate::monitor::scene::{OCTOMAP, SceneUpdate, Transform, TransformTree};
+use crate::node::clock::RosClock;
+use crate::node::loader::Order;
+use crate::node::messages::time_of;
+use crate::node::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
+use crate::node::names::Names;
+use crate::node::parameter_services::ParameterStore;
+use crate::node::scene_keeper::SceneOrder;
+
+/// Frames that others publish, shared between who hears and who needs them.
+pub type Transforms = Arc<Mutex<TransformTree>>;
+
+/// Everything that is heard about the world.
+pub struct SceneTopics {
+    middleware: Middleware,
+    names: Names,
+    scenes: Subscription<PlanningScene>,
+    worlds: Subscription<PlanningSceneWorld>,
+    objects: Subscription<CollisionObject>,
+    attached: Subscription<AttachedCollisionObject>,
+    /// Each octomap topic as publishers of either kind need it.
+    octomaps: [[Subscription<Octomap>; 2]; 2],
+    tf: Subscription<TFMessage>,
+    tf_static: Subscription<TFMessage>,
+    pub shared: Shared,
+    orders: Sender<Order>,
+    /// Tells that a parameter changed.
+    changes: Receiver<()>,
+}
+
+/// What is shared with the loader.
+#[derive(Clone)]
+pub struct Shared {
+    pub transforms: Transforms,
+    pub clouds: Arc<CloudMessages>,
+    pub store: ParameterStore,
+    pub clock: Arc<RosClock>,
+}
+
+/// The copy of a message that a topic heard in two ways brings must not count twice.
+#[derive(Default)]
+struct Twins {
+    last: Option<(usize, Octomap, Instant)>,
+}
+
+impl SceneTopics {
+    pub fn open(
+        middleware: &Middleware,
+        names: &Names,
+        shared: Shared,
+        orders: Sender<Order>,
+        changes: Receiver<()>,
+    ) -> Result<Self, MiddlewareError> {
+        let moveit = |kind| MessageKind("moveit_msgs", kind);
+        let octomap = |name: &str| -> Result<_, MiddlewareError> {
+            let (name, kind) = (names.resolve(name)?, MessageKind("octomap_msgs", "Octomap"));
+            Ok([
+                middleware.subscription(&name, kind, Quality::ReliableBulk)?,
+                middleware.subscription(&name, kind, Quality::LatchedBulk)?,
+            ])
+        };
+        let tf = MessageKind("tf2_msgs", "TFMessage");
+        let reliable = Quality::Reliable;
+        Ok(Self {
+            scenes: middleware.subscription(
+                &names.resolve("planning_scene")?,
+                moveit("PlanningScene"),
+                reliable,
+            )?,
+            worlds: middleware.subscription(
+                &names.resolve("planning_scene_world")?,
+                moveit("PlanningSceneWorld"),
+                reliable,
+            )?,
+            objects: middleware.subscription(
+                &names.resolve("collision_object")?,
+                moveit("CollisionObject"),
+                reliable,
+            )?,
+            attached: middleware.subscription(
+                &names.resolve("attached_collision_object")?,
+                moveit("AttachedCollisionObject"),
+                reliable,
+            )?,
+            octomaps: [octomap("octomap_binary")?, octomap("octomap_full")?],
+            tf: middleware.subscription(&names.resolve("tf")?, tf, Quality::BestEffort)?,
+            tf_static: middleware.subscription(&names.resolve("tf_static")?, tf, Quality::Kept)?,
+            middleware: middleware.clone(),
+            names: names.clone(),
+            shared,
+            orders,
+            changes,
+        })
+    }
+
+    /// Listens for ever.
+    pub async fn listen(&self) {
+        let twins: [Mutex<Twins>; 2] = Default::default();
+        let objects = self.hear(&self.objects, |m| self.object(&m));
+        let attached = self.hear(&self.attached, |m| self.attached(&m));
+        let worlds = self.hear(&self.worlds, |m| Some(self.world(m)));
+        let scenes = self.hear(&self.scenes, |m| Some(self.scene("planning_scene", m)));
+        let octomap = |topic: usize, twin: usize| {
+            let last = &twins[topic];
+            self.hear(&self.octomaps[topic][twin], move |m| {
+                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+                last.is_new(twin, &m).then(|| self.octomap(topic, m))
+            })
+        };
+        let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
+        let octomaps =
+            future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
+        let transforms = future::zip(self.follow(&self.tf, false), self.follow(&self.tf_static, true));
+        future::zip(future::zip(scenes, octomaps), future::zip(transforms, self.watch())).await;
+    }
+
+    /// Turns messages into orders.
+    async fn hear<M: crate::node::middleware::Message + 'static>(
+        &self,
+        topic: &Subscription<M>,
+        read: impl Fn(M) -> Option<SceneOrder>,
+    ) {
+        loop {
+            let (message, _) = topic.next().await;
+            if let Some(order) = read(message)
+                && self.orders.send(Order::Scene(Box::new(order))).await.is_err()
+            {
+                return;
+            }
+        }
+    }
+
+    #[expect(clippy::unnecessary_wraps, reason = "as the others")]
+    fn object(&self, message: &CollisionObject) -> Option<SceneOrder> {
+        let order = SceneOrder::on("collision_object");
+        Some(match object_change(message) {
+            Ok(change) => order.to(SceneUpdate::Object(Box::new(change))),
+            Err(refusal) => order.refused(vec![refusal]),
+        })
+    }
+
+    #[expect(clippy::unnecessary_wraps, reason = "as the others")]
+    fn attached(&self, message: &AttachedCollisionObject) -> Option<SceneOrder> {
+        let order = SceneOrder::on("attached_collision_object");
+        Some(match attached_change(message) {
+            Ok(change) => order.to(SceneUpdate::Attached(Box::new(change))),
+            Err(refusal) => order.refused(vec![refusal]),
+        })
+    }
+
+    fn world(&self, message: PlanningSceneWorld) -> SceneOrder {
+        let read = world_change(&message, self.unknown_is_occupied());
+        let order = SceneOrder::on("planning_scene_world").to(SceneUpdate::World(Box::new(read.change)));
+        order.refused(read.refusals).with_octomap(message.octomap, self.sight(Time::ZERO))
+    }
+
+    /// An order to apply a whole or partial scene.
+    pub fn scene(&self, source: &'static str, message: PlanningScene) -> SceneOrder {
+        let read = scene_change(&message, self.unknown_is_occupied());
+        let order = SceneOrder::on(source).to(SceneUpdate::Scene(Box::new(read.change)));
+        order.refused(read.refusals).with_octomap(message.world.octomap, self.sight(Time::ZERO))
+    }
+
+    fn octomap(&self, topic: usize, message: Octomap) -> SceneOrder {
+        let order = SceneOrder::on(["octomap_binary", "octomap_full"][topic]);
+        match octomap_placement(&message, self.unknown_is_occupied()) {
+            Err(refusal) => order.refused(vec![refusal]),
+            Ok(placement) => {
+                let sight = self.sight(time_of(&message.header.stamp));
+                let header = message.header.clone();
+                let octomap = OctomapWithPose { header, octomap: message, ..OctomapWithPose::default() };
+                order.to(SceneUpdate::Octomap(Some(placement))).with_octomap(octomap, sight)
+            }
+        }
+    }
+
+    fn unknown_is_occupied(&self) -> bool {
+        self.shared.store.get().unknown_is_occupied()
+    }
+
+    /// Now, of what was stamped then; without a stamp it is new.
+    fn sight(&self, stamp: Time) -> Sight {
+        let now = self.shared.clock.read();
+        let stamp = if stamp == Time::ZERO { now.ros.unwrap_or_default() } else { stamp };
+        Sight { stamp, at: now.steady }
+    }
+
+    async fn follow(&self, topic: &Subscription<TFMessage>, fixed: bool) {
+        loop {
+            let (message, _) = topic.next().await;
+            let now = self.shared.clock.now().unwrap_or_default();
+            let mut tree = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner);
+            for transform in message.transforms {
+                let stamp = match time_of(&transform.header.stamp) {
+                    Time::ZERO => now,
+                    stamp => stamp,
+                };
+                let Ok(pose_pf) = transform_pose(&transform.transform) else {
+                    log::warn!(
+                        "tf: the transform of '{}' is no pose",
+                        transform.child_frame_id.escape_debug()
+                    );
+                    continue;
+                };
+                let parent = transform.header.frame_id;
+                let stamp = (!fixed).then_some(stamp);
+                if !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp }) {
+                    log::warn!("tf: there are too many frames; the rest is not heeded");
+                }
+            }
+        }
+    }
+
+    /// Listens to the clouds that the parameters name, for ever.
+    async fn watch(&self) {
+        let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
+        loop {
+            let topics = self.shared.store.get().point_cloud_topics;
+            watched.retain(|topic, _| topics.contains(topic));
+            for topic in
+                topics.iter().filter(|topic| !watched.contains_key(*topic)).cloned().collect::<Vec<_>>()
+            {
+                match self.subscribe(&topic) {
+                    Ok(subscription) => drop(watched.insert(topic, subscription)),
+                    Err(error) => log::error!("point_cloud_topics: {error}"),
+                }
+            }
+            let change = async {
+                if self.changes.recv().await.is_err() {
+                    future::pending::<()>().await;
+                }
+            };
+            let clouds = watched.iter().map(|(topic, clouds)| self.clouds(topic, clouds).boxed_local());
+            let clouds =
+                clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
+            future::or(change, clouds).await;
+        }
+    }
+
+    fn subscribe(&self, topic: &str) -> Result<Subscription<PointCloud2>, MiddlewareError> {
+        let kind = MessageKind("sensor_msgs", "PointCloud2");
+        self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)
+    }
+
+    async fn clouds(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
+        loop {
+            let (cloud, origin) = clouds.next().await;
+            let since = Instant::now().checked_sub(origin.waited()).unwrap_or_else(Instant::now);
+            let message = CloudMessage { cloud, came: self.shared.clock.read(), since };
+            self.shared.clouds.put(topic, message);
+            if self.orders.send(Order::Clouds).await.is_err() {
+                return;
+            }
+        }
+    }
+}
+
+impl Twins {
+    /// Whether a message is not the other way's copy of the one before.
+    fn is_new(&mut self, way: usize, message: &Octomap) -> bool {
+        const SOON: Duration = Duration::from_secs(2);
+        let is_copy = (self.last.take())
+            .is_some_and(|(other, before, at)| other != way && at.elapsed() < SOON && before == *message);
+        if !is_copy {
+            self.last = Some((way, message.clone(), Instant::now()));
+        }
+        !is_copy
+    }
+}
+
+/// The name of the octomap as a source.
+pub const OCTOMAP_SOURCE: &str = OCTOMAP;

@@ -1,0 +1,240 @@
+//! Whether a state is valid, as `moveit_msgs/GetStateValidity` asks. No I/O.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Vector3;
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, ContactInformation, RobotState};
+use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
+use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
+
+use super::reading::{robot_state_change, transform_pose};
+use crate::checker::{Body, CollisionChecker, Question};
+use crate::math::{Point, Pose, Vector};
+use crate::monitor::scene::{Applied, PlanningSceneState, SceneContext, TransformTree};
+use crate::monitor::{Judgement, Now, quoted_list};
+use crate::node::loader::checker_of;
+use crate::node::messages::{point_message, stamp_message};
+use crate::node::scene_keeper::SceneInForce;
+use crate::robot::{Configuration, LinkId, LinkPoses, RobotModel};
+use crate::world::AttachedId;
+
+/// Contacts told at most: the answer must not grow with the number of bodies.
+const CONTACTS_TOLD: usize = 200;
+
+/// What a question is asked about.
+pub struct Situation<'s> {
+    pub scene: &'s SceneInForce,
+    pub judgement: Option<&'s Judgement>,
+    pub transforms: &'s TransformTree,
+    pub now: Now,
+}
+
+/// Answers a question, or says why the state can not be judged.
+pub fn state_validity(
+    request: &GetStateValidityRequest,
+    situation: &Situation,
+) -> Result<GetStateValidityResponse, String> {
+    let SceneInForce { revision, scene, .. } = situation.scene;
+    let robot = revision.checker.robot();
+    if let Some(stale) = revision.stale_world(situation.now) {
+        return Err(stale.to_string());
+    }
+    let group = links_of_group(robot, &request.group_name)?;
+    let q = configuration(robot, &request.robot_state, situation)?;
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&q, &mut poses);
+    let changed = with_request(&request.robot_state, scene, &poses, situation)?;
+    let built;
+    let checker = match &changed {
+        None => &revision.checker,
+        Some(changed) => {
+            let SceneInForce { mesh_model, parameters, .. } = situation.scene;
+            built = checker_of(robot, changed, *mesh_model, parameters, Some(&revision.checker))?;
+            &built
+        }
+    };
+    let report = checker.check(&q, Question::PairDistances { limit: 0.0 }, &mut checker.workspace());
+    let in_group = |body: Body| group.as_ref().is_none_or(|links| moves(checker, body, links));
+    let colliding = report.colliding_pairs.iter().filter(|(a, b)| in_group(*a) || in_group(*b));
+    let colliding: Vec<_> = colliding.copied().collect();
+    let contact = |&(a, b): &(Body, Body)| {
+        let touching = report.pair_distances.iter().find(|found| (found.a, found.b) == (a, b));
+        contact(checker, (a, b), touching.map(|found| found.witness_points[0]), &poses, situation.now)
+    };
+    let unanswered = constraints_given(&request.constraints);
+    if unanswered {
+        log::warn!("check_state_validity: not valid: constraints are not evaluated here; leave them out");
+    }
+    Ok(GetStateValidityResponse {
+        valid: colliding.is_empty() && report.undecided.is_empty() && !unanswered,
+        contacts: colliding.iter().take(CONTACTS_TOLD).map(contact).collect(),
+        ..GetStateValidityResponse::default()
+    })
+}
+
+fn constraints_given(constraints: &Constraints) -> bool {
+    let Constraints { joint_constraints, position_constraints, orientation_constraints, .. } = constraints;
+    !(joint_constraints.is_empty()
+        && position_constraints.is_empty()
+        && orientation_constraints.is_empty()
+        && constraints.visibility_constraints.is_empty())
+}
+
+/// The links that a group moves: those below its joints; `None` for the whole robot.
+fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkId>>, String> {
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let groups = robot.srdf().map_or(&[][..], |srdf| &srdf.groups);
+    let group = groups.iter().find(|group| group.name == name).ok_or_else(|| {
+        let known: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { quoted_list(&known) };
+        format!(
+            "group_name: the robot has no group {}; the SRDF has {known}",
+            quoted_list(&[name.to_owned()])
+        )
+    })?;
+    let mut links: HashSet<LinkId> = HashSet::new();
+    for &id in robot.topological_order() {
+        let joint = robot.joint(id);
+        if group.joints.contains(&id) || links.contains(&joint.parent) {
+            links.insert(joint.child);
+        }
+    }
+    if group.links.contains(&robot.root()) {
+        links.insert(robot.root());
+    }
+    Ok(Some(links))
+}
+
+/// Whether a body moves with one of these links.
+fn moves(checker: &CollisionChecker, body: Body, links: &HashSet<LinkId>) -> bool {
+    match body {
+        Body::Link(link) => links.contains(&link),
+        Body::Attached(id) => carrier(checker, id).is_some_and(|link| links.contains(&link)),
+        Body::Obstacle(_) => false,
+    }
+}
+
+/// The link that carries an object.
+fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
+    checker.robot().link_by_name(&checker.world().attached_object(id).link)
+}
+
+/// The positions of the request over the current ones.
+fn configuration(
+    robot: &Arc<RobotModel>,
+    state: &RobotState,
+    situation: &Situation,
+) -> Result<Configuration, String> {
+    refuse_moved_root(robot, state)?;
+    let given = &state.joint_state;
+    if given.name.len() != given.position.len() {
+        let (names, positions) = (given.name.len(), given.position.len());
+        return Err(format!("robot_state.joint_state has {names} names and {positions} positions"));
+    }
+    let placement = situation.judgement.and_then(|judgement| {
+        let same = judgement.revision.as_ref()?.model == situation.scene.revision.model;
+        judgement.placement.as_ref().filter(|_| same)
+    });
+    let usual;
+    let rest = match placement {
+        Some(evidence) => &evidence.configuration,
+        None => {
+            let named = |position: &&String| !given.name.contains(position);
+            let missing: Vec<String> = robot.position_names().iter().filter(named).cloned().collect();
+            if !missing.is_empty() {
+                return Err(format!(
+                    "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
+                    quoted_list(&missing)
+                ));
+            }
+            usual = robot.default_configuration();
+            &usual
+        }
+    };
+    let named = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
+    robot.configuration_over(rest, named).map_err(|error| format!("robot_state.joint_state: {error}"))
+}
+
+/// Joints of several degrees of freedom stand in the URDF under names of their own; the virtual joint must stand at zero.
+fn refuse_moved_root(robot: &RobotModel, state: &RobotState) -> Result<(), String> {
+    let given = &state.multi_dof_joint_state;
+    for (i, name) in given.joint_names.iter().enumerate() {
+        let is_virtual = robot.srdf().is_some_and(|srdf| srdf.virtual_joints.iter().any(|j| j.name == *name));
+        let stands = given
+            .transforms
+            .get(i)
+            .is_some_and(|t| transform_pose(t).is_ok_and(|pose| pose == Pose::identity()));
+        if !(is_virtual && stands) {
+            let name = quoted_list(std::slice::from_ref(name));
+            return Err(format!(
+                "robot_state.multi_dof_joint_state: {name} can not be placed: give positions in joint_state"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The scene with what the request says that the robot holds; `None` if that changes nothing.
+fn with_request(
+    state: &RobotState,
+    scene: &PlanningSceneState,
+    poses: &LinkPoses,
+    situation: &Situation,
+) -> Result<Option<PlanningSceneState>, String> {
+    let read = robot_state_change(state);
+    if let Some(refusal) = read.refusals.first() {
+        return Err(format!("robot_state.attached_collision_objects: {refusal}"));
+    }
+    let SceneInForce { revision, parameters, .. } = situation.scene;
+    let robot = revision.checker.robot();
+    let (transforms, now) = (situation.transforms, situation.now.ros);
+    let context = SceneContext::new(robot, Some(poses), transforms, now, parameters.transform_ttl);
+    let (mut changed, mut applied) = (scene.clone(), Applied::default());
+    changed.change_robot_state(&read.change, true, &context, &mut applied);
+    match applied.refusals.first() {
+        Some(refusal) => Err(format!("robot_state.attached_collision_objects: {refusal}")),
+        None => Ok(applied.changed.then_some(changed)),
+    }
+}
+
+/// What is known about a contact. How deep it is is not; its normal points from the middle of the first body towards the contact.
+fn contact(
+    checker: &CollisionChecker,
+    (a, b): (Body, Body),
+    point: Option<Point>,
+    poses: &LinkPoses,
+    now: Now,
+) -> ContactInformation {
+    let robot = checker.robot();
+    let middle = match a {
+        Body::Link(link) => Point::from(poses.pose(link).translation.vector),
+        Body::Attached(id) => {
+            let pose_rl = carrier(checker, id).map_or(Pose::identity(), |link| *poses.pose(link));
+            Point::from((pose_rl * checker.world().attached_object(id).pose_lo).translation.vector)
+        }
+        Body::Obstacle(_) => Point::origin(),
+    };
+    let position = point.unwrap_or(middle);
+    let normal = (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
+    let kind = |body| match body {
+        Body::Link(_) => ContactInformation::ROBOT_LINK,
+        Body::Attached(_) => ContactInformation::ROBOT_ATTACHED,
+        Body::Obstacle(_) => ContactInformation::WORLD_OBJECT,
+    };
+    ContactInformation {
+        header: Header {
+            stamp: stamp_message(now.ros.unwrap_or_default()),
+            frame_id: robot.link(robot.root()).name.clone(),
+        },
+        position: point_message(&position),
+        normal: Vector3 { x: normal.x, y: normal.y, z: normal.z },
+        depth: 0.0,
+        contact_body_1: checker.body_name(a).to_owned(),
+        body_type_1: kind(a),
+        contact_body_2: checker.body_name(b).to_owned(),
+        body_type_2: kind(b),
+    }
+}

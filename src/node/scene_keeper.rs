@@ -1,0 +1,439 @@
+//! The scene in force: what messages and sensors make of it, and who has to hear of it.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
+use smol::channel::Sender;
+
+use super::messages::time_of;
+use super::monitor_loop::CurrentJudgement;
+use super::parameters::Parameters;
+use super::scene::{CloudReport, OCTOMAP_SOURCE, Shared, decode};
+use crate::checker::MeshModel;
+use crate::monitor::cloud::{SelfFilter, Sieve};
+use crate::monitor::scene::{OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate};
+use crate::monitor::{Evidence, Now, Revision, Sight, Time, WorldSource};
+use crate::robot::RobotModel;
+use crate::world::Obstacle;
+
+/// Orders that wait for a robot at most; later ones are refused.
+const WAITING: usize = 1000;
+
+/// Refusals of one message that are told at most.
+const TOLD: usize = 20;
+
+/// Something to be done to the scene.
+pub struct SceneOrder {
+    /// The topic or service that it came by.
+    source: &'static str,
+    update: Option<SceneUpdate>,
+    /// What could not be understood of the message.
+    refusals: Vec<SceneRefusal>,
+    /// The octomap as it came, and when it was seen.
+    octomap: Option<(OctomapWithPose, Sight)>,
+    /// Who waits for it to be in force: whether all of it was done.
+    done: Option<Sender<bool>>,
+}
+
+impl SceneOrder {
+    #[must_use]
+    pub fn on(source: &'static str) -> Self {
+        Self { source, update: None, refusals: Vec::new(), octomap: None, done: None }
+    }
+
+    #[must_use]
+    pub fn to(self, update: SceneUpdate) -> Self {
+        Self { update: Some(update), ..self }
+    }
+
+    #[must_use]
+    pub fn refused(self, refusals: Vec<SceneRefusal>) -> Self {
+        Self { refusals, ..self }
+    }
+
+    #[must_use]
+    pub fn with_octomap(self, octomap: OctomapWithPose, sight: Sight) -> Self {
+        let holds_one = !octomap.octomap.id.is_empty();
+        Self { octomap: holds_one.then_some((octomap, sight)), ..self }
+    }
+
+    #[must_use]
+    pub fn answered_on(self, done: Sender<bool>) -> Self {
+        Self { done: Some(done), ..self }
+    }
+}
+
+/// What is checked, and the scene that it was made of.
+pub struct SceneInForce {
+    pub revision: Arc<Revision>,
+    pub scene: PlanningSceneState,
+    pub octomap: Option<Arc<OctomapWithPose>>,
+    pub mesh_model: MeshModel,
+    /// Those that it was built with.
+    pub parameters: Parameters,
+}
+
+/// The scene in force, for those who tell of it.
+pub type CurrentScene = Arc<Mutex<Option<Arc<SceneInForce>>>>;
+
+/// Keeps the scene; belongs to the loader's thread.
+pub struct SceneKeeper {
+    pub state: PlanningSceneState,
+    pub octomap: Option<Arc<OctomapWithPose>>,
+    shared: Shared,
+    judgement: CurrentJudgement,
+    /// When the octomap was seen last, if one came since it was cleared.
+    octomap_seen: Option<Sight>,
+    clouds: BTreeMap<String, Cloud>,
+    filter: Option<SelfFilter>,
+    /// What came before there was a robot.
+    waiting: VecDeque<SceneOrder>,
+    /// What was refused of the last message that changed the scene, or was meant to.
+    faults: Vec<String>,
+    /// Sources whose word was dropped because it was too old.
+    dropped: Vec<String>,
+    /// Whether a message or sensor ever changed the scene.
+    touched: bool,
+    unanswered: Vec<(Sender<bool>, bool)>,
+}
+
+/// The last cloud of one topic.
+#[derive(Default)]
+struct Cloud {
+    seen: Option<Sight>,
+    report: CloudReport,
+    /// When the message came that is being made use of.
+    since: Option<Instant>,
+    complained: Option<Instant>,
+}
+
+/// What sensors have to say for themselves.
+pub type CloudReports = Vec<(String, CloudReport)>;
+
+impl SceneKeeper {
+    #[must_use]
+    pub fn new(shared: Shared, judgement: CurrentJudgement) -> Self {
+        Self {
+            state: PlanningSceneState::default(),
+            octomap: None,
+            shared,
+            judgement,
+            octomap_seen: None,
+            clouds: BTreeMap::new(),
+            filter: None,
+            waiting: VecDeque::new(),
+            faults: Vec::new(),
+            dropped: Vec::new(),
+            touched: false,
+            unanswered: Vec::new(),
+        }
+    }
+
+    /// Whether the scene is still that of the files.
+    #[must_use]
+    pub fn is_untouched(&self) -> bool {
+        !self.touched
+    }
+
+    /// The scene as it was: what was made of it last can not be checked.
+    pub fn go_back(&mut self, scene: &PlanningSceneState, fault: &str) {
+        self.state = scene.clone();
+        self.faults.push(fault.to_owned());
+        for (_, succeeded) in &mut self.unanswered {
+            *succeeded = false;
+        }
+    }
+
+    /// Another robot stands in the same scene.
+    pub fn fit_to(&mut self, robot: &RobotModel) {
+        for warning in self.state.fit_to(robot) {
+            log::warn!("{warning}");
+        }
+    }
+
+    /// Puts an order aside until there is a robot.
+    pub fn wait(&mut self, order: SceneOrder) {
+        if let Some(done) = order.done {
+            log::warn!("{}: there is no robot model yet", order.source);
+            let _ = done.try_send(false);
+        } else if self.waiting.len() < WAITING {
+            self.waiting.push_back(order);
+        } else {
+            log::warn!("{}: dropped: {WAITING} messages wait for a robot model already", order.source);
+        }
+    }
+
+    /// What was put aside.
+    pub fn awaited(&mut self) -> impl Iterator<Item = SceneOrder> + use<> {
+        std::mem::take(&mut self.waiting).into_iter()
+    }
+
+    /// Does what a message asks for; whether that changed anything.
+    pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, parameters: &Parameters) -> bool {
+        let SceneOrder { source, update, mut refusals, octomap, done } = order;
+        let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
+        let mut changed = false;
+        if let Some(update) = &update {
+            let evidence = self.evidence(robot);
+            let poses = evidence.as_ref().map(|e| &e.poses);
+            let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let now = self.shared.clock.now();
+            let context = SceneContext::new(robot, poses, &transforms, now, parameters.transform_ttl);
+            let applied = self.state.apply(update, &context);
+            changed = applied.changed;
+            refusals.extend(applied.refusals);
+            for warning in applied.warnings {
+                log::warn!("{source}: {warning}");
+            }
+        }
+        let after = self.state.world.obstacle_by_name(OCTOMAP);
+        let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+        if !is_same {
+            self.note_octomap(octomap, &refusals, update.as_ref());
+        }
+        self.note_refusals(source, &refusals);
+        self.touched |= changed;
+        if let Some(done) = done {
+            self.unanswered.push((done, refusals.is_empty()));
+        }
+        changed
+    }
+
+    /// Another octomap is in force, or none.
+    fn note_octomap(
+        &mut self,
+        octomap: Option<(OctomapWithPose, Sight)>,
+        refusals: &[SceneRefusal],
+        update: Option<&SceneUpdate>,
+    ) {
+        if refusals.iter().any(|refusal| refusal.object.as_deref() == Some(OCTOMAP)) {
+            return;
+        }
+        let leaves_it = match update {
+            Some(SceneUpdate::Octomap(_) | SceneUpdate::World(_)) => false,
+            Some(SceneUpdate::Scene(scene)) => scene.is_diff && scene.world.octomap.is_none(),
+            Some(SceneUpdate::Object(_) | SceneUpdate::Attached(_)) | None => true,
+        };
+        if leaves_it {
+            return;
+        }
+        self.dropped.retain(|name| name != OCTOMAP_SOURCE);
+        self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
+        self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
+    }
+
+    fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal]) {
+        self.faults = refusals.iter().take(TOLD).map(|refusal| format!("{source}: {refusal}")).collect();
+        if refusals.len() > TOLD {
+            self.faults.push(format!("{source}: and {} more faults", refusals.len() - TOLD));
+        }
+        for fault in &self.faults {
+            log::warn!("{fault}");
+        }
+    }
+
+    /// Answers who waited for what is in force now.
+    pub fn answer(&mut self) {
+        for (done, succeeded) in self.unanswered.drain(..) {
+            // a client that has gone needs no answer
+            let _ = done.try_send(succeeded);
+        }
+    }
+
+    /// What the monitor knows about where the robot is.
+    fn evidence(&self, robot: &Arc<RobotModel>) -> Option<Arc<Evidence>> {
+        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
+        let same = judgement.revision.is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
+        judgement.placement.filter(|_| same)
+    }
+
+    /// Lets the newest clouds take the place of those before; whether any did.
+    pub fn see(&mut self, robot: &Arc<RobotModel>, parameters: &Parameters) -> bool {
+        let mut changed = self.forget_unwatched(parameters);
+        let messages = self.shared.clouds.take();
+        for (topic, message) in messages {
+            if !parameters.point_cloud_topics.contains(&topic) {
+                continue;
+            }
+            let since = message.since;
+            let stamp = match time_of(&message.cloud.header.stamp) {
+                Time::ZERO => message.came.ros.unwrap_or_default(),
+                stamp => stamp,
+            };
+            let seen = self.sieve(&topic, &message.cloud, robot, parameters);
+            let cloud = self.clouds.entry(topic.clone()).or_default();
+            match seen {
+                Ok((obstacle, report)) => {
+                    cloud.report = report;
+                    cloud.seen = Some(Sight { stamp, at: message.came.steady });
+                    cloud.since = Some(since);
+                    self.state.set_sensed(&topic, obstacle);
+                    self.dropped.retain(|name| *name != topic);
+                    changed = true;
+                }
+                Err(fault) => cloud.complain(&topic, fault),
+            }
+        }
+        self.touched |= changed;
+        changed
+    }
+
+    /// Clouds of topics that nobody asks for any more go.
+    fn forget_unwatched(&mut self, parameters: &Parameters) -> bool {
+        let watched = &parameters.point_cloud_topics;
+        let gone: Vec<String> =
+            self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();
+        for topic in &gone {
+            self.clouds.remove(topic);
+            self.state.set_sensed(topic, None);
+        }
+        !gone.is_empty()
+    }
+
+    fn sieve(
+        &mut self,
+        topic: &str,
+        message: &ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2,
+        robot: &Arc<RobotModel>,
+        parameters: &Parameters,
+    ) -> Result<(Option<Obstacle>, CloudReport), String> {
+        let points = decode(message)?;
+        let evidence = self.evidence(robot).ok_or("no fresh joint state tells which points are the robot")?;
+        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let now = self.shared.clock.now();
+        let context =
+            SceneContext::new(robot, Some(&evidence.poses), &transforms, now, parameters.transform_ttl);
+        let frame = &message.header.frame_id;
+        let pose_rc =
+            context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
+        let filter = match self.filter.take().filter(|filter| Arc::ptr_eq(filter.robot(), robot)) {
+            Some(filter) => filter,
+            None => SelfFilter::new(Arc::clone(robot)),
+        };
+        let filter = self.filter.insert(filter);
+        filter.hold(&self.state.world);
+        let sifted =
+            sieve(parameters).sift(&points.points, points.rounding, &pose_rc, (filter, &evidence.poses))?;
+        let report = CloudReport {
+            points: sifted.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
+            not_finite: points.dropped,
+            cropped: sifted.cropped,
+            of_robot: sifted.of_robot,
+            ..CloudReport::default()
+        };
+        let shape = sifted.cloud.map(crate::geometry::Shape::Points);
+        Ok((shape.map(|shape| Obstacle::of_shape(topic, crate::math::Pose::identity(), shape)), report))
+    }
+
+    /// Takes away what is too old, if the parameters want that; whether anything was.
+    pub fn drop_stale(&mut self, now: Now, parameters: &Parameters) -> bool {
+        if !parameters.drops_stale_sources() {
+            let any = !self.dropped.is_empty();
+            self.dropped.clear();
+            return any;
+        }
+        let mut changed = false;
+        for source in self.watched(parameters) {
+            if source.seen.is_none() || source.freshness(now).is_ok() || self.dropped.contains(&source.name) {
+                continue;
+            }
+            log::warn!("what '{}' saw is dropped: it is older than {} s", source.name, source.ttl);
+            if source.name == OCTOMAP_SOURCE {
+                self.octomap = None;
+                let _ = self.state.world.remove(OCTOMAP);
+            } else {
+                self.state.set_sensed(&source.name, None);
+            }
+            self.dropped.push(source.name);
+            changed = true;
+        }
+        changed
+    }
+
+    /// How long it takes until something has to be dropped, if nothing comes.
+    #[must_use]
+    pub fn time_to_drop(&self, now: Now, parameters: &Parameters) -> Option<Duration> {
+        if !parameters.drops_stale_sources() {
+            return None;
+        }
+        let waiting = self.watched(parameters).into_iter().filter(|s| !self.dropped.contains(&s.name));
+        let left = waiting.filter_map(|source| Some((source.ttl - source.age(now)?).max(0.0)));
+        let left = left.fold(f64::INFINITY, f64::min);
+        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
+    }
+
+    /// Everyone whose word grows old.
+    fn watched(&self, parameters: &Parameters) -> Vec<WorldSource> {
+        let cloud = |topic: &String| WorldSource {
+            name: topic.clone(),
+            seen: self.clouds.get(topic).and_then(|cloud| cloud.seen),
+            ttl: parameters.point_cloud_ttl,
+        };
+        let octomap = self.octomap_seen.filter(|_| parameters.octomap_ttl > 0.0).map(|seen| WorldSource {
+            name: OCTOMAP_SOURCE.to_owned(),
+            seen: Some(seen),
+            ttl: parameters.octomap_ttl,
+        });
+        parameters.point_cloud_topics.iter().map(cloud).chain(octomap).collect()
+    }
+
+    /// Those who have to see the world for it to count as known.
+    #[must_use]
+    pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
+        let mut watched = self.watched(parameters);
+        watched.retain(|source| !self.dropped.contains(&source.name));
+        watched
+    }
+
+    /// What has to be known about the world.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let told = |name: &String| {
+            format!("what '{name}' saw was dropped, because it was too old: it is not avoided any more")
+        };
+        self.dropped.iter().map(told).collect()
+    }
+
+    /// What was refused of the last messages.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let of_clouds = self.clouds.iter().filter_map(|(topic, cloud)| {
+            Some(format!("the last cloud of '{topic}' was not taken: {}", cloud.report.fault.as_ref()?))
+        });
+        self.faults.iter().cloned().chain(of_clouds).collect()
+    }
+
+    /// What came is in use from now on.
+    pub fn note_in_use(&mut self) -> CloudReports {
+        for cloud in self.clouds.values_mut() {
+            if let Some(since) = cloud.since.take() {
+                cloud.report.latency = since.elapsed();
+            }
+        }
+        self.clouds.iter().map(|(topic, cloud)| (topic.clone(), cloud.report.clone())).collect()
+    }
+}
+
+impl Cloud {
+    fn complain(&mut self, topic: &str, fault: String) {
+        const PAUSE: Duration = Duration::from_secs(1);
+        if self.complained.is_none_or(|at| at.elapsed() > PAUSE) {
+            self.complained = Some(Instant::now());
+            log::warn!("a cloud of '{topic}' is not taken: {fault}");
+        }
+        self.report.fault = Some(fault);
+    }
+}
+
+fn sieve(parameters: &Parameters) -> Sieve {
+    let corner = |numbers: &[f64]| <[f64; 3]>::try_from(numbers).ok();
+    Sieve {
+        point_radius: parameters.point_radius,
+        crop_min: corner(&parameters.cloud_crop_min),
+        crop_max: corner(&parameters.cloud_crop_max),
+        self_filter_padding: parameters.self_filter_padding,
+        voxel_size: parameters.cloud_voxel_size,
+    }
+}

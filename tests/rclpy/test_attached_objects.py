@@ -1,0 +1,132 @@
+"""`attached_collision_object`: what the robot holds moves with it, and may be hit by everything else.
+
+The part is a ball of radius 0.05 at (1, 0.4, 0) of the tip's frame, beside the ball at the tip's end.
+"""
+
+from math import atan2, hypot, pi, sqrt
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from clearance_msgs.srv import CheckMotion
+
+from motions import Motions
+from scene import attached, ball, detachment, move, pose, removal, xyz
+from scene_client import colliding, distance
+
+ACCURACY = 1e-6  # [m]
+# Folded, the tip is free and the part is in the cube of the base.
+FOLDED = {"joint1": 0, "joint2": 5 * pi / 6}
+STRETCHED = {"joint1": 0, "joint2": 0}
+UP = {"joint1": pi / 2, "joint2": 0}
+
+HELD = attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"])
+
+
+@pytest.fixture
+def cell(start):
+    cell = start(parameters={"influence_distance": 0.5, "distance_limit": 3.0})
+    cell.judged(**STRETCHED)
+    return cell
+
+
+def test_an_attached_object_moves_with_its_link(cell, scene):
+    assert cell.judged(**FOLDED).status == CollisionState.FREE
+    state = scene.change(HELD)
+
+    assert state.status == CollisionState.COLLIDING
+    assert colliding(state) == [{("link", "base"), ("attached", "part")}]
+    state = cell.judged(**STRETCHED)
+    assert state.status == CollisionState.FREE
+    # base - tip, base - part and upper - part; the part may touch the tip.
+    assert state.pairs_checked == 3
+
+
+def test_attach_move_detach(cell, scene):
+    scene.change(ball("part", 2, 0.4, radius=0.05))
+    state = cell.judged(**STRETCHED)
+    assert distance(state, "tip", "part") == pytest.approx(0.25, abs=ACCURACY)
+
+    # By name: its shape is that of the world's object, which leaves the world.
+    state = scene.change(attached("tip", "part", ["tip"]))
+    assert distance(state, "tip", "part") is None
+    assert colliding(cell.judged(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
+
+    cell.judged(**UP)
+    scene.change(detachment("part"))
+    state = cell.judged(**UP)
+    assert distance(state, "tip", "part") == pytest.approx(0.25, abs=ACCURACY)
+    assert xyz(scene.obstacles()["part"].pose.position) == pytest.approx((-0.4, 2, 0), abs=ACCURACY)
+    # It stays there, an obstacle like any other.
+    assert distance(cell.judged(**STRETCHED), "tip", "part") is None
+    assert cell.judged(**FOLDED).status == CollisionState.FREE
+    scene.change(removal("part"))
+
+
+def test_an_object_given_in_the_world_s_frame_is_held_where_it_is_at_that_moment(cell, scene):
+    cell.judged(**UP)
+    scene.change(attached("tip", ball("part", -0.4, 2, radius=0.05), ["tip"]))
+    assert colliding(cell.judged(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
+
+
+def test_an_attached_object_against_the_world(cell, scene):
+    scene.change(HELD, ball("wall", 2, 0.6, radius=0.05))
+    state = cell.judged(**STRETCHED)
+    assert distance(state, "part", "wall") == pytest.approx(0.1, abs=ACCURACY)
+
+    state = scene.change(move("wall", pose(2, 0.45)))
+    assert colliding(state) == [{("attached", "part"), ("obstacle", "wall")}]
+
+
+def test_attached_objects_against_each_other(cell, scene):
+    # Where the part comes by when joint2 turns it to 120 degrees.
+    reach = hypot(1, 0.4)
+    other = ball("other", 1 - reach / 2, reach * sqrt(3) / 2, radius=0.05, frame="upper")
+    scene.change(HELD, attached("upper", other, ["upper"]))
+    assert cell.judged(**STRETCHED).status == CollisionState.FREE
+
+    state = cell.judged(joint1=0, joint2=2 * pi / 3 - atan2(0.4, 1))
+    assert colliding(state) == [{("attached", "part"), ("attached", "other")}]
+
+
+def test_touch_links_may_be_touched(scene):
+    # In the bar of the upper link, 0.2 before the elbow.
+    inside = ball("part", -0.2, radius=0.03, frame="tip")
+    state = scene.change(attached("tip", inside, ["tip"]))
+    assert colliding(state) == [{("link", "upper"), ("attached", "part")}]
+
+    state = scene.change(attached("tip", inside, ["tip", "upper"]))
+    assert state.status == CollisionState.FREE
+
+
+def test_all_that_a_link_holds_is_let_go(cell, scene):
+    scene.change(HELD, attached("upper", ball("other", 0.5, 0.4, frame="upper"), ["upper"]))
+    scene.change(detachment("", "tip"))
+    assert list(scene.obstacles()) == ["part"]
+    scene.change(detachment(""))
+    assert set(scene.obstacles()) == {"part", "other"}
+
+
+def test_what_cannot_be_attached_is_refused_by_name(cell, scene):
+    scene.refused(attached("hand", ball("a", 1)), "a", "hand")
+    scene.refused(attached("tip", "not_there"), "not_there")
+    scene.refused(attached("tip", ball("c", 1, frame="nowhere")), "c", "nowhere")
+    scene.refused(detachment("not_held"), "not_held")
+    scene.change(HELD)
+    scene.refused(detachment("part", "upper"), "part", "upper")
+    assert colliding(cell.judged(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
+
+
+def test_an_unknown_touch_link_is_complained_about(scene):
+    scene.publish(attached("tip", ball("part", 1, 0.4, frame="tip"), ["tip", "finger"]))
+    scene.complaints.wait_for("part", "finger")
+
+
+def test_a_motion_is_checked_with_what_is_held(cell, scene):
+    motions = Motions(cell.peer, cell.node)
+    ends = (0, 0), (0, 5 * pi / 6)
+    assert motions.check(*ends).verdict == CheckMotion.Response.FREE
+
+    scene.change(HELD)
+    answer = motions.check(*ends)
+    assert answer.verdict == CheckMotion.Response.CONTACT
+    assert {answer.pair.body_a, answer.pair.body_b} == {"base", "part"}

@@ -1,0 +1,249 @@
+"""`collision_object`: obstacles come, go, grow and move, and every distance can be worked out by hand.
+
+With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0): an obstacle that begins at x = 2.2 is 0.1 away.
+"""
+
+from math import inf, nan, pi
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from geometry_msgs.msg import Quaternion, TransformStamped
+from moveit_msgs.msg import CollisionObject
+from shape_msgs.msg import SolidPrimitive
+from tf2_msgs.msg import TFMessage
+
+from cell import Cell
+from scene import ball, box, cone, cube_mesh, cylinder, mesh, move, obstacle, plane, pose, removal, sphere
+from scene_client import SceneClient, bodies, colliding, distance
+
+ACCURACY = 1e-6  # [m] curved primitives; boxes and balls do far better
+NEARBY = {"influence_distance": 0.5, "distance_limit": 3.0}
+
+
+@pytest.fixture
+def cell(start):
+    cell = start(parameters=NEARBY)
+    cell.judged(joint1=0, joint2=0)
+    return cell
+
+
+@pytest.fixture(scope="module")
+def shared(module_peer):
+    """One node for obstacles that are taken away again."""
+    with Cell(module_peer, parameters=NEARBY) as cell:
+        cell.judged(joint1=0, joint2=0)
+        yield SceneClient(cell)
+
+
+def near(state, name="thing"):
+    return distance(state, "tip", name)
+
+
+SHAPES = {
+    "box": (box(0.2, 0.4, 0.6), pose(2.3)),
+    "turned box": (box(0.4, 0.2, 0.6), pose(2.3, axis=(0, 0, 1), angle=pi / 2)),
+    "sphere": (sphere(0.1), pose(2.3)),
+    "cylinder": (cylinder(0.6, 0.1), pose(2.3)),
+    "lying cylinder": (cylinder(0.2, 0.3), pose(2.3, axis=(0, 1, 0), angle=pi / 2)),
+    # Its base is turned to the arm, with the rim on the x axis; the apex there would be farther away.
+    "lying cone": (cone(0.2, 0.1), pose(2.3, 0, 0.1, axis=(0, 1, 0), angle=pi / 2)),
+    "plane": (plane(-1, 0, 0, 2.2), pose()),
+    "placed plane": (plane(0, 0, 1, -0.1), pose(2.3, axis=(0, 1, 0), angle=-pi / 2)),
+    "mesh": (cube_mesh(0.2), pose(2.3)),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("placed", ["by the object", "by the shape"])
+def test_every_shape_is_where_it_is_said_to_be(shared, shape, placed):
+    geometry, place = SHAPES[shape]
+    thing = obstacle("thing", geometry, at=place) if placed == "by the object" else obstacle("thing", (geometry, place))
+    state = shared.change(thing)
+
+    assert state.status == CollisionState.FREE
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+    assert ("obstacle", "thing") in bodies(state.nearest.pair)
+    assert near(shared.change(removal("thing"))) is None
+
+
+def test_poses_of_object_and_shape_are_composed(shared):
+    # The object's x axis points along the world's y: its shape at (-0.5, 0, 0) is 0.5 m towards the x axis.
+    turned = pose(2.3, 0.5, 0, angle=pi / 2)
+    state = shared.change(obstacle("thing", (sphere(0.1), pose(-0.5)), (sphere(0.05), pose(3)), at=turned))
+
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+    shared.change(removal("thing"))
+
+
+def test_shapes_without_a_pose_stand_in_the_object_s_frame(shared):
+    state = shared.change(obstacle("thing", sphere(0.1), sphere(0.05), at=pose(2.3)))
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+    shared.change(removal("thing"))
+
+
+def test_a_pose_without_orientation_is_not_turned(shared):
+    thing = ball("thing", 2.3)
+    thing.pose.orientation = Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)
+    assert near(shared.change(thing)) == pytest.approx(0.1, abs=ACCURACY)
+    shared.change(removal("thing"))
+
+
+def test_an_object_that_touches_is_named_with_what_it_touches(scene):
+    state = scene.change(ball("thing", 2.15))
+
+    assert state.status == CollisionState.COLLIDING
+    assert colliding(state) == [{("link", "tip"), ("obstacle", "thing")}]
+
+
+def test_adding_once_more_replaces(scene):
+    scene.change(ball("thing", 2.3))
+    state = scene.change(ball("thing", 2.4, radius=0.05))
+    assert near(state) == pytest.approx(0.25, abs=ACCURACY)
+
+
+def test_appending_adds_shapes_to_an_object(scene):
+    place = pose(2, 1)
+    scene.change(obstacle("thing", sphere(0.1), at=place))
+    more = obstacle("thing", (sphere(0.1), pose(0.3, -1)), (sphere(0.1), pose(0, 3)), at=place)
+    more.operation = CollisionObject.APPEND
+    state = scene.change(more)
+
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+    # The first shape is still there: 0.8 above the ball.
+    state = scene.change(move("thing", pose(2, 0.5)))
+    assert near(state) == pytest.approx(0.3, abs=ACCURACY)
+
+
+def test_appending_to_nothing_adds(scene):
+    state = scene.change(ball("thing", 2.3, operation=CollisionObject.APPEND))
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+
+
+def test_moving_keeps_the_shapes(scene):
+    scene.change(obstacle("thing", (sphere(0.1), pose(0.1)), (sphere(0.1), pose(3)), at=pose(2.5)))
+    state = scene.change(move("thing", pose(2.2, 0, 0)))
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+
+
+def test_a_single_shape_that_was_placed_itself_is_moved_with_its_object(scene):
+    """As in MoveIt: the one pose of an object is the object's, whichever field it was written into."""
+    scene.change(obstacle("thing", (sphere(0.1), pose(2.5))))
+    state = scene.change(move("thing", pose(2.3)))
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+
+
+def test_one_is_removed_or_all(scene):
+    scene.change(ball("a", 2.3), ball("b", 2.3, 0.3), ball("c", 2.3, -0.3))
+    state = scene.change(removal("a"))
+    assert near(state, "a") is None
+    assert near(state, "b") == pytest.approx(near(state, "c"), abs=ACCURACY)
+
+    state = scene.change(removal())
+    assert state.pairs_checked == 1
+
+
+def test_an_object_in_the_frame_of_a_link_stays_where_the_link_was(cell, scene):
+    # The tip's origin is the elbow; its x axis points to the ball.
+    state = scene.change(ball("thing", 1.3, frame="tip"))
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+
+    assert near(cell.judged(joint1=0, joint2=pi / 2)) is None
+    assert near(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.1, abs=ACCURACY)
+
+    cell.judged(joint1=pi / 2, joint2=0)
+    scene.change(ball("other", 1.3, frame="/tip"))
+    assert near(cell.judged(joint1=pi / 2, joint2=0), "other") == pytest.approx(0.1, abs=ACCURACY)
+    assert near(cell.judged(joint1=0, joint2=0), "thing") == pytest.approx(0.1, abs=ACCURACY)
+
+
+def test_an_object_in_the_frame_of_another_or_of_its_subframe(scene):
+    shelf = obstacle("shelf", sphere(0.05), at=pose(2.3, 1, angle=pi / 2), subframes={"hook": pose(-1)})
+    scene.change(shelf)
+    state = scene.change(ball("thing", 0, 0, 0, frame="shelf/hook"))
+    assert near(state) == pytest.approx(0.1, abs=ACCURACY)
+
+    state = scene.change(ball("other", -1, -0.1, 0, frame="shelf"))
+    assert near(state, "other") == pytest.approx(0.2, abs=ACCURACY)
+
+
+def test_an_object_in_a_frame_of_tf(peer, start):
+    cell = start(parameters=NEARBY, namespace="")
+    cell.judged(joint1=0, joint2=0)
+    scene = SceneClient(cell)
+    transform = TransformStamped(child_frame_id="camera")
+    transform.header.frame_id = "base"
+    transform.transform.translation.x = 2.0
+    publisher = peer.latch(TFMessage(transforms=[transform]), "/tf_static")
+    peer.wait_for(publisher.get_subscription_count, "a subscription of tf_static")
+
+    def placed():
+        scene.publish(ball("thing", 0.3, frame="camera"))
+        return near(cell.states.next())
+
+    assert peer.wait_for(placed, "an obstacle in the frame of the camera") == pytest.approx(0.1, abs=ACCURACY)
+
+
+def test_an_unknown_frame_is_refused_and_nothing_is_lost(scene):
+    scene.change(ball("first", 2.3))
+    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    # Nor does it take the place of what was there under its name.
+    scene.refused(ball("first", 0.3, frame="nowhere"), "first", "nowhere")
+
+    state = scene.change(ball("last", 2.3, 0.3))
+    assert near(state, "first") == pytest.approx(0.1, abs=ACCURACY)
+    assert near(state, "thing") is None
+
+
+def test_what_is_not_there_cannot_be_moved_or_removed(scene):
+    scene.change(ball("first", 2.3))
+    scene.refused(move("thing", pose(2.3)), "thing")
+    scene.refused(removal("other"), "other")
+
+
+def broken(change, shapes=None):
+    thing = obstacle("thing", *([sphere(0.1)] if shapes is None else shapes), at=pose(2.05))
+    change(thing)
+    return thing
+
+
+def primitive(*dimensions, kind=SolidPrimitive.BOX):
+    return SolidPrimitive(type=kind, dimensions=list(dimensions))
+
+
+def triangle(*indices):
+    return mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [indices])
+
+
+def unchanged(_):
+    pass
+
+
+BROKEN = {
+    "no shape": broken(unchanged, ()),
+    "two dimensions of a box": broken(unchanged, [primitive(0.1, 0.1)]),
+    "no dimension": broken(unchanged, [primitive(kind=SolidPrimitive.SPHERE)]),
+    "a negative dimension": broken(unchanged, [primitive(0.1, -0.1, 0.1)]),
+    "a dimension that is no number": broken(unchanged, [primitive(0.1, nan, 0.1)]),
+    "an infinite dimension": broken(unchanged, [primitive(inf, kind=SolidPrimitive.SPHERE)]),
+    "an unknown kind of primitive": broken(unchanged, [primitive(0.1, kind=77)]),
+    "more poses than shapes": broken(lambda thing: thing.primitive_poses.extend([pose(), pose()])),
+    "a place that is no number": broken(lambda thing: setattr(thing.pose.position, "x", nan)),
+    "an orientation that is no number": broken(lambda thing: setattr(thing.pose.orientation, "x", nan)),
+    "a vertex that is not there": broken(unchanged, [triangle(0, 1, 3)]),
+    "a mesh of nothing": broken(unchanged, [mesh([], [])]),
+    "a plane without a normal": broken(unchanged, [plane(0, 0, 0, 1)]),
+    "a subframe without a pose": broken(lambda thing: thing.subframe_names.append("hook")),
+    "an unknown operation": broken(lambda thing: setattr(thing, "operation", bytes([9]))),
+}
+
+
+@pytest.mark.parametrize("fault", BROKEN)
+def test_a_broken_object_is_refused_by_name(shared, fault):
+    message = BROKEN[fault]
+    # a name of its own, since the complaint about the one before may stand for a while
+    message.id = fault.replace(" ", "_")
+    shared.refused(message, message.id)
+
+
+def test_the_octomap_s_name_is_taken(shared):
+    shared.refused(ball("<octomap>", 2.3), "<octomap>")

@@ -1,0 +1,285 @@
+"""`get_planning_scene`, `apply_planning_scene` and `check_state_validity` as MoveIt's clients use them.
+
+With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
+"""
+
+from math import nan, pi
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
+
+from scene import attached, ball, box, cube_mesh, cylinder, diff, matrix, obstacle, plane, pose, xyz
+from scene_client import SceneClient, distance, distances
+from two_link import JOINTS
+
+ACCURACY = 1e-6  # [m]
+NEARBY = {"influence_distance": 0.5, "distance_limit": 3.0}
+STRETCHED = {"joint1": 0, "joint2": 0}
+FOLDED = {"joint1": 0, "joint2": 5 * pi / 6}
+ON_BASE = {"joint1": 0, "joint2": pi}
+HELD = attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"])
+
+# The group "wrist" moves the tip alone.
+SRDF = """
+<robot name="two_link">
+  <group name="arm"><chain base_link="base" tip_link="tip"/></group>
+  <group name="wrist"><joint name="joint2"/></group>
+  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
+  <disable_collisions link1="upper" link2="tip" reason="Adjacent"/>
+</robot>
+"""
+
+
+@pytest.fixture
+def cell(start, tmp_path):
+    path = tmp_path / "two_link.srdf"
+    path.write_text(SRDF)
+    cell = start("--srdf", path, parameters=NEARBY)
+    cell.judged(**STRETCHED)
+    return cell
+
+
+# get_planning_scene
+
+
+def test_all_that_was_said_of_the_world_is_told(scene):
+    thing = obstacle(
+        "thing",
+        (box(0.1, 0.2, 0.3), pose(0.1)),
+        (cylinder(0.2, 0.1), pose(0, 0.2, axis=(1, 1, 0), angle=0.5)),
+        (cube_mesh(0.1), pose(0, 0, 0.3)),
+        (plane(-1, 0, 0, 9), pose()),
+        at=pose(3, 1, 0, axis=(1, 2, 3), angle=1.0),
+        subframes={"hook": pose(0, 0.5)},
+    )
+    thing.type.key = "crate"
+    scene.change(thing)
+    told = scene.obstacles()["thing"]
+
+    assert told.header.frame_id == "base"
+    assert told.operation == thing.operation
+    assert told.type == thing.type
+    assert [(shape.type, list(shape.dimensions)) for shape in told.primitives] == [
+        (shape.type, list(shape.dimensions)) for shape in thing.primitives
+    ]
+    assert (told.meshes, told.planes) == (thing.meshes, thing.planes)
+    assert told.subframe_names == thing.subframe_names
+    for field in ("primitive_poses", "mesh_poses", "plane_poses", "subframe_poses"):
+        assert_poses(getattr(told, field), getattr(thing, field))
+    assert_poses([told.pose], [thing.pose])
+
+
+def assert_poses(told, said):
+    for one, other in zip(told, said, strict=True):
+        assert xyz(one.position) == pytest.approx(xyz(other.position), abs=1e-12)
+        assert xyz(one.orientation) == pytest.approx(xyz(other.orientation), abs=1e-12)
+
+
+def test_only_the_components_that_are_asked_for(cell, scene):
+    scene.change(diff(ball("a", 2.3), padding={"tip": 0.01}, attached=[HELD]))
+
+    (named,) = scene.get("WORLD_OBJECT_NAMES").world.collision_objects
+    assert (named.id, named.primitives) == ("a", [])
+    settings = scene.get("SCENE_SETTINGS")
+    assert settings.robot_model_name == "two_link"
+    assert settings.world.collision_objects == []
+    state = scene.get("ROBOT_STATE").robot_state
+    assert dict(zip(state.joint_state.name, state.joint_state.position, strict=True)) == STRETCHED
+    assert state.attached_collision_objects == []
+    (held,) = scene.get("ROBOT_STATE_ATTACHED_OBJECTS").robot_state.attached_collision_objects
+    assert (held.link_name, held.object.id, held.touch_links) == ("tip", "part", ["tip"])
+    assert held.object.header.frame_id == "tip"
+    padding = {entry.link_name: entry.padding for entry in scene.get("LINK_PADDING_AND_SCALING").link_padding}
+    assert padding["tip"] == pytest.approx(0.01)
+    allowed = scene.get("ALLOWED_COLLISION_MATRIX").allowed_collision_matrix
+    rows = dict(zip(allowed.entry_names, allowed.entry_values, strict=True))
+    assert rows["upper"].enabled[allowed.entry_names.index("tip")]
+    assert not rows["base"].enabled[allowed.entry_names.index("tip")]
+
+
+def test_without_components_everything_is_told(scene):
+    scene.change(diff(ball("a", 2.3), attached=[HELD]))
+    told = scene.get()
+    assert not told.is_diff
+    assert [item.id for item in told.world.collision_objects] == ["a"]
+    assert told.world.collision_objects[0].primitives
+    assert [held.object.id for held in told.robot_state.attached_collision_objects] == ["part"]
+    assert told.allowed_collision_matrix.entry_names
+    assert list(told.robot_state.joint_state.name) == list(JOINTS)
+
+
+def test_what_was_told_can_be_applied_again(cell, scene):
+    scene.change(diff(ball("a", 2.3), attached=[HELD], padding={"tip": 0.01}))
+    before = cell.judged(**STRETCHED)
+    told = scene.get()
+    scene.change(diff(ball("b", 2.1)))
+    assert scene.apply(told)
+
+    after = cell.judged(**STRETCHED)
+    assert after.world_revision > before.world_revision
+    assert after.status == CollisionState.FREE
+    assert distances(after) == pytest.approx(distances(before), abs=ACCURACY)
+    assert after.pairs_checked == before.pairs_checked
+
+
+# apply_planning_scene
+
+
+def test_a_scene_is_in_force_when_the_answer_comes(cell, scene):
+    assert scene.apply(diff(ball("a", 2.15)))
+    assert list(scene.obstacles()) == ["a"]
+    assert not scene.validity(STRETCHED).valid
+    assert cell.judged(**STRETCHED).status == CollisionState.COLLIDING
+
+
+def test_a_scene_with_a_fault_does_not_succeed(scene):
+    scene.apply(diff(ball("a", 2.3)))
+    scene.complaints.forget()
+    assert not scene.apply(diff(ball("thing", 0.3, frame="nowhere")))
+    scene.complaints.wait_for("thing", "nowhere")
+    assert list(scene.obstacles()) == ["a"]
+
+
+def test_an_empty_diff_succeeds_and_changes_nothing(scene):
+    scene.change(ball("a", 2.3))
+    before = scene.get()
+    assert scene.apply(PlanningScene(is_diff=True))
+    assert scene.get("WORLD_OBJECT_GEOMETRY").world == before.world
+
+
+# check_state_validity
+
+
+def contacts(answer):
+    kinds = {
+        ContactInformation.ROBOT_LINK: "link",
+        ContactInformation.WORLD_OBJECT: "obstacle",
+        ContactInformation.ROBOT_ATTACHED: "attached",
+    }
+    return [
+        {(kinds[contact.body_type_1], contact.contact_body_1), (kinds[contact.body_type_2], contact.contact_body_2)}
+        for contact in answer.contacts
+    ]
+
+
+def test_a_free_state_is_valid(scene):
+    answer = scene.validity(FOLDED)
+    assert answer.valid
+    assert answer.contacts == []
+
+
+def test_a_colliding_state_has_a_contact_for_each_pair(scene):
+    scene.change(ball("a", 0.2, 0, 0.3, radius=0.15))
+    answer = scene.validity(ON_BASE)
+
+    assert not answer.valid
+    touching = contacts(answer)
+    assert {("link", "base"), ("link", "tip")} in touching
+    assert {("link", "base"), ("obstacle", "a")} in touching
+    for contact in answer.contacts:
+        assert contact.header.frame_id == "base"
+        assert contact.depth >= 0
+        assert sum(number * number for number in xyz(contact.normal)) == pytest.approx(1)
+    deepest = next(
+        contact for contact in answer.contacts if {contact.contact_body_1, contact.contact_body_2} == {"base", "tip"}
+    )
+    assert all(abs(number) <= 0.3 for number in xyz(deepest.position))
+
+
+def test_a_partial_state_overlays_the_current_one(cell, scene):
+    cell.judged(**ON_BASE)
+    assert not scene.validity({"joint1": 0.3}).valid
+    assert scene.validity({"joint2": 0}).valid
+    assert not scene.validity().valid
+    cell.judged(**STRETCHED)
+    assert scene.validity().valid
+    assert not scene.validity({"joint2": pi}).valid
+
+
+def test_a_group_is_judged_by_the_links_that_it_moves(scene):
+    # On the bar of the upper link, far from the tip.
+    scene.change(ball("a", 0.5, 0, 0.06, radius=0.05))
+    assert not scene.validity(STRETCHED).valid
+    assert not scene.validity(STRETCHED, group="arm").valid
+    assert scene.validity(STRETCHED, group="wrist").valid
+    assert not scene.validity(ON_BASE, group="wrist").valid
+
+
+def test_an_unknown_group_is_an_error(scene):
+    assert scene.validity(STRETCHED).valid
+    scene.complaints.forget()
+    answer = scene.validity(STRETCHED, group="elbow")
+    assert not answer.valid
+    assert answer.contacts == []
+    scene.complaints.wait_for("elbow")
+
+
+@pytest.mark.parametrize(
+    ("joints", "named"),
+    [({"joint1": 0, "joint2": nan}, "joint2"), ({"joint1": 0, "gripper": 0}, "gripper")],
+    ids=["no number", "unknown joint"],
+)
+def test_a_state_that_cannot_be_judged_is_not_valid(scene, joints, named):
+    scene.complaints.forget()
+    answer = scene.validity(joints)
+    assert not answer.valid
+    assert answer.contacts == []
+    scene.complaints.wait_for(named)
+
+
+def test_positions_outside_the_limits_are_no_contact(scene):
+    """Collisions are asked for, as in MoveIt: limits are the planner's."""
+    assert scene.validity({"joint1": 4.0, "joint2": 0}).valid
+
+
+def test_an_attached_object_of_the_request_is_honoured(cell, scene):
+    assert scene.validity(FOLDED).valid
+    answer = scene.validity(FOLDED, attached=[HELD])
+    assert not answer.valid
+    assert contacts(answer) == [{("link", "base"), ("attached", "part")}]
+    # It was a question: the robot holds nothing.
+    assert scene.validity(FOLDED).valid
+    assert scene.get("ROBOT_STATE_ATTACHED_OBJECTS").robot_state.attached_collision_objects == []
+
+
+def test_a_whole_state_holds_only_what_it_says(cell, scene):
+    """As in MoveIt: only a state that is a diff keeps what the robot holds now."""
+    scene.change(HELD)
+    assert not scene.validity(FOLDED).valid
+    assert not scene.validity(FOLDED, is_diff=False, attached=[HELD]).valid
+    assert scene.validity(FOLDED, is_diff=False).valid
+
+
+def test_a_broken_attached_object_makes_the_state_invalid(scene):
+    answer = scene.validity(STRETCHED, attached=[attached("hand", ball("part", 1))])
+    assert not answer.valid
+
+
+def test_constraints_are_never_passed_over(scene):
+    """What is not checked is not valid; an answer without the result of a constraint is not, either."""
+    broken = Constraints(joint_constraints=[JointConstraint(joint_name="joint1", position=1.0, weight=1.0)])
+    assert not scene.validity(STRETCHED, constraints=broken).valid
+
+
+def test_nothing_is_valid_without_a_current_state_to_overlay(start, tmp_path):
+    cell = start(driving=False)
+    scene = SceneClient(cell)
+    cell.unknown("no_joint_state")
+    assert not scene.validity({"joint1": 0}).valid
+    assert scene.validity(STRETCHED).valid
+
+
+def test_the_matrix_counts(cell, scene):
+    neighbours = ("base", "upper"), ("upper", "tip")
+    assert not scene.validity(ON_BASE).valid
+    assert scene.apply(diff(allowed=matrix(*neighbours, ("base", "tip"))))
+    assert scene.validity(ON_BASE).valid
+
+
+def test_the_states_go_on_while_many_ask(cell, scene):
+    first = cell.states.next()
+    for _ in range(50):
+        assert scene.validity(FOLDED).valid
+    assert len(cell.states.messages) > cell.states.messages.index(first) + 1
+    assert distance(cell.judged(**FOLDED), "base", "tip") == pytest.approx(0.2, abs=ACCURACY)
