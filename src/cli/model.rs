@@ -1,6 +1,8 @@
 //! The arguments that name a robot and a world, and what they load.
 
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,6 +12,9 @@ use clearance::robot::{MeshFiles, RobotModel};
 use clearance::world::{PlanningScene, World, WorldFileKind};
 
 use super::failure::Failure;
+
+/// Largest file (bytes) of obstacles that is read.
+const LARGEST_FILE: u64 = 1 << 30;
 
 /// A robot.
 #[derive(Args, Clone, Debug, Default)]
@@ -129,7 +134,7 @@ impl WorldArgs {
         scene.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
         for path in self.world.iter().chain(&self.cloud) {
             let file = path.display();
-            let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+            let bytes = read_file(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
             let kind = WorldFileKind::of(&bytes, path);
             if kind == WorldFileKind::Cloud && self.point_radius.is_none() {
                 return Err(Failure::Input(format!("{file}: a cloud needs --point-radius M")));
@@ -157,6 +162,16 @@ impl WorldArgs {
     fn files(&self) -> String {
         self.world.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// A file's bytes, which may also come out of a pipe.
+fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(std::io::Error::other(format!("has more than the {LARGEST_FILE} bytes that are read")));
+    }
+    Ok(bytes)
 }
 
 impl LoadedWorld {

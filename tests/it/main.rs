@@ -22,4 +22,5 @@ mod tally;
 mod trajectories;
 mod triangles;
 mod truth;
+mod world_files;
 mod worlds;
