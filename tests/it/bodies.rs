@@ -112,13 +112,16 @@ fn distances_of_primitives_are_proven_from_both_sides() {
         let mut n = (q - p).normalize();
         let mut proven = gap_along(&n);
         // the direction of the witness points is rougher than their distance: climb to the best one nearby
-        let mut step = 1e-5;
-        while found.distance - proven > 1e-9 && step > 1e-13 {
-            let tried = (n + random.vector(step)).normalize();
-            if gap_along(&tried) > proven {
-                (n, proven) = (tried, gap_along(&tried));
-            } else {
-                step *= 0.9;
+        // and again, as it may be stuck on a ridge
+        for _ in 0..20 {
+            let mut step = 1e-5;
+            while found.distance - proven > 1e-9 && step > 1e-13 {
+                let tried = (n + random.vector(step)).normalize();
+                if gap_along(&tried) > proven {
+                    (n, proven) = (tried, gap_along(&tried));
+                } else {
+                    step *= 0.9;
+                }
             }
         }
         assert!(proven <= found.distance + 1e-12);

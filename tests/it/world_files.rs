@@ -37,8 +37,7 @@ fn octrees_of_octomap() {
 #[test]
 fn clouds_of_other_programs() {
     let wanted = json(&path("cloud.json"));
-    let files =
-        ["ascii.pcd", "binary.pcd", "binary_compressed.pcd", "ascii.ply", "little.ply", "big.ply"];
+    let files = ["ascii.pcd", "binary.pcd", "binary_compressed.pcd", "ascii.ply", "little.ply", "big.ply"];
     for name in files.map(|file| format!("cloud_{file}")) {
         let cloud = read_cloud(&std::fs::read(path(&name)).unwrap()).unwrap();
         assert_eq!(serde_json::json!(cloud.points), wanted, "{name}");
