@@ -16,6 +16,13 @@ from node_process import ROOT, NodeProcess
 from parameters import Parameters
 from peer import Peer
 
+TYPES = {
+    ParameterType.PARAMETER_BOOL,
+    ParameterType.PARAMETER_DOUBLE,
+    ParameterType.PARAMETER_STRING,
+    ParameterType.PARAMETER_DOUBLE_ARRAY,
+    ParameterType.PARAMETER_STRING_ARRAY,
+}
 NAMES = {"heartbeat_rate", "stale_after", "influence_distance", "distance_limit", "padding", "publish_markers"}
 
 
@@ -25,7 +32,7 @@ def test_every_parameter_is_listed_described_and_of_its_type(cell):
 
     for name, descriptor in zip(names, cell.parameters.describe(*names), strict=True):
         assert descriptor.name == name
-        assert descriptor.type in (ParameterType.PARAMETER_BOOL, ParameterType.PARAMETER_DOUBLE)
+        assert descriptor.type in TYPES
         assert descriptor.description
     assert cell.parameters.get("heartbeat_rate", "stale_after", "publish_markers") == [20.0, STALE_AFTER, True]
 

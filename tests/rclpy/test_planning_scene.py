@@ -127,9 +127,9 @@ def test_padding_and_scale_of_a_link(scene):
     assert distance(state, "tip", "a") == pytest.approx(0.06, abs=ACCURACY)
     state = scene.change(diff(padding={"tip": 0.11}))
     assert colliding(state) == [{("link", "tip"), ("obstacle", "a")}]
-    # Every shape is scaled about its own middle: the ball's radius becomes 0.15.
-    state = scene.change(diff(padding={"tip": 0.0}, scale={"tip": 1.5}))
-    assert distance(state, "tip", "a") == pytest.approx(0.05, abs=ACCURACY)
+    # Every shape is scaled about its own middle: the ball's radius becomes 0.12, and the rod ends within it.
+    state = scene.change(diff(padding={"tip": 0.0}, scale={"tip": 1.2}))
+    assert distance(state, "tip", "a") == pytest.approx(0.08, abs=ACCURACY)
 
 
 @pytest.mark.parametrize(

@@ -233,4 +233,5 @@ fn cut() -> CloudError {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // small numbers
 mod tests;

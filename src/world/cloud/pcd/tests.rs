@@ -3,20 +3,22 @@ use proptest::prelude::*;
 use super::*;
 use crate::world::read_cloud;
 
+/// Name, kind, bytes of a number, count.
+type Field = (&'static str, char, usize, usize);
+
 /// A cloud in any of the three forms: x, y and z among other fields, in any order and of any kind.
 #[derive(Clone, Debug)]
 struct Written {
     points: Vec<[f64; 3]>,
     /// Names, kinds and counts.
-    fields: Vec<(&'static str, char, usize, usize)>,
+    fields: Vec<Field>,
     form: &'static str,
 }
 
 impl Written {
     fn file(&self) -> Vec<u8> {
-        let list = |word: &dyn Fn(&(&'static str, char, usize, usize)) -> String| {
-            self.fields.iter().map(word).collect::<Vec<_>>().join(" ")
-        };
+        let list =
+            |word: &dyn Fn(&Field) -> String| self.fields.iter().map(word).collect::<Vec<_>>().join(" ");
         let mut bytes = format!(
             "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {}\nSIZE {}\nTYPE {}\nCOUNT {}\n\
              WIDTH {}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA {}\n",
@@ -62,7 +64,7 @@ impl Written {
         }
     }
 
-    fn encoded(&self, i: usize, &(name, kind, size, count): &(&'static str, char, usize, usize)) -> Vec<u8> {
+    fn encoded(&self, i: usize, &(name, kind, size, count): &Field) -> Vec<u8> {
         let number = self.number(i, name);
         let one = match (kind, size) {
             ('F', 4) => (number as f32).to_le_bytes().to_vec(),
