@@ -10,6 +10,7 @@
 //! | until when can nothing touch? | [`CollisionChecker::look_ahead`] |
 
 mod allowed;
+mod asked;
 mod batch;
 mod bodies;
 mod capsule_fit;

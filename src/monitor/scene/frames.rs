@@ -91,7 +91,7 @@ impl<'c> SceneContext<'c> {
         let frame = frame.trim_start_matches('/');
         match self.robot.link_by_name(frame) {
             Some(link) => self.never_moves(link),
-            None => self.attached_frame(frame, scene).is_none(),
+            None => Self::attached_frame(frame, scene).is_none(),
         }
     }
 
@@ -101,7 +101,7 @@ impl<'c> SceneContext<'c> {
 
     /// An object, or a place on it as `object/subframe`.
     fn object_pose(&self, frame: &str, scene: &PlanningSceneState) -> Option<Result<Pose, String>> {
-        if let Some((link, pose_lf)) = self.attached_frame(frame, scene) {
+        if let Some((link, pose_lf)) = Self::attached_frame(frame, scene) {
             let Some(link) = self.robot.link_by_name(link) else {
                 return Some(Err(format!("frame {}: the robot has no link '{link}'", quoted(frame))));
             };
@@ -117,7 +117,7 @@ impl<'c> SceneContext<'c> {
     }
 
     /// The link that carries a frame along, and the frame's pose on it.
-    fn attached_frame<'s>(&self, frame: &str, scene: &'s PlanningSceneState) -> Option<(&'s str, Pose)> {
+    fn attached_frame<'s>(frame: &str, scene: &'s PlanningSceneState) -> Option<(&'s str, Pose)> {
         if let Some(object) = scene.world.attached_by_name(frame) {
             return Some((&object.link, object.pose_lo));
         }

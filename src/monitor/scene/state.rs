@@ -78,14 +78,11 @@ impl PlanningSceneState {
     /// What a sensor sees now, under the name of its topic; nothing takes it away.
     pub fn set_sensed(&mut self, name: &str, seen: Option<Obstacle>) {
         // a message never gets at this name, so whatever bears it was seen
-        match seen.map(|obstacle| self.world.replace(obstacle)) {
-            Some(Ok(_)) => {
-                self.sensed.insert(name.to_owned());
-            }
-            Some(Err(_)) | None => {
-                self.sensed.remove(name);
-                let _ = self.world.remove(name);
-            }
+        if let Some(Ok(_)) = seen.map(|obstacle| self.world.replace(obstacle)) {
+            self.sensed.insert(name.to_owned());
+        } else {
+            self.sensed.remove(name);
+            let _ = self.world.remove(name);
         }
     }
 

@@ -34,23 +34,27 @@ pub(super) struct Ancestor<'t> {
     pub oldest: Option<(&'t str, Time)>,
 }
 
+/// A clock that was set back by more than this (s) starts anew.
+const SET_BACK: f64 = 1.0;
+
 impl TransformTree {
     /// Takes note of a transform; one that is older than the known one is passed over. `false` when there are too many frames.
+    #[expect(clippy::needless_pass_by_value, reason = "it is kept")]
     pub fn note(&mut self, frame: &str, transform: Transform) -> bool {
         let frame = frame.trim_start_matches('/');
-        let parent = transform.parent.trim_start_matches('/').to_owned();
         let known = self.by_frame.get(frame);
         if known.is_none() && self.by_frame.len() >= MOST_FRAMES {
             return false;
         }
-        // a clock that was set back by more than this starts anew
-        const SET_BACK: f64 = 1.0;
         let older = known.is_some_and(|known| match (known.stamp, transform.stamp) {
             (Some(known), Some(new)) => (0.0..SET_BACK).contains(&known.seconds_since(new)) && known != new,
             _ => false,
         });
         if !older {
-            self.by_frame.insert(frame.to_owned(), Transform { parent, ..transform });
+            self.by_frame.insert(
+                frame.to_owned(),
+                Transform { parent: transform.parent.trim_start_matches('/').to_owned(), ..transform },
+            );
         }
         true
     }

@@ -149,7 +149,7 @@ impl SceneServices {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let Some(scene) = scene else {
             log::warn!("get_planning_scene: there is no robot model yet");
-            return Default::default();
+            return ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene::default();
         };
         let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let placement = judgement.and_then(|judgement| {

@@ -149,7 +149,7 @@ fn broken_objects_are_refused_by_name_and_field() {
         (
             |o| {
                 o.meshes
-                    .push(Mesh { triangles: vec![MeshTriangle { vertex_indices: [0, 1, 9] }], ..triangle() })
+                    .push(Mesh { triangles: vec![MeshTriangle { vertex_indices: [0, 1, 9] }], ..triangle() });
             },
             "mesh[0]",
         ),

@@ -116,8 +116,8 @@ impl SceneTopics {
     /// Listens for ever.
     pub async fn listen(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
-        let objects = self.hear(&self.objects, |m| self.object(&m));
-        let attached = self.hear(&self.attached, |m| self.attached(&m));
+        let objects = self.hear(&self.objects, |m| Self::object(&m));
+        let attached = self.hear(&self.attached, |m| Self::attached(&m));
         let worlds = self.hear(&self.worlds, |m| Some(self.world(m)));
         let scenes = self.hear(&self.scenes, |m| Some(self.scene("planning_scene", m)));
         let octomap = |topic: usize, twin: usize| {
@@ -151,7 +151,7 @@ impl SceneTopics {
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "as the others")]
-    fn object(&self, message: &CollisionObject) -> Option<SceneOrder> {
+    fn object(message: &CollisionObject) -> Option<SceneOrder> {
         let order = SceneOrder::on("collision_object");
         Some(match object_change(message) {
             Ok(change) => order.to(SceneUpdate::Object(Box::new(change))),
@@ -160,7 +160,7 @@ impl SceneTopics {
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "as the others")]
-    fn attached(&self, message: &AttachedCollisionObject) -> Option<SceneOrder> {
+    fn attached(message: &AttachedCollisionObject) -> Option<SceneOrder> {
         let order = SceneOrder::on("attached_collision_object");
         Some(match attached_change(message) {
             Ok(change) => order.to(SceneUpdate::Attached(Box::new(change))),

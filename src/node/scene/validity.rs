@@ -139,20 +139,19 @@ fn configuration(
         judgement.placement.as_ref().filter(|_| same)
     });
     let usual;
-    let rest = match placement {
-        Some(evidence) => &evidence.configuration,
-        None => {
-            let named = |position: &&String| !given.name.contains(position);
-            let missing: Vec<String> = robot.position_names().iter().filter(named).cloned().collect();
-            if !missing.is_empty() {
-                return Err(format!(
-                    "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
-                    quoted_list(&missing)
-                ));
-            }
-            usual = robot.default_configuration();
-            &usual
+    let rest = if let Some(evidence) = placement {
+        &evidence.configuration
+    } else {
+        let named = |position: &&String| !given.name.contains(position);
+        let missing: Vec<String> = robot.position_names().iter().filter(named).cloned().collect();
+        if !missing.is_empty() {
+            return Err(format!(
+                "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
+                quoted_list(&missing)
+            ));
         }
+        usual = robot.default_configuration();
+        &usual
     };
     let named = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
     robot.configuration_over(rest, named).map_err(|error| format!("robot_state.joint_state: {error}"))

@@ -40,11 +40,15 @@ fn file(points: &[[f64; 3]], order: [usize; 3], kind: &str, format: &str) -> Vec
     }
     for point in points {
         put("uchar", 200.0);
-        order.iter().for_each(|&k| put(kind, point[k]));
+        for k in order {
+            put(kind, point[k]);
+        }
         put("int", 1.0);
         put("float", 0.5);
     }
-    [("uchar", 3.0), ("int", 0.0), ("int", 1.0), ("int", 2.0)].into_iter().for_each(|(k, v)| put(k, v));
+    for (kind, value) in [("uchar", 3.0), ("int", 0.0), ("int", 1.0), ("int", 2.0)] {
+        put(kind, value);
+    }
     bytes
 }
 

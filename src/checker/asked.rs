@@ -1,0 +1,254 @@
+//! One state that something is asked about: what is looked at, in which order, and what is found.
+
+use std::collections::BinaryHeap;
+
+use super::collision_checker::CollisionChecker;
+use super::nearby::Near;
+use super::report::{Body, CollisionReport, PairDistance, Question};
+use super::workspace::{QueuedNear, QueuedPair, Workspace};
+use crate::constants::CONTACT_DISTANCE;
+use crate::query::Effort;
+use crate::robot::Configuration;
+use crate::simd::LANES;
+
+/// A state that something is asked about, and what is known so far.
+pub(super) struct Asked<'a> {
+    pub checker: &'a CollisionChecker,
+    pub q: &'a Configuration,
+    pub effort: &'a Effort,
+    pub workspace: &'a mut Workspace,
+    pub report: &'a mut CollisionReport,
+}
+
+impl Asked<'_> {
+    pub fn answer(&mut self, question: Question) {
+        match question {
+            Question::Free => self.first_hits(),
+            Question::Pairs => self.all_hits(),
+            Question::Distance { limit } => {
+                self.least_distance(limit);
+                // pairs that touch are looked for where there are any
+                if self.report.nearest.is_some_and(|nearest| nearest.lower <= CONTACT_DISTANCE) {
+                    self.first_hits();
+                    self.report.believe_contact();
+                }
+            }
+            Question::PairDistances { limit } => self.distances(limit),
+            Question::Survey { influence_distance, limit } => {
+                self.distances(influence_distance);
+                if self.report.nearest.is_none() && limit > influence_distance.max(0.0) {
+                    self.report.undecided.clear();
+                    self.least_distance(limit);
+                    self.report.believe_contact();
+                }
+            }
+        }
+    }
+
+    fn queue(&mut self, limit: f64) {
+        self.checker.candidates(self.q, limit, self.workspace);
+    }
+
+    /// The first colliding pair of links, and the first of a link and an obstacle.
+    fn first_hits(&mut self) {
+        self.queue(CONTACT_DISTANCE);
+        for k in 0..self.workspace.queue.len() {
+            let pair = self.workspace.queue[k];
+            let known = if pair.index < self.checker.infos.len() {
+                self.report.self_collision
+            } else {
+                self.report.world_collision
+            };
+            if !known && self.touches(pair) {
+                self.report.add_hit(self.checker.info(pair.index).ids);
+            }
+        }
+    }
+
+    fn all_hits(&mut self) {
+        self.queue(CONTACT_DISTANCE);
+        for k in 0..self.workspace.queue.len() {
+            let pair = self.workspace.queue[k];
+            if self.touches(pair) {
+                self.report.add_hit(self.checker.info(pair.index).ids);
+            }
+        }
+    }
+
+    /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
+    fn least_distance(&mut self, limit: f64) {
+        let limit = limit.max(CONTACT_DISTANCE);
+        let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.nearest_first));
+        heap.clear();
+        if self.checker.self_candidates(self.q, limit, self.workspace) {
+            let pairs = self.workspace.queue.iter();
+            heap.extend(pairs.map(|p| QueuedNear { lower: p.lower, near: Near::Pair(p.index) }));
+            let world = (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part));
+            heap.extend(world.map(|near| QueuedNear { lower: 0.0, near }));
+        }
+        let mut nearest: Option<(usize, PairDistance)> = None;
+        let mut least_lower = f64::INFINITY;
+        while let Some(QueuedNear { lower, near }) = heap.pop() {
+            let bound = nearest.map_or(limit, |(_, n)| self.effort.lower(n.distance));
+            if lower > bound || bound <= 0.0 {
+                break;
+            }
+            let index = match near {
+                Near::Pair(index) => index,
+                Near::Obstacle { part, place } => {
+                    heap.extend(self.looked_at(part, place, lower).filter(|found| found.lower <= bound));
+                    continue;
+                }
+                Near::Node { part, node } => {
+                    heap.extend(self.opened(part, node).filter(|found| found.lower <= bound));
+                    continue;
+                }
+            };
+            let Some(found) = self.distance(QueuedPair { lower, index }, bound) else { continue };
+            least_lower = found.lower.min(least_lower);
+            if nearest.is_none_or(|(other, n)| (found.distance, index) < (n.distance, other)) {
+                nearest = Some((index, found));
+            }
+        }
+        self.workspace.nearest_first = heap.into_vec();
+        self.report.nearest = nearest.map(|(_, found)| PairDistance {
+            // of others it is only known that they are not nearer than the tolerance allows
+            lower: least_lower.min(self.effort.lower(found.distance).max(0.0)),
+            ..found
+        });
+    }
+
+    /// An obstacle's pair with a part, once their capsules were looked at.
+    fn looked_at(&mut self, part: usize, place: u32, known: f64) -> impl Iterator<Item = QueuedNear> + use<> {
+        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += 1;
+        let reach = self.checker.reach_of(part, &frames[self.checker.riders[part].body]);
+        let bound = self.checker.distance_bound(part, place, &reach);
+        let near = Near::Pair(self.checker.world_pair(part, place as usize));
+        bound.map(|lower| QueuedNear { lower: lower.max(known).max(0.0), near }).into_iter()
+    }
+
+    /// What a node of the obstacles' tree holds.
+    fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
+        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += LANES as u64;
+        let reach = self.checker.reach_of(part, &frames[self.checker.riders[part].body]);
+        let opened = self.checker.opened(part, node, (&reach, scratch.level()));
+        opened.map(|(lower, near)| QueuedNear { lower: lower.max(0.0), near })
+    }
+
+    /// Every pair's distance up to `limit`.
+    fn distances(&mut self, limit: f64) {
+        // what touches is within any limit
+        let limit = limit.max(0.0);
+        self.queue(limit);
+        for k in 0..self.workspace.queue.len() {
+            let pair = self.workspace.queue[k];
+            let Some(found) = self.distance(pair, limit) else { continue };
+            let may_touch = found.lower < found.distance && found.lower <= CONTACT_DISTANCE;
+            if found.distance == 0.0 || (may_touch && self.touches(pair)) {
+                self.report.add_hit(self.checker.info(pair.index).ids);
+            }
+            if self.report.nearest.is_none_or(|n| found.distance < n.distance) {
+                self.report.nearest = Some(found);
+            }
+            self.report.pair_distances.push(found);
+        }
+    }
+
+    /// Whether a padded pair of the queue touches; if the deadline comes before that is known, the pair is undecided.
+    pub fn touches(&mut self, QueuedPair { lower, index }: QueuedPair) -> bool {
+        let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
+        let pair = self.checker.pair(index, frames);
+        if self.effort.deadline.is_some() {
+            let over = self.effort.is_over();
+            let found = (!over).then(|| pair.contact_bounds(self.effort, scratch));
+            let touches = found.is_some_and(|found| found.upper.is_some());
+            if over || found.is_some_and(|found| found.interrupted) {
+                let lower = found.map_or(lower + pair.info.padding, |found| found.lower);
+                self.report.undecided.push(pair.undecided(lower, None));
+            }
+            return touches;
+        }
+        match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
+            Some(stream) => {
+                let touches = pair.touches_remembering(stream.memory(index), scratch);
+                stream.learn_from_memory(index, &pair);
+                touches
+            }
+            None => pair.touches(scratch),
+        }
+    }
+
+    /// The padded distance of a pair of the queue, unless it is proven larger than `limit`.
+    fn distance(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
+        if !self.effort.is_exact() {
+            return self.distance_with_effort(queued, limit);
+        }
+        let index = queued.index;
+        let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
+        let pair = self.checker.pair(index, frames);
+        // rounded up, so that of equal ones none is left out
+        let limit = (limit + pair.info.padding).next_up();
+        let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
+            Some(stream) => {
+                let found = pair.separation_remembering(limit, stream.memory(index), scratch);
+                stream.learn_from_memory(index, &pair);
+                found
+            }
+            None => pair.separation(limit, scratch),
+        };
+        let raw = found?;
+        if raw.distance == 0.0 {
+            // which common point is found depends on the limit, which must not tell what was asked before
+            return Some(pair.padded(&pair.separation(CONTACT_DISTANCE, scratch).unwrap_or(raw)));
+        }
+        Some(pair.padded(&raw))
+    }
+
+    fn distance_with_effort(
+        &mut self,
+        QueuedPair { lower, index }: QueuedPair,
+        limit: f64,
+    ) -> Option<PairDistance> {
+        let pair = self.checker.pair(index, &self.workspace.frames);
+        if self.effort.is_over() {
+            self.report.undecided.push(pair.undecided(lower + pair.info.padding, None));
+            return None;
+        }
+        let scratch = &mut self.workspace.scratch;
+        let found = pair.separation_bounds(limit + pair.info.padding, self.effort, scratch);
+        if found.interrupted {
+            self.report.undecided.push(pair.undecided(found.lower, found.upper.map(|upper| upper.distance)));
+        }
+        let upper = found.upper?;
+        Some(PairDistance { lower: (found.lower - pair.info.padding).max(0.0), ..pair.padded(&upper) })
+    }
+}
+
+impl CollisionReport {
+    /// Whether a collision with the same kind of body as `other` is known.
+    fn hits_like(&self, other: Body) -> bool {
+        match other {
+            Body::Link(_) | Body::Attached(_) => self.self_collision,
+            Body::Obstacle(_) => self.world_collision,
+        }
+    }
+
+    /// Where two methods could differ, the one that saw contact is believed.
+    fn believe_contact(&mut self) {
+        if let Some(touching) = self.nearest.filter(|n| n.distance == 0.0)
+            && !self.hits_like(touching.b)
+        {
+            self.add_hit((touching.a, touching.b));
+        }
+    }
+
+    fn add_hit(&mut self, pair: (Body, Body)) {
+        match pair.1 {
+            Body::Link(_) | Body::Attached(_) => self.self_collision = true,
+            Body::Obstacle(_) => self.world_collision = true,
+        }
+        self.colliding_pairs.push(pair);
+    }
+}
