@@ -1,13 +1,31 @@
-//! Log lines on stderr.
+//! Log lines, on stderr and for `/rosout`.
 
-use log::LevelFilter;
+use std::sync::{Mutex, PoisonError};
+
+use log::{Level, LevelFilter, Log, Metadata, Record};
+use smol::channel::{self, Receiver, Sender};
+
+/// Lines that wait for the network at most; later ones stand on stderr alone.
+const WAITING: usize = 1000;
+
+/// Who tells the network, if somebody does.
+static TELLER: Mutex<Option<Sender<Line>>> = Mutex::new(None);
+
+/// A line of this program's log.
+#[derive(Clone, Debug)]
+pub struct Line {
+    pub level: Level,
+    pub text: String,
+    pub file: &'static str,
+    pub line: u32,
+}
 
 /// Sets up the log. The DDS library is heard only when something is wrong: it warns of every datagram over 1500 bytes, and
 /// on an interface without multicast of every message.
 pub fn start(level: LevelFilter) {
     let quiet = level.min(LevelFilter::Warn);
     let very_quiet = level.min(LevelFilter::Error);
-    let started = env_logger::Builder::new()
+    let stderr = env_logger::Builder::new()
         .filter_level(level)
         .filter_module("rustdds", very_quiet)
         .filter_module("ros2_client", quiet)
@@ -15,8 +33,48 @@ pub fn start(level: LevelFilter) {
         .filter_module("ros2_client::distributions", very_quiet)
         .format_timestamp_millis()
         .format_target(false)
-        .try_init();
-    if started.is_err() {
-        log::debug!("the log was set up before");
+        .build();
+    let most = stderr.filter();
+    match log::set_boxed_logger(Box::new(Both { stderr })) {
+        Ok(()) => log::set_max_level(most),
+        Err(_) => log::debug!("the log was set up before"),
+    }
+}
+
+/// From now on lines are also given here, for the network.
+#[must_use]
+pub fn listen() -> Receiver<Line> {
+    let (teller, lines) = channel::bounded(WAITING);
+    *TELLER.lock().unwrap_or_else(PoisonError::into_inner) = Some(teller);
+    lines
+}
+
+struct Both {
+    stderr: env_logger::Logger,
+}
+
+impl Log for Both {
+    fn enabled(&self, metadata: &Metadata) -> bool {
+        self.stderr.enabled(metadata)
+    }
+
+    fn log(&self, record: &Record) {
+        self.stderr.log(record);
+        // what others log is about the network itself: telling it there could go on for ever
+        if record.level() > Level::Info || !record.target().starts_with(env!("CARGO_CRATE_NAME")) {
+            return;
+        }
+        if let Some(teller) = &*TELLER.lock().unwrap_or_else(PoisonError::into_inner) {
+            let _ = teller.try_send(Line {
+                level: record.level(),
+                text: record.args().to_string(),
+                file: record.file_static().unwrap_or_default(),
+                line: record.line().unwrap_or_default(),
+            });
+        }
+    }
+
+    fn flush(&self) {
+        self.stderr.flush();
     }
 }

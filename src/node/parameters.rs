@@ -53,7 +53,7 @@ impl Default for Parameters {
             point_radius: 0.01,
             point_cloud_ttl: 1.0,
             stale_source_policy: STALE_SOURCE_POLICIES[0],
-            self_filter_padding: 0.03,
+            self_filter_padding: 0.0,
             cloud_voxel_size: 0.0,
             cloud_crop_min: Vec::new(),
             cloud_crop_max: Vec::new(),

@@ -11,6 +11,7 @@ use super::arguments::RosArguments;
 use super::clock::RosClock;
 use super::environment::Environment;
 use super::loader::{Loader, Order, Surroundings};
+use super::logging::{self, Line};
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
 use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
@@ -213,6 +214,9 @@ struct Services {
     clock_topic: FullName,
     orders: Sender<Order>,
     changes: Receiver<()>,
+    lines: Receiver<Line>,
+    /// The node's name as loggers have it.
+    logger: String,
 }
 
 impl Services {
@@ -237,6 +241,8 @@ impl Services {
             clock,
             orders,
             changes,
+            lines: logging::listen(),
+            logger: names.full_node_name().trim_start_matches('/').replace('/', "."),
         })
     }
 
@@ -251,7 +257,12 @@ impl Services {
         let descriptions = forward(&self.descriptions, &self.orders, Order::Description);
         let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
-        let serve = future::zip(self.parameters.serve(), self.motions.serve());
+        let tell = async {
+            while let Ok(line) = self.lines.recv().await {
+                self.middleware.tell(&self.logger, &line, self.clock.now().unwrap_or_default());
+            }
+        };
+        let serve = future::zip(future::zip(self.parameters.serve(), self.motions.serve()), tell);
         future::zip(future::zip(listen, serve), self.middleware.meet_peers()).await;
     }
 }

@@ -127,9 +127,9 @@ def test_padding_and_scale_of_a_link(scene):
     assert distance(state, "tip", "a") == pytest.approx(0.06, abs=ACCURACY)
     state = scene.change(diff(padding={"tip": 0.11}))
     assert colliding(state) == [{("link", "tip"), ("obstacle", "a")}]
-    # Every shape is scaled about its own middle: the ball's radius becomes 0.12, and the rod ends within it.
-    state = scene.change(diff(padding={"tip": 0.0}, scale={"tip": 1.2}))
-    assert distance(state, "tip", "a") == pytest.approx(0.08, abs=ACCURACY)
+    # Every shape is scaled about its own middle: the rod, from 0 to 1 in the tip's frame, reaches 0.25 farther, to x = 2.25.
+    state = scene.change(diff(move("a", pose(2.45)), padding={"tip": 0.0}, scale={"tip": 1.5}))
+    assert distance(state, "tip", "a") == pytest.approx(0.1, abs=ACCURACY)
 
 
 @pytest.mark.parametrize(

@@ -10,16 +10,20 @@ use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use ros2_client::ServiceTypeName;
+use log::Level;
+use ros2_client::builtin_interfaces::Time as StampMessage;
+use ros2_client::log::Log as LogMessage;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
 use ros2_client::{Context, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping};
+use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
 use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, TopicKind};
 
 use self::peers::Peers;
 use super::environment::{Environment, Reach};
+use super::logging::Line;
 use super::names::{FullName, NameError};
-use crate::monitor::SourceId;
+use crate::monitor::{SourceId, Time};
 
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
@@ -218,6 +222,27 @@ impl Middleware {
             .map_err(refused(format!("cannot serve {name}")))?;
         self.peers.note_reliably_read(format!("rq{name}Request"));
         Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers)))
+    }
+
+    /// Tells a line of the log on `/rosout`, in the name of a logger.
+    pub fn tell(&self, logger: &str, line: &Line, stamp: Time) {
+        let writer = lock(&self.node).logging_handle().rosout_writer();
+        let Some(writer) = writer.as_ref() else { return };
+        // who is not heard stands on stderr at least
+        let _ = writer.publish(LogMessage {
+            stamp: StampMessage::from_nanos(stamp.nanoseconds()),
+            level: match line.level {
+                Level::Error => LogMessage::ERROR,
+                Level::Warn => LogMessage::WARN,
+                Level::Info => LogMessage::INFO,
+                Level::Debug | Level::Trace => LogMessage::DEBUG,
+            },
+            name: logger.to_owned(),
+            msg: line.text.clone(),
+            file: line.file.to_owned(),
+            function: String::new(),
+            line: line.line,
+        });
     }
 
     /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.

@@ -70,7 +70,7 @@ pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
     }
     let row = width.checked_mul(point_step).filter(|_| point_step > 0);
     let row = row.ok_or_else(|| format!("point_step is {point_step}: points have no size"))?;
-    if row_step < row && height > 1 {
+    if row_step < row {
         return Err(format!("row_step is {row_step}, but {width} points of {point_step} bytes take {row}"));
     }
     // the last row needs no padding
