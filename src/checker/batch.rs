@@ -111,12 +111,16 @@ impl CollisionChecker {
             for i in 0..eight.near.len() {
                 hit |= self.hits_of(i, eight.near[i] & all & !hit, &eight, scratch, likely);
             }
-            for lane in 0..states.len() {
-                if hit & (1 << lane) != 0 {
-                    continue;
+            // what is likely was asked about all states: the list must not change before all are through
+            let mut found = [None; LANES];
+            for (lane, found) in found.iter_mut().enumerate().take(states.len()) {
+                if hit & (1 << lane) == 0 {
+                    let frame = |body| eight.frame(body, lane);
+                    *found = self.first_obstacle(&frame, likely, (scratch, nearby, queue));
                 }
-                let frame = |body| eight.frame(body, lane);
-                if let Some(pair) = self.first_obstacle(&frame, likely, (scratch, nearby, queue)) {
+            }
+            for (lane, pair) in found.into_iter().enumerate() {
+                if let Some(pair) = pair {
                     hit |= 1 << lane;
                     likely.hit(pair);
                 }

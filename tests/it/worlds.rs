@@ -137,6 +137,31 @@ fn a_large_world_is_as_all_its_pairs_one_by_one() {
 }
 
 #[test]
+fn a_batch_asks_every_state_about_what_hits_another() {
+    let robot = demo_arm();
+    let mut random = Random::new(17);
+    for objects in [3, 30, 300] {
+        let mut world = World::default();
+        for i in 0..objects {
+            world.add(obstacle(format!("o{i}"), &mut random, 1.0, 1.2 / f64::from(objects).cbrt())).unwrap();
+        }
+        let checker = CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap();
+        // neighbours mostly hit the same obstacle
+        let mut states = Vec::new();
+        for _ in 0..60 {
+            let q = state(&robot, &mut random);
+            states.extend((0..8).map(|_| {
+                let near = q.positions().iter().map(|x| x + random.within(-0.02, 0.02)).collect::<Vec<_>>();
+                robot.configuration(&near).unwrap()
+            }));
+        }
+        let mut workspace = checker.workspace();
+        let expected: Vec<_> = states.iter().map(|q| checker.is_free(q, &mut workspace)).collect();
+        assert_eq!(checker.are_free(&states), expected);
+    }
+}
+
+#[test]
 fn the_price_of_a_state_hardly_grows_with_the_world() {
     let robot = demo_arm();
     let mut random = Random::new(3);
