@@ -11,7 +11,7 @@ from .child import Child, Failed
 from .race import Timing, Voice, race
 from .results import Measured
 from .subjects import RobotSource
-from .world_results import GROWTH, WorldResult, WorldsResult
+from .world_results import CUBES, GROWTH, WorldResult, WorldsResult
 from .world_sets import WorldSource, against_truth, worlds_of
 
 # More obstacles than these take milliseconds a state from Pinocchio's list.
@@ -55,7 +55,9 @@ class WorldComparison:
         answers = self.clearance.ask("answers", "free-world", "random") or []
         world.free = answers.count("1") / max(1, len(answers))
         short = int(facts["objects"]) <= MOST_LISTED
-        world.measures["free"] = self._measured(self._voices(source.kind, known, short), "free", states)
+        voices = self._voices(source.kind, known, short)
+        world.measures["free"] = self._measured(voices, "free", states)
+        world.cubes = compare([voice for voice in voices if voice.name in CUBES], "free", f"random:{states}")
         if source.kind == "mesh":
             count = min(states, self.extent.distance_states)
             world.measures["distance"] = self._measured(self._distance_voices(known), "distance", count)

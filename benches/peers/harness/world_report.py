@@ -120,6 +120,7 @@ def _answers(found: list[WorldsResult]) -> list[str]:
                     cubes.append([result.robot, f"`{agreement.voice}`", f"{agreement.different} of {agreement.compared}"])
                 else:
                     same.append((f"{result.robot}, {world.name}, {question}", agreement))
+            same += [(f"{result.robot}, cubes, free", agreement) for agreement in world.cubes]
     compared, truth = (sum(a.compared for _, a in same if (a.voice == "truth") == t) for t in (False, True))
     different = [(where, a) for where, a in same if a.different]
     text = (

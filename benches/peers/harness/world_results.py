@@ -25,6 +25,8 @@ class WorldResult:
     # by question
     measures: dict[str, Measured] = field(default_factory=dict)
     truth: dict[str, Agreement] = field(default_factory=dict)
+    # those who put cubes in the place of points, compared with `clearance_cubes`
+    cubes: list[Agreement] = field(default_factory=list)
     # milliseconds from decoded points to a first answer
     latencies: list[float] = field(default_factory=list)
 
