@@ -4,6 +4,8 @@
 //! has the words. It also prepares what all contestants are asked about: it reads robots and meshes, draws states and
 //! poses, and writes them down in a neutral form.
 
+#[path = "clearance/among.rs"]
+mod among;
 #[path = "clearance/answer.rs"]
 mod answer;
 #[path = "clearance/certificates.rs"]
@@ -20,8 +22,14 @@ mod neutral;
 mod own;
 #[path = "clearance/random.rs"]
 mod random;
+#[path = "clearance/scatter.rs"]
+mod scatter;
+#[path = "clearance/surroundings.rs"]
+mod surroundings;
 #[path = "clearance/whole_robot.rs"]
 mod whole_robot;
+#[path = "clearance/world_file.rs"]
+mod world_file;
 
 use std::error::Error;
 use std::hint::black_box;
@@ -89,6 +97,9 @@ fn reply(line: &str, subject: &mut Option<Subject>) -> Outcome<Option<String>> {
         (["edges", file], Some(Subject::Robot(robot))) => {
             robot.take_edges(Path::new(file))?;
             Ok(Some(String::new()))
+        }
+        (["world" | "scatter" | "growth" | "latency", ..], Some(Subject::Robot(robot))) => {
+            robot.surround(&words)
         }
         (["certificates", set], Some(Subject::Robot(robot))) => robot.certificate_costs(set),
         (["pass", question, set, repeats], Some(subject)) => {

@@ -9,13 +9,16 @@ import sys
 import tempfile
 from pathlib import Path
 
-from harness import environment, report, subjects
+from harness import environment, report, subjects, world_report
 from harness.agreement import compare
 from harness.child import Child, Failed
 from harness.edge_comparison import MOST_CAST_PAIRS, MOST_FCL_PAIRS, EdgeComparison, Extent
 from harness.edge_sets import name_of
 from harness.race import Voice, race
 from harness.results import GAPS, MEASURES, TOUCHING, Measured, MeshPairResult, Results, RobotResult
+from harness.world_comparison import Extent as WorldExtent
+from harness.world_comparison import WorldComparison
+from harness.world_results import WorldsResult
 
 # The edges whose certificates are made and verified.
 CERTIFIED = name_of("free", 1.0)
@@ -32,6 +35,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--edges", type=int, default=20, help="edges of a robot and length; 0: none")
     parser.add_argument("--few-edges", type=int, default=5, help="of those, for continuous checks")
     parser.add_argument("--edges-only", action="store_true", help="no states, and no pairs of meshes")
+    parser.add_argument("--worlds-only", action="store_true", help="robots among obstacles; writes that section alone")
+    parser.add_argument("--world-distance-states", type=int, default=100, help="of the random ones, against a mesh")
     parser.add_argument("--poses", type=int, default=50, help="poses of a pair of meshes and gap")
     parser.add_argument("--patience", type=float, default=30, help="seconds for one contestant and measure")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)))
@@ -45,6 +50,7 @@ class Comparison:
 
     def __init__(self, options: argparse.Namespace, made: environment.Environment, folder: Path) -> None:
         self.options, self.made, self.folder = options, made, folder
+        self.among: list[WorldsResult] = []
         self.contestants = contestants = environment.PEERS / "contestants"
         self.clearance = Child("clearance", [made.clearance, "serve"])
         self.coal = Child("coal_cpp", [made.coal])
@@ -66,19 +72,24 @@ class Comparison:
         words = [path if path else "-" for path in files]
         facts = self.clearance.ask("robot", *words, options.seed, options.states, options.walk, neutral)
         result = RobotResult(source.name, _facts(facts))
-        result.figures = _facts(self.clearance.ask("figures"))
+        if not options.worlds_only:
+            result.figures = _facts(self.clearance.ask("figures"))
         urdf = self.folder / "absolute.urdf"
         subjects.with_absolute_meshes(source, urdf)
         voices = list(self.own)
-        peers = [self.coal, self.pinocchio] + ([self.fcl] if source.small else [])
+        peers = [self.coal, self.pinocchio] + ([self.fcl] if source.small and not options.worlds_only else [])
         for peer in peers:
             try:
                 peer.ask("load", neutral, urdf)
                 voices.append(Voice(peer.name, peer))
             except Failed as failure:
                 result.problems.append(str(failure))
+        loaded = {voice.name: voice.child for voice in voices if voice.child in (self.coal, self.pinocchio)}
+        if not options.edges_only:
+            self._worlds(source, result, loaded)
+        if options.worlds_only:
+            return result
         if options.edges:
-            loaded = {voice.name: voice.child for voice in voices if voice.child in (self.coal, self.pinocchio)}
             self._edges(result, loaded)
         for question, states in MEASURES if not options.edges_only else ():
             count = int(result.facts[states])
@@ -88,6 +99,13 @@ class Comparison:
                 some = f"{states}:{count}"
                 result.measures[question, states] = self._measure(voices, question, some, count)
         return result
+
+    def _worlds(self, source: subjects.RobotSource, result: RobotResult, loaded: dict[str, Child]) -> None:
+        options = self.options
+        extent = WorldExtent(options.world_distance_states, options.rounds, options.patience, options.seed)
+        comparison = WorldComparison(self.clearance, loaded, extent, self.folder)
+        self.among.append(comparison.measure(source, int(result.facts["random"])))
+        self.among[-1].problems += result.problems
 
     def _edges(self, result: RobotResult, loaded: dict[str, Child]) -> None:
         if self.coal.name not in loaded:  # nobody to judge
@@ -162,7 +180,7 @@ def main() -> int:
             for robot in robots:
                 print(f"robot {robot.name}", file=sys.stderr)
                 results.robots.append(comparison.robot(robot))
-            for pair in found.mesh_pairs[: 0 if options.edges_only else options.pairs]:
+            for pair in found.mesh_pairs[: 0 if options.edges_only or options.worlds_only else options.pairs]:
                 print(f"meshes {pair.name}", file=sys.stderr)
                 results.mesh_pairs.append(comparison.mesh_pair(pair))
         except Failed as failure:
@@ -170,7 +188,14 @@ def main() -> int:
             return 1
         comparison.close()
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(report.markdown(results, made.versions, options.rounds, options.core, found.note))
+    among = comparison.among
+    if options.worlds_only:
+        section = report.worlds_alone(among, made.versions, options.rounds, options.core)
+        before = options.out.read_text() if options.out.exists() else ""
+        options.out.write_text(world_report.put(before, section))
+    else:
+        text = report.markdown(results, among, made.versions, options.rounds, options.core, found.note)
+        options.out.write_text(text)
     print(f"wrote {options.out}", file=sys.stderr)
     return 0
 

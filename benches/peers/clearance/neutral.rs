@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use clearance::geometry::{Primitive, Shape, TriangleMesh};
+use clearance::geometry::{PointCloud, Primitive, Shape, TriangleMesh};
 use clearance::math::{Point, Pose};
 use clearance::robot::{JointKind, LinkId};
-use clearance::{CollisionChecker, Configuration, RobotModel};
+use clearance::{CollisionChecker, Configuration, RobotModel, World};
 
 pub struct Neutral(BufWriter<File>);
 
@@ -33,7 +33,7 @@ impl Neutral {
         }
         for &link in &order {
             for collision in &robot.link(link).collisions {
-                self.shape(link, &collision.pose_ls, &collision.shape)?;
+                self.shape(link.0, &collision.pose_ls, &collision.shape)?;
             }
         }
         for (a, b) in checker.pairs().link_pairs() {
@@ -79,23 +79,24 @@ impl Neutral {
         )
     }
 
-    fn shape(&mut self, link: LinkId, pose_ls: &Pose, shape: &Shape) -> io::Result<()> {
+    fn shape(&mut self, link: u32, pose_ls: &Pose, shape: &Shape) -> io::Result<()> {
         let place = pose(pose_ls);
         match shape {
-            Shape::Mesh(mesh) => self.mesh(link.0, mesh, pose_ls),
+            Shape::Mesh(mesh) => self.mesh(link, mesh, pose_ls),
             Shape::Primitive(Primitive::Box { half_extents: [x, y, z] }) => {
-                writeln!(self.0, "box\t{}\t{}\t{}\t{}\t{place}", link.0, 2.0 * x, 2.0 * y, 2.0 * z)
+                writeln!(self.0, "box\t{}\t{}\t{}\t{}\t{place}", link, 2.0 * x, 2.0 * y, 2.0 * z)
             }
             Shape::Primitive(Primitive::Sphere { radius }) => {
-                writeln!(self.0, "sphere\t{}\t{radius}\t{place}", link.0)
+                writeln!(self.0, "sphere\t{}\t{radius}\t{place}", link)
             }
             Shape::Primitive(Primitive::Cylinder { radius, half_length }) => {
-                writeln!(self.0, "cylinder\t{}\t{radius}\t{}\t{place}", link.0, 2.0 * half_length)
+                writeln!(self.0, "cylinder\t{}\t{radius}\t{}\t{place}", link, 2.0 * half_length)
             }
             Shape::Primitive(Primitive::Capsule { radius, half_length }) => {
-                writeln!(self.0, "capsule\t{}\t{radius}\t{}\t{place}", link.0, 2.0 * half_length)
+                writeln!(self.0, "capsule\t{}\t{radius}\t{}\t{place}", link, 2.0 * half_length)
             }
-            other => panic!("the bundled robots have no {}", other.kind()),
+            Shape::Points(cloud) => self.cloud(link, cloud, pose_ls),
+            other => panic!("the robots and worlds measured have no {}", other.kind()),
         }
     }
 
@@ -108,6 +109,28 @@ impl Neutral {
         }
         for [a, b, c] in mesh.triangles() {
             writeln!(self.0, "{a}\t{b}\t{c}")?;
+        }
+        Ok(())
+    }
+
+    /// The points of a cloud in the frame of its link.
+    fn cloud(&mut self, link: u32, cloud: &PointCloud, pose_ls: &Pose) -> io::Result<()> {
+        writeln!(self.0, "cloud\t{link}\t{}\t{}", cloud.points().len(), cloud.radius())?;
+        for point in cloud.points() {
+            let p = pose_ls * Point::from(point.map(f64::from));
+            writeln!(self.0, "{}\t{}\t{}", p.x, p.y, p.z)?;
+        }
+        Ok(())
+    }
+
+    /// Every obstacle is a link without a parent, in the frame of the robot's root.
+    pub fn world(&mut self, world: &World) -> io::Result<()> {
+        let identity = pose(&Pose::identity());
+        for (id, obstacle) in (0..).zip(world.obstacles()) {
+            writeln!(self.0, "link\t{id}\t{}\t\t-1\tfixed\t-1\t1\t0\t0\t0\t1\t{identity}", obstacle.name)?;
+            for (pose_rs, shape) in obstacle.placed_shapes() {
+                self.shape(id, &pose_rs, shape)?;
+            }
         }
         Ok(())
     }

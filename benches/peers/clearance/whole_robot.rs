@@ -11,6 +11,7 @@ use clearance::robot::LinkId;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, Workspace, World};
 use cpu_time::ProcessTime;
 
+use crate::among::Among;
 use crate::answer::{Answer, link_pairs};
 use crate::draw::{Space, from_file};
 use crate::edges::EdgeSets;
@@ -35,6 +36,7 @@ pub struct WholeRobot {
     workspace: Workspace,
     states: BTreeMap<&'static str, Vec<Configuration>>,
     edges: EdgeSets,
+    among: Among,
     touching_by_design: usize,
 }
 
@@ -76,8 +78,8 @@ impl WholeRobot {
             neutral.states(set, states)?;
         }
         neutral.finish()?;
-        let edges = EdgeSets::new();
-        Ok(Self { workspace: checker.workspace(), checker, matrix, states, edges, touching_by_design })
+        let (edges, among) = (EdgeSets::new(), Among::default());
+        Ok(Self { workspace: checker.workspace(), checker, matrix, states, edges, among, touching_by_design })
     }
 
     /// `key=value` words for the report.
@@ -122,6 +124,19 @@ impl WholeRobot {
         Ok(())
     }
 
+    /// What a line about worlds is answered with; `None` if it cannot be asked.
+    pub fn surround(&mut self, words: &[&str]) -> Outcome<Option<String>> {
+        let Self { checker, among, .. } = self;
+        let states = first_few(&self.states, "random")?;
+        match *words {
+            ["world", file, out] => among.read(checker, file, out).map(Some),
+            ["scatter", count, seed, out] => among.scatter(checker, states, [count, seed, out]).map(Some),
+            ["growth", seed] => among.grow(checker, states, seed).map(Some),
+            ["latency"] => among.cloud_latency(states),
+            _ => Ok(None),
+        }
+    }
+
     /// `key=value` words: what making and verifying certificates of a set's edges costs; `None` if it cannot be asked.
     pub fn certificate_costs(&self, set: &str) -> Outcome<Option<String>> {
         let costs = certificates::costs(&self.checker, self.matrix.as_ref(), first_few(&self.edges, set)?)?;
@@ -130,7 +145,7 @@ impl WholeRobot {
 
     /// Asks about every state or edge of `set`, which is a name or, for its first few, `name:count`.
     pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {
-        let Self { checker, workspace, states, edges, .. } = self;
+        let Self { checker, workspace, states, edges, among, .. } = self;
         let order = match question {
             "edge" => Some(MotionOrder::Earliest),
             "edge-any" => Some(MotionOrder::Any),
@@ -164,7 +179,7 @@ impl WholeRobot {
             }
             "free-batch" => own::batch(checker, states).into_iter().for_each(|free| hear(Answer::Free(free))),
             "near-stream" => own::stream(checker, states, NEAR).into_iter().for_each(hear),
-            _ => return Ok(false),
+            _ => return Ok(among.ask(question, states, hear)),
         }
         Ok(true)
     }

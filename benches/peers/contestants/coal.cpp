@@ -1,8 +1,6 @@
 // Coal as a careful C++ programmer would drive it; what that means is in README.md, "Fairness".
-#include <coal/BVH/BVH_model.h>
 #include <coal/collision.h>
 #include <coal/distance.h>
-#include <coal/shape/geometric_shapes.h>
 #include <time.h>
 
 #include <algorithm>
@@ -13,21 +11,14 @@
 
 #include "edges.hpp"
 #include "neutral.hpp"
+#include "solids.hpp"
+#include "surroundings.hpp"
 
 using neutral::Pose;
+using neutral::Solid;
 
 // The least distance that the question "near" looks for (m).
 static constexpr double kNear = 0.1;
-
-// One collision geometry: all meshes of a link, or one primitive.
-struct Solid {
-  size_t link;
-  bool in_link_frame;
-  Pose pose;  // in the link
-  std::shared_ptr<coal::CollisionGeometry> geometry;
-  Eigen::Vector3d centre;  // of a sphere around it, in its frame
-  double radius;
-};
 
 // Two geometries of two links, with Coal's functions looked up once.
 struct Check {
@@ -37,38 +28,12 @@ struct Check {
   coal::ComputeDistance distance;
 };
 
-static std::shared_ptr<coal::CollisionGeometry> mesh(const neutral::Link& link) {
-  auto bvh = std::make_shared<coal::BVHModel<coal::OBBRSS>>();
-  std::vector<coal::Vec3s> points(link.vertices.begin(), link.vertices.end());
-  std::vector<coal::Triangle> triangles;
-  for (const auto& t : link.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  bvh->beginModel(static_cast<unsigned>(triangles.size()), static_cast<unsigned>(points.size()));
-  bvh->addSubModel(points, triangles);
-  bvh->endModel();
-  return bvh;
-}
-
-static std::shared_ptr<coal::CollisionGeometry> primitive(const neutral::Primitive& p) {
-  const auto& s = p.sizes;
-  if (p.shape == "box") return std::make_shared<coal::Box>(s.at(0), s.at(1), s.at(2));
-  if (p.shape == "sphere") return std::make_shared<coal::Sphere>(s.at(0));
-  if (p.shape == "cylinder") return std::make_shared<coal::Cylinder>(s.at(0), s.at(1));
-  if (p.shape == "capsule") return std::make_shared<coal::Capsule>(s.at(0), s.at(1));
-  throw std::runtime_error("no shape " + p.shape);
-}
-
 class Contestant {
  public:
   explicit Contestant(const std::string& file) : robot_(neutral::Reader(file).robot), poses_(robot_.links.size()) {
+    solids_ = neutral::solids(robot_);
     std::vector<std::vector<size_t>> of_link(robot_.links.size());
-    const auto add = [&](size_t link, bool plain, const Pose& pose, std::shared_ptr<coal::CollisionGeometry> g) {
-      g->computeLocalAABB();
-      of_link[link].push_back(solids_.size());
-      solids_.push_back({link, plain, pose, g, g->aabb_center, g->aabb_radius});
-    };
-    for (size_t i = 0; i < robot_.links.size(); ++i)
-      if (!robot_.links[i].triangles.empty()) add(i, true, Pose{}, mesh(robot_.links[i]));
-    for (const auto& p : robot_.primitives) add(p.link, false, p.pose, primitive(p));
+    for (size_t i = 0; i < solids_.size(); ++i) of_link[solids_[i].link].push_back(i);
     for (size_t pair = 0; pair < robot_.pairs.size(); ++pair)
       for (size_t a : of_link[robot_.pairs[pair].first])
         for (size_t b : of_link[robot_.pairs[pair].second])
@@ -112,10 +77,19 @@ class Contestant {
     if (question == "pairs") return each([&]() -> const std::vector<size_t>& { return hits(); });
     if (question == "distance") return each([&] { return distance(std::numeric_limits<double>::max()); });
     if (question == "near") return each([&] { return distance(kNear); });
+    if (!surroundings_) return false;
+    auto& around = *surroundings_;
+    if (question == "free-world-tree") return each([&] { return !around.tree_hit(places_, centres_); });
+    if (question == "distance-world-tree") return each([&] { return around.tree_distance(places_, centres_); });
+    if (question == "free-world-octree") return around.has_octree() && each([&] { return !around.octree_hit(places_, centres_); });
+    if (!around.is_short()) return false;
+    if (question == "free-world-list") return each([&] { return !around.list_hit(places_, centres_); });
+    if (question == "distance-world-list") return each([&] { return around.list_distance(places_, centres_); });
     return false;
   }
 
   void take(neutral::Edges edges) { edges_ = std::move(edges); }
+  void take(const neutral::Robot& world) { surroundings_ = std::make_unique<Surroundings>(solids_, world); }
 
   std::string say(bool free) const { return free ? "1" : "0"; }
   std::string say(double distance) const {
@@ -146,6 +120,7 @@ class Contestant {
   neutral::Edges edges_;
   std::map<std::pair<size_t, bool>, std::vector<size_t>> orders_;  // of samples, by their number
   neutral::State sample_;
+  std::unique_ptr<Surroundings> surroundings_;
   coal::CollisionRequest collision_request_{coal::NO_REQUEST, 1};  // no contacts, one is enough
   coal::CollisionResult collision_;
   coal::DistanceRequest distance_request_{false};  // no nearest points
@@ -266,6 +241,10 @@ static std::string reply(const std::vector<std::string>& w, std::unique_ptr<Cont
   if (!contestant) throw std::runtime_error("nothing is loaded");
   if (w[0] == "edges") {
     contestant->take(neutral::edges(w.at(1)));
+    return "ok\t";
+  }
+  if (w[0] == "world") {
+    contestant->take(neutral::Reader(w.at(1)).robot);
     return "ok\t";
   }
   bool known = true;

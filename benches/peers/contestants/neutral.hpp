@@ -37,11 +37,18 @@ struct Primitive {
   Pose pose;                  // in the link
 };
 
+// Balls of one radius, in the frame of the link.
+struct Cloud {
+  double radius = 0;
+  std::vector<Eigen::Vector3d> points;
+};
+
 using State = std::vector<double>;
 
 struct Robot {
   std::vector<Link> links;  // parents first
   std::vector<Primitive> primitives;
+  std::vector<Cloud> clouds;  // of worlds only, whose links are where the root is
   std::vector<std::pair<size_t, size_t>> pairs;
   std::map<std::string, std::vector<State>> states;
 
@@ -119,6 +126,9 @@ class Reader {
       link(w);
     } else if (w[0] == "mesh") {
       mesh(robot.links[index_.at(w.at(1))], std::stoul(w.at(2)), std::stoul(w.at(3)));
+    } else if (w[0] == "cloud") {
+      robot.clouds.push_back({number(w.at(3)), {}});
+      for (size_t n = std::stoul(w.at(2)); n > 0; --n) robot.clouds.back().points.push_back(point(next()));
     } else if (w[0] == "pair") {
       robot.pairs.emplace_back(index_.at(w.at(1)), index_.at(w.at(2)));
     } else if (w[0] == "states") {
@@ -149,14 +159,15 @@ class Reader {
 
   void mesh(Link& link, size_t vertices, size_t triangles) {
     const size_t first = link.vertices.size();
-    for (; vertices > 0; --vertices) {
-      const auto p = numbers(next());
-      link.vertices.emplace_back(p.at(0), p.at(1), p.at(2));
-    }
+    for (; vertices > 0; --vertices) link.vertices.push_back(point(next()));
     for (; triangles > 0; --triangles) {
       const auto w = next();
       link.triangles.push_back({first + std::stoul(w.at(0)), first + std::stoul(w.at(1)), first + std::stoul(w.at(2))});
     }
+  }
+
+  static Eigen::Vector3d point(const std::vector<std::string>& w) {
+    return {number(w.at(0)), number(w.at(1)), number(w.at(2))};
   }
 
   static State numbers(const std::vector<std::string>& w) {

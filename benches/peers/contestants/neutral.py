@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import edges
 import numpy as np
@@ -48,6 +48,8 @@ class Robot:
 
     links: dict[str, Link] = field(default_factory=dict)
     primitives: list[Primitive] = field(default_factory=list)
+    # points of worlds, whose links are where the root is
+    clouds: list[np.ndarray] = field(default_factory=list)
     pairs: list[tuple[str, str]] = field(default_factory=list)
     states: dict[str, np.ndarray] = field(default_factory=dict)
 
@@ -101,6 +103,8 @@ def read(path: str) -> Robot:
             first = sum(len(v) for v in link.vertices)
             link.vertices.append(rows(int(words[1]), float))
             link.triangles.append(rows(int(words[2]), int) + first)
+        elif what == "cloud":
+            robot.clouds.append(rows(int(words[1]), float))
         elif what == "pair":
             robot.pairs.append((words[0], words[1]))
         elif what == "states":
@@ -131,6 +135,14 @@ class Contestant(Protocol):
     def answers(self, question: str, states: str) -> Iterable[str]: ...
 
 
+@runtime_checkable
+class AmongObstacles(Protocol):
+    """What a Python contestant must have besides to be asked about worlds."""
+
+    def take_world(self, world: Robot) -> None:
+        """These obstacles take the place of those it had."""
+
+
 def serve(contestant: Contestant) -> None:
     """Answers lines until they end. The collector of garbage rests while time is taken, as `timeit` does it."""
     for line in sys.stdin:
@@ -148,6 +160,11 @@ def _reply(contestant: Contestant, words: list[str]) -> str:
         return "ok\t"
     if words[0] == "edges":
         contestant.take_edges(edges.read(words[1]))
+        return "ok\t"
+    if words[0] == "world":
+        if not isinstance(contestant, AmongObstacles):
+            return "unsupported"
+        contestant.take_world(read(words[1]))
         return "ok\t"
     calls = contestant.calls(words[1], words[2])
     if calls is None:

@@ -9,6 +9,7 @@ import neutral
 import numpy as np
 import pinocchio as pin
 from pinocchio_joints import Joints
+from pinocchio_worlds import Surroundings
 
 
 class PinocchioCoal:
@@ -47,6 +48,9 @@ class PinocchioCoal:
                     self.geometry.addCollisionPair(pin.CollisionPair(i, j))
                     self.pair_names.append(f"{a}-{b}")
 
+    def take_world(self, world: neutral.Robot) -> None:
+        self.surroundings = Surroundings(self.model, self.geometry, world)
+
     def take_edges(self, sets: dict[str, np.ndarray]) -> None:
         self.edges = sets
 
@@ -72,9 +76,10 @@ class PinocchioCoal:
             step = float(question.rpartition("-")[2])
             some = neutral.first_few(self.edges, states)
             return self._free_along, [(e, order(edges.steps(e, step))) for e in some]
-        if question not in questions:
+        call = self.surroundings.call(question) if "-world-" in question else questions.get(question)
+        if call is None:
             return None
-        return questions[question], neutral.first_few(self.states, states)
+        return call, neutral.first_few(self.states, states)
 
     def answers(self, question: str, states: str) -> Iterable[str]:
         call, arguments = self.calls(question, states) or (None, [])
@@ -82,11 +87,13 @@ class PinocchioCoal:
             found = call(q)
             if question.startswith("edge-"):
                 yield "1" if found else "0"
-            elif question == "free":
+            elif question.startswith("free"):
                 yield "0" if found else "1"
             elif question == "pairs":
                 results = zip(self.pair_names, self.geometry_data.collisionResults)
                 yield ",".join(sorted({name for name, result in results if result.isCollision()}))
+            elif question.startswith("distance-world"):
+                yield repr(self.surroundings.least(found))
             else:
                 yield repr(max(0.0, self.geometry_data.distanceResults[found].min_distance))
 

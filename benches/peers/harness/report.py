@@ -12,6 +12,8 @@ from .edge_report import edges
 from .markdown import microseconds, table
 from .required import requirements
 from .results import GAPS, MEASURES, TOUCHING, Measured, RobotResult, Results
+from .world_report import worlds
+from .world_results import WorldsResult
 
 VOICES = {
     "clearance": "this library, one call a state",
@@ -24,7 +26,9 @@ VOICES = {
 }
 
 
-def markdown(results: Results, versions: dict[str, str], rounds: int, core: int, note: str) -> str:
+def markdown(
+    results: Results, among: list[WorldsResult], versions: dict[str, str], rounds: int, core: int, note: str
+) -> str:
     parts = [
         "# Benchmarks",
         "",
@@ -37,11 +41,17 @@ def markdown(results: Results, versions: dict[str, str], rounds: int, core: int,
         *_robots(results),
         *_whole_robots(results),
         *edges(results),
+        *worlds(among, []),
         *_mesh_pairs(results),
         *_costs(results),
         *_disagreements(results),
     ]
     return "\n".join(parts).rstrip() + "\n"
+
+
+def worlds_alone(among: list[WorldsResult], versions: dict[str, str], rounds: int, core: int) -> list[str]:
+    """The section about worlds from a run that measured nothing else."""
+    return worlds(among, ["Measured by a run of its own:", "", *_conditions(versions, rounds, core)[2:]])
 
 
 def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:

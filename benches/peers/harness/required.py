@@ -45,7 +45,7 @@ def requirements(results: Results) -> list[Requirement]:
     ]
 
 
-def _verdict(least_reached: bool, aim_reached: bool) -> str:
+def verdict(least_reached: bool, aim_reached: bool) -> str:
     return "aim" if aim_reached else "at least" if least_reached else "**no**"
 
 
@@ -59,7 +59,7 @@ def _ratios(
     worst = min(ratios, key=lambda robot: ratios[robot])
     mean = geometric_mean(list(ratios.values()))
     measured = f"{ratios[worst]:.2f}x at worst ({worst}), {mean:.2f}x in the mean of {len(ratios)} robots"
-    return Requirement(name, f"{least}x", f"{aim}x", measured, _verdict(ratios[worst] >= least, ratios[worst] >= aim))
+    return Requirement(name, f"{least}x", f"{aim}x", measured, verdict(ratios[worst] >= least, ratios[worst] >= aim))
 
 
 def _edges(results: Results, name: str, key: str, peer: str, least: float, aim: float) -> Requirement:
@@ -71,7 +71,7 @@ def _edges(results: Results, name: str, key: str, peer: str, least: float, aim: 
     where, mean = f"{worst[0]}, {worst[1]:g} rad", geometric_mean(list(ratios.values()))
     robots = len({robot for robot, _ in ratios})
     measured = f"{ratios[worst]:.2f}x at worst ({where}), {mean:.2f}x in the mean of {robots} robots"
-    return Requirement(name, f"{least}x", f"{aim}x", measured, _verdict(ratios[worst] >= least, ratios[worst] >= aim))
+    return Requirement(name, f"{least}x", f"{aim}x", measured, verdict(ratios[worst] >= least, ratios[worst] >= aim))
 
 
 def _disagreements(results: Results) -> Requirement:
@@ -81,7 +81,7 @@ def _disagreements(results: Results) -> Requirement:
     if not answers:
         return Requirement(name, "0", "0", "not measured", "–")
     measured = f"{count} of {sum(a.compared for a in answers)}"
-    return Requirement(name, "0", "0", measured, _verdict(count == 0, count == 0))
+    return Requirement(name, "0", "0", measured, verdict(count == 0, count == 0))
 
 
 def _certificates(results: Results) -> list[float | None]:
@@ -99,7 +99,7 @@ def _buckets(results: Results, name: str, question: str, peer: str, aim: float) 
     worst = min(known, key=lambda gap: known[gap])
     mean = geometric_mean(list(known.values())) or 0.0
     measured = f"{known[worst]:.2f}x at worst ({worst}), {mean:.2f}x in the mean"
-    return Requirement(name, *texts, measured, _verdict(known[worst] >= 5, known[worst] >= 5 and mean >= aim))
+    return Requirement(name, *texts, measured, verdict(known[worst] >= 5, known[worst] >= 5 and mean >= aim))
 
 
 def _streamed(results: Results) -> Requirement:
@@ -113,7 +113,7 @@ def _streamed(results: Results) -> Requirement:
         return Requirement(name, "5x", "20x", "not there yet", "–")
     worst = min(ratios, key=lambda robot: ratios[robot])
     measured = f"{ratios[worst]:.2f}x at worst ({worst}), {geometric_mean(list(ratios.values())):.2f}x in the mean"
-    return Requirement(name, "5x", "20x", measured, _verdict(ratios[worst] >= 5, ratios[worst] >= 20))
+    return Requirement(name, "5x", "20x", measured, verdict(ratios[worst] >= 5, ratios[worst] >= 20))
 
 
 def _figure(name: str, values: list[float | None], least: float, aim: float, unit: str) -> Requirement:
@@ -122,7 +122,7 @@ def _figure(name: str, values: list[float | None], least: float, aim: float, uni
         return Requirement(name, f"{least} {unit}", f"{aim} {unit}", "not there yet", "–")
     worst = max(known)
     measured = f"{worst:.3g} {unit} at worst"
-    return Requirement(name, f"{least} {unit}", f"{aim} {unit}", measured, _verdict(worst <= least, worst <= aim))
+    return Requirement(name, f"{least} {unit}", f"{aim} {unit}", measured, verdict(worst <= least, worst <= aim))
 
 
 def _number(words: dict[str, str], key: str) -> float | None:
