@@ -329,7 +329,8 @@ fn broken_clouds_are_refused_by_field() {
         let fault = decode(&message).unwrap_err();
         assert!(fault.contains(named), "'{named}' is not in: {fault}");
     }
-    assert!(decode(&PointCloud2 { width: u32::MAX, height: 1, ..cloud() }).unwrap_err().contains("data has"));
+    assert!(decode(&PointCloud2 { width: u32::MAX, ..cloud() }).unwrap_err().contains("row_step"));
+    assert!(decode(&PointCloud2 { height: u32::MAX, ..cloud() }).unwrap_err().contains("data has"));
 }
 
 #[test]
