@@ -50,10 +50,30 @@ pub fn descend<S, B, LA, LB, V>(
     B: BoundingVolume,
     V: Visitor<LA, LB>,
 {
+    descend_from(simd, (a, b), &[b.root()], relative, stack, visitor);
+}
+
+/// As [`descend`], of what hangs on some nodes of the second tree.
+#[inline(always)]
+pub fn descend_from<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    starts: &[NodeRef],
+    relative: &Relative,
+    stack: &mut Vec<Entry>,
+    visitor: &mut V,
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
     stack.clear();
-    let lower = roots_bound::<S, B, LA, LB, V>(simd, (a, b), relative);
-    visitor.volume_tests(1);
-    stack.push(Entry { lower, a: a.root(), b: b.root() });
+    for &start in starts {
+        let lower = root_bound::<S, B, LA, LB, V>(simd, (a, b), start, relative);
+        stack.push(Entry { lower, a: a.root(), b: start });
+        visitor.volume_tests(1);
+    }
+    sort(stack);
     while let Some(&entry) = stack.last() {
         let threshold = visitor.threshold();
         if threshold == f32::NEG_INFINITY {
@@ -115,15 +135,20 @@ pub(super) fn sort(entries: &mut [Entry]) {
     }
 }
 
-/// A number never larger than the distance (m) of two whole trees.
+/// A number never larger than the distance (m) of a whole tree and what hangs on a node of another.
 #[inline(always)]
-fn roots_bound<S, B, LA, LB, V>(simd: S, (a, b): (&Tree<B, LA>, &Tree<B, LB>), trees: &Relative) -> f32
+fn root_bound<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    node: NodeRef,
+    trees: &Relative,
+) -> f32
 where
     S: Simd,
     B: BoundingVolume,
     V: Visitor<LA, LB>,
 {
-    let ((volume_a, axes_a), (volume_b, axes_b)) = (a.volume(a.root()), b.volume(b.root()));
+    let ((volume_a, axes_a), (volume_b, axes_b)) = (a.volume(a.root()), b.volume(node));
     let relative = trees.of_nodes(axes_a, axes_b);
     let seen = B::seen(simd, &volume_a.splat(), &relative);
     let facing = B::facing(simd, &volume_b.splat(), &relative);

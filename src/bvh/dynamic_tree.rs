@@ -5,7 +5,7 @@
 
 use super::axis_box::AxisBox;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8};
+use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8, mask32x8};
 
 /// Changes after which even a small tree is not yet built anew.
 const FEW_CHANGES: usize = 64;
@@ -100,19 +100,6 @@ impl DynamicTree {
         self.note_change();
     }
 
-    /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
-    pub fn overlapping(
-        &self,
-        level: Level,
-        with: &AxisBox,
-        stack: &mut Vec<u32>,
-        found: &mut Vec<u32>,
-    ) -> u64 {
-        stack.clear();
-        stack.extend(self.root());
-        dispatch_lean!(level, simd => self.descend(simd, with, stack, found))
-    }
-
     /// The children of a node, each with a number never larger than the distance (m) of its box from another.
     pub fn children(
         &self,
@@ -126,8 +113,28 @@ impl DynamicTree {
         gaps.into_iter().zip(children).filter(|(_, child)| *child != Child::Nothing)
     }
 
+    /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
+    pub fn overlapping(
+        &self,
+        level: Level,
+        with: &AxisBox,
+        stack: &mut Vec<u32>,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        dispatch_lean!(level, simd => self.find_overlapping(simd, with, stack, found))
+    }
+
+    /// As [`Self::overlapping`], for a caller that is compiled for its level.
     #[inline(always)]
-    fn descend<S: Simd>(&self, simd: S, with: &AxisBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) -> u64 {
+    pub fn find_overlapping<S: Simd>(
+        &self,
+        simd: S,
+        with: &AxisBox,
+        stack: &mut Vec<u32>,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        stack.clear();
+        stack.extend(self.root());
         let mut tested = 0;
         while let Some(node) = stack.pop() {
             tested += LANES as u64;
@@ -162,7 +169,8 @@ impl DynamicTree {
     }
 
     /// All items with their boxes, by number.
-    fn items(&self) -> Vec<(u32, AxisBox)> {
+    #[must_use]
+    pub fn items(&self) -> Vec<(u32, AxisBox)> {
         let seats = (0..).zip(&self.seats);
         let placed = seats.filter_map(|(item, seat)| {
             let seat = (*seat)?;
@@ -349,12 +357,17 @@ impl Node {
     /// The lanes whose boxes overlap another.
     #[inline(always)]
     fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u64 {
-        let mut apart = 0;
-        for i in 0..3 {
-            let (lo, hi) = (f32x8::from_slice(simd, &self.lo[i]), f32x8::from_slice(simd, &self.hi[i]));
-            apart |= lo.simd_gt(with.hi[i]).to_bitmask() | hi.simd_lt(with.lo[i]).to_bitmask();
-        }
-        !apart & u64::from(u8::MAX)
+        let apart = self.apart_along(simd, 0, with)
+            | self.apart_along(simd, 1, with)
+            | self.apart_along(simd, 2, with);
+        !apart.to_bitmask() & u64::from(u8::MAX)
+    }
+
+    /// The lanes whose boxes lie beyond another along one axis.
+    #[inline(always)]
+    fn apart_along<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
+        let (lo, hi) = (f32x8::from_slice(simd, &self.lo[i]), f32x8::from_slice(simd, &self.hi[i]));
+        lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
     }
 
     /// Numbers never larger than the distances of the boxes from another.

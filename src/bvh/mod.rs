@@ -16,7 +16,7 @@ mod tree;
 mod triangle_leaf;
 
 pub use axis_box::AxisBox;
-pub use descend::{Entry, Visitor, descend};
+pub use descend::{Entry, Visitor, descend, descend_from};
 pub use dynamic_tree::{Child, DynamicTree};
 pub use grain_leaf::{Grain, GrainLeaf};
 pub use plane::{PlaneVisitor, TreePlane, descend_to_plane};

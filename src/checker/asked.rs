@@ -7,7 +7,7 @@ use super::nearby::Near;
 use super::report::{Body, CollisionReport, PairDistance, Question};
 use super::workspace::{QueuedNear, QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
-use crate::query::Effort;
+use crate::query::{Effort, Piece, Scratch};
 use crate::robot::Configuration;
 use crate::simd::LANES;
 
@@ -86,6 +86,7 @@ impl Asked<'_> {
             let world = (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part));
             heap.extend(world.map(|near| QueuedNear { lower: 0.0, near }));
         }
+        self.workspace.asked.clear();
         let mut nearest: Option<(usize, PairDistance)> = None;
         let mut least_lower = f64::INFINITY;
         while let Some(QueuedNear { lower, near }) = heap.pop() {
@@ -93,18 +94,33 @@ impl Asked<'_> {
             if lower > bound || bound <= 0.0 {
                 break;
             }
-            let index = match near {
-                Near::Pair(index) => index,
-                Near::Obstacle { part, place } => {
-                    heap.extend(self.looked_at(part, place, lower).filter(|found| found.lower <= bound));
+            let (index, part_and_piece) = match near {
+                Near::Boxed { part, piece } => {
+                    for found in self.looked_at(part, piece, lower).filter(|found| found.lower <= bound) {
+                        heap.push(found);
+                    }
                     continue;
                 }
                 Near::Node { part, node } => {
-                    heap.extend(self.opened(part, node).filter(|found| found.lower <= bound));
+                    // one by one: what is appended at once may cost a whole heap
+                    for found in self.opened(part, node).filter(|found| found.lower <= bound) {
+                        heap.push(found);
+                    }
                     continue;
                 }
+                Near::Piece { part, piece } => {
+                    (self.checker.world_pair(part, self.checker.place_of(piece)), Some((part, piece)))
+                }
+                Near::Pair(index) => (index, None),
             };
-            let Some(found) = self.distance(QueuedPair { lower, index }, bound) else { continue };
+            if !self.is_first(index) {
+                continue;
+            }
+            let found = match part_and_piece.filter(|_| self.asks_pieces()) {
+                Some((part, piece)) => self.distance_by_pieces(index, (part, piece), bound),
+                None => self.distance(QueuedPair { lower, index }, bound),
+            };
+            let Some(found) = found else { continue };
             least_lower = found.lower.min(least_lower);
             if nearest.is_none_or(|(other, n)| (found.distance, index) < (n.distance, other)) {
                 nearest = Some((index, found));
@@ -118,22 +134,60 @@ impl Asked<'_> {
         });
     }
 
-    /// An obstacle's pair with a part, once their capsules were looked at.
-    fn looked_at(&mut self, part: usize, place: u32, known: f64) -> impl Iterator<Item = QueuedNear> + use<> {
-        let Workspace { frames, scratch, .. } = &mut *self.workspace;
-        scratch.work.volume_tests += 1;
-        let reach = self.checker.reach_of(part, &frames[self.checker.riders[part].body]);
-        let bound = self.checker.distance_bound(part, place, &reach);
-        let near = Near::Pair(self.checker.world_pair(part, place as usize));
-        bound.map(|lower| QueuedNear { lower: lower.max(known).max(0.0), near }).into_iter()
+    /// Whether a pair, to which several pieces may lead, was not asked before.
+    fn is_first(&mut self, index: usize) -> bool {
+        let of_parts = index < self.checker.infos.len();
+        let first = of_parts || !self.workspace.asked.contains(&index);
+        if first && !of_parts {
+            self.workspace.asked.push(index);
+        }
+        first
     }
 
-    /// What a node of the obstacles' tree holds.
+    /// Whether obstacles are asked by their pieces: tolerances, deadlines and streams are about whole pairs.
+    fn asks_pieces(&self) -> bool {
+        self.effort.is_exact()
+            && !self.workspace.stream.as_ref().is_some_and(|stream| stream.is_of(self.checker.revision))
+    }
+
+    /// The padded distance of a pair, unless it is proven larger than `limit`: first of the piece that may be nearest, then of
+    /// those that may be nearer.
+    fn distance_by_pieces(
+        &mut self,
+        index: usize,
+        (part, piece): (usize, u32),
+        limit: f64,
+    ) -> Option<PairDistance> {
+        let checker = self.checker;
+        let pair = checker.pair(index, &self.workspace.frames);
+        let ask = |pieces: &[Piece], limit: f64, scratch: &mut Scratch| {
+            // rounded up, so that of equal ones none is left out
+            let raw = pair.separation_of_pieces(pieces, (limit + pair.info.padding).next_up(), scratch)?;
+            Some(pair.padded(&raw))
+        };
+        let Workspace { frames, scratch, nearby, .. } = &mut *self.workspace;
+        let first = ask(&[checker.piece(piece)], limit, scratch);
+        let limit = first.map_or(limit, |first| first.distance);
+        let capsule = checker.capsule_of(part, &frames[checker.riders[part].body]);
+        checker.pieces_near((part, checker.place_of(piece)), &capsule, limit, (scratch, nearby));
+        ask(&nearby.pieces, limit, scratch).or(first)
+    }
+
+    /// What to ask of a piece of the world.
+    fn looked_at(&mut self, part: usize, piece: u32, known: f64) -> impl Iterator<Item = QueuedNear> + use<> {
+        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += 1;
+        let capsule = self.checker.capsule_of(part, &frames[self.checker.riders[part].body]);
+        let looked_at = self.checker.looked_at(part, piece, &capsule);
+        looked_at.map(|(lower, near)| QueuedNear { lower: lower.max(known), near }).into_iter()
+    }
+
+    /// What a node of the tree of pieces holds.
     fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
         let Workspace { frames, scratch, .. } = &mut *self.workspace;
         scratch.work.volume_tests += LANES as u64;
-        let reach = self.checker.reach_of(part, &frames[self.checker.riders[part].body]);
-        let opened = self.checker.opened(part, node, (&reach, scratch.level()));
+        let capsule = self.checker.capsule_of(part, &frames[self.checker.riders[part].body]);
+        let opened = self.checker.opened(part, node, (&capsule, scratch.level()));
         opened.map(|(lower, near)| QueuedNear { lower: lower.max(0.0), near })
     }
 

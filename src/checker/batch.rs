@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use super::capsules::{Segment, up};
 use super::collision_checker::CollisionChecker;
 use super::likely::LikelyPairs;
-use super::numbers::PairNumber;
 use super::report::{CollisionReport, Question};
 use super::workspace::Workspace;
 use crate::constants::CONTACT_DISTANCE;
@@ -65,9 +64,9 @@ impl CollisionChecker {
         let Workspace { scratch, nearby, queue, .. } = workspace;
         queue.clear();
         for (part, rider) in self.riders.iter().enumerate() {
-            let reach = self.reach_of(part, &frame(rider.body));
+            let capsule = self.capsule_of(part, &frame(rider.body));
             let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
-            self.obstacles_near(part, &reach, CONTACT_DISTANCE, memory, queue);
+            self.obstacles_near(part, &capsule, CONTACT_DISTANCE, memory, queue);
         }
         queue.len() as u64
     }
@@ -93,7 +92,7 @@ impl CollisionChecker {
         workspace: &mut Workspace,
         free: &mut [bool],
     ) {
-        let Workspace { scratch, likely, nearby, queue, .. } = workspace;
+        let Workspace { scratch, likely, nearby, part_order, .. } = workspace;
         let mut eight = Eight::new(self, simd);
         for (states, free) in states.chunks(LANES).zip(free.chunks_mut(LANES)) {
             self.screen_eight(simd, states, &mut eight);
@@ -102,47 +101,25 @@ impl CollisionChecker {
             let mut hit = 0u8;
             for rank in 0.. {
                 let Some(i) = likely.get(rank) else { break };
-                let near = match eight.near.get_mut(i) {
-                    Some(near) => std::mem::take(near),
-                    None => self.near_obstacle(i, all & !hit, &eight),
-                };
+                let near = std::mem::take(&mut eight.near[i]);
                 hit |= self.hits_of(i, near & all & !hit, &eight, scratch, likely);
             }
             for i in 0..eight.near.len() {
                 hit |= self.hits_of(i, eight.near[i] & all & !hit, &eight, scratch, likely);
             }
-            // what is likely was asked about all states: the list must not change before all are through
-            let mut found = [None; LANES];
-            for (lane, found) in found.iter_mut().enumerate().take(states.len()) {
+            for lane in 0..states.len() {
                 if hit & (1 << lane) == 0 {
                     let frame = |body| eight.frame(body, lane);
-                    *found = self.first_obstacle(&frame, likely, (scratch, nearby, queue));
-                }
-            }
-            for (lane, pair) in found.into_iter().enumerate() {
-                if let Some(pair) = pair {
-                    hit |= 1 << lane;
-                    likely.hit(pair);
+                    let origin = self.capsules.origin(frame);
+                    let capsule = |part: usize| self.capsule_at(part, eight.segment(part, lane), origin);
+                    let touches = self.hits_obstacle(simd, capsule, &frame, (scratch, nearby, part_order));
+                    hit |= u8::from(touches) << lane;
                 }
             }
             for (lane, free) in free.iter_mut().enumerate() {
                 *free = hit & (1 << lane) == 0;
             }
         }
-    }
-
-    /// In which of some states capsules leave what may be the number of a pair with an obstacle.
-    #[inline(always)]
-    fn near_obstacle<S: Simd>(&self, pair: usize, states: u8, eight: &Eight<S>) -> u8 {
-        if !self.is_pair(pair) {
-            return 0;
-        }
-        let PairNumber::WithObstacle { part, place } = self.number(pair) else { return 0 };
-        let body = self.riders[part].body;
-        let asked = (0..LANES).filter(|lane| states & (1 << lane) != 0);
-        asked
-            .filter(|lane| self.may_touch_obstacle(part, place, &eight.frame(body, *lane)))
-            .fold(0, |near, lane| near | 1 << lane)
     }
 
     /// In which of some states a pair touches.
@@ -218,6 +195,12 @@ impl<S: Simd> Eight<S> {
         );
         checker.capsules.place(&self.frames, &mut self.segments);
         checker.capsules.near(simd, &self.segments, margin, &mut self.near);
+    }
+
+    /// A part's segment in one of the states.
+    pub fn segment(&self, part: usize, lane: usize) -> Segment<f32> {
+        let Segment { centre: c, half: h } = &self.segments[part];
+        Segment { centre: [c[0][lane], c[1][lane], c[2][lane]], half: [h[0][lane], h[1][lane], h[2][lane]] }
     }
 
     /// A body's frame in one of the states.

@@ -1,43 +1,13 @@
 //! Level 0: one capsule around each link, and which of a fixed list of pairs may be near.
 //!
 //! A capsule is all points within a radius of a segment. Eight pairs are judged at once: one pair in eight states, or
-//! eight pairs in one state, by the same formulas and to the same bits.
-//!
-//! # The bound
-//!
-//! Segments are `c₁ + s·u` and `c₂ + t·v` with s, t in [−1, 1]; let w = c₂ − c₁. For *any* direction n they are at
-//! least as far apart as their projections onto n,
-//!
-//! > D ≥ (n·w − |n·u| − |n·v|) / |n|,
-//!
-//! with equality when n joins the nearest points. So nearest points are sought carelessly (Ericson, *Real-Time
-//! Collision Detection*, 5.1.9, with parallel and degenerate segments not set apart), and n between them still gives a
-//! bound. Where it is loose, as for nearly parallel or touching segments, it is loose downward.
-//!
-//! # Its rounding
-//!
-//! Let ε = 2⁻²⁴ be the rounding of f32, E the largest coordinate of any centre, H the largest |u| + |v| + radii of any
-//! pair. Centres are taken relative to the first capsule's body in f64 and rounded once, so with the subtraction each
-//! coordinate of w is off by at most 4εE, and each of u and v by ε of itself. For the n that was computed, whatever it
-//! is, and with |w| ≤ 2√3·E:
-//!
-//! | what | off by at most, in ε·\|n\| |
-//! |---|---|
-//! | w for its true value | 4√3·E < 7E |
-//! | n·w: three roundings | 3\|w\| < 10.4E |
-//! | n·u, n·v: three roundings, and u, v themselves | (3 + √3)(\|u\| + \|v\|) < 4.8H |
-//! | the two differences | 2(\|w\| + \|u\| + \|v\|) < 7E + 2H |
-//! | \|n\| and the quotient, or the squares in its stead | 4D ≤ 4\|w\| < 14E |
-//! | sums with radii and margin, up to D | 3(D + H) < 10.4E + 3H |
-//!
-//! Together less than 49E + 10H; 64ε(E + H) = 2⁻¹⁸(E + H) is taken off every bound: 4 µm at a metre. The sphere test
-//! before has fewer terms: 7E for w and 4\|w\| for the squares. A tiny constant added to |n|² keeps the quotient
-//! defined where the segments touch, and only lowers a positive bound.
+//! eight pairs in one state, by the same formulas and to the same bits ([`super::capsule_lanes`]).
 
-use std::ops::{Add, Sub};
+use std::ops::Add;
 
 use nalgebra::Vector3;
 
+use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference};
 use crate::constants::MOTION_SLACK;
 use crate::math::{MatrixPose, Point};
 use crate::robot::{Frame, Reach};
@@ -52,22 +22,13 @@ pub struct LinkCapsule {
     pub radius: f64,
 }
 
-/// Rounding taken off every bound, relative to coordinates and sizes: 64 roundings of f32.
-const SLACK: f32 = 64.0 / 16_777_216.0;
-
-/// Added to |n|², m².
-const LEAST_SQUARE: f32 = 1e-30;
-
-/// Segments whose squared sine is less count as parallel: below, f32 tells nothing about where they are nearest.
-const PARALLEL: f32 = 1e-6;
-
 /// Capsules that ride on bodies, and the pairs of them to judge.
 #[derive(Clone, Debug)]
 pub struct CapsulePairs {
     riders: Vec<Rider>,
     /// Pairs, eight by eight; the last group is filled up with its last pair.
     groups: Vec<Group>,
-    /// H above, of pairs that have one.
+    /// H of the bound, of pairs that have one.
     size: f32,
 }
 
@@ -103,22 +64,6 @@ struct Group {
 pub struct Segment<V> {
     pub centre: [V; 3],
     pub half: [V; 3],
-}
-
-/// Eight pairs of segments.
-struct Lanes<S: Simd> {
-    w: [f32x8<S>; 3],
-    u: [f32x8<S>; 3],
-    v: [f32x8<S>; 3],
-}
-
-/// Eight pairs' constants, in lanes.
-struct Constants<S: Simd> {
-    uu: f32x8<S>,
-    vv: f32x8<S>,
-    over_uu: f32x8<S>,
-    over_vv: f32x8<S>,
-    least: f32x8<S>,
 }
 
 impl LinkCapsule {
@@ -189,6 +134,12 @@ impl CapsulePairs {
         }
     }
 
+    /// What segments are relative to (m), in single precision.
+    #[must_use]
+    pub fn origin(&self, frame: impl Fn(usize) -> Frame<f64>) -> [f32; 3] {
+        self.riders.first().map_or([0.0; 3], |first| single(frame(first.body).t))
+    }
+
     /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.
     #[inline(always)]
     pub fn near<S: Simd>(
@@ -251,7 +202,7 @@ impl CapsulePairs {
         let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
         for (i, (group, mask)) in self.groups.iter().zip(masks).enumerate() {
             let limit = slack + f32x8::simd_from(simd, margins(i));
-            let lanes = Lanes::of_eight_pairs(simd, segments, group);
+            let lanes = eight_pairs(simd, segments, group);
             let (reach, radii) = (f32x8::simd_from(simd, group.reach), f32x8::simd_from(simd, group.radii));
             *mask = group.used & lanes.spheres_near(reach + limit);
             if *mask != 0 {
@@ -266,7 +217,7 @@ impl CapsulePairs {
         assert_eq!(self.groups.len(), bounds.len(), "bounds for every group");
         let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
         for (group, bound) in self.groups.iter().zip(bounds) {
-            let lanes = Lanes::of_eight_pairs(simd, segments, group);
+            let lanes = eight_pairs(simd, segments, group);
             let radii = f32x8::simd_from(simd, group.radii) + slack;
             *bound = lanes.lower_bound(radii, &group.all_constants(simd)).into();
         }
@@ -359,56 +310,12 @@ impl Group {
     }
 }
 
-impl<S: Simd> Lanes<S> {
-    #[inline(always)]
-    fn of_eight_states(a: &Segment<f32x8<S>>, b: &Segment<f32x8<S>>) -> Self {
-        Self { w: difference(b.centre, a.centre), u: a.half, v: b.half }
-    }
-
-    #[inline(always)]
-    fn of_eight_pairs(simd: S, segments: &[Segment<f32>], group: &Group) -> Self {
-        let (a, b) = (group.first.map(|i| &segments[i]), group.second.map(|i| &segments[i]));
-        let ((c, u), (d, v)) = (gather(simd, a), gather(simd, b));
-        Self { w: difference(d, c), u, v }
-    }
-
-    /// In which lanes the bounding spheres may be near: `reach` is the sum of their radii, margin and slack.
-    #[inline(always)]
-    fn spheres_near(&self, reach: f32x8<S>) -> u8 {
-        // what compares false for want of a number is near
-        low_byte(!dot(self.w, self.w).simd_gt(reach * reach).to_bitmask())
-    }
-
-    /// In which lanes the axes may be no farther apart along n than `radii`, with margin and slack.
-    #[inline(always)]
-    fn near_along(&self, n: [f32x8<S>; 3], radii: f32x8<S>) -> u8 {
-        let separation = self.separation(n).max(0.0);
-        low_byte(!(separation * separation).simd_gt(radii * radii * square(n)).to_bitmask())
-    }
-
-    /// Lower bounds of the distance of the axes, less `radii`.
-    #[inline(always)]
-    fn lower_bound(&self, radii: f32x8<S>, constants: &Constants<S>) -> f32x8<S> {
-        let n = self.direction(constants);
-        self.separation(n) / square(n).sqrt() - radii
-    }
-
-    /// From about where the first segment is nearest to the second, to there.
-    #[inline(always)]
-    fn direction(&self, c: &Constants<S>) -> [f32x8<S>; 3] {
-        let Self { w, u, v } = *self;
-        let (uv, uw, vw) = (dot(u, v), dot(u, w), dot(v, w));
-        let s = unit_interval((uw * c.vv - uv * vw) / (c.uu * c.vv - uv * uv).max(c.least));
-        let t = unit_interval((uv * s - vw) * c.over_vv);
-        let s = unit_interval((uv * t + uw) * c.over_uu);
-        [w[0] + v[0] * t - u[0] * s, w[1] + v[1] * t - u[1] * s, w[2] + v[2] * t - u[2] * s]
-    }
-
-    /// How far apart the segments are along n, times |n|.
-    #[inline(always)]
-    fn separation(&self, n: [f32x8<S>; 3]) -> f32x8<S> {
-        dot(n, self.w) - dot(n, self.u).abs() - dot(n, self.v).abs()
-    }
+/// Eight pairs in one state.
+#[inline(always)]
+fn eight_pairs<S: Simd>(simd: S, segments: &[Segment<f32>], group: &Group) -> Lanes<S> {
+    let (a, b) = (group.first.map(|i| &segments[i]), group.second.map(|i| &segments[i]));
+    let ((c, u), (d, v)) = (gather(simd, a), gather(simd, b));
+    Lanes { w: difference(d, c), u, v }
 }
 
 /// The centres and halves of eight segments.
@@ -430,11 +337,6 @@ fn load<S: Simd>(simd: S, v: &[[f32; 8]; 3]) -> [f32x8<S>; 3] {
 }
 
 #[inline(always)]
-fn difference<T: Copy + Sub<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
 fn sum<T: Copy + Add<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
@@ -442,27 +344,6 @@ fn sum<T: Copy + Add<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 #[inline(always)]
 fn single<T: Real>(v: [T; 3]) -> [T::Single; 3] {
     [v[0].single(), v[1].single(), v[2].single()]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> f32x8<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// |n|², never zero.
-#[inline(always)]
-fn square<S: Simd>(n: [f32x8<S>; 3]) -> f32x8<S> {
-    dot(n, n) + LEAST_SQUARE
-}
-
-#[inline(always)]
-fn unit_interval<S: Simd>(x: f32x8<S>) -> f32x8<S> {
-    x.max(-1.0).min(1.0)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the other bits are meant to go")]
-fn low_byte(bits: u64) -> u8 {
-    bits as u8
 }
 
 impl LinkCapsule {
@@ -483,4 +364,4 @@ impl LinkCapsule {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::bodies::{
     Rider, capsule_pairs, chain, joints_between, joints_to_root, pair_infos, riders, travel_rates,
 };
-use super::capsules::{CapsulePairs, Segment};
+use super::capsules::{CapsulePairs, Segment, up};
 use super::likely::LikelyPairs;
 use super::motion::{MotionScratch, Ways, ways_of};
 use super::nearby::NearbyScratch;
@@ -39,6 +39,8 @@ pub struct CollisionChecker {
     pub(super) infos: Vec<PairInfo>,
     /// A capsule around each part, and the self pairs of them.
     pub(super) capsules: CapsulePairs,
+    /// By part: the radius (m) of its capsule with its padding, rounded up.
+    pub(super) padded_radii: Vec<f32>,
     /// The largest padding (m) of any self pair.
     pub(super) largest_padding: f64,
     /// By self pair: the joints between its bodies.
@@ -139,6 +141,7 @@ impl CollisionChecker {
         let riders = riders(&robot, world, (&chain, &pairs), &settings, known_riders)?;
         let infos = pair_infos(&pairs, &riders, &settings);
         let capsules = capsule_pairs(&riders, &infos);
+        let padded_radii = riders.iter().map(|rider| up(rider.capsule.radius + rider.padding)).collect();
         let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::max);
         let obstacles = Obstacles::new(world, &settings, known_obstacles)?;
         let rates = travel_rates(&robot, &chain, &riders);
@@ -155,6 +158,7 @@ impl CollisionChecker {
             riders,
             infos,
             capsules,
+            padded_radii,
             largest_padding,
             between,
             to_root,
@@ -228,6 +232,9 @@ impl CollisionChecker {
             bounds: vec![[0.0; LANES]; groups],
             queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),
             nearest_first: Vec::new(),
+            asked: Vec::new(),
+            // what is farthest from the base hits most
+            part_order: (0..self.riders.len()).rev().collect(),
             likely: LikelyPairs::new(),
             nearby: NearbyScratch::default(),
             scratch,

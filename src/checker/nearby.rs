@@ -1,14 +1,15 @@
 //! Which obstacles may be near a part of the robot: boxes in a tree first, then capsules.
 
+use super::capsules::{Segment, up};
 use super::collision_checker::CollisionChecker;
-use super::obstacles::PlacedObstacle;
+use super::root_volume::RootCapsule;
 use super::workspace::{QueuedPair, Workspace};
 use crate::bvh::{AxisBox, Child};
 use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
-use crate::math::{MatrixPose, Point};
-use crate::query::Work;
-use crate::robot::{Frame, Reach};
-use crate::simd::{LANES, Level};
+use crate::math::MatrixPose;
+use crate::query::{Piece, Scratch, Work};
+use crate::robot::{Configuration, Frame, Reach};
+use crate::simd::{LANES, Level, Simd, dispatch_lean};
 use crate::world::ObstacleId;
 
 /// Scratch memory of a search.
@@ -16,16 +17,31 @@ use crate::world::ObstacleId;
 pub(super) struct NearbyScratch {
     stack: Vec<u32>,
     found: Vec<u32>,
+    /// What may be near, one obstacle's pieces after the other's.
+    pub near: Vec<NearPiece>,
+    /// Of one obstacle.
+    pub pieces: Vec<Piece>,
+}
+
+/// A piece of an obstacle that may be near a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearPiece {
+    pub place: u32,
+    pub piece: Piece,
+    /// Its padded distance (m) is not less than this.
+    pub lower: f32,
 }
 
 /// Something of the world that may be near a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Near {
-    /// An obstacle whose capsule was looked at.
+    /// An obstacle or another part.
     Pair(usize),
-    /// An obstacle of which only the box is known.
-    Obstacle { part: usize, place: u32 },
-    /// Obstacles in a node of the tree.
+    /// A piece of an obstacle of which only the box is known.
+    Boxed { part: usize, piece: u32 },
+    /// A piece that was looked at.
+    Piece { part: usize, piece: u32 },
+    /// Pieces in a node of the tree.
     Node { part: usize, node: u32 },
 }
 
@@ -35,9 +51,32 @@ impl CollisionChecker {
         self.riders[part].reach_at(&MatrixPose::from(frame))
     }
 
-    /// How much farther (m) than asked a part has to look for obstacles, so that padding is not forgotten.
-    pub(super) fn most_padding(&self, part: usize) -> f64 {
-        self.riders[part].padding + self.obstacles.largest_padding
+    /// All that a part reaches with its padding, where it is.
+    pub(super) fn capsule_of(&self, part: usize, frame: &Frame<f64>) -> RootCapsule {
+        RootCapsule::of_reach(&self.reach_of(part, frame), self.riders[part].padding)
+    }
+
+    /// The same, made of what level 0 knows: segments as seen from `origin`.
+    #[inline(always)]
+    pub(super) fn capsule_at(&self, part: usize, segment: Segment<f32>, origin: [f32; 3]) -> RootCapsule {
+        RootCapsule::new(segment, origin, self.padded_radii[part])
+    }
+
+    /// Boxes around the robot's parts with their paddings, where a state has them: what the broad phase asks about.
+    #[must_use]
+    pub fn part_boxes(&self, q: &Configuration, workspace: &mut Workspace) -> Vec<AxisBox> {
+        self.suit(workspace);
+        self.place(q, workspace);
+        let parts = self.riders.iter().enumerate();
+        parts
+            .map(|(part, rider)| self.capsule_of(part, &workspace.frames[rider.body]).axis_box(0.0))
+            .collect()
+    }
+
+    /// What the broad phase knows: boxes around obstacles, or around their pieces where they are large, each with a number.
+    #[must_use]
+    pub fn world_boxes(&self) -> Vec<(u32, AxisBox)> {
+        self.obstacles.pieces.tree.items()
     }
 
     /// Obstacles whose padded distance from a part may be within `limit` (m): their pairs, in the order of their numbers, with
@@ -45,7 +84,7 @@ impl CollisionChecker {
     pub(super) fn obstacles_near(
         &self,
         part: usize,
-        reach: &Reach,
+        capsule: &RootCapsule,
         limit: f64,
         (level, scratch, work): (Level, &mut NearbyScratch, &mut Work),
         near: &mut Vec<QueuedPair>,
@@ -53,20 +92,56 @@ impl CollisionChecker {
         if self.pairs().world_len() == 0 {
             return;
         }
-        let begin = near.len();
-        let within = reach_box(reach, limit + self.most_padding(part));
-        scratch.found.clear();
-        scratch.found.extend_from_slice(&self.obstacles.unbounded);
-        work.volume_tests +=
-            self.obstacles.tree.overlapping(level, &within, &mut scratch.stack, &mut scratch.found);
-        for &place in &scratch.found {
-            let Some(lower) = self.distance_bound(part, place, reach) else { continue };
-            work.volume_tests += 1;
-            if lower <= limit {
-                near.push(QueuedPair { lower: lower.max(0.0), index: self.world_pair(part, place as usize) });
+        dispatch_lean!(level, simd => self.find_near(simd, part, capsule, up(limit), scratch, work));
+        for pieces in scratch.near.chunk_by(|a, b| a.place == b.place) {
+            let lower = pieces.iter().map(|piece| piece.lower).fold(f32::INFINITY, f32::min);
+            let index = self.world_pair(part, pieces[0].place as usize);
+            near.push(QueuedPair { lower: f64::from(lower), index });
+        }
+    }
+
+    /// Fills `near` with the pieces of obstacles whose padded distance from a part may be within `limit` (m).
+    #[inline(always)]
+    pub(super) fn find_near<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        capsule: &RootCapsule,
+        limit: f32,
+        NearbyScratch { stack, found, near, .. }: &mut NearbyScratch,
+        work: &mut Work,
+    ) {
+        let pieces = &self.obstacles.pieces;
+        near.clear();
+        found.clear();
+        found.extend_from_slice(&pieces.unbounded);
+        work.volume_tests += pieces.tree.find_overlapping(simd, &capsule.axis_box(limit), stack, found);
+        work.volume_tests += found.len() as u64;
+        for &number in &*found {
+            let placed = pieces.at(number);
+            if self.pairs().checks(part, ObstacleId(placed.place)) {
+                let lower = placed.lower_bound(capsule);
+                if lower <= limit {
+                    near.push(NearPiece { place: placed.place, piece: placed.piece, lower: lower.max(0.0) });
+                }
             }
         }
-        near[begin..].sort_unstable_by_key(|pair| pair.index);
+        near.sort_unstable_by_key(|near| (near.place, near.piece));
+    }
+
+    /// Fills `pieces` with those of the obstacle at a place whose padded distance from a part may be within `limit` (m).
+    pub(super) fn pieces_near(
+        &self,
+        (part, place): (usize, usize),
+        capsule: &RootCapsule,
+        limit: f64,
+        (scratch, nearby): (&mut Scratch, &mut NearbyScratch),
+    ) {
+        let (level, work) = (scratch.level(), &mut scratch.work);
+        dispatch_lean!(level, simd => self.find_near(simd, part, capsule, up(limit), nearby, work));
+        nearby.pieces.clear();
+        let of_place = nearby.near.iter().filter(|near| near.place as usize == place);
+        nearby.pieces.extend(of_place.map(|near| near.piece));
     }
 
     /// Obstacles whose padded distance from a part may be within `motion` (m) where it is in some of eight states: their places, and a
@@ -74,46 +149,43 @@ impl CollisionChecker {
     pub(super) fn each_obstacle_near(
         &self,
         part: usize,
-        reaches: &[Reach; LANES],
+        at: &[RootCapsule; LANES],
         motion: f64,
         workspace: &mut Workspace,
         mut found: impl FnMut(usize, u8),
     ) {
-        let Workspace { nearby: NearbyScratch { stack, found: places }, scratch, .. } = workspace;
-        let limit = motion + CONTACT_DISTANCE + MOTION_SLACK;
-        let farthest = limit + self.most_padding(part);
-        let boxes = reaches.iter().map(|reach| reach_box(reach, farthest));
-        let within = boxes.fold(AxisBox::EMPTY, |all, one| all.union(&one));
-        places.clear();
-        places.extend_from_slice(&self.obstacles.unbounded);
+        let Workspace { nearby: NearbyScratch { stack, found: numbers, .. }, scratch, .. } = workspace;
+        let limit = up(motion + CONTACT_DISTANCE + MOTION_SLACK);
+        let within = at[1..].iter().fold(at[0].axis_box(limit), |all, c| all.union(&c.axis_box(limit)));
+        let pieces = &self.obstacles.pieces;
+        numbers.clear();
+        numbers.extend_from_slice(&pieces.unbounded);
         let level = scratch.level();
         let work = &mut scratch.work;
-        work.volume_tests += self.obstacles.tree.overlapping(level, &within, stack, places);
-        for &place in &*places {
-            let near = |reach: &Reach| self.distance_bound(part, place, reach).map(|lower| lower <= limit);
-            work.volume_tests += LANES as u64;
-            let bits = (0..LANES).filter(|lane| near(&reaches[*lane]) == Some(true));
-            let states = bits.fold(0, |states, lane| states | 1 << lane);
+        work.volume_tests += pieces.tree.overlapping(level, &within, stack, numbers);
+        numbers.sort_unstable_by_key(|number| pieces.at(*number).place);
+        for of_one in numbers.chunk_by(|a, b| pieces.at(*a).place == pieces.at(*b).place) {
+            let place = pieces.at(of_one[0]).place;
+            if !self.pairs().checks(part, ObstacleId(place)) {
+                continue;
+            }
+            let mut states = 0_u8;
+            for (lane, capsule) in at.iter().enumerate() {
+                work.volume_tests += 1;
+                let near = of_one.iter().any(|number| pieces.at(*number).lower_bound(capsule) <= limit);
+                states |= u8::from(near) << lane;
+            }
             if states != 0 {
                 found(place as usize, states);
             }
         }
     }
 
-    /// A number never larger than the padded distance (m) of a part and an obstacle, by their capsules; `None` if the pair is
-    /// not checked.
-    pub(super) fn distance_bound(&self, part: usize, place: u32, reach: &Reach) -> Option<f64> {
-        if !self.pairs().checks(part, ObstacleId(place)) {
-            return None;
-        }
-        let PlacedObstacle { reach: other, padding, .. } = self.obstacles.at(place as usize);
-        Some(capsule_bound(&[*reach, *other]) - padding - self.riders[part].padding)
-    }
-
     /// Where the search for the nearest obstacle of a part begins.
     pub(super) fn whole_world(&self, part: usize) -> impl Iterator<Item = Near> {
-        let root = self.obstacles.tree.root().map(|node| Near::Node { part, node });
-        let unbounded = self.obstacles.unbounded.iter().map(move |&place| Near::Obstacle { part, place });
+        let pieces = &self.obstacles.pieces;
+        let root = pieces.tree.root().map(|node| Near::Node { part, node });
+        let unbounded = pieces.unbounded.iter().map(move |&piece| Near::Boxed { part, piece });
         root.into_iter().chain(unbounded).filter(|_| self.pairs().world_len() > 0)
     }
 
@@ -122,24 +194,41 @@ impl CollisionChecker {
         &self,
         part: usize,
         node: u32,
-        (reach, level): (&Reach, Level),
+        (capsule, level): (&RootCapsule, Level),
     ) -> impl Iterator<Item = (f64, Near)> + use<> {
-        let padding = self.most_padding(part);
-        let children = self.obstacles.tree.children(level, node, &reach_box(reach, 0.0));
+        let children = self.obstacles.pieces.tree.children(level, node, &capsule.axis_box(0.0));
         children.filter_map(move |(gap, child)| {
             let near = match child {
-                Child::Item(place) => Near::Obstacle { part, place },
+                Child::Item(piece) => Near::Boxed { part, piece },
                 Child::Node(node) => Near::Node { part, node },
                 Child::Nothing => return None,
             };
-            Some((f64::from(gap) - padding, near))
+            Some((f64::from(gap), near))
         })
     }
-}
 
-/// A box around all that a part reaches, and `by` (m) farther.
-fn reach_box(reach: &Reach, by: f64) -> AxisBox {
-    AxisBox::around(reach.ends.map(Point::from), reach.radius + by + MOTION_SLACK)
+    pub(super) fn piece(&self, number: u32) -> Piece {
+        self.obstacles.pieces.at(number).piece
+    }
+
+    /// The place of a piece's obstacle.
+    pub(super) fn place_of(&self, piece: u32) -> usize {
+        self.obstacles.pieces.at(piece).place as usize
+    }
+
+    /// A piece that may be near a part, once their volumes were looked at: what to ask, with a number (m) never larger than its
+    /// padded distance; `None` if the pair is not checked.
+    pub(super) fn looked_at(&self, part: usize, piece: u32, capsule: &RootCapsule) -> Option<(f64, Near)> {
+        let placed = self.obstacles.pieces.at(piece);
+        if !self.pairs().checks(part, ObstacleId(placed.place)) {
+            return None;
+        }
+        let near = match placed.piece {
+            Piece::Whole | Piece::Solids => Near::Pair(self.world_pair(part, placed.place as usize)),
+            Piece::Surface(_) | Piece::Grains { .. } => Near::Piece { part, piece },
+        };
+        Some((f64::from(placed.lower_bound(capsule).max(0.0)), near))
+    }
 }
 
 /// A number (m) never larger than the distance of two capsules: that of their axes along the line between about nearest

@@ -1,4 +1,4 @@
-//! The obstacles of a checker, each at its place, and the tree by which those near a part are found.
+//! The obstacles of a checker, each at its place, ready for questions.
 
 use std::sync::Arc;
 
@@ -8,12 +8,14 @@ use super::SettingsError;
 use super::bodies::solid;
 use super::capsule_fit::corners;
 use super::capsules::LinkCapsule;
+use super::pieces::{Pieces, Placed};
+use super::root_volume::{RootCapsule, RootVolume};
 use super::settings::{MeshModel, Settings};
-use crate::bvh::{AxisBox, DynamicTree};
+use crate::bvh::AxisBox;
 use crate::constants::MOTION_SLACK;
 use crate::geometry::Shape;
 use crate::math::{MatrixPose, Point, Pose};
-use crate::query::CollisionBody;
+use crate::query::{CollisionBody, Piece, PieceVolume};
 use crate::robot::Reach;
 use crate::world::{Obstacle, ObstacleId, World};
 
@@ -22,12 +24,7 @@ use crate::world::{Obstacle, ObstacleId, World};
 pub(super) struct Obstacles {
     /// By id; `None` at gaps.
     places: Vec<Option<Arc<PlacedObstacle>>>,
-    /// Boxes around those that have bounds.
-    pub tree: DynamicTree,
-    /// Those that have none.
-    pub unbounded: Vec<u32>,
-    /// Not less than any padding (m).
-    pub largest_padding: f64,
+    pub pieces: Pieces,
 }
 
 /// An obstacle, ready for questions.
@@ -35,6 +32,8 @@ pub(super) struct Obstacles {
 pub(super) struct PlacedObstacle {
     source: Arc<Obstacle>,
     pub solid: Arc<CollisionBody>,
+    /// Its pieces, if it can be told apart.
+    told_apart: Arc<[(Piece, PieceVolume)]>,
     /// In the frame of the obstacle.
     capsule: LinkCapsule,
     pub pose_ro: MatrixPose,
@@ -45,6 +44,9 @@ pub(super) struct PlacedObstacle {
     scale: f64,
     mesh_model: MeshModel,
 }
+
+/// Most pieces, or a few more, that a large obstacle is told apart into.
+const MOST_PIECES: usize = 512;
 
 impl Obstacles {
     /// The obstacles of a world; what `known` has is not built again.
@@ -57,16 +59,9 @@ impl Obstacles {
                 Ok(Some(PlacedObstacle::new(source, settings, known.get(id))?))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let mut items = Vec::new();
-        let mut unbounded = Vec::new();
-        let mut largest_padding = 0.0_f64;
-        for (number, place) in (0..).zip(&places) {
-            let Some(place) = place else { continue };
-            largest_padding = largest_padding.max(place.padding);
-            let bounds = place.bounds();
-            if bounds.is_bounded() { items.push((number, bounds)) } else { unbounded.push(number) }
-        }
-        Ok(Self { places, tree: DynamicTree::build(&items), unbounded, largest_padding })
+        let pieces =
+            places.iter().map(|place| place.as_deref().map_or_else(Vec::new, PlacedObstacle::pieces));
+        Ok(Self { pieces: Pieces::new(pieces.collect()), places })
     }
 
     /// Brings one place up to date, which nothing but its obstacle takes part in.
@@ -84,18 +79,7 @@ impl Obstacles {
             Some(source) => Some(PlacedObstacle::new(source, settings, self.get(id))?),
             None => None,
         };
-        let bounds = found.as_ref().map(|found| found.bounds());
-        self.unbounded.retain(|number| *number != id.0);
-        match bounds {
-            Some(bounds) if bounds.is_bounded() => self.tree.set(id.0, bounds),
-            Some(_) => {
-                self.tree.remove(id.0);
-                self.unbounded.push(id.0);
-                self.unbounded.sort_unstable();
-            }
-            None => self.tree.remove(id.0),
-        }
-        self.largest_padding = found.as_ref().map_or(0.0, |found| found.padding).max(self.largest_padding);
+        self.pieces.set(id.0, found.as_deref().map_or_else(Vec::new, PlacedObstacle::pieces));
         self.places[place] = found;
         Ok(())
     }
@@ -141,17 +125,19 @@ impl PlacedObstacle {
                 && known.scale.to_bits() == scale.to_bits()
                 && known.mesh_model == mesh_model
         });
-        let (solid, capsule) = match same {
+        let (solid, capsule, told_apart) = match same {
             Some(same)
                 if Arc::ptr_eq(&same.source, source) && same.padding.to_bits() == padding.to_bits() =>
             {
                 return Ok(Arc::clone(same));
             }
-            Some(same) => (Arc::clone(&same.solid), same.capsule),
+            Some(same) => (Arc::clone(&same.solid), same.capsule, Arc::clone(&same.told_apart)),
             None => {
                 let shapes = source.shapes.iter().map(|s| (s.pose_os, &s.shape));
-                solid(&shapes.collect::<Vec<_>>(), scale, mesh_model)
-                    .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?
+                let (solid, capsule) = solid(&shapes.collect::<Vec<_>>(), scale, mesh_model)
+                    .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?;
+                let told_apart = solid.pieces(MOST_PIECES).into();
+                (solid, capsule, told_apart)
             }
         };
         let pose_ro = MatrixPose::from(&source.pose_ro);
@@ -159,6 +145,7 @@ impl PlacedObstacle {
         Ok(Arc::new(Self {
             source: Arc::clone(source),
             solid,
+            told_apart,
             capsule,
             pose_ro,
             reach,
@@ -166,6 +153,19 @@ impl PlacedObstacle {
             scale,
             mesh_model,
         }))
+    }
+
+    /// Its pieces where they are, with its padding; it as a whole where it cannot be told apart.
+    fn pieces(&self) -> Vec<Placed> {
+        let placed = |(piece, volume): &(Piece, PieceVolume)| {
+            let volume = RootVolume::of_piece(volume, &self.pose_ro, self.padding);
+            (*piece, volume, volume.axis_box())
+        };
+        if self.told_apart.is_empty() {
+            let volume = RootVolume::Capsule(RootCapsule::of_reach(&self.reach, self.padding));
+            return vec![(Piece::Whole, volume, self.bounds().grown(self.padding))];
+        }
+        self.told_apart.iter().map(placed).collect()
     }
 
     /// A box around it, in the root frame.

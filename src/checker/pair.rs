@@ -2,7 +2,7 @@
 
 use super::report::{Body, PairDistance, UndecidedPair};
 use crate::math::MatrixPose;
-use crate::query::{self, CollisionBody, DistanceBounds, Effort, Scratch, Separation};
+use crate::query::{self, CollisionBody, DistanceBounds, Effort, Piece, Scratch, Separation};
 
 /// What never changes about a pair.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,23 @@ impl Pair<'_> {
     pub fn touches(&self, scratch: &mut Scratch) -> bool {
         let (a, b) = self.bodies;
         query::within_margin(a, b, self.pose_ab, self.info.padding, scratch).is_some()
+    }
+
+    /// As [`Self::touches`], of some pieces of b.
+    pub fn pieces_touch(&self, pieces: &[Piece], scratch: &mut Scratch) -> bool {
+        let (a, b) = self.bodies;
+        query::pieces_within_margin(a, (b, pieces), self.pose_ab, self.info.padding, scratch).is_some()
+    }
+
+    /// As [`Self::separation`], of some pieces of b.
+    pub fn separation_of_pieces(
+        &self,
+        pieces: &[Piece],
+        limit: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Separation> {
+        let (a, b) = self.bodies;
+        query::distance_to_pieces(a, (b, pieces), self.pose_ab, limit, scratch)
     }
 
     /// The distance without padding, unless it is proven larger than `limit`.

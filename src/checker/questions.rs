@@ -3,16 +3,15 @@
 use super::asked::Asked;
 use super::capsules::up;
 use super::collision_checker::CollisionChecker;
-use super::likely::LikelyPairs;
 use super::nearby::NearbyScratch;
-use super::numbers::PairNumber;
 use super::pair::{Pair, PairInfo};
 use super::report::{CollisionReport, Question};
+use super::root_volume::RootCapsule;
 use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::query::{Effort, Scratch, Work};
 use crate::robot::{Configuration, Frame};
-use crate::simd::{LANES, dispatch_lean};
+use crate::simd::{LANES, Simd, dispatch_lean};
 
 /// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
 const WORLD_LOOK_AHEAD: f64 = 0.05;
@@ -31,69 +30,62 @@ impl CollisionChecker {
             return !hit;
         }
         self.place_and_screen(q, workspace);
-        let hit = self.first_hit(workspace);
-        if let Some(hit) = hit {
-            workspace.likely.hit(hit);
-        }
-        hit.is_none()
+        !self.is_hit(workspace)
     }
 
-    /// A pair that touches, of bodies that are placed and screened; likely ones are asked first.
-    fn first_hit(&self, workspace: &mut Workspace) -> Option<usize> {
-        let Workspace { frames, near, likely, scratch, .. } = workspace;
+    /// Whether a pair touches, of bodies that are placed and screened; likely ones are asked first.
+    fn is_hit(&self, workspace: &mut Workspace) -> bool {
+        let Workspace { frames, segments, near, likely, scratch, nearby, part_order, .. } = workspace;
+        let left = |i: usize| near[i / LANES] & (1 << (i % LANES)) != 0;
         for rank in 0.. {
             let Some(i) = likely.get(rank) else { break };
-            if self.may_touch(i, near, frames) && self.pair(i, frames).touches(scratch) {
-                return Some(i);
+            if left(i) && self.pair(i, frames).touches(scratch) {
+                likely.hit(i);
+                return true;
             }
         }
         let unlikely =
             near_pairs(near).find(|i| !likely.contains(*i) && self.pair(*i, frames).touches(scratch));
-        unlikely.or_else(|| {
-            let Workspace { frames, likely, scratch, nearby, queue, .. } = workspace;
-            self.first_obstacle(&|body| frames[body], likely, (scratch, nearby, queue))
+        if let Some(hit) = unlikely {
+            likely.hit(hit);
+            return true;
+        }
+        let origin = self.capsules.origin(|body| frames[body]);
+        dispatch_lean!(scratch.level(), simd => {
+            let capsule = |part: usize| self.capsule_at(part, segments[part], origin);
+            self.hits_obstacle(simd, capsule, &|body| frames[body], (scratch, nearby, part_order))
         })
     }
 
-    /// Whether level 0 leaves a pair, which may be the number of none.
-    fn may_touch(&self, index: usize, near: &[u8], frames: &[Frame<f64>]) -> bool {
-        if !self.is_pair(index) {
+    /// Whether a part touches an obstacle; the parts that hit most of late are asked first.
+    #[inline(always)]
+    pub(super) fn hits_obstacle<S: Simd>(
+        &self,
+        simd: S,
+        capsule: impl Fn(usize) -> RootCapsule,
+        frame: &impl Fn(usize) -> Frame<f64>,
+        (scratch, nearby, part_order): (&mut Scratch, &mut NearbyScratch, &mut [usize]),
+    ) -> bool {
+        if self.pairs().world_len() == 0 {
             return false;
         }
-        match self.number(index) {
-            PairNumber::OfParts(index) => near[index / LANES] & (1 << (index % LANES)) != 0,
-            PairNumber::WithObstacle { part, place } => {
-                self.may_touch_obstacle(part, place, &frames[self.riders[part].body])
+        let limit = up(CONTACT_DISTANCE);
+        for rank in 0..part_order.len() {
+            let part = part_order[rank];
+            self.find_near(simd, part, &capsule(part), limit, nearby, &mut scratch.work);
+            let NearbyScratch { near, pieces, .. } = &mut *nearby;
+            for of_one in near.chunk_by(|a, b| a.place == b.place) {
+                let index = self.world_pair(part, of_one[0].place as usize);
+                pieces.clear();
+                pieces.extend(of_one.iter().map(|near| near.piece));
+                if self.pair_with(index, frame).pieces_touch(pieces, scratch) {
+                    // one step forward, as a likely pair
+                    part_order.swap(rank, rank.saturating_sub(1));
+                    return true;
+                }
             }
         }
-    }
-
-    /// Whether capsules leave a part and an obstacle.
-    pub(super) fn may_touch_obstacle(&self, part: usize, place: usize, frame: &Frame<f64>) -> bool {
-        let place = u32::try_from(place).unwrap_or(u32::MAX);
-        let bound = self.distance_bound(part, place, &self.reach_of(part, frame));
-        bound.is_some_and(|lower| lower <= CONTACT_DISTANCE)
-    }
-
-    /// A pair with an obstacle that touches, but for likely ones.
-    pub(super) fn first_obstacle(
-        &self,
-        frame: &impl Fn(usize) -> Frame<f64>,
-        likely: &LikelyPairs,
-        (scratch, nearby, queue): (&mut Scratch, &mut NearbyScratch, &mut Vec<QueuedPair>),
-    ) -> Option<usize> {
-        if self.pairs().world_len() == 0 {
-            return None;
-        }
-        // what is farthest from the base hits most
-        (0..self.riders.len()).rev().find_map(|part| {
-            let reach = self.reach_of(part, &frame(self.riders[part].body));
-            queue.clear();
-            let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
-            self.obstacles_near(part, &reach, CONTACT_DISTANCE, memory, queue);
-            let mut unlikely = queue.iter().map(|pair| pair.index).filter(|i| !likely.contains(*i));
-            unlikely.find(|i| self.pair_with(*i, frame).touches(scratch))
-        })
+        false
     }
 
     /// Answers `question` about the state `q`.
@@ -145,13 +137,13 @@ impl CollisionChecker {
             if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
                 continue;
             }
-            let reach = self.reach_of(part, &frames[self.riders[part].body]);
+            let capsule = self.capsule_of(part, &frames[self.riders[part].body]);
             let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
             let begin = queue.len();
             match &mut stream {
                 Some(stream) => {
                     let farther = limit + WORLD_LOOK_AHEAD;
-                    self.obstacles_near(part, &reach, farther, memory, queue);
+                    self.obstacles_near(part, &capsule, farther, memory, queue);
                     stream.see(part, farther, &queue[begin..]);
                     let mut rank = 0;
                     queue.retain(|pair| {
@@ -159,7 +151,7 @@ impl CollisionChecker {
                         rank <= begin || pair.lower <= limit
                     });
                 }
-                None => self.obstacles_near(part, &reach, limit, memory, queue),
+                None => self.obstacles_near(part, &capsule, limit, memory, queue),
             }
         }
     }
@@ -214,7 +206,7 @@ impl CollisionChecker {
     }
 
     /// Places all bodies.
-    fn place(&self, q: &Configuration, workspace: &mut Workspace) {
+    pub(super) fn place(&self, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, scratch, .. } = workspace;
         dispatch_lean!(scratch.level(), simd => self.chain.frames_of_one(simd, q.positions(), frames));
     }

@@ -29,6 +29,10 @@ pub struct Workspace {
     pub(super) queue: Vec<QueuedPair>,
     /// What is looked at for the least distance.
     pub(super) nearest_first: Vec<QueuedNear>,
+    /// Pairs with obstacles that were asked about for it.
+    pub(super) asked: Vec<usize>,
+    /// Parts, those that were hit most of late first.
+    pub(super) part_order: Vec<usize>,
     pub(super) likely: LikelyPairs,
     pub(super) nearby: NearbyScratch,
     pub(super) scratch: Scratch,

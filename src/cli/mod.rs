@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 everything asked about is free; 1 answered, and something is not free; 2 bad input; 3 internal error.
 
+mod bench;
 mod check;
 #[cfg(feature = "ros")]
 mod demo;
@@ -47,6 +48,8 @@ enum Command {
     Motion(Box<motion::MotionArgs>),
     /// Check a certificate that a motion is free, with code that shares nothing with what wrote it
     Verify(verify::VerifyArgs),
+    /// Measure what checks cost with a robot in a world, and compare ways to find what is near
+    Bench(bench::BenchArgs),
     /// The ROS 2 node: joint states in, collisions and distances out
     #[cfg(feature = "ros")]
     Node(node::NodeArgs),
@@ -77,6 +80,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             verify::run(&args)
+        }
+        Some(Command::Bench(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            bench::run(&args)
         }
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),

@@ -4,7 +4,6 @@ use super::body::CollisionBody;
 use super::scratch::Scratch;
 use super::search::{Goal, search};
 use crate::bounding_volume::BoundingVolume;
-use crate::constants::CONTACT_DISTANCE;
 use crate::math::{MatrixPose, Point};
 
 /// A common point (frame of a) of two bodies, or `None` if every pair of elements was proven apart.
@@ -17,7 +16,6 @@ pub fn collide<B: BoundingVolume>(
     pose_ab: impl Into<MatrixPose>,
     scratch: &mut Scratch,
 ) -> Option<Point> {
-    let goal = Goal { limit: CONTACT_DISTANCE, enough: CONTACT_DISTANCE, ..Goal::EXACT };
-    let found = search::<B, true>((a, b), &pose_ab.into(), goal, scratch);
+    let found = search::<B, true>((a, b), &pose_ab.into(), Goal::CONTACT, scratch);
     found.best.map(|touching| touching.witness_points[0])
 }

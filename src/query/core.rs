@@ -193,8 +193,8 @@ impl Core {
 fn nearest_in_section(radius: f64, half_length: f64, [r, z]: [f64; 2]) -> [f64; 2] {
     let length = 2.0 * half_length;
     let up = z + half_length;
-    // below the side, measured from the rim
-    let inside = length * (r - radius) + radius * up <= 0.0;
+    // below the side, measured from the rim; without a radius all of the axis is on the side
+    let inside = up <= length && length * (r - radius) + radius * up <= 0.0;
     if up <= 0.0 {
         return [r.min(radius), -half_length];
     }
@@ -216,7 +216,7 @@ fn cone_depth(radius: f64, half_length: f64, p: &Point) -> Option<(f64, Point)> 
         return None;
     }
     let side = (length * (radius - across) - radius * up) / slant;
-    if side < 0.0 || up < 0.0 {
+    if side < 0.0 || up < 0.0 || up > length {
         return None;
     }
     if up <= side {

@@ -2,7 +2,7 @@
 
 use super::Work;
 use super::surface_surface::Candidates;
-use crate::bvh::Entry;
+use crate::bvh::{Entry, NodeRef};
 use crate::simd::{Level, baseline};
 
 /// Memory of one thread's queries: once warm they allocate nothing. Between queries only the counters mean anything.
@@ -11,6 +11,7 @@ pub struct Scratch {
     /// What all queries so far have cost.
     pub work: Work,
     pub(super) stack: Vec<Entry>,
+    pub(super) starts: Vec<NodeRef>,
     pub(super) candidates: Candidates,
     pub(super) level: Level,
 }
@@ -21,6 +22,7 @@ impl Default for Scratch {
         Self {
             work: Work::default(),
             stack: Vec::new(),
+            starts: Vec::new(),
             candidates: Candidates::default(),
             level: Level::new(),
         }

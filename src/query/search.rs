@@ -7,6 +7,7 @@ use super::element_pair::Separation;
 use super::grain_grains::GrainGrains;
 use super::grains::{GrainSearch, Grains};
 use super::incumbent::Incumbent;
+use super::piece::Piece;
 use super::planes::planes;
 use super::scratch::Scratch;
 use super::solid_grains::SolidGrains;
@@ -15,7 +16,7 @@ use super::surface_grains::SurfaceGrains;
 use super::surface_solid::SurfaceSolid;
 use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
-use crate::bvh::{Entry, PlaneVisitor, Tree, TreePlane, Visitor, descend, descend_to_plane};
+use crate::bvh::{Entry, NodeRef, PlaneVisitor, Tree, TreePlane, Visitor, descend_from, descend_to_plane};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::{MatrixPose, Pose};
 use crate::simd::{Level, dispatch_lean};
@@ -37,6 +38,49 @@ impl Goal {
         enough: 0.0,
         effort: Effort { relative_tolerance: 0.0, absolute_tolerance: 0.0, deadline: None },
     };
+
+    /// Anything that touches.
+    pub const CONTACT: Self = Self { limit: CONTACT_DISTANCE, enough: CONTACT_DISTANCE, ..Self::EXACT };
+}
+
+/// What of the second body is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pieces<'p> {
+    All,
+    Some(&'p [Piece]),
+}
+
+impl Pieces<'_> {
+    fn has_solids(self) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(pieces) => pieces.contains(&Piece::Solids),
+        }
+    }
+
+    /// Where to begin in the tree over triangles.
+    fn of_surface(self, root: NodeRef, starts: &mut Vec<NodeRef>) {
+        self.starts(root, starts, |piece| match piece {
+            Piece::Surface(node) => Some(node),
+            _ => None,
+        });
+    }
+
+    /// Where to begin in the tree over a set of grains.
+    fn of_grains(self, of: u32, root: NodeRef, starts: &mut Vec<NodeRef>) {
+        self.starts(root, starts, |piece| match piece {
+            Piece::Grains { set, node } if set == of => Some(node),
+            _ => None,
+        });
+    }
+
+    fn starts(self, root: NodeRef, starts: &mut Vec<NodeRef>, node: impl Fn(Piece) -> Option<NodeRef>) {
+        starts.clear();
+        match self {
+            Self::All => starts.push(root),
+            Self::Some(pieces) => starts.extend(pieces.iter().filter_map(|piece| node(*piece))),
+        }
+    }
 }
 
 /// What was found.
@@ -50,35 +94,51 @@ pub(super) struct Found {
 
 /// Looks at all pairs of parts of two bodies that matter for `goal`. With `SEPARATE` only contact matters.
 pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
-    (a, b): (&CollisionBody<B>, &CollisionBody<B>),
+    bodies: (&CollisionBody<B>, &CollisionBody<B>),
     pose_ab: &MatrixPose,
     goal: Goal,
     scratch: &mut Scratch,
 ) -> Found {
+    search_pieces::<B, SEPARATE>(bodies, Pieces::All, pose_ab, goal, scratch)
+}
+
+/// As [`search`], of a and some pieces of b.
+pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
+    (a, b): (&CollisionBody<B>, &CollisionBody<B>),
+    pieces: Pieces,
+    pose_ab: &MatrixPose,
+    goal: Goal,
+    scratch: &mut Scratch,
+) -> Found {
+    let pieces = match pieces {
+        Pieces::Some(some) if some.contains(&Piece::Whole) => Pieces::All,
+        other => other,
+    };
     // spheres cost a tenth of what it takes to begin
     if a.sphere_bound(b, pose_ab) > goal.limit.max(CONTACT_DISTANCE) {
         scratch.work.volume_tests += 1;
         return Found { best: None, unseen: f64::INFINITY };
     }
-    let Scratch { work, stack, candidates, level } = scratch;
-    let mut descent = Descent { level: *level, stack, unseen: f64::INFINITY };
+    let Scratch { work, stack, starts, candidates, level } = scratch;
+    let mut descent = Descent { level: *level, stack, starts, unseen: f64::INFINITY };
     let mut incumbent = Incumbent::new(goal, work);
     if a.has_solids() || b.has_solids() {
-        solids::<B, SEPARATE>((a, b), pose_ab, &mut incumbent, &mut descent);
+        solids::<B, SEPARATE>((a, b), pieces, pose_ab, &mut incumbent, &mut descent);
     }
     if let (Some(a), Some(b)) = (&a.surface, &b.surface) {
         let relative = &a.tree.relative(&b.tree, pose_ab);
         let incumbent = &mut incumbent;
         candidates.begin(if SEPARATE { None } else { Some(relative) });
         let mut visitor = SurfaceSurface::<B, SEPARATE> { a, b, pose_ab, relative, incumbent, candidates };
-        descent.run((&a.tree, &b.tree), relative, &mut visitor);
+        pieces.of_surface(b.tree.root(), descent.starts);
+        descent.run_from_starts((&a.tree, &b.tree), relative, &mut visitor, 0.0);
         visitor.measure_candidates();
     }
     if a.has_planes() || b.has_planes() {
         planes((a, b), pose_ab, &mut incumbent, &mut descent);
     }
     if a.has_grains() || b.has_grains() {
-        grains((a, b), pose_ab, &mut incumbent, &mut descent);
+        grains((a, b), pieces, pose_ab, &mut incumbent, &mut descent);
     }
     if !incumbent.touches()
         && let Some((a, b)) = a.interior.as_ref().zip(b.interior.as_ref())
@@ -96,11 +156,13 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
 
 fn solids<B: BoundingVolume, const SEPARATE: bool>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
+    pieces: Pieces,
     pose_ab: &MatrixPose,
     incumbent: &mut Incumbent,
     descent: &mut Descent,
 ) {
-    if let (Some(a), Some(b)) = (&a.solids, &b.solids) {
+    let solids_of_b = b.solids.as_ref().filter(|_| pieces.has_solids());
+    if let (Some(a), Some(b)) = (&a.solids, solids_of_b) {
         let relative = &a.relative(b, pose_ab);
         descent.run((a, b), relative, &mut SolidSolid::<SEPARATE> { pose_ab, incumbent });
     }
@@ -108,9 +170,10 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
         let relative = &solids.relative(&surface.tree, pose_ab);
         let visitor =
             &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: true, pose_ab, relative, incumbent };
-        descent.run((solids, &surface.tree), relative, visitor);
+        pieces.of_surface(surface.tree.root(), descent.starts);
+        descent.run_from_starts((solids, &surface.tree), relative, visitor, 0.0);
     }
-    if let (Some(surface), Some(solids)) = (&a.surface, &b.solids) {
+    if let (Some(surface), Some(solids)) = (&a.surface, solids_of_b) {
         let relative = &solids.relative(&surface.tree, &pose_ab.inverse());
         let visitor =
             &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: false, pose_ab, relative, incumbent };
@@ -121,11 +184,16 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
 /// Looks at all grains of either body.
 fn grains<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
+    pieces: Pieces,
     pose_ab: &MatrixPose,
     incumbent: &mut Incumbent,
     descent: &mut Descent,
 ) {
     for grains in &b.grains {
+        pieces.of_grains(grains.set, grains.tree.root(), descent.starts);
+        if descent.starts.is_empty() {
+            continue;
+        }
         let pose_og = pose_ab.compose(&grains.pose_bg);
         grains_of((grains, false), a, (pose_ab, &pose_og), incumbent, descent);
         for others in &a.grains {
@@ -133,17 +201,19 @@ fn grains<B: BoundingVolume>(
             let radius = others.radius + grains.radius;
             let search = GrainSearch { grains, grains_are_a: false, pose_ab, relative, radius, incumbent };
             let visitor = &mut GrainGrains { others, search };
-            descent.run_widened((&others.tree, &grains.tree), relative, visitor, radius);
+            descent.run_from_starts((&others.tree, &grains.tree), relative, visitor, radius);
         }
     }
     let pose_ba = pose_ab.inverse();
     for grains in &a.grains {
+        descent.begin_at(grains.tree.root());
         let pose_og = pose_ba.compose(&grains.pose_bg);
         grains_of((grains, true), b, (pose_ab, &pose_og), incumbent, descent);
     }
 }
 
-/// Looks at grains against the surface and the solids of another body, in whose frame they are at `pose_og`.
+/// Looks at grains, where the descent is to begin, against the surface and the solids of another body, in whose frame they are
+/// at `pose_og`.
 fn grains_of<B: BoundingVolume>(
     (grains, grains_are_a): (&Grains<B>, bool),
     other: &CollisionBody<B>,
@@ -155,13 +225,13 @@ fn grains_of<B: BoundingVolume>(
     if let Some(solids) = &other.solids {
         let relative = &solids.relative(&grains.tree, pose_og);
         let search = GrainSearch { grains, grains_are_a, pose_ab, relative, radius, incumbent };
-        descent.run_widened((solids, &grains.tree), relative, &mut SolidGrains(search), radius);
+        descent.run_from_starts((solids, &grains.tree), relative, &mut SolidGrains(search), radius);
     }
     if let Some(surface) = &other.surface {
         let relative = &surface.tree.relative(&grains.tree, pose_og);
         let search = GrainSearch { grains, grains_are_a, pose_ab, relative, radius, incumbent };
         let visitor = &mut SurfaceGrains { surface, search };
-        descent.run_widened((&surface.tree, &grains.tree), relative, visitor, radius);
+        descent.run_from_starts((&surface.tree, &grains.tree), relative, visitor, radius);
     }
 }
 
@@ -169,32 +239,42 @@ fn grains_of<B: BoundingVolume>(
 pub(super) struct Descent<'s> {
     level: Level,
     stack: &'s mut Vec<Entry>,
+    /// Where to begin in the second tree.
+    starts: &'s mut Vec<NodeRef>,
     unseen: f64,
 }
 
 impl Descent<'_> {
+    /// Looks at all of both trees.
     fn run<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
         &mut self,
         trees: (&Tree<B, LA>, &Tree<B, LB>),
         relative: &Relative,
         visitor: &mut V,
     ) {
-        self.run_widened(trees, relative, visitor, 0.0);
+        self.begin_at(trees.1.root());
+        self.run_from_starts(trees, relative, visitor, 0.0);
     }
 
-    /// As [`Self::run`] where balls around what trees hold take a `radius` (m) off distances.
-    fn run_widened<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+    fn begin_at(&mut self, node: NodeRef) {
+        self.starts.clear();
+        self.starts.push(node);
+    }
+
+    /// Looks at the first tree, and at the second from where it is to begin. Balls around what trees hold take a `radius` (m) off
+    /// distances.
+    fn run_from_starts<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
         &mut self,
         trees: (&Tree<B, LA>, &Tree<B, LB>),
         relative: &Relative,
         visitor: &mut V,
         radius: f64,
     ) {
-        if visitor.threshold() == f32::NEG_INFINITY {
+        if visitor.threshold() == f32::NEG_INFINITY || self.starts.is_empty() {
             return;
         }
-        let stack = &mut *self.stack;
-        dispatch_lean!(self.level, simd => descend(simd, trees, relative, stack, visitor));
+        let (stack, starts) = (&mut *self.stack, &*self.starts);
+        dispatch_lean!(self.level, simd => descend_from(simd, trees, starts, relative, stack, visitor));
         self.note_unseen(radius);
     }
 

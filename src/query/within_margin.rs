@@ -6,9 +6,10 @@ use super::body::CollisionBody;
 use super::collide;
 use super::distance::{DistanceBounds, Effort};
 use super::element_pair::Separation;
+use super::piece::Piece;
 use super::scratch::Scratch;
-use super::search::{Goal, search};
-use crate::bounding_volume::BoundingVolume;
+use super::search::{Goal, Pieces, search, search_pieces};
+use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::MatrixPose;
 
@@ -27,6 +28,23 @@ pub fn within_margin<B: BoundingVolume>(
     }
     let goal = Goal { limit: margin, enough: margin, ..Goal::EXACT };
     search::<B, false>((a, b), &pose_ab.into(), goal, scratch).best
+}
+
+/// As [`within_margin`], of a and some pieces of b.
+#[must_use]
+pub fn pieces_within_margin(
+    a: &CollisionBody,
+    (b, pieces): (&CollisionBody, &[Piece]),
+    pose_ab: impl Into<MatrixPose>,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<Separation> {
+    let pieces = Pieces::Some(pieces);
+    if margin <= 0.0 {
+        return search_pieces::<Obb, true>((a, b), pieces, &pose_ab.into(), Goal::CONTACT, scratch).best;
+    }
+    let goal = Goal { limit: margin, enough: margin, ..Goal::EXACT };
+    search_pieces::<Obb, false>((a, b), pieces, &pose_ab.into(), goal, scratch).best
 }
 
 /// As [`within_margin`], for a limited time: something found within `margin` is `upper`; without it the bodies are farther

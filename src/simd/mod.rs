@@ -6,7 +6,7 @@
 
 mod real;
 
-pub use fearless_simd::{Level, Simd, dispatch, f32x8, f64x8, prelude};
+pub use fearless_simd::{Level, Simd, dispatch, f32x8, f64x8, mask32x8, prelude};
 pub use real::{Real, sin_cos};
 
 use prelude::*;

@@ -329,3 +329,15 @@ fn a_body_inside_a_closed_mesh_touches_only_if_meshes_are_solid() {
     assert_eq!(least(&solid, &ball, &place(0.1)), 0.0);
     assert!(least(&surface, &ball, &place(0.1)) > 0.3);
 }
+
+#[test]
+fn a_cone_without_a_radius_is_a_segment() {
+    let needle = body(&Shape::Primitive(Primitive::cone(0.0, 2.0).unwrap()));
+    let ball = body(&Shape::Primitive(Primitive::sphere(0.1).unwrap()));
+    let at = |x: f64, z: f64| Pose::from_parts(Vector::new(x, 0.0, z).into(), nalgebra::one());
+    for (pose, truth) in [(at(0.0, 1.5), 0.4), (at(0.0, -1.5), 0.4), (at(0.5, 0.3), 0.4), (at(0.0, 0.3), 0.0)]
+    {
+        assert!((least(&needle, &ball, &pose) - truth).abs() < 1e-9, "{pose:?}");
+        assert_eq!(collide(&needle, &ball, &pose, &mut Scratch::default()).is_some(), truth == 0.0);
+    }
+}

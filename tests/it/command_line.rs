@@ -425,3 +425,24 @@ world: {collision_objects: [{id: o, pose: {position: [2.8, 0, 0]}, primitives: [
     assert!(folded.as_array().unwrap().contains(&serde_json::json!(["base", "rod"])), "{folded}");
     assert!(!folded.as_array().unwrap().contains(&serde_json::json!(["rod", "upper"])), "{folded}");
 }
+
+#[test]
+fn bench_tells_what_checks_cost_and_compares_broad_phases() {
+    let few = ["--states", "20", "--format", "json"];
+    let bench = |arguments: &[&str]| json(&clearance(&[&["bench"], &ARM[..], &few, arguments].concat()));
+    let answer = bench(&["--obstacles", "5,50"]);
+    let worlds = answer["worlds"].as_array().unwrap();
+    let counts: Vec<_> = worlds.iter().map(|world| world["obstacles"].as_u64().unwrap()).collect();
+    assert_eq!(counts, [5, 50]);
+    for world in worlds {
+        let names = world["broad_phases"].as_array().unwrap().iter().map(|b| b["name"].as_str().unwrap());
+        assert_eq!(names.collect::<Vec<_>>(), ["tree", "sweep and prune", "hash grid"]);
+        assert!(world["boolean_us"].as_f64().unwrap() > 0.0);
+    }
+    let given = bench(&["--world", "config/demo_world.yaml"]);
+    assert_eq!(given["worlds"].as_array().unwrap().len(), 1);
+    let text = clearance(&[&["bench"], &ARM[..], &["--states", "5", "--obstacles", "3"]].concat());
+    assert!(String::from_utf8_lossy(&text.stdout).contains("sweep and prune"), "{text:?}");
+    let bad = clearance(&[&["bench"], &ARM[..], &["--obstacles", "0"]].concat());
+    assert_bad_input(&bad, &["--obstacles", "0"]);
+}

@@ -7,7 +7,7 @@ use crate::simd::{Level, dispatch, f64x8};
 use crate::testing::{Random, levels};
 
 /// Distance of two segments in f64: interior against interior if that is where it is least, else an end.
-fn true_distance(c: &LinkCapsule, d: &LinkCapsule) -> f64 {
+pub fn true_distance(c: &LinkCapsule, d: &LinkCapsule) -> f64 {
     let ends = [d.axis_distance(&c.a), d.axis_distance(&c.b), c.axis_distance(&d.a), c.axis_distance(&d.b)];
     let least = ends.into_iter().fold(f64::INFINITY, f64::min);
     let (u, v, w) = (c.b - c.a, d.b - d.a, d.a - c.a);
@@ -20,7 +20,7 @@ fn true_distance(c: &LinkCapsule, d: &LinkCapsule) -> f64 {
 }
 
 /// Two capsules that may be parallel, degenerate, crossing, touching or far away.
-fn random_pair(random: &mut Random) -> (LinkCapsule, LinkCapsule) {
+pub fn random_pair(random: &mut Random) -> (LinkCapsule, LinkCapsule) {
     let size = |random: &mut Random| [0.0, 1e-6, 0.05, 0.3, 1.0][random.below(5)];
     let spread = [0.0, 1e-3, 0.3, 1.0, 30.0][random.below(5)];
     let (middle_c, middle_d) = (random.vector(spread), random.vector(spread));

@@ -166,10 +166,10 @@ impl CollisionChecker {
         }
         let movers = self.moving_places(segment);
         for (part, rider) in self.riders.iter().enumerate() {
-            let reaches: [_; LANES] =
-                std::array::from_fn(|lane| self.reach_of(part, &frame(rider.body, lane)));
+            let capsules: [_; LANES] =
+                std::array::from_fn(|lane| self.capsule_of(part, &frame(rider.body, lane)));
             let motion = f64::from(motion(part));
-            self.each_obstacle_near(part, &reaches, motion, workspace, |place, intervals| {
+            self.each_obstacle_near(part, &capsules, motion, workspace, |place, intervals| {
                 if !movers.contains(&place) {
                     near.push(NearPair { pair: self.world_pair(part, place), intervals });
                 }

@@ -1,0 +1,89 @@
+use super::*;
+use crate::checker::capsules::LinkCapsule;
+use crate::checker::capsules::tests::{random_pair, true_distance};
+use crate::math::Vector;
+use crate::testing::Random;
+
+/// What a chain with its first body at `origin` makes of a capsule.
+fn seen_from(origin: Vector, capsule: &LinkCapsule) -> RootCapsule {
+    let middle = (capsule.a.coords + capsule.b.coords) * 0.5;
+    let segment = Segment { centre: single(middle - origin), half: single((capsule.b - capsule.a) * 0.5) };
+    RootCapsule::new(segment, single(origin), up(capsule.radius))
+}
+
+fn reach(capsule: &LinkCapsule) -> Reach {
+    Reach { ends: [capsule.a.coords, capsule.b.coords], radius: capsule.radius }
+}
+
+fn holds(within: &AxisBox, point: &Point, farther: f64) -> bool {
+    (0..3).all(|i| {
+        f64::from(within.lo[i]) <= point[i] - farther && point[i] + farther <= f64::from(within.hi[i])
+    })
+}
+
+#[test]
+fn bounds_of_capsules_are_never_above_distances_and_boxes_hold_all() {
+    let mut random = Random::new(31);
+    let mut tight = 0;
+    for _ in 0..20_000 {
+        let (c, d) = random_pair(&mut random);
+        let origin = random.vector(1.0) * [0.0, 1.0, 1e3][random.below(3)];
+        let distance = true_distance(&c, &d);
+        let (a, b) = (seen_from(origin, &c), RootCapsule::of_reach(&reach(&d), 0.0));
+        for bound in [RootVolume::Capsule(a).lower_bound(&b), RootVolume::Capsule(b).lower_bound(&a)] {
+            let bound = f64::from(bound);
+            assert!(bound <= distance, "{bound} {distance} {c:?} {d:?} {origin:?}");
+            tight += usize::from(bound > distance - 1e-4 * (1.0 + distance));
+        }
+        let within = a.axis_box(0.1);
+        assert!([c.a, c.b].iter().all(|end| holds(&within, end, c.radius + 0.1)), "{within:?} {c:?}");
+    }
+    assert!(tight > 8_000, "only {tight} bounds are of use");
+}
+
+#[test]
+fn bounds_of_boxes_are_never_above_distances_and_boxes_hold_all() {
+    let mut random = Random::new(32);
+    let mut tight = 0;
+    for _ in 0..4_000 {
+        let (c, _) = random_pair(&mut random);
+        let mut edge = || [0.0, 1e-3, 0.1, 0.5][random.below(4)];
+        let half = Vector::new(edge(), edge(), edge());
+        let pose = MatrixPose::from(&crate::math::Pose::from_parts(
+            random.vector(2.0).into(),
+            nalgebra::UnitQuaternion::from_scaled_axis(random.vector(3.0)),
+        ));
+        let volume = PieceVolume::Box { centre: Point::origin(), axes: nalgebra::one(), half_extents: half };
+        let of_box = RootVolume::of_piece(&volume, &pose, 0.05);
+        let bound = f64::from(of_box.lower_bound(&seen_from(random.vector(1.0), &c)));
+        // the nearest of many points of the axis: its distance to a box is known
+        let inverse = pose.inverse();
+        let to_box = |s: f64| {
+            let p = (&inverse * (c.a + (c.b - c.a) * s)).coords;
+            (p.abs() - half).sup(&Vector::zeros()).norm()
+        };
+        let sampled = (0..=400).map(|i| to_box(f64::from(i) / 400.0)).fold(f64::INFINITY, f64::min);
+        let distance = sampled - c.radius - 0.05;
+        assert!(bound <= distance, "{bound} {distance} {c:?} {half:?}");
+        tight += usize::from(bound > distance - 0.02 * (1.0 + distance));
+        let within = of_box.axis_box();
+        for i in 0..8 {
+            let sign = |bit: u32| if i & bit == 0 { 1.0 } else { -1.0 };
+            let corner = Point::new(sign(1) * half.x, sign(2) * half.y, sign(4) * half.z);
+            assert!(holds(&within, &(&pose * corner), 0.0499), "{within:?}");
+        }
+    }
+    assert!(tight > 3_000, "only {tight} bounds are of use");
+}
+
+#[test]
+fn what_is_no_number_is_near_everything() {
+    let nowhere = LinkCapsule { a: Point::new(f64::NAN, 0.0, 0.0), b: Point::origin(), radius: 0.1 };
+    let far = LinkCapsule { a: Point::new(9.0, 0.0, 0.0), b: Point::new(9.0, 1.0, 0.0), radius: 0.1 };
+    let endless = Reach { radius: f64::INFINITY, ..reach(&far) };
+    let near = RootCapsule::of_reach(&reach(&far), 0.0);
+    for other in [RootCapsule::of_reach(&reach(&nowhere), 0.0), RootCapsule::of_reach(&endless, 0.0)] {
+        let bound = RootVolume::Capsule(other).lower_bound(&near);
+        assert!(bound <= 0.0, "{bound}");
+    }
+}

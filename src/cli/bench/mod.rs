@@ -1,0 +1,266 @@
+//! `clearance bench`: what a check costs with this robot in this world on this machine, and how its broad phase compares.
+
+mod hash_grid;
+mod scatter;
+mod structures;
+mod sweep_and_prune;
+
+use std::hint::black_box;
+use std::process::ExitCode;
+
+use clap::Args;
+use clearance::bvh::AxisBox;
+use clearance::checker::{CollisionChecker, Question};
+use clearance::robot::Configuration;
+use clearance::world::World;
+use serde::Serialize;
+
+use super::failure::Failure;
+use super::model::{self, LoadedWorld, ModelArgs, WorldArgs};
+use super::run_args::{Format, internal, print_line};
+use super::timing;
+use hash_grid::HashGrid;
+use structures::{BroadPhase, Tree, overlap};
+use sweep_and_prune::SweepAndPrune;
+
+/// Passes of which the fastest counts.
+const PASSES: u32 = 5;
+
+#[derive(Args)]
+pub struct BenchArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    world: WorldArgs,
+
+    /// Without a world: how many boxes stand around the robot, in worlds one after the other
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "10,100,1000,10000",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    obstacles: Vec<u32>,
+
+    /// Random states of the robot
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    states: u32,
+
+    /// Where random numbers begin
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// How the answer is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// The JSON answer; times are thread CPU time, the best of some passes.
+#[derive(Serialize)]
+struct Answer {
+    robot: String,
+    states: usize,
+    worlds: Vec<WorldAnswer>,
+}
+
+#[derive(Serialize)]
+struct WorldAnswer {
+    obstacles: usize,
+    /// Around them, or around their pieces where they are large.
+    boxes: usize,
+    /// Share of the states.
+    free: f64,
+    /// Whether a state is free (µs a state).
+    boolean_us: f64,
+    /// Its least distance up to 1 m (µs a state).
+    distance_us: f64,
+    /// Pairs of a part and an obstacle whose boxes overlap (a state).
+    overlaps: f64,
+    broad_phases: Vec<BroadPhaseAnswer>,
+}
+
+#[derive(Serialize)]
+struct BroadPhaseAnswer {
+    name: &'static str,
+    /// Building it from all boxes (µs).
+    build_us: f64,
+    /// Finding what overlaps the boxes of all parts (µs a state).
+    query_us: f64,
+    /// Moving an obstacle a little (µs).
+    move_us: f64,
+    /// Taking an obstacle out and putting it back (µs).
+    replace_us: f64,
+}
+
+pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
+    let robot = args.model.load()?;
+    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
+    let alone = model::checker(
+        robot,
+        &LoadedWorld { world: World::default(), ..loaded.clone() },
+        args.model.settings(),
+    )?;
+    let mut random = fastrand::Rng::with_seed(args.seed);
+    let states = (0..args.states).map(|_| scatter::state(alone.robot(), &mut random));
+    let states = states.collect::<Result<Vec<_>, _>>()?;
+    let worlds = if loaded.world.is_empty() {
+        let region = region(&alone, &states);
+        let worlds = args.obstacles.iter().map(|&count| scatter::boxes(count, &region, &mut random));
+        worlds.collect::<Result<_, _>>()?
+    } else {
+        vec![loaded.world]
+    };
+    let mut answers = Vec::new();
+    for world in &worlds {
+        let checker = alone
+            .with_world(world, alone.settings().clone(), loaded.allowed.as_ref())
+            .map_err(Failure::input)?;
+        answers.push(world_answer(&checker, &states)?);
+    }
+    let answer = Answer { robot: alone.robot().name().to_owned(), states: states.len(), worlds: answers };
+    match args.format {
+        Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
+        Format::Text => print_text(&answer)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A box around all that the robot reaches in some states.
+fn region(checker: &CollisionChecker, states: &[Configuration]) -> AxisBox {
+    let mut workspace = checker.workspace();
+    scatter::around(
+        states.iter().flat_map(|q| checker.part_boxes(q, &mut workspace)).collect::<Vec<_>>().iter(),
+    )
+}
+
+#[allow(clippy::cast_precision_loss)] // counts fit 52 bits
+fn world_answer(checker: &CollisionChecker, states: &[Configuration]) -> Result<WorldAnswer, Failure> {
+    let mut workspace = checker.workspace();
+    let free = states.iter().filter(|q| checker.is_free(q, &mut workspace)).count();
+    let boolean_us = best(states.len(), || {
+        for q in states {
+            black_box(checker.is_free(q, &mut workspace));
+        }
+    });
+    let distance_us = best(states.len(), || {
+        for q in states {
+            black_box(checker.check(q, Question::Distance { limit: 1.0 }, &mut workspace));
+        }
+    });
+    let parts: Vec<Vec<AxisBox>> = states.iter().map(|q| checker.part_boxes(q, &mut workspace)).collect();
+    let items = checker.world_boxes();
+    let truth = brute_force(&items, &parts);
+    let overlaps: usize = truth.iter().map(Vec::len).sum();
+    Ok(WorldAnswer {
+        obstacles: checker.world().len(),
+        boxes: items.len(),
+        free: free as f64 / states.len() as f64,
+        boolean_us,
+        distance_us,
+        overlaps: overlaps as f64 / states.len() as f64,
+        broad_phases: vec![
+            race::<Tree>(&items, &parts, &truth)?,
+            race::<SweepAndPrune>(&items, &parts, &truth)?,
+            race::<HashGrid>(&items, &parts, &truth)?,
+        ],
+    })
+}
+
+/// By state: what overlaps, every box against every box.
+fn brute_force(items: &[(u32, AxisBox)], parts: &[Vec<AxisBox>]) -> Vec<Vec<u32>> {
+    let of_part = |part: &AxisBox| {
+        let near = items.iter().filter(|(_, bounds)| overlap(bounds, part));
+        near.map(|(item, _)| *item).collect::<Vec<_>>()
+    };
+    parts.iter().map(|parts| sorted(parts.iter().flat_map(of_part).collect())).collect()
+}
+
+fn sorted(mut items: Vec<u32>) -> Vec<u32> {
+    items.sort_unstable();
+    items
+}
+
+/// One structure: that it finds what is there, before and after everything has moved to and fro, and what it costs.
+fn race<B: BroadPhase>(
+    items: &[(u32, AxisBox)],
+    parts: &[Vec<AxisBox>],
+    truth: &[Vec<u32>],
+) -> Result<BroadPhaseAnswer, Failure> {
+    let build_us = best(1, || drop(black_box(B::build(items))));
+    let mut structure = B::build(items);
+    agree(&mut structure, parts, truth)?;
+    let mut found = Vec::new();
+    let query_us = best(parts.len(), || {
+        for part in parts.iter().flatten() {
+            found.clear();
+            structure.overlapping(part, &mut found);
+            black_box(&found);
+        }
+    });
+    let move_us = best(2 * items.len(), || {
+        for by in [0.01, 0.0] {
+            for (item, bounds) in items {
+                structure.set(*item, &shifted(bounds, by));
+            }
+        }
+    });
+    let replace_us = best(items.len(), || {
+        for (item, bounds) in items {
+            structure.remove(*item);
+            structure.set(*item, bounds);
+        }
+    });
+    agree(&mut structure, parts, truth)?;
+    Ok(BroadPhaseAnswer { name: B::NAME, build_us, query_us, move_us, replace_us })
+}
+
+/// The box at another place, `by` (m) along the first axis.
+fn shifted(bounds: &AxisBox, by: f32) -> AxisBox {
+    let mut moved = *bounds;
+    if by != 0.0 {
+        (moved.lo[0], moved.hi[0]) = (bounds.lo[0] + by, bounds.hi[0] + by);
+    }
+    moved
+}
+
+fn agree<B: BroadPhase>(
+    structure: &mut B,
+    parts: &[Vec<AxisBox>],
+    truth: &[Vec<u32>],
+) -> Result<(), Failure> {
+    for (parts, truth) in parts.iter().zip(truth) {
+        let mut found = Vec::new();
+        for part in parts {
+            structure.overlapping(part, &mut found);
+        }
+        if sorted(found) != *truth {
+            return Err(Failure::Internal(format!("{} does not find the boxes that overlap", B::NAME)));
+        }
+    }
+    Ok(())
+}
+
+fn best(pieces: usize, pass: impl FnMut()) -> f64 {
+    timing::measure(PASSES, pieces, pass).map_or(0.0, |timing| timing.us_min)
+}
+
+fn print_text(answer: &Answer) -> Result<(), Failure> {
+    print_line(&format!(
+        "{}: {} random states; µs of CPU time, best of {PASSES}",
+        answer.robot, answer.states
+    ))?;
+    for world in &answer.worlds {
+        let WorldAnswer { obstacles, boxes, free, boolean_us, distance_us, overlaps, broad_phases } = world;
+        print_line(&format!(
+            "\n{obstacles} obstacles in {boxes} boxes, {:.0} % of the states free: boolean {boolean_us:.2}, distance {distance_us:.2} a state",
+            100.0 * free
+        ))?;
+        print_line(&format!(
+            "  {:<16} {:>12} {:>12} {:>12} {:>12}   ({overlaps:.1} overlaps a state)",
+            "broad phase", "query/state", "move", "replace", "build"
+        ))?;
+        for BroadPhaseAnswer { name, build_us, query_us, move_us, replace_us } in broad_phases {
+            print_line(&format!(
+                "  {name:<16} {query_us:>12.3} {move_us:>12.3} {replace_us:>12.3} {build_us:>12.1}"
+            ))?;
+        }
+    }
+    Ok(())
+}

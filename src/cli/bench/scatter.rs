@@ -1,0 +1,65 @@
+//! Random states, and random boxes around a robot.
+
+use clearance::bvh::AxisBox;
+use clearance::geometry::{Primitive, Shape};
+use clearance::math::{Pose, Vector};
+use clearance::robot::{Configuration, JointKind, RobotModel};
+use clearance::world::{Obstacle, World};
+
+use crate::cli::failure::Failure;
+use crate::cli::run_args::internal;
+
+/// Obstacles in a cubic metre.
+const DENSITY: f64 = 2.0;
+
+/// Edges of obstacles (m).
+const EDGES: [f64; 2] = [0.05, 0.2];
+
+/// Nothing stands nearer to the root's origin than this (m), where bases are.
+const KEPT_FREE: f64 = 0.3;
+
+/// A state within limits: what has none turns once, and planar and floating joints stay where they are.
+pub fn state(robot: &RobotModel, random: &mut fastrand::Rng) -> Result<Configuration, Failure> {
+    let mut positions = robot.default_configuration().positions().to_vec();
+    for id in robot.joint_ids() {
+        let joint = robot.joint(id);
+        let Some(first) = robot.first_position(id) else { continue };
+        let [low, high] = match (&joint.kind, joint.limits) {
+            (JointKind::Planar(_) | JointKind::Floating, _) => continue,
+            (JointKind::Continuous(_), _) | (_, None) => [-std::f64::consts::PI, std::f64::consts::PI],
+            (_, Some(limits)) => [limits.lower, limits.upper],
+        };
+        positions[first] = low + (high - low) * random.f64();
+    }
+    robot.configuration(&positions).map_err(internal)
+}
+
+/// A box around all boxes.
+pub fn around<'b>(boxes: impl IntoIterator<Item = &'b AxisBox>) -> AxisBox {
+    boxes.into_iter().fold(AxisBox::EMPTY, |all, one| all.union(one))
+}
+
+/// So many boxes in a cube around a region, one and the same density everywhere.
+pub fn boxes(count: u32, region: &AxisBox, random: &mut fastrand::Rng) -> Result<World, Failure> {
+    let middle = Vector::from(region.doubled_centre().map(f64::from)) * 0.5;
+    let half_edge = 0.5 * (f64::from(count) / DENSITY).cbrt();
+    let mut world = World::default();
+    let mut number = 0;
+    while number < count {
+        let mut within = |size: f64| size * (2.0 * random.f64() - 1.0);
+        let at = middle + Vector::new(within(half_edge), within(half_edge), within(half_edge));
+        if at.norm() < KEPT_FREE {
+            continue;
+        }
+        let turn =
+            nalgebra::UnitQuaternion::from_scaled_axis(Vector::new(within(2.0), within(2.0), within(2.0)));
+        let mut edge = || EDGES[0] + (EDGES[1] - EDGES[0]) * random.f64();
+        let cuboid = Primitive::cuboid([edge(), edge(), edge()]).map_err(internal)?;
+        let pose = Pose::from_parts(at.into(), turn);
+        world
+            .add(Obstacle::of_shape(format!("box_{number}"), pose, Shape::Primitive(cuboid)))
+            .map_err(internal)?;
+        number += 1;
+    }
+    Ok(world)
+}

@@ -1,0 +1,94 @@
+//! Ways to find the boxes that overlap one: the library's tree, and what others use.
+
+use clearance::bvh::{AxisBox, DynamicTree};
+use clearance::simd::Level;
+
+use super::hash_grid::HashGrid;
+use super::sweep_and_prune::SweepAndPrune;
+
+/// Numbered boxes that come, move and go.
+pub trait BroadPhase {
+    const NAME: &'static str;
+
+    fn build(items: &[(u32, AxisBox)]) -> Self;
+
+    /// Puts an item in, or gives it another box.
+    fn set(&mut self, item: u32, bounds: &AxisBox);
+
+    fn remove(&mut self, item: u32);
+
+    /// Appends each item whose box overlaps one to `found`, once.
+    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>);
+}
+
+/// The tree that every check uses.
+pub struct Tree {
+    boxes: DynamicTree,
+    level: Level,
+    stack: Vec<u32>,
+}
+
+impl BroadPhase for Tree {
+    const NAME: &'static str = "tree";
+
+    fn build(items: &[(u32, AxisBox)]) -> Self {
+        Self { boxes: DynamicTree::build(items), level: Level::new(), stack: Vec::new() }
+    }
+
+    fn set(&mut self, item: u32, bounds: &AxisBox) {
+        self.boxes.set(item, *bounds);
+    }
+
+    fn remove(&mut self, item: u32) {
+        self.boxes.remove(item);
+    }
+
+    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
+        self.boxes.overlapping(self.level, with, &mut self.stack, found);
+    }
+}
+
+impl BroadPhase for SweepAndPrune {
+    const NAME: &'static str = "sweep and prune";
+
+    fn build(items: &[(u32, AxisBox)]) -> Self {
+        Self::new(items)
+    }
+
+    fn set(&mut self, item: u32, bounds: &AxisBox) {
+        Self::set(self, item, bounds);
+    }
+
+    fn remove(&mut self, item: u32) {
+        Self::remove(self, item);
+    }
+
+    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
+        Self::overlapping(self, with, found);
+    }
+}
+
+impl BroadPhase for HashGrid {
+    const NAME: &'static str = "hash grid";
+
+    fn build(items: &[(u32, AxisBox)]) -> Self {
+        Self::new(items)
+    }
+
+    fn set(&mut self, item: u32, bounds: &AxisBox) {
+        Self::set(self, item, bounds);
+    }
+
+    fn remove(&mut self, item: u32) {
+        Self::remove(self, item);
+    }
+
+    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
+        Self::overlapping(self, with, found);
+    }
+}
+
+/// Whether two boxes have a common point.
+pub fn overlap(a: &AxisBox, b: &AxisBox) -> bool {
+    (0..3).all(|i| a.lo[i] <= b.hi[i] && b.lo[i] <= a.hi[i])
+}

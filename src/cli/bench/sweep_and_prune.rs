@@ -1,0 +1,62 @@
+//! Sweep and prune (Cohen, Lin, Manocha & Ponamgi 1995, *I-COLLIDE*): boxes sorted along one axis.
+
+use clearance::bvh::AxisBox;
+
+use super::structures::overlap;
+
+/// Boxes in the order of their lower sides, along the axis on which they are spread most.
+pub struct SweepAndPrune {
+    axis: usize,
+    sorted: Vec<(u32, AxisBox)>,
+    /// By item: its lower side, by which it is found.
+    keys: Vec<f32>,
+    /// Not less than any box along the axis (m).
+    longest: f32,
+}
+
+impl SweepAndPrune {
+    pub fn new(items: &[(u32, AxisBox)]) -> Self {
+        let spread = |axis: usize| {
+            let sides = || items.iter().map(|(_, bounds)| bounds.lo[axis]);
+            sides().fold(f32::NEG_INFINITY, f32::max) - sides().fold(f32::INFINITY, f32::min)
+        };
+        let axis = (0..3).max_by(|&i, &j| spread(i).total_cmp(&spread(j))).unwrap_or(0);
+        let mut made = Self { axis, sorted: items.to_vec(), keys: Vec::new(), longest: 0.0 };
+        made.sorted.sort_by(|(_, a), (_, b)| a.lo[axis].total_cmp(&b.lo[axis]));
+        for (item, bounds) in items {
+            made.note(*item, bounds);
+        }
+        made
+    }
+
+    pub fn set(&mut self, item: u32, bounds: &AxisBox) {
+        self.remove(item);
+        let at = self.sorted.partition_point(|(_, other)| other.lo[self.axis] < bounds.lo[self.axis]);
+        self.sorted.insert(at, (item, *bounds));
+        self.note(item, bounds);
+    }
+
+    pub fn remove(&mut self, item: u32) {
+        let Some(&key) = self.keys.get(item as usize).filter(|key| !key.is_nan()) else { return };
+        let from = self.sorted.partition_point(|(_, other)| other.lo[self.axis] < key);
+        let held = self.sorted[from..].iter().position(|(other, _)| *other == item);
+        self.sorted.remove(from + held.expect("what has a key is held"));
+        self.keys[item as usize] = f32::NAN;
+    }
+
+    pub fn overlapping(&self, with: &AxisBox, found: &mut Vec<u32>) {
+        let [low, high] = [with.lo[self.axis] - self.longest, with.hi[self.axis]];
+        let from = self.sorted.partition_point(|(_, other)| other.lo[self.axis] < low);
+        let swept = self.sorted[from..].iter().take_while(|(_, other)| other.lo[self.axis] <= high);
+        found.extend(swept.filter(|(_, other)| overlap(other, with)).map(|(item, _)| *item));
+    }
+
+    fn note(&mut self, item: u32, bounds: &AxisBox) {
+        if self.keys.len() <= item as usize {
+            self.keys.resize(item as usize + 1, f32::NAN);
+        }
+        self.keys[item as usize] = bounds.lo[self.axis];
+        // rounded up, as the difference in a search is
+        self.longest = self.longest.max((bounds.hi[self.axis] - bounds.lo[self.axis]) * 1.000_001 + 1e-6);
+    }
+}
