@@ -4,8 +4,11 @@
 //!
 //! | what is the matter | status | code |
 //! |---|---|---|
+//! | checking was turned off | UNKNOWN | `disabled` |
 //! | no usable robot model | UNKNOWN | `no_model` |
+//! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
 //! | no joint state has arrived | UNKNOWN | `no_joint_state` |
+//! | the clock was set back by more than `stale_after`, and no joint state has arrived since | UNKNOWN | `clock_jump` |
 //! | simulated time is asked for and none has arrived | UNKNOWN | `no_clock` |
 //! | the last joint state, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
 //! | its stamp lies more than `stale_after` in the future | UNKNOWN | `future_stamp` |
@@ -15,6 +18,7 @@
 //! | a joint is missing | UNKNOWN | `partial` |
 //! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
+//! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
 //! | every pair was found apart | FREE | |
 //!
 //! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.

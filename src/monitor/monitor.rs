@@ -1,5 +1,6 @@
 //! The monitor: joint states and heartbeats in, judgements out.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -7,7 +8,7 @@ use super::look_ahead::Lookout;
 use super::stamp_order::StampOrder;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
-use crate::checker::{Question, Workspace};
+use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -18,13 +19,18 @@ pub type Stopwatch = fn() -> Duration;
 pub struct Monitor {
     settings: MonitorSettings,
     stopwatch: Stopwatch,
+    enabled: bool,
     subject: Option<Subject>,
+    /// Another model is being built, and the subject's does not count any more.
+    swapping: bool,
     /// What was wrong with the last model offered, while there is none.
     model_fault: Option<String>,
     /// What was refused of the last changes of the world.
     world_faults: Vec<String>,
     order: StampOrder,
     heard: Option<Heard>,
+    /// By how much (s) the clock was set back since the last joint state, if it was.
+    set_back: Option<f64>,
     verdict: Verdict,
     /// The model or a setting changed since the verdict.
     outdated: bool,
@@ -73,11 +79,14 @@ impl Monitor {
         Self {
             settings,
             stopwatch,
+            enabled: true,
             subject: None,
+            swapping: false,
             model_fault: None,
             world_faults: Vec::new(),
             order: StampOrder::default(),
             heard: None,
+            set_back: None,
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
             outdated: true,
             said_at: None,
@@ -94,12 +103,26 @@ impl Monitor {
             revision,
         });
         self.model_fault = None;
+        self.swapping = false;
+        self.outdated = true;
+    }
+
+    /// Another robot was described: until its checker comes, or it is refused, nothing is known.
+    pub fn note_model_swap(&mut self) {
+        self.swapping = true;
         self.outdated = true;
     }
 
     /// A model was refused. The one in use, if any, stays.
     pub fn note_model_fault(&mut self, fault: String) {
         self.model_fault = Some(fault);
+        self.swapping = false;
+        self.outdated = true;
+    }
+
+    /// Turns checking off and on; while it is off, nothing is known.
+    pub fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
         self.outdated = true;
     }
 
@@ -123,6 +146,7 @@ impl Monitor {
         let newest = self.order.newest(input.source).filter(|_| input.stamp != Time::ZERO);
         let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
         self.heard = Some(Heard { input, stamp, at: now.steady, behind });
+        self.set_back = None;
         self.judge(now);
         self.say(now)
     }
@@ -154,10 +178,17 @@ impl Monitor {
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
 
-    /// Stamps judged before a clock was set back order nothing any more.
+    /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
             self.order.clear();
+        }
+        if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
+            let back = before.seconds_since(ros);
+            if back > self.settings.stale_after && self.heard.take().is_some() {
+                self.set_back = Some(back);
+                self.outdated = true;
+            }
         }
         self.latest_ros_time = now.ros;
     }
@@ -168,51 +199,39 @@ impl Monitor {
     }
 
     fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
+        if !self.enabled {
+            return Err(Reason::Disabled);
+        }
         let fault = self.model_fault.clone();
         let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
-        let heard = self.heard.as_ref().ok_or(Reason::NoJointState)?;
+        if self.swapping {
+            return Err(Reason::ModelSwap);
+        }
+        let unheard = self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back });
+        let heard = self.heard.as_ref().ok_or(unheard)?;
         if let Some(behind) = heard.behind {
             return Err(Reason::OutOfOrder { behind });
         }
-        let checker = &subject.revision.checker;
-        let Reading { configuration, velocities, mut warnings } =
-            subject.tracker.read(checker.robot(), &heard.input)?;
+        let mut reading = subject.tracker.read(subject.revision.checker.robot(), &heard.input)?;
         if heard.input.stamp == Time::ZERO {
-            warnings.push("the joint state has no stamp: it counts as measured when it came".to_owned());
+            let warning = "the joint state has no stamp: it counts as measured when it came";
+            reading.warnings.push(warning.to_owned());
         }
         // checking what is stale already would be wasted
         heard.freshness(now, &self.settings)?;
-
-        let started = (self.stopwatch)();
-        let survey = Question::Survey {
-            influence_distance: self.settings.influence_distance,
-            limit: self.settings.distance_limit,
-        };
-        let report = checker.check(&configuration, survey, &mut subject.workspace);
-        let mut look_ahead = None;
-        if self.settings.look_ahead_horizon > 0.0 {
-            let state = (&configuration, velocities.as_deref());
-            match subject.lookout.look(checker, state, &report, &self.settings) {
-                Ok(found) => look_ahead = Some(found),
-                Err(why) => warnings.push(why),
-            }
-        }
-        let compute_time = (self.stopwatch)().saturating_sub(started);
+        let verdict = subject.judge(reading, &self.settings, self.stopwatch);
         if heard.input.stamp != Time::ZERO {
             self.order.note(heard.input.source, heard.stamp);
         }
-        let status = if report.is_free() { Status::Free } else { Status::Colliding };
-        let mut poses = LinkPoses::new(checker.robot());
-        checker.robot().forward_kinematics(&configuration, &mut poses);
-        let evidence = Some(Arc::new(Evidence { report, configuration, poses, look_ahead, compute_time }));
-        Ok(Verdict { status, evidence, warnings })
+        Ok(verdict)
     }
 
     /// The verdict as it holds now: what was right when it was judged may have become stale.
     fn say(&mut self, now: Now) -> Judgement {
         self.said_at = Some(now.steady);
         let subject = self.subject.as_ref();
-        let stale = (self.heard.as_ref().filter(|_| subject.is_some()))
+        let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
+        let stale = (self.heard.as_ref().filter(|_| !unheeded))
             .and_then(|heard| heard.freshness(now, &self.settings).err());
         let stale_world = subject.and_then(|subject| subject.revision.stale_world(now));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
@@ -222,7 +241,10 @@ impl Monitor {
             (None, _) => self.verdict.status.clone(),
         };
         let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
-        let warnings = self.verdict.warnings.iter().chain(of_revision).chain(&self.world_faults);
+        let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some()))
+            .map(|fault| format!("the last robot description was refused, and the one before counts: {fault}"));
+        let of_world = of_revision.chain(&self.world_faults);
+        let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
         Judgement {
             evidence: placement.clone().filter(|_| status.reason().is_none()),
             status,
@@ -231,7 +253,7 @@ impl Monitor {
             stamp: self.heard.as_ref().map(|heard| heard.stamp),
             age: self.heard.as_ref().map(|heard| heard.age(now)),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
-            warnings: warnings.cloned().collect(),
+            warnings: warnings.collect(),
         }
     }
 
@@ -245,6 +267,53 @@ impl Monitor {
             }
             (reason, _) => reason,
         }
+    }
+}
+
+impl Subject {
+    /// What a check of a whole joint state finds.
+    fn judge(&mut self, reading: Reading, settings: &MonitorSettings, stopwatch: Stopwatch) -> Verdict {
+        let Reading { configuration, velocities, mut warnings } = reading;
+        let checker = &self.revision.checker;
+        let started = stopwatch();
+        let survey = Question::Survey {
+            influence_distance: settings.influence_distance,
+            limit: settings.distance_limit,
+        };
+        let effort = settings.effort();
+        let report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        let mut look_ahead = None;
+        if settings.look_ahead_horizon > 0.0 && effort.is_over() {
+            warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
+        } else if settings.look_ahead_horizon > 0.0 {
+            let state = (&configuration, velocities.as_deref());
+            match self.lookout.look(checker, state, &report, settings) {
+                Ok(found) => look_ahead = Some(found),
+                Err(why) => warnings.push(why),
+            }
+        }
+        let compute_time = stopwatch().saturating_sub(started);
+        let status = status_of(&report, checker, settings);
+        let mut poses = LinkPoses::new(checker.robot());
+        checker.robot().forward_kinematics(&configuration, &mut poses);
+        let evidence = Some(Arc::new(Evidence { report, configuration, poses, look_ahead, compute_time }));
+        Verdict { status, evidence, warnings }
+    }
+}
+
+/// A pair that touches is told even if others are open; with any open pair, distances are not known to be the least.
+fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
+    if report.self_collision || report.world_collision {
+        return Status::Colliding;
+    }
+    let open: BTreeSet<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
+    match open.first() {
+        None => Status::Free,
+        Some(&(a, b)) => Status::Unknown(Reason::Deadline {
+            deadline: settings.check_deadline,
+            open: open.len(),
+            pair: [a, b].map(|body| checker.body_name(body).to_owned()),
+        }),
     }
 }
 

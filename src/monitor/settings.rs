@@ -1,6 +1,8 @@
 //! What a user decides about monitoring.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+use crate::query::Effort;
 
 /// Choices that may change at any time.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +11,8 @@ pub struct MonitorSettings {
     pub heartbeat_rate: f64,
     /// Age (s) beyond which a joint state says nothing about the robot any more.
     pub stale_after: f64,
+    /// Time (s) that one answer may take; 0: as long as it takes.
+    pub check_deadline: f64,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
@@ -24,6 +28,7 @@ impl Default for MonitorSettings {
         Self {
             heartbeat_rate: 10.0,
             stale_after: 0.5,
+            check_deadline: 0.0,
             influence_distance: 0.1,
             distance_limit: 1.0,
             look_ahead_horizon: 0.0,
@@ -33,6 +38,13 @@ impl Default for MonitorSettings {
 }
 
 impl MonitorSettings {
+    /// How much one check may take, from now on.
+    #[must_use]
+    pub(super) fn effort(&self) -> Effort {
+        let time = Duration::try_from_secs_f64(self.check_deadline).ok().filter(|time| !time.is_zero());
+        Effort { deadline: time.and_then(|time| Instant::now().checked_add(time)), ..Effort::default() }
+    }
+
     /// Longest silence allowed between two judgements.
     #[must_use]
     pub fn heartbeat_period(&self) -> Duration {

@@ -45,8 +45,16 @@ pub enum Reason {
     NoModel {
         fault: Option<String>,
     },
+    /// Checking was turned off.
+    Disabled,
+    /// Another robot was described, and its model is not built yet.
+    ModelSwap,
     NoJointState,
     NoClock,
+    /// The clock was set back by `back` seconds, and nothing has been heard since.
+    ClockJump {
+        back: f64,
+    },
     /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it.
     Stale {
         age: f64,
@@ -75,6 +83,12 @@ pub enum Reason {
         age: Option<f64>,
         ttl: f64,
     },
+    /// The time for one answer was over while `open` pairs were undecided, of which `pair` is one.
+    Deadline {
+        deadline: f64,
+        open: usize,
+        pair: [String; 2],
+    },
 }
 
 impl Reason {
@@ -83,8 +97,11 @@ impl Reason {
     pub fn code(&self) -> &'static str {
         match self {
             Self::NoModel { .. } => "no_model",
+            Self::Disabled => "disabled",
+            Self::ModelSwap => "model_swap",
             Self::NoJointState => "no_joint_state",
             Self::NoClock => "no_clock",
+            Self::ClockJump { .. } => "clock_jump",
             Self::Stale { .. } => "stale",
             Self::FutureStamp { .. } => "future_stamp",
             Self::OutOfOrder { .. } => "out_of_order",
@@ -92,7 +109,13 @@ impl Reason {
             Self::NonFinite { .. } => "non_finite",
             Self::Partial { .. } => "partial",
             Self::StaleWorld { .. } => "stale_world",
+            Self::Deadline { .. } => "deadline",
         }
+    }
+
+    /// Whether it says that nobody would have looked at a joint state, however fresh.
+    pub(super) fn precedes_joint_states(&self) -> bool {
+        matches!(self, Self::NoModel { .. } | Self::Disabled | Self::ModelSwap)
     }
 
     /// Whether the joint state itself may be right, and only the clock is against it.
@@ -110,11 +133,19 @@ impl fmt::Display for Reason {
             Self::NoModel { fault: Some(fault) } => {
                 write!(f, "there is no robot model: the last one was refused: {fault}")
             }
+            Self::Disabled => f.write_str("checking is disabled: call ~/enable with data: true"),
+            Self::ModelSwap => f.write_str(
+                "another robot came on robot_description, and its model is still being built: the last one does not count any more",
+            ),
             Self::NoJointState => f.write_str(
                 "no joint state has arrived yet: is something publishing joint_states, under this name and namespace?",
             ),
             Self::NoClock => f.write_str(
                 "use_sim_time is set, but nothing has arrived on /clock: start the simulation, or set use_sim_time to false",
+            ),
+            Self::ClockJump { back } => write!(
+                f,
+                "the clock was set back by {back:.3} s: what was heard before does not count, and no joint state has arrived since"
             ),
             Self::Stale { age, stale_after, also } => {
                 write!(
@@ -148,6 +179,12 @@ impl fmt::Display for Reason {
                 f,
                 "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
                 quoted(source)
+            ),
+            Self::Deadline { deadline, open, pair: [a, b] } => write!(
+                f,
+                "check_deadline ({deadline} s) passed before {open} pairs were decided, such as that of {} and {}: allow more time, or simplify the meshes",
+                quoted(a),
+                quoted(b)
             ),
         }
     }

@@ -81,15 +81,19 @@ fn input(seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
     }
 }
 
-/// A monitor that looks half a second ahead; nothing accelerates by more than 0.1 rad/s².
-fn lookout() -> Monitor {
-    let mut monitor = monitor();
-    monitor.set_settings(MonitorSettings {
+fn settings_of_lookout() -> MonitorSettings {
+    MonitorSettings {
         distance_limit: 5.0,
         look_ahead_horizon: 0.5,
         look_ahead_acceleration: 0.1,
         ..MonitorSettings::default()
-    });
+    }
+}
+
+/// A monitor that looks half a second ahead; nothing accelerates by more than 0.1 rad/s².
+fn lookout() -> Monitor {
+    let mut monitor = monitor();
+    monitor.set_settings(settings_of_lookout());
     monitor
 }
 
@@ -232,6 +236,76 @@ fn a_clock_that_was_set_back_orders_anew() {
     monitor.on_joint_state(state(100.0, FREE), at(100.0));
     let restarted = Now { ros: at(0.0).ros, steady: at(100.1).steady };
     assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), restarted)), "FREE");
+}
+
+#[test]
+fn what_was_heard_before_the_clock_was_set_far_back_counts_no_more() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(100.0, FREE), at(100.0));
+    // a step within the tolerance takes nothing away
+    let stepped = Now { ros: at(99.8).ros, steady: at(100.0).steady };
+    assert_eq!(code(&monitor.on_heartbeat(stepped)), "FREE");
+    let restarted = |seconds| Now { ros: at(seconds).ros, steady: at(100.1 + seconds).steady };
+    let judgement = monitor.on_heartbeat(restarted(0.0));
+    assert_eq!((code(&judgement), judgement.stamp, judgement.age), ("clock_jump", None, None));
+    assert!(judgement.status.reason().unwrap().to_string().contains("99.800 s"), "{:?}", judgement.status);
+    assert_eq!(code(&monitor.on_heartbeat(restarted(0.1))), "clock_jump");
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), restarted(0.1))), "FREE");
+    // a leap forward makes it old
+    assert_eq!(code(&monitor.on_heartbeat(Now { ros: at(50.0).ros, steady: at(100.3).steady })), "stale");
+}
+
+#[test]
+fn nothing_is_known_while_checking_is_disabled() {
+    let mut monitor = monitor();
+    assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), at(0.0))), "FREE");
+    monitor.set_enabled(false);
+    assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
+    let judgement = monitor.on_heartbeat(at(0.0));
+    assert!(code(&judgement) == "disabled" && judgement.placement.is_none());
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "disabled");
+    // whatever is stale meanwhile
+    assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "disabled");
+    monitor.set_enabled(true);
+    assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "stale");
+    assert_eq!(code(&monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+}
+
+#[test]
+fn nothing_is_known_until_another_model_is_there_or_refused() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    monitor.note_model_swap();
+    assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "model_swap");
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "model_swap");
+    monitor.set_checker(revision(2));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "FREE");
+
+    monitor.note_model_swap();
+    monitor.note_model_fault("not XML".to_owned());
+    let judgement = monitor.on_heartbeat(at(0.2));
+    assert_eq!(code(&judgement), "FREE");
+    assert!(judgement.warnings[0].contains("not XML"), "{:?}", judgement.warnings);
+}
+
+#[test]
+fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings { check_deadline: 1e-9, distance_limit: 5.0, ..settings_of_lookout() });
+    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(code(&judgement), "deadline");
+    let reason = judgement.status.reason().unwrap().to_string();
+    assert!(reason.contains("1 pairs were decided") && reason.contains("'base'") && reason.contains("'ball'"), "{reason}");
+    assert!(judgement.evidence.is_none() && judgement.distance().is_nan() && judgement.placement.is_some());
+    assert_eq!(judgement.time_to_contact(), 0.0);
+    assert!(judgement.warnings[0].contains("check_deadline"), "{:?}", judgement.warnings);
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "deadline");
+    assert_eq!(code(&monitor.on_heartbeat(at(1.0))), "stale");
+
+    monitor.set_settings(MonitorSettings { check_deadline: 10.0, ..settings_of_lookout() });
+    assert_eq!(code(&monitor.on_joint_state(state(1.0, COLLIDING), at(1.0))), "COLLIDING");
+    let free = monitor.on_joint_state(state(1.1, FREE), at(1.1));
+    assert!(code(&free) == "FREE" && (free.distance() - 1.7).abs() < 1e-9, "{}", free.distance());
 }
 
 #[test]

@@ -66,6 +66,8 @@ fn level(judgement: &Judgement, model_fault: Option<&str>) -> u8 {
         Status::Unknown(Reason::Stale { .. } | Reason::NoJointState | Reason::NoClock) => {
             DiagnosticStatus::STALE
         }
+        // someone meant it to be so
+        Status::Unknown(Reason::Disabled) => DiagnosticStatus::WARN,
         Status::Unknown(_) | Status::Colliding => DiagnosticStatus::ERROR,
         Status::Free if judgement.warnings.is_empty() && model_fault.is_none() => DiagnosticStatus::OK,
         Status::Free => DiagnosticStatus::WARN,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use smol::Timer;
-use smol::channel::Receiver;
+use smol::channel::{Receiver, Sender};
 
 use super::clock::RosClock;
 use super::diagnostics::{Activity, diagnostics};
@@ -20,7 +20,11 @@ use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
 /// What the other threads tell the monitor.
 pub enum Event {
     Checker(Arc<Revision>),
+    /// Another robot was described: its checker or its fault follows.
+    ModelSwap,
     ModelFault(String),
+    /// Whether states are checked; who asked is told when it is so.
+    Enabled(bool, Sender<()>),
     /// What sensors see, and what was refused of the last changes of the world.
     World(CloudReports, Vec<String>),
     Parameters(Box<Parameters>),
@@ -125,6 +129,14 @@ impl MonitorLoop {
             Event::Checker(revision) => {
                 self.report.model_fault = None;
                 self.monitor.set_checker(revision);
+            }
+            Event::ModelSwap => self.monitor.note_model_swap(),
+            Event::Enabled(enabled, heeded) => {
+                self.monitor.set_enabled(enabled);
+                let judgement = self.monitor.on_heartbeat(self.clock.read());
+                self.say(&judgement);
+                // who no longer waits need not be told
+                let _ = heeded.try_send(());
             }
             Event::ModelFault(fault) => {
                 self.report.model_fault = Some(fault.clone());

@@ -10,6 +10,7 @@ use crate::monitor::MonitorSettings;
 pub struct Parameters {
     pub heartbeat_rate: f64,
     pub stale_after: f64,
+    pub check_deadline: f64,
     pub influence_distance: f64,
     pub distance_limit: f64,
     pub look_ahead_horizon: f64,
@@ -41,6 +42,7 @@ impl Default for Parameters {
         Self {
             heartbeat_rate: monitor.heartbeat_rate,
             stale_after: monitor.stale_after,
+            check_deadline: monitor.check_deadline,
             influence_distance: monitor.influence_distance,
             distance_limit: monitor.distance_limit,
             look_ahead_horizon: monitor.look_ahead_horizon,
@@ -71,6 +73,7 @@ impl Parameters {
         MonitorSettings {
             heartbeat_rate: self.heartbeat_rate,
             stale_after: self.stale_after,
+            check_deadline: self.check_deadline,
             influence_distance: self.influence_distance,
             distance_limit: self.distance_limit,
             look_ahead_horizon: self.look_ahead_horizon,
@@ -244,6 +247,13 @@ pub fn declaration(name: &str) -> Option<&'static Declaration> {
 /// Every parameter, by name. `config/clearance.yaml` says the same with more words; a test compares them.
 pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     vec![
+        double(
+            "check_deadline",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.check_deadline,
+            "Time that one answer may take, beyond which undecided pairs make the state unknown; 0 means as long as it takes.",
+        ),
         Declaration {
             range: Range::Point,
             access: Access::Point(|p| &mut p.cloud_crop_max),

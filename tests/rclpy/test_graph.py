@@ -23,6 +23,7 @@ SUBSCRIBED = {
     "robot_description": "std_msgs/msg/String",
 }
 SERVICES = {
+    "~/enable": "std_srvs/srv/SetBool",
     "~/check_motion": "clearance_msgs/srv/CheckMotion",
     "~/check_trajectory": "clearance_msgs/srv/CheckTrajectory",
     "~/describe_parameters": "rcl_interfaces/srv/DescribeParameters",
