@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::contribution::Contributions;
+use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
-use super::stamp_order::StampOrder;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
@@ -27,8 +28,9 @@ pub struct Monitor {
     model_fault: Option<String>,
     /// What was refused of the last changes of the world.
     world_faults: Vec<String>,
-    order: StampOrder,
-    heard: Option<Heard>,
+    hearing: Hearing,
+    /// What the robot's state is made of, whatever the verdict.
+    contributions: Contributions,
     /// By how much (s) the clock was set back since the last joint state, if it was.
     set_back: Option<f64>,
     verdict: Verdict,
@@ -45,18 +47,6 @@ struct Subject {
     tracker: Tracker,
     workspace: Workspace,
     lookout: Lookout,
-}
-
-/// The last joint state.
-#[derive(Debug)]
-struct Heard {
-    input: JointStateInput,
-    /// The stamp that counts: its own, or when it came if it has none.
-    stamp: Time,
-    /// When it came, by the steady clock.
-    at: Duration,
-    /// How much older (s) it is than the last judged one of its publisher, if it is.
-    behind: Option<f64>,
 }
 
 /// A judgement but for its age.
@@ -84,8 +74,8 @@ impl Monitor {
             swapping: false,
             model_fault: None,
             world_faults: Vec::new(),
-            order: StampOrder::default(),
-            heard: None,
+            hearing: Hearing::default(),
+            contributions: Contributions::default(),
             set_back: None,
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
             outdated: true,
@@ -136,17 +126,16 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Judges a joint state.
-    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
+    /// Takes note of a joint state that another one follows at once.
+    pub fn hear(&mut self, input: JointStateInput, now: Now) {
         self.note_clock(now);
-        let stamp = match (input.stamp, now.ros) {
-            (Time::ZERO, Some(now)) => now,
-            (stamp, _) => stamp,
-        };
-        let newest = self.order.newest(input.source).filter(|_| input.stamp != Time::ZERO);
-        let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
-        self.heard = Some(Heard { input, stamp, at: now.steady, behind });
+        self.hearing.hear(input, now);
         self.set_back = None;
+    }
+
+    /// Judges a joint state, together with what others said about joints that it does not name.
+    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
+        self.hear(input, now);
         self.judge(now);
         self.say(now)
     }
@@ -169,11 +158,12 @@ impl Monitor {
         };
         let heartbeat = (said_at + self.settings.heartbeat_period()).saturating_sub(now.steady);
         // the moment at which a judgement becomes stale is news
-        let judged = self.heard.as_ref().filter(|_| self.verdict.evidence.is_some());
-        let stale = judged.and_then(|heard| {
-            let sources = self.subject.iter().flat_map(|subject| &subject.revision.sources);
+        let subject = self.subject.as_ref().filter(|_| self.verdict.evidence.is_some());
+        let stale = subject.and_then(|subject| {
+            let sources = subject.revision.sources.iter();
             let of_world = sources.filter_map(|source| source.time_to_stale(now));
-            heard.time_to_stale(now, &self.settings).into_iter().chain(of_world).min()
+            let of_robot = self.contributions.time_to_stale(now, &self.settings);
+            of_world.chain(of_robot).min()
         });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
@@ -181,11 +171,12 @@ impl Monitor {
     /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
-            self.order.clear();
+            self.hearing.forget_order();
         }
         if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
             let back = before.seconds_since(ros);
-            if back > self.settings.stale_after && self.heard.take().is_some() {
+            if back > self.settings.stale_after && !self.hearing.messages().is_empty() {
+                self.hearing.clear();
                 self.set_back = Some(back);
                 self.outdated = true;
             }
@@ -199,6 +190,7 @@ impl Monitor {
     }
 
     fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
+        self.contributions = Contributions::default();
         if !self.enabled {
             return Err(Reason::Disabled);
         }
@@ -207,22 +199,19 @@ impl Monitor {
         if self.swapping {
             return Err(Reason::ModelSwap);
         }
-        let unheard = self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back });
-        let heard = self.heard.as_ref().ok_or(unheard)?;
-        if let Some(behind) = heard.behind {
-            return Err(Reason::OutOfOrder { behind });
+        let messages = self.hearing.messages();
+        if messages.is_empty() {
+            return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
-        let mut reading = subject.tracker.read(subject.revision.checker.robot(), &heard.input)?;
-        if heard.input.stamp == Time::ZERO {
-            let warning = "the joint state has no stamp: it counts as measured when it came";
-            reading.warnings.push(warning.to_owned());
-        }
+        let robot = subject.revision.checker.robot();
+        let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
+        let (reading, contributions) = subject.tracker.read(robot, messages, is_fresh);
+        self.contributions = contributions;
+        let reading = reading?;
         // checking what is stale already would be wasted
-        heard.freshness(now, &self.settings)?;
+        self.contributions.freshness(now, &self.settings, robot.position_names())?;
         let verdict = subject.judge(reading, &self.settings, self.stopwatch);
-        if heard.input.stamp != Time::ZERO {
-            self.order.note(heard.input.source, heard.stamp);
-        }
+        self.hearing.note_judged();
         Ok(verdict)
     }
 
@@ -230,9 +219,13 @@ impl Monitor {
     fn say(&mut self, now: Now) -> Judgement {
         self.said_at = Some(now.steady);
         let subject = self.subject.as_ref();
+        let messages = self.hearing.messages();
         let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
-        let stale = (self.heard.as_ref().filter(|_| !unheeded))
-            .and_then(|heard| heard.freshness(now, &self.settings).err());
+        let heeded = subject.filter(|_| !unheeded && !messages.is_empty());
+        let stale = heeded.and_then(|subject| {
+            let names = subject.revision.checker.robot().position_names();
+            self.contributions.freshness(now, &self.settings, names).err()
+        });
         let stale_world = subject.and_then(|subject| subject.revision.stale_world(now));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
@@ -240,6 +233,8 @@ impl Monitor {
             (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
             (None, _) => self.verdict.status.clone(),
         };
+        let stamp = self.contributions.stamp().or(messages.last().map(|last| last.stamp));
+        let silence = messages.last().map_or(0.0, |last| last.silence(now));
         let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
         let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some()))
             .map(|fault| format!("the last robot description was refused, and the one before counts: {fault}"));
@@ -250,8 +245,8 @@ impl Monitor {
             status,
             placement,
             stale_world,
-            stamp: self.heard.as_ref().map(|heard| heard.stamp),
-            age: self.heard.as_ref().map(|heard| heard.age(now)),
+            stamp,
+            age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
             warnings: warnings.collect(),
         }
@@ -260,10 +255,10 @@ impl Monitor {
     /// A stale joint state that could not be judged when it was fresh has two faults.
     fn with_other_fault(&self, reason: Reason) -> Reason {
         match (reason, self.verdict.status.reason()) {
-            (Reason::Stale { age, stale_after, .. }, Some(other))
+            (Reason::Stale { joints, age, stale_after, .. }, Some(other))
                 if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) =>
             {
-                Reason::Stale { age, stale_after, also: Some(Box::new(other.clone())) }
+                Reason::Stale { joints, age, stale_after, also: Some(Box::new(other.clone())) }
             }
             (reason, _) => reason,
         }
@@ -314,42 +309,5 @@ fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &Mo
             open: open.len(),
             pair: [a, b].map(|body| checker.body_name(body).to_owned()),
         }),
-    }
-}
-
-impl Heard {
-    /// Age (s) by its stamp, or since it came when no ROS time is known.
-    fn age(&self, now: Now) -> f64 {
-        match now.ros {
-            Some(ros) => ros.seconds_since(self.stamp),
-            None => self.silence(now),
-        }
-    }
-
-    /// How long (s) ago it came.
-    fn silence(&self, now: Now) -> f64 {
-        now.steady.saturating_sub(self.at).as_secs_f64()
-    }
-
-    /// Whether it still says something about the robot.
-    fn freshness(&self, now: Now, settings: &MonitorSettings) -> Result<(), Reason> {
-        let stale_after = settings.stale_after;
-        let age = now.ros.ok_or(Reason::NoClock)?.seconds_since(self.stamp);
-        let older = age.max(self.silence(now));
-        if older > stale_after {
-            Err(Reason::Stale { age: older, stale_after, also: None })
-        } else if -age > stale_after {
-            Err(Reason::FutureStamp { ahead: -age })
-        } else {
-            Ok(())
-        }
-    }
-
-    /// How long it stays fresh, if it is.
-    fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
-        self.freshness(now, settings).ok()?;
-        let left = settings.stale_after - self.age(now).max(self.silence(now));
-        // a little later, so that it is stale then whatever way rounding goes
-        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
     }
 }

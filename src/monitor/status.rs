@@ -55,8 +55,10 @@ pub enum Reason {
     ClockJump {
         back: f64,
     },
-    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it.
+    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it. If that is so of
+    /// some joints only, they are named.
     Stale {
+        joints: Vec<String>,
         age: f64,
         stale_after: f64,
         also: Option<Box<Reason>>,
@@ -147,10 +149,14 @@ impl fmt::Display for Reason {
                 f,
                 "the clock was set back by {back:.3} s: what was heard before does not count, and no joint state has arrived since"
             ),
-            Self::Stale { age, stale_after, also } => {
+            Self::Stale { joints, age, stale_after, also } => {
+                let of_joints = match joints.as_slice() {
+                    [] => String::new(),
+                    joints => format!(" that names {}", quoted_list(joints)),
+                };
                 write!(
                     f,
-                    "the last joint state is {age:.3} s old, and stale_after is {stale_after} s: is the driver running?"
+                    "the last joint state{of_joints} is {age:.3} s old, and stale_after is {stale_after} s: is the driver running?"
                 )?;
                 match also {
                     Some(reason) => write!(f, " It was not usable either: {reason}"),

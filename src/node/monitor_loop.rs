@@ -157,7 +157,13 @@ impl MonitorLoop {
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
+                if Some(newer.1.publisher) == self.own_motion.source {
+                    continue;
+                }
                 self.report.activity.passed_over += 1;
+                // the newer one may be about other joints
+                let older = joint_state_input(message, origin.publisher);
+                self.monitor.hear(older, self.clock.read());
                 (message, origin) = newer;
             }
         }

@@ -158,6 +158,12 @@ def stale(s):
     cell.driver.pause()
 
 
+def stale_joint(s):
+    cell = s.start()
+    assert cell.judged(**ZERO).status == CollisionState.FREE
+    cell.driver.report(joint1=0.0)
+
+
 def clock_leap(s):
     s.simulated()
     s.until("stale", lambda: s.tick(200))
@@ -214,6 +220,13 @@ def outside_limits(s):
     s.until("limits", lambda: s.cell.driver.publish({"joint1": 4.0, "joint2": 0.0}))
 
 
+def mimic(s):
+    s.describe(two_link.description_with_follower(), "/mimic/robot_description")
+    cell = s.start(urdf=None, namespace="/mimic", parameters=AGELESS)
+    cell.has_model()
+    cell.driver.report(**ZERO, follower=0.5)
+
+
 def no_stamp(s):
     s.judging()
     s.until("no stamp", lambda: s.cell.driver.publish(ZERO, Time()))
@@ -235,16 +248,18 @@ SCENARIOS = {
     "the clock was set back by more than `stale_after`, and nothing came since": clock_jump,
     "`use_sim_time` is set and nothing arrives on `/clock`": no_clock,
     "the last joint state is older than `stale_after`": stale,
+    "the last joint state that names some joint is older than `stale_after`": stale_joint,
     "the clock leapt forward by more than `stale_after`": clock_leap,
     "the stamp lies more than `stale_after` in the future": future_stamp,
-    "the stamp is older than the last one of its publisher": out_of_order,
+    "the stamp is older than the last one of its publisher about these joints": out_of_order,
     "names and positions differ in number, or a joint comes twice": malformed,
     "a position is NaN or infinite": non_finite,
-    "a joint of the robot is missing": partial,
+    "a joint of the robot has never been named": partial,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
     "`check_deadline` passed before every pair was decided": deadline,
     "a joint comes that the robot has not": unknown_joint,
     "a joint is outside its limits": outside_limits,
+    "a joint is reported elsewhere than the joint it mimics takes it": mimic,
     "the joint state has no stamp": no_stamp,
     "the last robot description was refused, and the one before counts": refused_description,
 }
