@@ -16,6 +16,7 @@
 //! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
 //! | a joint has never been named | UNKNOWN | `partial` |
+//! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
 //! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
@@ -35,6 +36,7 @@ mod judgement;
 mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
+mod placement;
 pub mod scene;
 mod settings;
 mod status;

@@ -7,6 +7,8 @@ use std::time::Duration;
 use super::contribution::Contributions;
 use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
+use super::placement::Placements;
+use super::scene::TransformTree;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
@@ -33,6 +35,8 @@ pub struct Monitor {
     contributions: Contributions,
     /// By how much (s) the clock was set back since the last joint state, if it was.
     set_back: Option<f64>,
+    /// What `tf` tells about joints.
+    placements: Placements,
     verdict: Verdict,
     /// The model or a setting changed since the verdict.
     outdated: bool,
@@ -77,6 +81,7 @@ impl Monitor {
             hearing: Hearing::default(),
             contributions: Contributions::default(),
             set_back: None,
+            placements: Placements::default(),
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
             outdated: true,
             said_at: None,
@@ -92,6 +97,7 @@ impl Monitor {
             lookout: Lookout::new(&revision.checker),
             revision,
         });
+        self.placements = Placements::default();
         self.model_fault = None;
         self.swapping = false;
         self.outdated = true;
@@ -124,6 +130,16 @@ impl Monitor {
     pub fn set_settings(&mut self, settings: MonitorSettings) {
         self.settings = settings;
         self.outdated = true;
+    }
+
+    /// What `tf` tells now; judgements from now on use it.
+    pub fn note_transforms(&mut self, tree: &TransformTree) {
+        let Some(subject) = &self.subject else { return };
+        let placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
+        if placements != self.placements {
+            self.placements = placements;
+            self.outdated = true;
+        }
     }
 
     /// Takes note of a joint state that another one follows at once.
@@ -163,7 +179,10 @@ impl Monitor {
             let sources = subject.revision.sources.iter();
             let of_world = sources.filter_map(|source| source.time_to_stale(now));
             let of_robot = self.contributions.time_to_stale(now, &self.settings);
-            of_world.chain(of_robot).min()
+            let of_base = self.placements.time_to_stale(now, &self.settings);
+            // a little later, so that it is stale then whatever way rounding goes
+            let of_base = Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
+            of_world.chain(of_robot).chain(of_base).min()
         });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
@@ -200,14 +219,16 @@ impl Monitor {
             return Err(Reason::ModelSwap);
         }
         let messages = self.hearing.messages();
-        if messages.is_empty() {
+        let robot = subject.revision.checker.robot();
+        if messages.is_empty() && !self.placements.place_all(robot) {
             return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
-        let robot = subject.revision.checker.robot();
+        let placed = self.placements.read(robot, now, &self.settings);
         let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
-        let (reading, contributions) = subject.tracker.read(robot, messages, is_fresh);
+        let (reading, contributions) = subject.tracker.read(robot, messages, is_fresh, placed);
         self.contributions = contributions;
-        let reading = reading?;
+        let mut reading = reading?;
+        reading.warnings.extend_from_slice(&self.placements.warnings);
         // checking what is stale already would be wasted
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
         let verdict = subject.judge(reading, &self.settings, self.stopwatch);
@@ -221,11 +242,8 @@ impl Monitor {
         let subject = self.subject.as_ref();
         let messages = self.hearing.messages();
         let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
-        let heeded = subject.filter(|_| !unheeded && !messages.is_empty());
-        let stale = heeded.and_then(|subject| {
-            let names = subject.revision.checker.robot().position_names();
-            self.contributions.freshness(now, &self.settings, names).err()
-        });
+        let heeded = subject.filter(|_| !unheeded);
+        let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
         let stale_world = subject.and_then(|subject| subject.revision.stale_world(now));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
@@ -233,7 +251,7 @@ impl Monitor {
             (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
             (None, _) => self.verdict.status.clone(),
         };
-        let stamp = self.contributions.stamp().or(messages.last().map(|last| last.stamp));
+        let stamp = self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
         let silence = messages.last().map_or(0.0, |last| last.silence(now));
         let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
         let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some()))
@@ -250,6 +268,18 @@ impl Monitor {
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
             warnings: warnings.collect(),
         }
+    }
+
+    /// Whether what is known about the robot's joints still holds.
+    fn freshness(&self, subject: &Subject, now: Now) -> Result<(), Reason> {
+        let robot = subject.revision.checker.robot();
+        if !self.hearing.messages().is_empty() {
+            self.contributions.freshness(now, &self.settings, robot.position_names())?;
+        }
+        if self.verdict.evidence.is_some() {
+            self.placements.read(robot, now, &self.settings)?;
+        }
+        Ok(())
     }
 
     /// A stale joint state that could not be judged when it was fresh has two faults.

@@ -13,6 +13,10 @@ pub struct MonitorSettings {
     pub stale_after: f64,
     /// Time (s) that one answer may take; 0: as long as it takes.
     pub check_deadline: f64,
+    /// Planar and floating joints whose positions `tf` tells, instead of joint states.
+    pub transform_joints: Vec<String>,
+    /// Age (s) beyond which a transform says nothing about them any more.
+    pub transform_ttl: f64,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
@@ -29,6 +33,8 @@ impl Default for MonitorSettings {
             heartbeat_rate: 10.0,
             stale_after: 0.5,
             check_deadline: 0.0,
+            transform_joints: Vec::new(),
+            transform_ttl: 1.0,
             influence_distance: 0.1,
             distance_limit: 1.0,
             look_ahead_horizon: 0.0,

@@ -79,6 +79,12 @@ pub enum Reason {
     Partial {
         missing: Vec<String>,
     },
+    /// `tf` does not tell where `joint` is, between the frames of its links.
+    NoTransform {
+        joint: String,
+        frames: [String; 2],
+        why: String,
+    },
     /// What `source` saw is `age` seconds old, or it never saw anything.
     StaleWorld {
         source: String,
@@ -110,6 +116,7 @@ impl Reason {
             Self::Malformed(_) => "malformed",
             Self::NonFinite { .. } => "non_finite",
             Self::Partial { .. } => "partial",
+            Self::NoTransform { .. } => "no_transform",
             Self::StaleWorld { .. } => "stale_world",
             Self::Deadline { .. } => "deadline",
         }
@@ -122,7 +129,7 @@ impl Reason {
 
     /// Whether the joint state itself may be right, and only the clock is against it.
     pub(super) fn is_about_time(&self) -> bool {
-        matches!(self, Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. })
+        matches!(self, Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. } | Self::NoTransform { .. })
     }
 }
 
@@ -178,6 +185,10 @@ impl fmt::Display for Reason {
             Self::Partial { missing } => {
                 write!(f, "the joint state has no position of {}", quoted_list(missing))
             }
+            Self::NoTransform { joint, frames: [parent, child], why } => write!(
+                f,
+                "tf does not tell where joint '{joint}' is, by the transform from '{parent}' to '{child}': {why}"
+            ),
             Self::StaleWorld { source, age: None, .. } => {
                 write!(f, "nothing has come from {} yet that can be used: is the sensor running?", quoted(source))
             }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
+use super::placement::Placed;
 use super::status::{quoted, quoted_list};
 use super::{JointStateInput, Reason, Time};
 use crate::constants::LARGEST_COORDINATE;
@@ -29,6 +30,9 @@ enum Slot {
     /// A joint without a position under this name.
     Nothing,
 }
+
+/// In the place of a message: what is named by none.
+const BY_TF: usize = usize::MAX;
 
 /// Reads joint states for one robot.
 #[derive(Clone, Debug)]
@@ -67,19 +71,22 @@ impl Tracker {
         Self { slots, limits }
     }
 
-    /// Merges messages, in the order in which they came: of each joint, the last one that names it counts. Also tells which those are.
+    /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
+    /// Also tells which those are.
     pub fn read(
         &self,
         robot: &RobotModel,
         heard: &[Heard],
         is_fresh: impl Fn(&Heard) -> bool,
+        placed: Result<Vec<Placed>, Reason>,
     ) -> (Result<Reading, Reason>, Contributions) {
         let mut merge = Merge::new(self);
+        let unplaced = placed.map(|placed| merge.place(&placed)).err();
         for (message, heard) in heard.iter().enumerate().rev() {
             merge.take(message, heard, is_fresh(heard));
         }
         let contributions = std::mem::take(&mut merge.contributions);
-        (merge.finish(robot), contributions)
+        (merge.finish(robot, unplaced), contributions)
     }
 
     fn limit_warnings(&self, robot: &RobotModel, configuration: &Configuration) -> Vec<String> {
@@ -127,6 +134,16 @@ impl<'t> Merge<'t> {
         }
     }
 
+    /// Takes the positions that `tf` tells; what joint states say about them counts for nothing.
+    fn place(&mut self, placed: &[Placed]) {
+        for (first, positions) in placed {
+            for (index, &position) in positions.iter().enumerate().map(|(i, p)| (first + i, p)) {
+                self.named_by[index] = Some(BY_TF);
+                self.positions[index] = position;
+            }
+        }
+    }
+
     fn take(&mut self, message: usize, heard: &Heard, is_fresh: bool) {
         let JointStateInput { names, positions, velocities, stamp, .. } = &heard.input;
         let is_whole = names.len() == positions.len();
@@ -157,9 +174,10 @@ impl<'t> Merge<'t> {
                     }
                 },
                 Some(&Slot::Follows(joint)) if is_whole => followers.push((joint, positions[i])),
-                Some(_) => {}
-                None if strangers.len() < MOST_STRANGERS => strangers.push(name.chars().take(LONGEST_NAME).collect()),
-                None => {}
+                None if strangers.len() < MOST_STRANGERS => {
+                    strangers.push(name.chars().take(LONGEST_NAME).collect());
+                }
+                Some(_) | None => {}
             }
         }
         let counts = !mine.is_empty() || (is_fresh && !is_superseded);
@@ -186,8 +204,8 @@ impl<'t> Merge<'t> {
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
 
-    fn finish(mut self, robot: &RobotModel) -> Result<Reading, Reason> {
-        if let Some(fault) = self.fault {
+    fn finish(mut self, robot: &RobotModel, unplaced: Option<Reason>) -> Result<Reading, Reason> {
+        if let Some(fault) = self.fault.or(unplaced) {
             return Err(fault);
         }
         let names = robot.position_names().iter().zip(&self.named_by);

@@ -14,7 +14,9 @@ use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
+use crate::monitor::scene::TransformTree;
 use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
@@ -50,6 +52,7 @@ pub struct MonitorLoop {
     pub parameters: Parameters,
     pub clock: Arc<RosClock>,
     pub joint_states: Subscription<JointState>,
+    pub transforms: Transforms,
     pub own_motion: OwnMotion,
     pub events: Receiver<Event>,
     pub publishers: Publishers,
@@ -91,10 +94,7 @@ impl MonitorLoop {
                 Wake::Event(Event::Stop) => return,
                 Wake::Event(event) => self.heed(event),
                 Wake::JointState(message, origin) => self.judge(message, origin),
-                Wake::Heartbeat => {
-                    let judgement = self.monitor.on_heartbeat(self.clock.read());
-                    self.say(&judgement);
-                }
+                Wake::Heartbeat => self.beat(),
             }
         }
     }
@@ -133,8 +133,7 @@ impl MonitorLoop {
             Event::ModelSwap => self.monitor.note_model_swap(),
             Event::Enabled(enabled, heeded) => {
                 self.monitor.set_enabled(enabled);
-                let judgement = self.monitor.on_heartbeat(self.clock.read());
-                self.say(&judgement);
+                self.beat();
                 // who no longer waits need not be told
                 let _ = heeded.try_send(());
             }
@@ -154,6 +153,20 @@ impl MonitorLoop {
         }
     }
 
+    fn beat(&mut self) {
+        self.look_at_transforms();
+        let judgement = self.monitor.on_heartbeat(self.clock.read());
+        self.say(&judgement);
+    }
+
+    fn look_at_transforms(&mut self) {
+        if self.parameters.transform_joints.is_empty() {
+            self.monitor.note_transforms(&TransformTree::default());
+        } else {
+            self.monitor.note_transforms(&self.transforms.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
@@ -167,6 +180,7 @@ impl MonitorLoop {
                 (message, origin) = newer;
             }
         }
+        self.look_at_transforms();
         let input = joint_state_input(message, origin.publisher);
         let judgement = self.monitor.on_joint_state(input, self.clock.read());
         self.report.activity.note_judged(&judgement);

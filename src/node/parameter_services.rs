@@ -245,7 +245,7 @@ fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
-        Range::Bool | Range::Word(_) | Range::Texts | Range::Point => Vec::new(),
+        Range::Bool | Range::Word(_) | Range::Names(_) | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
@@ -261,7 +261,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
-            Range::Bool | Range::Double { .. } | Range::Texts => String::new(),
+            Range::Bool | Range::Double { .. } | Range::Names(_) => String::new(),
         },
         floating_point_range: ranges,
         ..blank_descriptor()

@@ -30,6 +30,7 @@ pub struct Parameters {
     pub octomap_ttl: f64,
     pub unknown_space: &'static str,
     pub transform_ttl: f64,
+    pub transform_joints: Vec<String>,
     pub use_sim_time: bool,
 }
 
@@ -61,7 +62,8 @@ impl Default for Parameters {
             cloud_crop_max: Vec::new(),
             octomap_ttl: 0.0,
             unknown_space: UNKNOWN_SPACES[0],
-            transform_ttl: 1.0,
+            transform_ttl: monitor.transform_ttl,
+            transform_joints: monitor.transform_joints,
             use_sim_time: false,
         }
     }
@@ -74,6 +76,8 @@ impl Parameters {
             heartbeat_rate: self.heartbeat_rate,
             stale_after: self.stale_after,
             check_deadline: self.check_deadline,
+            transform_joints: self.transform_joints.clone(),
+            transform_ttl: self.transform_ttl,
             influence_distance: self.influence_distance,
             distance_limit: self.distance_limit,
             look_ahead_horizon: self.look_ahead_horizon,
@@ -129,7 +133,8 @@ pub enum Range {
     },
     /// One of these words.
     Word(&'static [&'static str]),
-    Texts,
+    /// A list of names, of what is said here.
+    Names(&'static str),
     /// A point, or nothing.
     Point,
 }
@@ -340,7 +345,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Age of a point cloud beyond which it says nothing about the world any more.",
         ),
         Declaration {
-            range: Range::Texts,
+            range: Range::Names("topics"),
             access: Access::Texts(|p| &mut p.point_cloud_topics),
             ..described("point_cloud_topics", "", "Topics of point clouds that have to be avoided.")
         },
@@ -373,6 +378,15 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
                 "stale_source_policy",
                 "",
                 "What becomes of a cloud or octomap that has grown too old.",
+            )
+        },
+        Declaration {
+            range: Range::Names("joints"),
+            access: Access::Texts(|p| &mut p.transform_joints),
+            ..described(
+                "transform_joints",
+                "",
+                "Planar and floating joints whose positions tf tells, instead of joint states.",
             )
         },
         double(
@@ -436,8 +450,10 @@ mod tests {
     /// Parameters of which every one differs from its default where a list can.
     fn declaration_test_start(name: &str) -> Parameters {
         let mut parameters = Parameters::default();
-        if name == "point_cloud_topics" {
-            parameters.point_cloud_topics = vec!["/clouds".to_owned()];
+        match name {
+            "point_cloud_topics" => parameters.point_cloud_topics = vec!["/clouds".to_owned()],
+            "transform_joints" => parameters.transform_joints = vec!["base".to_owned()],
+            _ => {}
         }
         parameters
     }
@@ -456,7 +472,7 @@ mod tests {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
-                Range::Texts => " A list of topics.".to_owned(),
+                Range::Names(what) => format!(" A list of {what}."),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),
             };
             let comment = comment_above(name);

@@ -134,6 +134,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         parameters,
         clock: Arc::clone(&clock),
         joint_states: middleware.subscription(&joint_states, JOINT_STATE, Quality::BestEffort)?,
+        transforms: Arc::clone(&shared.transforms),
         own_motion: OwnMotion {
             source: motion.as_ref().map(|(_, publisher)| publisher.source()),
             joint_states: own_states_in,

@@ -201,6 +201,11 @@ def partial(s):
     s.until("partial", lambda: cell.driver.publish({"joint1": 0.0}))
 
 
+def no_transform(s):
+    cell = s.start(urdf="tests/rclpy/rover.urdf", parameters=AGELESS | {"transform_joints": ["drive"]})
+    cell.driver.report(lift=0.0)
+
+
 def stale_world(s):
     cell = s.start(parameters=AGELESS | {"point_cloud_topics": ["points"]})
     cell.driver.report(**ZERO)
@@ -255,6 +260,7 @@ SCENARIOS = {
     "names and positions differ in number, or a joint comes twice": malformed,
     "a position is NaN or infinite": non_finite,
     "a joint of the robot has never been named": partial,
+    "tf does not tell where a joint of `transform_joints` is, or its transform is older than `transform_ttl`": no_transform,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
     "`check_deadline` passed before every pair was decided": deadline,
     "a joint comes that the robot has not": unknown_joint,
