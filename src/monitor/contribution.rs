@@ -25,6 +25,11 @@ impl Contributions {
         self.0.iter().map(|c| c.stamp).min()
     }
 
+    /// Stamp of the newest.
+    pub fn newest_stamp(&self) -> Option<Time> {
+        self.0.iter().map(|c| c.stamp).max()
+    }
+
     /// Whether all still say something about the robot; `names` are those of its positions.
     pub fn freshness(&self, now: Now, settings: &MonitorSettings, names: &[String]) -> Result<(), Reason> {
         let stale_after = settings.stale_after;

@@ -46,7 +46,8 @@ impl Hearing {
             (Time::ZERO, Some(now)) => now,
             (stamp, _) => stamp,
         };
-        let before = self.0.iter().position(|h| h.input.source == input.source && h.input.names == input.names);
+        let before =
+            self.0.iter().position(|h| h.input.source == input.source && h.input.names == input.names);
         let judged = before.and_then(|place| self.0.remove(place).judged);
         let newest = judged.filter(|_| input.stamp != Time::ZERO);
         let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);

@@ -25,9 +25,11 @@
 //! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
 //! Unknown joints, joints outside their limits, following joints that are reported elsewhere and stamps of zero do not prevent a
 //! judgement; they are warnings.
+//! Each judgement also says which share of its speed the robot may have: none unless it is FREE.
 //! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
 //! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
 
+mod approach;
 pub mod cloud;
 mod contribution;
 mod hearing;
@@ -39,6 +41,7 @@ mod monitor;
 mod placement;
 pub mod scene;
 mod settings;
+mod speed;
 mod status;
 mod time;
 mod tracker;
@@ -51,6 +54,7 @@ pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Judgement, Revision};
 pub use monitor::{Monitor, Stopwatch};
 pub use settings::MonitorSettings;
+pub use speed::{SpeedDistances, SpeedSettings};
 #[cfg(feature = "ros")]
 pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};

@@ -9,6 +9,7 @@ use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
 use super::placement::Placements;
 use super::scene::TransformTree;
+use super::speed::SpeedGovernor;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
@@ -38,6 +39,7 @@ pub struct Monitor {
     /// What `tf` tells about joints.
     placements: Placements,
     verdict: Verdict,
+    governor: SpeedGovernor,
     /// The model or a setting changed since the verdict.
     outdated: bool,
     said_at: Option<Duration>,
@@ -83,6 +85,7 @@ impl Monitor {
             set_back: None,
             placements: Placements::default(),
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
+            governor: SpeedGovernor::default(),
             outdated: true,
             said_at: None,
             latest_ros_time: None,
@@ -91,13 +94,17 @@ impl Monitor {
 
     /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
+        let robot = |subject: &Subject| Arc::clone(subject.revision.checker.robot());
+        if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
+            self.governor.forget_poses();
+            self.placements = Placements::default();
+        }
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
             lookout: Lookout::new(&revision.checker),
             revision,
         });
-        self.placements = Placements::default();
         self.model_fault = None;
         self.swapping = false;
         self.outdated = true;
@@ -181,7 +188,8 @@ impl Monitor {
             let of_robot = self.contributions.time_to_stale(now, &self.settings);
             let of_base = self.placements.time_to_stale(now, &self.settings);
             // a little later, so that it is stale then whatever way rounding goes
-            let of_base = Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
+            let of_base =
+                Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
             of_world.chain(of_robot).chain(of_base).min()
         });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
@@ -206,6 +214,14 @@ impl Monitor {
     fn judge(&mut self, now: Now) {
         self.outdated = false;
         self.verdict = self.decide(now).unwrap_or_else(Verdict::unknown);
+        match &self.subject {
+            Some(Subject { revision, .. }) => {
+                let judged = (&self.verdict.status, self.verdict.evidence.as_ref());
+                let stamp = self.contributions.newest_stamp();
+                self.governor.heed(&revision.checker, judged, stamp, &self.settings.speed);
+            }
+            None => self.governor.stop(),
+        }
     }
 
     fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
@@ -251,11 +267,16 @@ impl Monitor {
             (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
             (None, _) => self.verdict.status.clone(),
         };
-        let stamp = self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
+        if status != Status::Free {
+            self.governor.stop();
+        }
+        let stamp =
+            self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
         let silence = messages.last().map_or(0.0, |last| last.silence(now));
         let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
-        let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some()))
-            .map(|fault| format!("the last robot description was refused, and the one before counts: {fault}"));
+        let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some())).map(|fault| {
+            format!("the last robot description was refused, and the one before counts: {fault}")
+        });
         let of_world = of_revision.chain(&self.world_faults);
         let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
         Judgement {
@@ -263,6 +284,7 @@ impl Monitor {
             status,
             placement,
             stale_world,
+            speed_scale: self.governor.share(),
             stamp,
             age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
@@ -302,7 +324,7 @@ impl Subject {
         let checker = &self.revision.checker;
         let started = stopwatch();
         let survey = Question::Survey {
-            influence_distance: settings.influence_distance,
+            influence_distance: settings.influence_distance.max(settings.speed.reach()),
             limit: settings.distance_limit,
         };
         let effort = settings.effort();
@@ -321,7 +343,8 @@ impl Subject {
         let status = status_of(&report, checker, settings);
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let evidence = Some(Arc::new(Evidence { report, configuration, poses, look_ahead, compute_time }));
+        let evidence =
+            Some(Arc::new(Evidence { report, configuration, poses, look_ahead, velocities, compute_time }));
         Verdict { status, evidence, warnings }
     }
 }

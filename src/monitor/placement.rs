@@ -32,7 +32,8 @@ impl Placements {
     pub fn look_up(robot: &RobotModel, settings: &MonitorSettings, tree: &TransformTree) -> Self {
         let mut all = Self::default();
         for name in &settings.transform_joints {
-            let joint = robot.joint_by_name(name).filter(|&id| robot.joint(id).kind.position_suffixes().len() > 1);
+            let joint =
+                robot.joint_by_name(name).filter(|&id| robot.joint(id).kind.position_suffixes().len() > 1);
             let Some(joint) = joint.filter(|&id| robot.first_position(id).is_some()) else {
                 all.warnings.push(format!(
                     "transform_joints names '{name}', but the robot has no planar or floating joint of this name"
@@ -59,13 +60,19 @@ impl Placements {
     }
 
     /// Where the joints are, or why that is not known of one.
-    pub fn read(&self, robot: &RobotModel, now: Now, settings: &MonitorSettings) -> Result<Vec<Placed>, Reason> {
+    pub fn read(
+        &self,
+        robot: &RobotModel,
+        now: Now,
+        settings: &MonitorSettings,
+    ) -> Result<Vec<Placed>, Reason> {
         self.placements.iter().map(|placement| placement.read(robot, now, settings)).collect()
     }
 
     /// How long (s) the oldest transform still counts; infinite where none grows old.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
-        let age = now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
+        let age =
+            now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
         settings.transform_ttl - age
     }
 }
@@ -79,7 +86,8 @@ impl Placement {
             frames: [parent.to_owned(), child.to_owned()],
             why,
         };
-        let (pose_pc, stamp) = self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
+        let (pose_pc, stamp) =
+            self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
         let ros = now.ros.ok_or(Reason::NoClock)?;
         let age = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
         let ttl = settings.transform_ttl;
@@ -91,8 +99,9 @@ impl Placement {
         }
         let placed = joint.kind.positions_at(&(joint.pose_pj.inverse() * pose_pc));
         let first = robot.first_position(self.joint);
-        let ((positions, apart), first) =
-            placed.zip(first).ok_or_else(|| unknown("the joint is neither planar nor floating".to_owned()))?;
+        let ((positions, apart), first) = placed
+            .zip(first)
+            .ok_or_else(|| unknown("the joint is neither planar nor floating".to_owned()))?;
         if apart > PLANE_SLACK {
             return Err(unknown(format!("it leaves the joint's plane by {apart:.4} (m, rad)")));
         }

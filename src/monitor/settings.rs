@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::SpeedSettings;
 use crate::query::Effort;
 
 /// Choices that may change at any time.
@@ -21,6 +22,8 @@ pub struct MonitorSettings {
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
     pub distance_limit: f64,
+    /// When the robot is to be slower.
+    pub speed: SpeedSettings,
     /// How far ahead (s) it is looked for contacts; 0: not at all.
     pub look_ahead_horizon: f64,
     /// What joints without an acceleration limit of their own are thought to be capable of (rad/s², m/s²).
@@ -37,6 +40,7 @@ impl Default for MonitorSettings {
             transform_ttl: 1.0,
             influence_distance: 0.1,
             distance_limit: 1.0,
+            speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,
         }

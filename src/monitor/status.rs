@@ -129,7 +129,10 @@ impl Reason {
 
     /// Whether the joint state itself may be right, and only the clock is against it.
     pub(super) fn is_about_time(&self) -> bool {
-        matches!(self, Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. } | Self::NoTransform { .. })
+        matches!(
+            self,
+            Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. } | Self::NoTransform { .. }
+        )
     }
 }
 

@@ -314,7 +314,10 @@ fn what_is_only_heard_is_judged_with_the_next() {
 #[test]
 fn velocities_of_several_publishers_are_those_of_one_robot() {
     let mut monitor = lookout();
-    let with = |from, name, velocity| JointStateInput { velocities: vec![velocity], ..part(from, 0.0, &[(name, 0.0)]) };
+    let with = |from, name, velocity| JointStateInput {
+        velocities: vec![velocity],
+        ..part(from, 0.0, &[(name, 0.0)])
+    };
     monitor.hear(with(1, "shoulder", 0.0), at(0.0));
     assert_eq!(monitor.on_joint_state(with(2, "elbow", 0.0), at(0.0)).time_to_contact(), 0.5);
     assert_eq!(monitor.on_joint_state(with(2, "elbow", f64::NAN), at(0.0)).time_to_contact(), 0.0);
@@ -358,7 +361,8 @@ fn tree(seconds: f64, pose: crate::math::Pose) -> TransformTree {
     let mut tree = TransformTree::default();
     let fixed = Transform { parent: "odom".to_owned(), pose_pf: crate::math::Pose::identity(), stamp: None };
     assert!(tree.note("between", fixed));
-    let moving = Transform { parent: "between".to_owned(), pose_pf: pose, stamp: Some(time(START + seconds)) };
+    let moving =
+        Transform { parent: "between".to_owned(), pose_pf: pose, stamp: Some(time(START + seconds)) };
     assert!(tree.note("base", moving));
     tree
 }
@@ -408,7 +412,11 @@ fn a_transform_that_is_old_or_leaves_the_plane_places_nothing() {
     let lift = |seconds| input(seconds, &[("lift", 0.5), ("drive/x", f64::NAN)]);
     let mut monitor = rover("planar");
     monitor.note_transforms(&tree(0.0, pose([3.0, 0.0, 0.0], [0.0; 3])));
-    assert_eq!(code(&monitor.on_joint_state(lift(0.0), at(0.0))), "FREE", "joint states say nothing about it");
+    assert_eq!(
+        code(&monitor.on_joint_state(lift(0.0), at(0.0))),
+        "FREE",
+        "joint states say nothing about it"
+    );
     assert_eq!(code(&monitor.on_joint_state(lift(1.0), at(1.0))), "FREE");
     let due = monitor.time_to_heartbeat(at(1.0));
     assert!(due < Duration::from_millis(2), "{due:?}");
@@ -440,6 +448,90 @@ fn a_wish_for_transforms_that_cannot_be_fulfilled_is_told() {
     assert_eq!(code(&judgement), "FREE");
     assert_eq!(judgement.warnings.len(), 2);
     assert!(judgement.warnings[0].contains("'lift'") && judgement.warnings[1].contains("'wing'"));
+}
+
+const SPEED: SpeedSettings = SpeedSettings {
+    own: SpeedDistances { slowdown: 0.5, stop: 0.1 },
+    world: SpeedDistances { slowdown: 0.0, stop: 0.0 },
+    reaction_time: 0.1,
+    trigger_count: 1,
+    release_count: 1,
+};
+
+/// A monitor that slows down; stale after half a second.
+fn governed(speed: SpeedSettings) -> Monitor {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings { speed, ..MonitorSettings::default() });
+    monitor
+}
+
+/// The distance with this elbow.
+fn distance_at(elbow: f64) -> f64 {
+    governed(SPEED).on_joint_state(state(0.0, [0.0, elbow]), at(0.0)).distance()
+}
+
+#[test]
+fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
+    let (near, distance) = ([0.0, 2.6], distance_at(2.6));
+    assert!((0.1..0.5).contains(&distance), "{distance}");
+    let share = |velocities: &[f64]| {
+        governed(SPEED).on_joint_state(moving(0.0, near, velocities), at(0.0)).speed_scale
+    };
+    let at_rest = (distance - 0.1) / 0.4;
+    assert!((share(&[0.0, 0.0]) - at_rest).abs() < 1e-9);
+    assert_eq!(share(&[]), share(&[0.0, 0.0]), "where nothing is known of velocities, the distance counts");
+    // the shoulder carries both along
+    assert!(share(&[1.0, 0.0]) < 1.0);
+    assert!(share(&[0.0, 0.3]) < at_rest);
+    assert_eq!(share(&[0.0, 3.0]), 0.0);
+    assert_eq!(share(&[0.0, -0.3]), 1.0);
+    assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
+}
+
+#[test]
+fn without_velocities_the_last_state_tells_the_way() {
+    let mut monitor = governed(SPEED);
+    let speeds: Vec<f64> = [(0.0, 2.6), (0.1, 2.61), (0.2, 2.6), (0.3, 2.6)]
+        .map(|(t, elbow)| monitor.on_joint_state(state(t, [0.0, elbow]), at(t)).speed_scale)
+        .into();
+    let [resting, folding, opening, held] = speeds[..] else { panic!() };
+    let by_velocity = |elbow, velocity| {
+        governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0)).speed_scale
+    };
+    assert_eq!((resting, opening, held), (by_velocity(2.6, 0.0), 1.0, resting));
+    assert!((folding - by_velocity(2.61, 0.1)).abs() < 1e-3, "{folding}");
+}
+
+#[test]
+fn what_is_not_free_has_no_speed() {
+    let mut monitor = governed(SpeedSettings { release_count: 2, ..SpeedSettings::default() });
+    let mut speed = |input, seconds| monitor.on_joint_state(input, at(seconds)).speed_scale;
+    assert_eq!([speed(state(0.0, FREE), 0.0), speed(state(0.1, FREE), 0.1)], [0.0, 1.0]);
+    assert_eq!(speed(state(0.2, COLLIDING), 0.2), 0.0);
+    assert_eq!([speed(state(0.3, FREE), 0.3), speed(state(0.4, FREE), 0.4)], [0.0, 1.0]);
+    assert_eq!(speed(state(0.5, [0.0, f64::NAN]), 0.5), 0.0);
+    assert_eq!([speed(state(0.6, FREE), 0.6), speed(state(0.7, FREE), 0.7)], [0.0, 1.0]);
+    // a heartbeat is no state; what grows stale stops
+    assert_eq!(monitor.on_heartbeat(at(1.0)).speed_scale, 1.0);
+    assert_eq!(monitor.on_heartbeat(at(1.3)).speed_scale, 0.0);
+    assert_eq!(monitor.on_joint_state(state(1.4, FREE), at(1.4)).speed_scale, 0.0);
+    // a change of the world is none of the states in a row either way
+    monitor.on_joint_state(state(1.5, FREE), at(1.5));
+    monitor.set_checker(revision(2));
+    assert_eq!(monitor.on_joint_state(state(1.6, FREE), at(1.6)).speed_scale, 1.0);
+}
+
+proptest! {
+    #[test]
+    fn the_speed_is_that_of_the_change_of_the_distance(elbow in 2.4..2.8f64, velocity in -2.0..2.0f64) {
+        const STEP: f64 = 1e-4;
+        let distance = distance_at(elbow);
+        let rate = (distance_at(elbow - STEP * velocity) - distance_at(elbow + STEP * velocity)) / (2.0 * STEP);
+        prop_assume!(rate.abs() > 0.01 && distance > 0.0 && distance < 0.5);
+        let judgement = governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0));
+        let expected = if rate < 0.0 { 1.0 } else { ((distance - 0.1 * rate - 0.1) / 0.4).clamp(0.0, 1.0) };
+        prop_assert!((judgement.speed_scale - expected).abs() < 1e-3, "{} but {expected}", judgement.speed_scale);
+    }
 }
 
 #[test]
@@ -503,11 +595,18 @@ fn nothing_is_known_until_another_model_is_there_or_refused() {
 #[test]
 fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
     let mut monitor = monitor();
-    monitor.set_settings(MonitorSettings { check_deadline: 1e-9, distance_limit: 5.0, ..settings_of_lookout() });
+    monitor.set_settings(MonitorSettings {
+        check_deadline: 1e-9,
+        distance_limit: 5.0,
+        ..settings_of_lookout()
+    });
     let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
     assert_eq!(code(&judgement), "deadline");
     let reason = judgement.status.reason().unwrap().to_string();
-    assert!(reason.contains("1 pairs were decided") && reason.contains("'base'") && reason.contains("'ball'"), "{reason}");
+    assert!(
+        reason.contains("1 pairs were decided") && reason.contains("'base'") && reason.contains("'ball'"),
+        "{reason}"
+    );
     assert!(judgement.evidence.is_none() && judgement.distance().is_nan() && judgement.placement.is_some());
     assert_eq!(judgement.time_to_contact(), 0.0);
     assert!(judgement.warnings[0].contains("check_deadline"), "{:?}", judgement.warnings);
@@ -704,7 +803,9 @@ fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
     let Some(ros) = now.ros else { return false };
     ["shoulder", "elbow"].into_iter().all(|name| {
         let names = |input: &JointStateInput| input.names.iter().filter(|n| *n == name).count();
-        let Some((input, came)) = heard.iter().rev().find(|(input, _)| names(input) > 0) else { return false };
+        let Some((input, came)) = heard.iter().rev().find(|(input, _)| names(input) > 0) else {
+            return false;
+        };
         let place = input.names.iter().position(|n| n == name).unwrap();
         let fresh = match input.stamp {
             Time::ZERO => true,
@@ -740,6 +841,7 @@ proptest! {
             };
             let _ = monitor.time_to_heartbeat(now);
             prop_assert!((0.0..=0.5).contains(&judgement.time_to_contact()));
+            prop_assert!(judgement.speed_scale == 0.0 || judgement.status.is_free());
             let allowed = may_be_free(&heard, now);
             prop_assert!(!judgement.status.is_free() || allowed, "{:?}", judgement.status);
             prop_assert_eq!(

@@ -191,7 +191,8 @@ impl<'t> Merge<'t> {
         }
         if mine.is_empty() {
             if !is_whole && let Some(Reason::Malformed(what)) = fault {
-                self.warnings.push(format!("a joint state about none of the robot's joints is malformed: {what}"));
+                self.warnings
+                    .push(format!("a joint state about none of the robot's joints is malformed: {what}"));
             }
             return;
         }
@@ -209,12 +210,13 @@ impl<'t> Merge<'t> {
             return Err(fault);
         }
         let names = robot.position_names().iter().zip(&self.named_by);
-        let missing: Vec<String> = names.filter(|(_, by)| by.is_none()).map(|(name, _)| name.clone()).collect();
+        let missing: Vec<String> =
+            names.filter(|(_, by)| by.is_none()).map(|(name, _)| name.clone()).collect();
         if !missing.is_empty() {
             return Err(Reason::Partial { missing });
         }
-        let configuration = (robot.configuration(&self.positions))
-            .map_err(|error| Reason::Malformed(error.to_string()))?;
+        let configuration =
+            (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
         self.warnings.extend(self.tracker.limit_warnings(robot, &configuration));
         if !self.strangers.is_empty() {
             self.strangers.sort_unstable();

@@ -145,6 +145,7 @@ fn values(
     tell("mean compute time (ms)", milliseconds(mean));
     tell("longest compute time (ms)", milliseconds(activity.longest_compute_time));
     tell("joint states passed over", activity.passed_over.to_string());
+    tell("speed scale", format!("{:.3}", judgement.speed_scale));
     tell("messages dropped", activity.dropped.to_string());
     for warning in judgement.warnings.iter() {
         tell("warning", warning.clone());

@@ -130,7 +130,9 @@ impl Loader {
                 change = change.max(self.note(order));
             }
             change = change.max(self.look_at_the_world());
-            if change == Change::Robot && self.description.is_some() && events.send_blocking(Event::ModelSwap).is_err()
+            if change == Change::Robot
+                && self.description.is_some()
+                && events.send_blocking(Event::ModelSwap).is_err()
             {
                 return;
             }

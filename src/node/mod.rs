@@ -3,7 +3,7 @@
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
 //! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics,
-//! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact
+//! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact, ~/speed_scale
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::parameter_value::Value;
-use crate::monitor::MonitorSettings;
+use crate::monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
 
 /// All parameters in force. One value of this is one consistent choice: it changes as a whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,13 @@ pub struct Parameters {
     pub check_deadline: f64,
     pub influence_distance: f64,
     pub distance_limit: f64,
+    pub slowdown_distance_self: f64,
+    pub slowdown_distance_world: f64,
+    pub stop_distance_self: f64,
+    pub stop_distance_world: f64,
+    pub slowdown_reaction_time: f64,
+    pub slowdown_trigger_count: u32,
+    pub slowdown_release_count: u32,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
     pub padding: f64,
@@ -46,6 +53,13 @@ impl Default for Parameters {
             check_deadline: monitor.check_deadline,
             influence_distance: monitor.influence_distance,
             distance_limit: monitor.distance_limit,
+            slowdown_distance_self: monitor.speed.own.slowdown,
+            slowdown_distance_world: monitor.speed.world.slowdown,
+            stop_distance_self: monitor.speed.own.stop,
+            stop_distance_world: monitor.speed.world.stop,
+            slowdown_reaction_time: monitor.speed.reaction_time,
+            slowdown_trigger_count: monitor.speed.trigger_count,
+            slowdown_release_count: monitor.speed.release_count,
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
             padding: 0.0,
@@ -80,8 +94,19 @@ impl Parameters {
             transform_ttl: self.transform_ttl,
             influence_distance: self.influence_distance,
             distance_limit: self.distance_limit,
+            speed: self.speed_settings(),
             look_ahead_horizon: self.look_ahead_horizon,
             look_ahead_acceleration: self.look_ahead_acceleration,
+        }
+    }
+
+    fn speed_settings(&self) -> SpeedSettings {
+        SpeedSettings {
+            own: SpeedDistances { slowdown: self.slowdown_distance_self, stop: self.stop_distance_self },
+            world: SpeedDistances { slowdown: self.slowdown_distance_world, stop: self.stop_distance_world },
+            reaction_time: self.slowdown_reaction_time,
+            trigger_count: self.slowdown_trigger_count,
+            release_count: self.slowdown_release_count,
         }
     }
 
@@ -131,6 +156,10 @@ pub enum Range {
         from: f64,
         to: f64,
     },
+    Integer {
+        from: u32,
+        to: u32,
+    },
     /// One of these words.
     Word(&'static [&'static str]),
     /// A list of names, of what is said here.
@@ -144,6 +173,7 @@ pub enum Range {
 enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
     Double(fn(&mut Parameters) -> &mut f64),
+    Integer(fn(&mut Parameters) -> &mut u32),
     Word(fn(&mut Parameters) -> &mut &'static str),
     Texts(fn(&mut Parameters) -> &mut Vec<String>),
     Point(fn(&mut Parameters) -> &mut Vec<f64>),
@@ -162,6 +192,7 @@ impl Declaration {
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
             Access::Double(field) => Value::Double(*field(&mut parameters)),
+            Access::Integer(field) => Value::Integer(i64::from(*field(&mut parameters))),
             Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
             Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
             Access::Point(field) => Value::Doubles(field(&mut parameters).clone()),
@@ -196,11 +227,23 @@ impl Declaration {
                 }
                 *field(parameters) = number;
             }
+            (Access::Integer(field), _) => *field(parameters) = self.integer(value)?,
             (Access::Word(field), _) => *field(parameters) = self.word(value)?,
             (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
             (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
         Ok(())
+    }
+
+    fn integer(&self, value: &Value) -> Result<u32, String> {
+        let Range::Integer { from, to } = self.range else {
+            return Err(format!("{} is no integer", self.name));
+        };
+        let Value::Integer(number) = *value else {
+            return Err(format!("{} is an integer, but {} was given", self.name, value.kind()));
+        };
+        let within = u32::try_from(number).ok().filter(|number| (from..=to).contains(number));
+        within.ok_or_else(|| format!("{} must be from {from} to {to}, but {number} was given", self.name))
     }
 
     fn word(&self, value: &Value) -> Result<&'static str, String> {
@@ -365,6 +408,39 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Points of clouds nearer than this to the robot, or to what it holds, are taken for the robot.",
         ),
         double(
+            "slowdown_distance_self",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.slowdown_distance_self,
+            "Distance between links below which ~/speed_scale is less than 1; 0 means only when they touch.",
+        ),
+        double(
+            "slowdown_distance_world",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.slowdown_distance_world,
+            "Distance to an obstacle below which ~/speed_scale is less than 1; 0 means only when it is touched.",
+        ),
+        double(
+            "slowdown_reaction_time",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.slowdown_reaction_time,
+            "Time that the robot needs to slow down: what approaches counts as nearer by its way in this time.",
+        ),
+        integer(
+            "slowdown_release_count",
+            (1, 1000),
+            |p| &mut p.slowdown_release_count,
+            "States in a row that have to ask for more speed before ~/speed_scale rises.",
+        ),
+        integer(
+            "slowdown_trigger_count",
+            (1, 1000),
+            |p| &mut p.slowdown_trigger_count,
+            "States in a row that have to ask for less speed before ~/speed_scale falls.",
+        ),
+        double(
             "stale_after",
             "s",
             (0.001, 3600.0),
@@ -389,6 +465,20 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
                 "Planar and floating joints whose positions tf tells, instead of joint states.",
             )
         },
+        double(
+            "stop_distance_self",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.stop_distance_self,
+            "Distance between links up to which ~/speed_scale is 0.",
+        ),
+        double(
+            "stop_distance_world",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.stop_distance_world,
+            "Distance to an obstacle up to which ~/speed_scale is 0.",
+        ),
         double(
             "transform_ttl",
             "s",
@@ -422,6 +512,21 @@ fn double(
     description: &'static str,
 ) -> Declaration {
     Declaration { name, unit, description, range: Range::Double { from, to }, access: Access::Double(field) }
+}
+
+fn integer(
+    name: &'static str,
+    (from, to): (u32, u32),
+    field: fn(&mut Parameters) -> &mut u32,
+    description: &'static str,
+) -> Declaration {
+    Declaration {
+        name,
+        unit: "",
+        description,
+        range: Range::Integer { from, to },
+        access: Access::Integer(field),
+    }
 }
 
 fn boolean(
@@ -471,6 +576,7 @@ mod tests {
             let begins = match declaration.range {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
+                Range::Integer { from, to } => format!(" {from} to {to}."),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
                 Range::Names(what) => format!(" A list of {what}."),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),
@@ -490,6 +596,9 @@ mod tests {
             ("stale_after", Value::Text("long".into()), "a string"),
             ("publish_markers", Value::Integer(1), "an integer"),
             ("padding", Value::Other("an array"), "an array"),
+            ("slowdown_trigger_count", Value::Integer(0), "from 1 to 1000, but 0"),
+            ("slowdown_trigger_count", Value::Integer(-1), "from 1 to 1000, but -1"),
+            ("slowdown_trigger_count", Value::Double(2.0), "is an integer, but a double"),
             ("speed", Value::Bool(true), "'speed'"),
             ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
             ("unknown_space", Value::Bool(true), "a bool"),
