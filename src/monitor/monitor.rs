@@ -241,7 +241,8 @@ impl Monitor {
         }
         let placed = self.placements.read(robot, now, &self.settings);
         let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
-        let (reading, contributions) = subject.tracker.read(robot, messages, is_fresh, placed);
+        let (reading, contributions) =
+            subject.tracker.read(robot, messages, is_fresh, placed, &self.settings.joint_prefix);
         self.contributions = contributions;
         let mut reading = reading?;
         reading.warnings.extend_from_slice(&self.placements.warnings);

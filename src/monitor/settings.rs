@@ -18,6 +18,8 @@ pub struct MonitorSettings {
     pub transform_joints: Vec<String>,
     /// Age (s) beyond which a transform says nothing about them any more.
     pub transform_ttl: f64,
+    /// What the names of this robot's joints begin with; others on the topic are other robots'.
+    pub joint_prefix: String,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
@@ -37,6 +39,7 @@ impl Default for MonitorSettings {
             stale_after: 0.5,
             check_deadline: 0.0,
             transform_joints: Vec::new(),
+            joint_prefix: String::new(),
             transform_ttl: 1.0,
             influence_distance: 0.1,
             distance_limit: 1.0,

@@ -79,8 +79,9 @@ impl Tracker {
         heard: &[Heard],
         is_fresh: impl Fn(&Heard) -> bool,
         placed: Result<Vec<Placed>, Reason>,
+        prefix: &str,
     ) -> (Result<Reading, Reason>, Contributions) {
-        let mut merge = Merge::new(self);
+        let mut merge = Merge::new(self, prefix);
         let unplaced = placed.map(|placed| merge.place(&placed)).err();
         for (message, heard) in heard.iter().enumerate().rev() {
             merge.take(message, heard, is_fresh(heard));
@@ -106,6 +107,8 @@ impl Tracker {
 /// Messages that become one state, the newest first.
 struct Merge<'t> {
     tracker: &'t Tracker,
+    /// Names that do not begin with this are another robot's.
+    prefix: &'t str,
     /// By position: the message that counts, and what it says.
     named_by: Vec<Option<usize>>,
     positions: Vec<f64>,
@@ -119,10 +122,11 @@ struct Merge<'t> {
 }
 
 impl<'t> Merge<'t> {
-    fn new(tracker: &'t Tracker) -> Self {
+    fn new(tracker: &'t Tracker, prefix: &'t str) -> Self {
         let count = tracker.limits.len();
         Self {
             tracker,
+            prefix,
             named_by: vec![None; count],
             positions: vec![f64::NAN; count],
             velocities: vec![f64::NAN; count],
@@ -174,7 +178,7 @@ impl<'t> Merge<'t> {
                     }
                 },
                 Some(&Slot::Follows(joint)) if is_whole => followers.push((joint, positions[i])),
-                None if strangers.len() < MOST_STRANGERS => {
+                None if strangers.len() < MOST_STRANGERS && name.starts_with(self.prefix) => {
                     strangers.push(name.chars().take(LONGEST_NAME).collect());
                 }
                 Some(_) | None => {}
@@ -190,7 +194,11 @@ impl<'t> Merge<'t> {
             self.followers.append(&mut followers);
         }
         if mine.is_empty() {
-            if !is_whole && let Some(Reason::Malformed(what)) = fault {
+            let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
+            if !is_whole
+                && !is_of_another
+                && let Some(Reason::Malformed(what)) = fault
+            {
                 self.warnings
                     .push(format!("a joint state about none of the robot's joints is malformed: {what}"));
             }

@@ -245,7 +245,12 @@ fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
-        Range::Bool | Range::Integer { .. } | Range::Word(_) | Range::Names(_) | Range::Point => Vec::new(),
+        Range::Bool
+        | Range::Integer { .. }
+        | Range::Word(_)
+        | Range::Prefix
+        | Range::Names(_)
+        | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
@@ -261,7 +266,9 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
-            Range::Bool | Range::Double { .. } | Range::Integer { .. } | Range::Names(_) => String::new(),
+            Range::Bool | Range::Double { .. } | Range::Integer { .. } | Range::Prefix | Range::Names(_) => {
+                String::new()
+            }
         },
         floating_point_range: ranges,
         integer_range: match declaration.range {

@@ -22,6 +22,8 @@ pub struct Parameters {
     pub slowdown_release_count: u32,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
+    pub joint_prefix: String,
+    pub link_prefix: String,
     pub padding: f64,
     pub pad_self: bool,
     pub publish_markers: bool,
@@ -62,6 +64,8 @@ impl Default for Parameters {
             slowdown_release_count: monitor.speed.release_count,
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
+            joint_prefix: monitor.joint_prefix,
+            link_prefix: String::new(),
             padding: 0.0,
             pad_self: false,
             publish_markers: true,
@@ -90,6 +94,7 @@ impl Parameters {
             heartbeat_rate: self.heartbeat_rate,
             stale_after: self.stale_after,
             check_deadline: self.check_deadline,
+            joint_prefix: self.joint_prefix.clone(),
             transform_joints: self.transform_joints.clone(),
             transform_ttl: self.transform_ttl,
             influence_distance: self.influence_distance,
@@ -162,6 +167,8 @@ pub enum Range {
     },
     /// One of these words.
     Word(&'static [&'static str]),
+    /// What names begin with.
+    Prefix,
     /// A list of names, of what is said here.
     Names(&'static str),
     /// A point, or nothing.
@@ -175,6 +182,7 @@ enum Access {
     Double(fn(&mut Parameters) -> &mut f64),
     Integer(fn(&mut Parameters) -> &mut u32),
     Word(fn(&mut Parameters) -> &mut &'static str),
+    Text(fn(&mut Parameters) -> &mut String),
     Texts(fn(&mut Parameters) -> &mut Vec<String>),
     Point(fn(&mut Parameters) -> &mut Vec<f64>),
 }
@@ -194,6 +202,7 @@ impl Declaration {
             Access::Double(field) => Value::Double(*field(&mut parameters)),
             Access::Integer(field) => Value::Integer(i64::from(*field(&mut parameters))),
             Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
+            Access::Text(field) => Value::Text(field(&mut parameters).clone()),
             Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
             Access::Point(field) => Value::Doubles(field(&mut parameters).clone()),
         }
@@ -229,6 +238,7 @@ impl Declaration {
             }
             (Access::Integer(field), _) => *field(parameters) = self.integer(value)?,
             (Access::Word(field), _) => *field(parameters) = self.word(value)?,
+            (Access::Text(field), _) => *field(parameters) = self.prefix(value)?,
             (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
             (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
@@ -255,6 +265,18 @@ impl Declaration {
         known
             .copied()
             .ok_or_else(|| format!("{} is {}, but '{text}' was given", self.name, words.join(" or ")))
+    }
+
+    fn prefix(&self, value: &Value) -> Result<String, String> {
+        const LONGEST: usize = 100;
+        let Value::Text(text) = value else {
+            return Err(format!("{} is a string, but {} was given", self.name, value.kind()));
+        };
+        let usable = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+        if text.len() > LONGEST || !text.chars().all(usable) {
+            return Err(format!("{} is up to {LONGEST} letters, digits and _ - . /", self.name));
+        }
+        Ok(text.clone())
     }
 
     fn texts(&self, value: &Value) -> Result<Vec<String>, String> {
@@ -340,6 +362,24 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.influence_distance,
             "Distance up to which every pair is reported with its distance and nearest points.",
         ),
+        Declaration {
+            range: Range::Prefix,
+            access: Access::Text(|p| &mut p.joint_prefix),
+            ..described(
+                "joint_prefix",
+                "",
+                "What the names of this robot's joints begin with, before those of its URDF.",
+            )
+        },
+        Declaration {
+            range: Range::Prefix,
+            access: Access::Text(|p| &mut p.link_prefix),
+            ..described(
+                "link_prefix",
+                "",
+                "What the names of this robot's links begin with, before those of its URDF.",
+            )
+        },
         double(
             "look_ahead_acceleration",
             "rad/s2",
@@ -578,6 +618,7 @@ mod tests {
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
                 Range::Integer { from, to } => format!(" {from} to {to}."),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
+                Range::Prefix => " A text.".to_owned(),
                 Range::Names(what) => format!(" A list of {what}."),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),
             };
@@ -599,6 +640,8 @@ mod tests {
             ("slowdown_trigger_count", Value::Integer(0), "from 1 to 1000, but 0"),
             ("slowdown_trigger_count", Value::Integer(-1), "from 1 to 1000, but -1"),
             ("slowdown_trigger_count", Value::Double(2.0), "is an integer, but a double"),
+            ("joint_prefix", Value::Text("a b".into()), "letters, digits"),
+            ("link_prefix", Value::Integer(1), "is a string, but an integer"),
             ("speed", Value::Bool(true), "'speed'"),
             ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
             ("unknown_space", Value::Bool(true), "a bool"),

@@ -25,7 +25,7 @@ def arms(peer, start):
 
 
 def settles(cell, status):
-    """From now on every state says so."""
+    """The first state that says so, when ten have come since."""
     state = cell.states.wait_for(lambda state: state.status == status, f"status {status}")
     seen = len(cell.states.messages)
     cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 10, "ten states")
@@ -62,3 +62,47 @@ def test_what_befalls_one_leaves_the_other_alone(arms):
     settles(right, FREE)
     assert {state.status for state in right.states.messages[seen:]} == {FREE}
     assert right.parameters.get("padding") == [0.0]
+
+
+@pytest.fixture
+def twins(peer, start):
+    """Two nodes on the same topics, told apart by the prefixes of their robots' names."""
+    driver = two_link.Driver(peer, "/hall/joint_states")
+    driver.report(left_joint1=0.0, left_joint2=0.0, right_joint1=0.0, right_joint2=pi)
+    peer.latch(String(data=two_link.description()), "/hall/robot_description")
+    cells = [
+        start(
+            urdf=None,
+            driving=False,
+            name=side,
+            namespace="/hall",
+            parameters={"joint_prefix": f"{side}_", "link_prefix": f"{side}/", "influence_distance": 1.0},
+        )
+        for side in ("left", "right")
+    ]
+    yield driver, *cells
+    driver.disconnect()
+
+
+def test_equal_robots_on_the_same_topics_are_told_apart_by_their_names(twins):
+    driver, left, right = twins
+    state = settles(left, FREE)
+    assert state.header.frame_id == "left/base"
+    assert {state.nearest.pair.body_a, state.nearest.pair.body_b} == {"left/base", "left/tip"}
+    assert state.warnings == []
+    (pair,) = settles(right, COLLIDING).colliding_pairs
+    assert {pair.body_a, pair.body_b} == {"right/base", "right/tip"}
+
+    driver.report(left_joint1=0.0, left_joint2=0.0, left_gripper=0.0)
+    right.unknown("stale")
+    state = left.states.wait_for(lambda state: state.warnings, "a warning")
+    assert "'left_gripper'" in state.warnings[0]
+
+
+def test_a_prefix_that_changes_makes_another_robot(twins):
+    _, left, right = twins
+    settles(left, FREE)
+    settles(right, COLLIDING)
+    left.parameters.succeed(joint_prefix="right_")
+    left.has_model(2)
+    settles(left, COLLIDING)
