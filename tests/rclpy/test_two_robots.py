@@ -16,8 +16,8 @@ FREE, COLLIDING, UNKNOWN = CollisionState.FREE, CollisionState.COLLIDING, Collis
 def arms(peer, start):
     """Two nodes of the same name, each in its robot's namespace, with the robot's own description."""
     cells = []
-    for side, cube in (("left", 0.4), ("right", 0.8)):
-        peer.latch(String(data=two_link.description_with_cube(cube)), f"/{side}/robot_description")
+    for side, text in (("left", two_link.description()), ("right", two_link.description_with_cube(0.8))):
+        peer.latch(String(data=text), f"/{side}/robot_description")
         cells.append(start(urdf=None, name="clearance", namespace=f"/{side}"))
     for cell in cells:
         cell.has_model()
