@@ -52,6 +52,8 @@ pub struct Evidence {
     pub poses: LinkPoses,
     /// What is certain about the time after the joint state's stamp, if it was asked for and the velocities are known.
     pub look_ahead: Option<LookAhead>,
+    /// Rates of the positions (rad/s, m/s), if all are known.
+    pub velocities: Option<Vec<f64>>,
     /// Wall time that the check took.
     pub compute_time: Duration,
 }
@@ -68,6 +70,8 @@ pub struct Judgement {
     pub evidence: Option<Arc<Evidence>>,
     /// The same, also when only the world around the robot has become stale: where the robot is, is still known.
     pub placement: Option<Arc<Evidence>>,
+    /// The share of its speed that the robot may have, in [0, 1]; 0 unless the status is FREE.
+    pub speed_scale: f64,
     /// Why the world is not known, if it is not, whatever else is the matter.
     pub stale_world: Option<Reason>,
     /// The robot and world that were checked, or would be.

@@ -4,32 +4,44 @@
 //!
 //! | what is the matter | status | code |
 //! |---|---|---|
+//! | checking was turned off | UNKNOWN | `disabled` |
 //! | no usable robot model | UNKNOWN | `no_model` |
+//! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
 //! | no joint state has arrived | UNKNOWN | `no_joint_state` |
+//! | the clock was set back by more than `stale_after`, and no joint state has arrived since | UNKNOWN | `clock_jump` |
 //! | simulated time is asked for and none has arrived | UNKNOWN | `no_clock` |
-//! | the last joint state, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
+//! | the last joint state that names some joint, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
 //! | its stamp lies more than `stale_after` in the future | UNKNOWN | `future_stamp` |
-//! | its stamp is older than that of the last judged one from the same publisher | UNKNOWN | `out_of_order` |
+//! | its stamp is older than that of the last judged one of the same publisher about the same joints | UNKNOWN | `out_of_order` |
 //! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
-//! | a joint is missing | UNKNOWN | `partial` |
+//! | a joint has never been named | UNKNOWN | `partial` |
+//! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
 //! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
+//! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
 //! | every pair was found apart | FREE | |
 //!
-//! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.
+//! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
+//! Unknown joints, joints outside their limits, following joints that are reported elsewhere and stamps of zero do not prevent a
+//! judgement; they are warnings.
+//! Each judgement also says which share of its speed the robot may have: none unless it is FREE.
 //! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
 //! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
 
+mod approach;
 pub mod cloud;
+mod contribution;
+mod hearing;
 mod input;
 mod judgement;
 mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
+mod placement;
 pub mod scene;
 mod settings;
-mod stamp_order;
+mod speed;
 mod status;
 mod time;
 mod tracker;
@@ -42,6 +54,7 @@ pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Judgement, Revision};
 pub use monitor::{Monitor, Stopwatch};
 pub use settings::MonitorSettings;
+pub use speed::{SpeedDistances, SpeedSettings};
 #[cfg(feature = "ros")]
 pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};

@@ -1,13 +1,18 @@
 //! The monitor: joint states and heartbeats in, judgements out.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::contribution::Contributions;
+use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
-use super::stamp_order::StampOrder;
+use super::placement::Placements;
+use super::scene::TransformTree;
+use super::speed::SpeedGovernor;
 use super::tracker::{Reading, Tracker};
 use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
-use crate::checker::{Question, Workspace};
+use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -18,14 +23,23 @@ pub type Stopwatch = fn() -> Duration;
 pub struct Monitor {
     settings: MonitorSettings,
     stopwatch: Stopwatch,
+    enabled: bool,
     subject: Option<Subject>,
+    /// Another model is being built, and the subject's does not count any more.
+    swapping: bool,
     /// What was wrong with the last model offered, while there is none.
     model_fault: Option<String>,
     /// What was refused of the last changes of the world.
     world_faults: Vec<String>,
-    order: StampOrder,
-    heard: Option<Heard>,
+    hearing: Hearing,
+    /// What the robot's state is made of, whatever the verdict.
+    contributions: Contributions,
+    /// By how much (s) the clock was set back since the last joint state, if it was.
+    set_back: Option<f64>,
+    /// What `tf` tells about joints.
+    placements: Placements,
     verdict: Verdict,
+    governor: SpeedGovernor,
     /// The model or a setting changed since the verdict.
     outdated: bool,
     said_at: Option<Duration>,
@@ -39,18 +53,6 @@ struct Subject {
     tracker: Tracker,
     workspace: Workspace,
     lookout: Lookout,
-}
-
-/// The last joint state.
-#[derive(Debug)]
-struct Heard {
-    input: JointStateInput,
-    /// The stamp that counts: its own, or when it came if it has none.
-    stamp: Time,
-    /// When it came, by the steady clock.
-    at: Duration,
-    /// How much older (s) it is than the last judged one of its publisher, if it is.
-    behind: Option<f64>,
 }
 
 /// A judgement but for its age.
@@ -73,12 +75,17 @@ impl Monitor {
         Self {
             settings,
             stopwatch,
+            enabled: true,
             subject: None,
+            swapping: false,
             model_fault: None,
             world_faults: Vec::new(),
-            order: StampOrder::default(),
-            heard: None,
+            hearing: Hearing::default(),
+            contributions: Contributions::default(),
+            set_back: None,
+            placements: Placements::default(),
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
+            governor: SpeedGovernor::default(),
             outdated: true,
             said_at: None,
             latest_ros_time: None,
@@ -87,6 +94,11 @@ impl Monitor {
 
     /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
+        let robot = |subject: &Subject| Arc::clone(subject.revision.checker.robot());
+        if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
+            self.governor.forget_poses();
+            self.placements = Placements::default();
+        }
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
@@ -94,12 +106,26 @@ impl Monitor {
             revision,
         });
         self.model_fault = None;
+        self.swapping = false;
+        self.outdated = true;
+    }
+
+    /// Another robot was described: until its checker comes, or it is refused, nothing is known.
+    pub fn note_model_swap(&mut self) {
+        self.swapping = true;
         self.outdated = true;
     }
 
     /// A model was refused. The one in use, if any, stays.
     pub fn note_model_fault(&mut self, fault: String) {
         self.model_fault = Some(fault);
+        self.swapping = false;
+        self.outdated = true;
+    }
+
+    /// Turns checking off and on; while it is off, nothing is known.
+    pub fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
         self.outdated = true;
     }
 
@@ -113,16 +139,26 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Judges a joint state.
-    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
+    /// What `tf` tells now; judgements from now on use it.
+    pub fn note_transforms(&mut self, tree: &TransformTree) {
+        let Some(subject) = &self.subject else { return };
+        let placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
+        if placements != self.placements {
+            self.placements = placements;
+            self.outdated = true;
+        }
+    }
+
+    /// Takes note of a joint state that another one follows at once.
+    pub fn hear(&mut self, input: JointStateInput, now: Now) {
         self.note_clock(now);
-        let stamp = match (input.stamp, now.ros) {
-            (Time::ZERO, Some(now)) => now,
-            (stamp, _) => stamp,
-        };
-        let newest = self.order.newest(input.source).filter(|_| input.stamp != Time::ZERO);
-        let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
-        self.heard = Some(Heard { input, stamp, at: now.steady, behind });
+        self.hearing.hear(input, now);
+        self.set_back = None;
+    }
+
+    /// Judges a joint state, together with what others said about joints that it does not name.
+    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
+        self.hear(input, now);
         self.judge(now);
         self.say(now)
     }
@@ -145,19 +181,32 @@ impl Monitor {
         };
         let heartbeat = (said_at + self.settings.heartbeat_period()).saturating_sub(now.steady);
         // the moment at which a judgement becomes stale is news
-        let judged = self.heard.as_ref().filter(|_| self.verdict.evidence.is_some());
-        let stale = judged.and_then(|heard| {
-            let sources = self.subject.iter().flat_map(|subject| &subject.revision.sources);
+        let subject = self.subject.as_ref().filter(|_| self.verdict.evidence.is_some());
+        let stale = subject.and_then(|subject| {
+            let sources = subject.revision.sources.iter();
             let of_world = sources.filter_map(|source| source.time_to_stale(now));
-            heard.time_to_stale(now, &self.settings).into_iter().chain(of_world).min()
+            let of_robot = self.contributions.time_to_stale(now, &self.settings);
+            let of_base = self.placements.time_to_stale(now, &self.settings);
+            // a little later, so that it is stale then whatever way rounding goes
+            let of_base =
+                Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
+            of_world.chain(of_robot).chain(of_base).min()
         });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
 
-    /// Stamps judged before a clock was set back order nothing any more.
+    /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
-            self.order.clear();
+            self.hearing.forget_order();
+        }
+        if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
+            let back = before.seconds_since(ros);
+            if back > self.settings.stale_after && !self.hearing.messages().is_empty() {
+                self.hearing.clear();
+                self.set_back = Some(back);
+                self.outdated = true;
+            }
         }
         self.latest_ros_time = now.ros;
     }
@@ -165,55 +214,53 @@ impl Monitor {
     fn judge(&mut self, now: Now) {
         self.outdated = false;
         self.verdict = self.decide(now).unwrap_or_else(Verdict::unknown);
+        match &self.subject {
+            Some(Subject { revision, .. }) => {
+                let judged = (&self.verdict.status, self.verdict.evidence.as_ref());
+                let stamp = self.contributions.newest_stamp();
+                self.governor.heed(&revision.checker, judged, stamp, &self.settings.speed);
+            }
+            None => self.governor.stop(),
+        }
     }
 
     fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
+        self.contributions = Contributions::default();
+        if !self.enabled {
+            return Err(Reason::Disabled);
+        }
         let fault = self.model_fault.clone();
         let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
-        let heard = self.heard.as_ref().ok_or(Reason::NoJointState)?;
-        if let Some(behind) = heard.behind {
-            return Err(Reason::OutOfOrder { behind });
+        if self.swapping {
+            return Err(Reason::ModelSwap);
         }
-        let checker = &subject.revision.checker;
-        let Reading { configuration, velocities, mut warnings } =
-            subject.tracker.read(checker.robot(), &heard.input)?;
-        if heard.input.stamp == Time::ZERO {
-            warnings.push("the joint state has no stamp: it counts as measured when it came".to_owned());
+        let messages = self.hearing.messages();
+        let robot = subject.revision.checker.robot();
+        if messages.is_empty() && !self.placements.place_all(robot) {
+            return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
+        let placed = self.placements.read(robot, now, &self.settings);
+        let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
+        let (reading, contributions) =
+            subject.tracker.read(robot, messages, is_fresh, placed, &self.settings.joint_prefix);
+        self.contributions = contributions;
+        let mut reading = reading?;
+        reading.warnings.extend_from_slice(&self.placements.warnings);
         // checking what is stale already would be wasted
-        heard.freshness(now, &self.settings)?;
-
-        let started = (self.stopwatch)();
-        let survey = Question::Survey {
-            influence_distance: self.settings.influence_distance,
-            limit: self.settings.distance_limit,
-        };
-        let report = checker.check(&configuration, survey, &mut subject.workspace);
-        let mut look_ahead = None;
-        if self.settings.look_ahead_horizon > 0.0 {
-            let state = (&configuration, velocities.as_deref());
-            match subject.lookout.look(checker, state, &report, &self.settings) {
-                Ok(found) => look_ahead = Some(found),
-                Err(why) => warnings.push(why),
-            }
-        }
-        let compute_time = (self.stopwatch)().saturating_sub(started);
-        if heard.input.stamp != Time::ZERO {
-            self.order.note(heard.input.source, heard.stamp);
-        }
-        let status = if report.is_free() { Status::Free } else { Status::Colliding };
-        let mut poses = LinkPoses::new(checker.robot());
-        checker.robot().forward_kinematics(&configuration, &mut poses);
-        let evidence = Some(Arc::new(Evidence { report, configuration, poses, look_ahead, compute_time }));
-        Ok(Verdict { status, evidence, warnings })
+        self.contributions.freshness(now, &self.settings, robot.position_names())?;
+        let verdict = subject.judge(reading, &self.settings, self.stopwatch);
+        self.hearing.note_judged();
+        Ok(verdict)
     }
 
     /// The verdict as it holds now: what was right when it was judged may have become stale.
     fn say(&mut self, now: Now) -> Judgement {
         self.said_at = Some(now.steady);
         let subject = self.subject.as_ref();
-        let stale = (self.heard.as_ref().filter(|_| subject.is_some()))
-            .and_then(|heard| heard.freshness(now, &self.settings).err());
+        let messages = self.hearing.messages();
+        let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
+        let heeded = subject.filter(|_| !unheeded);
+        let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
         let stale_world = subject.and_then(|subject| subject.revision.stale_world(now));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
@@ -221,66 +268,100 @@ impl Monitor {
             (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
             (None, _) => self.verdict.status.clone(),
         };
+        if status != Status::Free {
+            self.governor.stop();
+        }
+        let stamp =
+            self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
+        let silence = messages.last().map_or(0.0, |last| last.silence(now));
         let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
-        let warnings = self.verdict.warnings.iter().chain(of_revision).chain(&self.world_faults);
+        let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some())).map(|fault| {
+            format!("the last robot description was refused, and the one before counts: {fault}")
+        });
+        let of_world = of_revision.chain(&self.world_faults);
+        let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
         Judgement {
             evidence: placement.clone().filter(|_| status.reason().is_none()),
             status,
             placement,
             stale_world,
-            stamp: self.heard.as_ref().map(|heard| heard.stamp),
-            age: self.heard.as_ref().map(|heard| heard.age(now)),
+            speed_scale: self.governor.share(),
+            stamp,
+            age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
-            warnings: warnings.cloned().collect(),
+            warnings: warnings.collect(),
         }
+    }
+
+    /// Whether what is known about the robot's joints still holds.
+    fn freshness(&self, subject: &Subject, now: Now) -> Result<(), Reason> {
+        let robot = subject.revision.checker.robot();
+        if !self.hearing.messages().is_empty() {
+            self.contributions.freshness(now, &self.settings, robot.position_names())?;
+        }
+        if self.verdict.evidence.is_some() {
+            self.placements.read(robot, now, &self.settings)?;
+        }
+        Ok(())
     }
 
     /// A stale joint state that could not be judged when it was fresh has two faults.
     fn with_other_fault(&self, reason: Reason) -> Reason {
         match (reason, self.verdict.status.reason()) {
-            (Reason::Stale { age, stale_after, .. }, Some(other))
+            (Reason::Stale { joints, age, stale_after, .. }, Some(other))
                 if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) =>
             {
-                Reason::Stale { age, stale_after, also: Some(Box::new(other.clone())) }
+                Reason::Stale { joints, age, stale_after, also: Some(Box::new(other.clone())) }
             }
             (reason, _) => reason,
         }
     }
 }
 
-impl Heard {
-    /// Age (s) by its stamp, or since it came when no ROS time is known.
-    fn age(&self, now: Now) -> f64 {
-        match now.ros {
-            Some(ros) => ros.seconds_since(self.stamp),
-            None => self.silence(now),
+impl Subject {
+    /// What a check of a whole joint state finds.
+    fn judge(&mut self, reading: Reading, settings: &MonitorSettings, stopwatch: Stopwatch) -> Verdict {
+        let Reading { configuration, velocities, mut warnings } = reading;
+        let checker = &self.revision.checker;
+        let started = stopwatch();
+        let survey = Question::Survey {
+            influence_distance: settings.influence_distance.max(settings.speed.reach()),
+            limit: settings.distance_limit,
+        };
+        let effort = settings.effort();
+        let report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        let mut look_ahead = None;
+        if settings.look_ahead_horizon > 0.0 && effort.is_over() {
+            warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
+        } else if settings.look_ahead_horizon > 0.0 {
+            let state = (&configuration, velocities.as_deref());
+            match self.lookout.look(checker, state, &report, settings) {
+                Ok(found) => look_ahead = Some(found),
+                Err(why) => warnings.push(why),
+            }
         }
+        let compute_time = stopwatch().saturating_sub(started);
+        let status = status_of(&report, checker, settings);
+        let mut poses = LinkPoses::new(checker.robot());
+        checker.robot().forward_kinematics(&configuration, &mut poses);
+        let evidence =
+            Some(Arc::new(Evidence { report, configuration, poses, look_ahead, velocities, compute_time }));
+        Verdict { status, evidence, warnings }
     }
+}
 
-    /// How long (s) ago it came.
-    fn silence(&self, now: Now) -> f64 {
-        now.steady.saturating_sub(self.at).as_secs_f64()
+/// A pair that touches is told even if others are open; with any open pair, distances are not known to be the least.
+fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
+    if report.self_collision || report.world_collision {
+        return Status::Colliding;
     }
-
-    /// Whether it still says something about the robot.
-    fn freshness(&self, now: Now, settings: &MonitorSettings) -> Result<(), Reason> {
-        let stale_after = settings.stale_after;
-        let age = now.ros.ok_or(Reason::NoClock)?.seconds_since(self.stamp);
-        let older = age.max(self.silence(now));
-        if older > stale_after {
-            Err(Reason::Stale { age: older, stale_after, also: None })
-        } else if -age > stale_after {
-            Err(Reason::FutureStamp { ahead: -age })
-        } else {
-            Ok(())
-        }
-    }
-
-    /// How long it stays fresh, if it is.
-    fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
-        self.freshness(now, settings).ok()?;
-        let left = settings.stale_after - self.age(now).max(self.silence(now));
-        // a little later, so that it is stale then whatever way rounding goes
-        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
+    let open: BTreeSet<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
+    match open.first() {
+        None => Status::Free,
+        Some(&(a, b)) => Status::Unknown(Reason::Deadline {
+            deadline: settings.check_deadline,
+            open: open.len(),
+            pair: [a, b].map(|body| checker.body_name(body).to_owned()),
+        }),
     }
 }

@@ -1,6 +1,9 @@
 //! What a user decides about monitoring.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+use super::SpeedSettings;
+use crate::query::Effort;
 
 /// Choices that may change at any time.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,10 +12,20 @@ pub struct MonitorSettings {
     pub heartbeat_rate: f64,
     /// Age (s) beyond which a joint state says nothing about the robot any more.
     pub stale_after: f64,
+    /// Time (s) that one answer may take; 0: as long as it takes.
+    pub check_deadline: f64,
+    /// Planar and floating joints whose positions `tf` tells, instead of joint states.
+    pub transform_joints: Vec<String>,
+    /// Age (s) beyond which a transform says nothing about them any more.
+    pub transform_ttl: f64,
+    /// What the names of this robot's joints begin with; others on the topic are other robots'.
+    pub joint_prefix: String,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
     pub distance_limit: f64,
+    /// When the robot is to be slower.
+    pub speed: SpeedSettings,
     /// How far ahead (s) it is looked for contacts; 0: not at all.
     pub look_ahead_horizon: f64,
     /// What joints without an acceleration limit of their own are thought to be capable of (rad/s², m/s²).
@@ -24,8 +37,13 @@ impl Default for MonitorSettings {
         Self {
             heartbeat_rate: 10.0,
             stale_after: 0.5,
+            check_deadline: 0.0,
+            transform_joints: Vec::new(),
+            joint_prefix: String::new(),
+            transform_ttl: 1.0,
             influence_distance: 0.1,
             distance_limit: 1.0,
+            speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,
         }
@@ -33,6 +51,13 @@ impl Default for MonitorSettings {
 }
 
 impl MonitorSettings {
+    /// How much one check may take, from now on.
+    #[must_use]
+    pub(super) fn effort(&self) -> Effort {
+        let time = Duration::try_from_secs_f64(self.check_deadline).ok().filter(|time| !time.is_zero());
+        Effort { deadline: time.and_then(|time| Instant::now().checked_add(time)), ..Effort::default() }
+    }
+
     /// Longest silence allowed between two judgements.
     #[must_use]
     pub fn heartbeat_period(&self) -> Duration {

@@ -45,10 +45,20 @@ pub enum Reason {
     NoModel {
         fault: Option<String>,
     },
+    /// Checking was turned off.
+    Disabled,
+    /// Another robot was described, and its model is not built yet.
+    ModelSwap,
     NoJointState,
     NoClock,
-    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it.
+    /// The clock was set back by `back` seconds, and nothing has been heard since.
+    ClockJump {
+        back: f64,
+    },
+    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it. If that is so of
+    /// some joints only, they are named.
     Stale {
+        joints: Vec<String>,
         age: f64,
         stale_after: f64,
         also: Option<Box<Reason>>,
@@ -69,11 +79,23 @@ pub enum Reason {
     Partial {
         missing: Vec<String>,
     },
+    /// `tf` does not tell where `joint` is, between the frames of its links.
+    NoTransform {
+        joint: String,
+        frames: [String; 2],
+        why: String,
+    },
     /// What `source` saw is `age` seconds old, or it never saw anything.
     StaleWorld {
         source: String,
         age: Option<f64>,
         ttl: f64,
+    },
+    /// The time for one answer was over while `open` pairs were undecided, of which `pair` is one.
+    Deadline {
+        deadline: f64,
+        open: usize,
+        pair: [String; 2],
     },
 }
 
@@ -83,21 +105,34 @@ impl Reason {
     pub fn code(&self) -> &'static str {
         match self {
             Self::NoModel { .. } => "no_model",
+            Self::Disabled => "disabled",
+            Self::ModelSwap => "model_swap",
             Self::NoJointState => "no_joint_state",
             Self::NoClock => "no_clock",
+            Self::ClockJump { .. } => "clock_jump",
             Self::Stale { .. } => "stale",
             Self::FutureStamp { .. } => "future_stamp",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::Malformed(_) => "malformed",
             Self::NonFinite { .. } => "non_finite",
             Self::Partial { .. } => "partial",
+            Self::NoTransform { .. } => "no_transform",
             Self::StaleWorld { .. } => "stale_world",
+            Self::Deadline { .. } => "deadline",
         }
+    }
+
+    /// Whether it says that nobody would have looked at a joint state, however fresh.
+    pub(super) fn precedes_joint_states(&self) -> bool {
+        matches!(self, Self::NoModel { .. } | Self::Disabled | Self::ModelSwap)
     }
 
     /// Whether the joint state itself may be right, and only the clock is against it.
     pub(super) fn is_about_time(&self) -> bool {
-        matches!(self, Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. })
+        matches!(
+            self,
+            Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. } | Self::NoTransform { .. }
+        )
     }
 }
 
@@ -110,16 +145,28 @@ impl fmt::Display for Reason {
             Self::NoModel { fault: Some(fault) } => {
                 write!(f, "there is no robot model: the last one was refused: {fault}")
             }
+            Self::Disabled => f.write_str("checking is disabled: call ~/enable with data: true"),
+            Self::ModelSwap => f.write_str(
+                "another robot came on robot_description, and its model is still being built: the last one does not count any more",
+            ),
             Self::NoJointState => f.write_str(
                 "no joint state has arrived yet: is something publishing joint_states, under this name and namespace?",
             ),
             Self::NoClock => f.write_str(
                 "use_sim_time is set, but nothing has arrived on /clock: start the simulation, or set use_sim_time to false",
             ),
-            Self::Stale { age, stale_after, also } => {
+            Self::ClockJump { back } => write!(
+                f,
+                "the clock was set back by {back:.3} s: what was heard before does not count, and no joint state has arrived since"
+            ),
+            Self::Stale { joints, age, stale_after, also } => {
+                let of_joints = match joints.as_slice() {
+                    [] => String::new(),
+                    joints => format!(" that names {}", quoted_list(joints)),
+                };
                 write!(
                     f,
-                    "the last joint state is {age:.3} s old, and stale_after is {stale_after} s: is the driver running?"
+                    "the last joint state{of_joints} is {age:.3} s old, and stale_after is {stale_after} s: is the driver running?"
                 )?;
                 match also {
                     Some(reason) => write!(f, " It was not usable either: {reason}"),
@@ -141,6 +188,10 @@ impl fmt::Display for Reason {
             Self::Partial { missing } => {
                 write!(f, "the joint state has no position of {}", quoted_list(missing))
             }
+            Self::NoTransform { joint, frames: [parent, child], why } => write!(
+                f,
+                "tf does not tell where joint '{joint}' is, by the transform from '{parent}' to '{child}': {why}"
+            ),
             Self::StaleWorld { source, age: None, .. } => {
                 write!(f, "nothing has come from {} yet that can be used: is the sensor running?", quoted(source))
             }
@@ -148,6 +199,12 @@ impl fmt::Display for Reason {
                 f,
                 "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
                 quoted(source)
+            ),
+            Self::Deadline { deadline, open, pair: [a, b] } => write!(
+                f,
+                "check_deadline ({deadline} s) passed before {open} pairs were decided, such as that of {} and {}: allow more time, or simplify the meshes",
+                quoted(a),
+                quoted(b)
             ),
         }
     }

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use proptest::prelude::*;
 
+use super::scene::{Transform, TransformTree};
 use super::*;
 use crate::checker::{CollisionChecker, Settings};
 use crate::robot::{MeshFiles, RobotModel};
@@ -81,15 +82,19 @@ fn input(seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
     }
 }
 
-/// A monitor that looks half a second ahead; nothing accelerates by more than 0.1 rad/s².
-fn lookout() -> Monitor {
-    let mut monitor = monitor();
-    monitor.set_settings(MonitorSettings {
+fn settings_of_lookout() -> MonitorSettings {
+    MonitorSettings {
         distance_limit: 5.0,
         look_ahead_horizon: 0.5,
         look_ahead_acceleration: 0.1,
         ..MonitorSettings::default()
-    });
+    }
+}
+
+/// A monitor that looks half a second ahead; nothing accelerates by more than 0.1 rad/s².
+fn lookout() -> Monitor {
+    let mut monitor = monitor();
+    monitor.set_settings(settings_of_lookout());
     monitor
 }
 
@@ -149,6 +154,8 @@ fn what_is_odd_is_judged_with_a_warning() {
     let unstamped = JointStateInput { stamp: Time::ZERO, ..state(0.0, FREE) };
     for (input, warned) in [
         (input(0.0, &with("follower", f64::NAN)), None),
+        (input(0.0, &with("follower", 0.01)), None),
+        (input(0.0, &with("follower", 0.5)), Some("'follower' is reported at 0.5, but it mimics 'elbow'")),
         (input(0.0, &with("gripper", f64::NAN)), Some("'gripper'")),
         (state(0.0, [0.0, 3.2 + 1e-4]), None),
         (state(0.0, [3.3, 0.0]), Some("joint 'shoulder' is at 3.3, outside its limits")),
@@ -226,12 +233,393 @@ fn a_stamp_before_the_last_judged_one_of_its_publisher_is_out_of_order() {
     assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.31))), "FREE");
 }
 
+/// A message of publisher `from` about some joints, stamped `seconds` after the start.
+fn part(from: u8, seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
+    JointStateInput { source: SourceId([from; 16]), ..input(seconds, joints) }
+}
+
+#[test]
+fn what_several_publishers_say_is_one_state_with_an_age_for_each_joint() {
+    let mut monitor = monitor();
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0))), "partial");
+    let whole = monitor.on_joint_state(part(2, 0.1, &[("elbow", COLLIDING[1])]), at(0.1));
+    assert_eq!((code(&whole), whole.stamp), ("COLLIDING", Some(time(START))));
+    assert!((whole.age.unwrap() - 0.1).abs() < 1e-9, "the oldest joint's");
+    let moved = monitor.on_joint_state(part(2, 0.2, &[("elbow", 0.0)]), at(0.2));
+    assert_eq!((code(&moved), moved.stamp), ("FREE", Some(time(START))));
+
+    // one of the publishers falls silent
+    let due = monitor.time_to_heartbeat(at(0.2));
+    assert_eq!(due, Duration::from_millis(100));
+    monitor.on_heartbeat(at(0.45));
+    let due = monitor.time_to_heartbeat(at(0.45)).as_secs_f64();
+    assert!((0.05..0.06).contains(&due), "{due}");
+    let judgement = monitor.on_joint_state(part(2, 0.6, &[("elbow", 0.0)]), at(0.6));
+    let reason = judgement.status.reason().unwrap().to_string();
+    assert_eq!(code(&judgement), "stale");
+    assert!(reason.contains("'shoulder' is 0.600 s old") && !reason.contains("elbow"), "{reason}");
+    let judgement = monitor.on_joint_state(part(3, 0.6, &[("shoulder", 0.0)]), at(0.6));
+    assert_eq!(code(&judgement), "FREE", "another takes its place");
+    let reason = monitor.on_heartbeat(at(2.0)).status.reason().unwrap().to_string();
+    assert!(reason.starts_with("the last joint state is 1.400 s old"), "{reason}");
+}
+
+#[test]
+fn what_others_publish_on_the_topic_takes_nothing_from_the_robot() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    let gripper = monitor.on_joint_state(part(2, 0.1, &[("gripper", 0.0)]), at(0.1));
+    assert_eq!((code(&gripper), gripper.stamp), ("FREE", Some(time(START))));
+    assert!(gripper.warnings[0].contains("'gripper'"), "{:?}", gripper.warnings);
+    let broken = JointStateInput { positions: Vec::new(), ..part(2, 0.2, &[("gripper", 0.0)]) };
+    let broken = monitor.on_joint_state(broken, at(0.2));
+    assert_eq!(code(&broken), "FREE");
+    assert!(broken.warnings.iter().any(|w| w.contains("1 names and 0 positions")), "{:?}", broken.warnings);
+    // the robot itself is heard no more
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.6, &[("gripper", 0.0)]), at(0.6))), "stale");
+    // the gripper is forgotten when it falls silent
+    assert!(monitor.on_joint_state(state(1.2, FREE), at(1.2)).warnings.is_empty());
+}
+
+#[test]
+fn of_each_joint_the_last_word_counts() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(part(1, 0.0, &[("shoulder", 0.0), ("elbow", f64::NAN)]), at(0.0));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "non_finite");
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.1, &[("elbow", 0.0)]), at(0.1))), "FREE");
+    // what is malformed speaks for all joints that it names
+    let cut = JointStateInput { positions: vec![0.0], ..part(1, 0.2, &[("shoulder", 0.0), ("other", 0.0)]) };
+    assert_eq!(code(&monitor.on_joint_state(cut, at(0.2))), "malformed");
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.3, &[("elbow", 0.0)]), at(0.3))), "malformed");
+    assert_eq!(code(&monitor.on_joint_state(part(3, 0.4, &[("shoulder", 0.0)]), at(0.4))), "FREE");
+}
+
+#[test]
+fn a_played_bag_is_one_publisher_that_says_what_several_said() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(part(1, 0.10, &[("shoulder", 0.0)]), at(0.1));
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.09, &[("elbow", 0.0)]), at(0.1))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.11, &[("shoulder", 0.0)]), at(0.11))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.10, &[("elbow", 0.0)]), at(0.11))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.08, &[("elbow", 0.0)]), at(0.11))), "out_of_order");
+}
+
+#[test]
+fn what_is_only_heard_is_judged_with_the_next() {
+    let mut monitor = monitor();
+    monitor.hear(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0));
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.0, &[("elbow", 0.0)]), at(0.0))), "FREE");
+}
+
+#[test]
+fn velocities_of_several_publishers_are_those_of_one_robot() {
+    let mut monitor = lookout();
+    let with = |from, name, velocity| JointStateInput {
+        velocities: vec![velocity],
+        ..part(from, 0.0, &[(name, 0.0)])
+    };
+    monitor.hear(with(1, "shoulder", 0.0), at(0.0));
+    assert_eq!(monitor.on_joint_state(with(2, "elbow", 0.0), at(0.0)).time_to_contact(), 0.5);
+    assert_eq!(monitor.on_joint_state(with(2, "elbow", f64::NAN), at(0.0)).time_to_contact(), 0.0);
+}
+
+#[test]
+fn more_publishers_than_are_remembered_do_no_harm() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    for from in 2..100 {
+        monitor.on_joint_state(part(from, 0.1, &[("gripper", 0.0)]), at(0.1));
+    }
+    // the robot was forgotten: that is not taken for free
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "partial");
+    assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.2))), "FREE");
+}
+
+/// A base that drives in a plane, with an arm of one joint; or one that floats.
+fn base_on(kind: &str) -> Arc<Revision> {
+    let text = format!(
+        r#"<robot name="rover">
+  <link name="odom"/>
+  <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="arm"/>
+  <joint name="drive" type="{kind}">
+    <parent link="odom"/><child link="base"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/>
+  </joint>
+  <joint name="lift" type="prismatic">
+    <parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="1" effort="1" velocity="1"/>
+  </joint>
+</robot>"#
+    );
+    let robot = RobotModel::from_urdf(&text, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    Arc::new(Revision::new(checker, 1, 0))
+}
+
+/// `tf` from odom to base, by way of a frame between, stamped `seconds` after the start.
+fn tree(seconds: f64, pose: crate::math::Pose) -> TransformTree {
+    let mut tree = TransformTree::default();
+    let fixed = Transform { parent: "odom".to_owned(), pose_pf: crate::math::Pose::identity(), stamp: None };
+    assert!(tree.note("between", fixed));
+    let moving =
+        Transform { parent: "between".to_owned(), pose_pf: pose, stamp: Some(time(START + seconds)) };
+    assert!(tree.note("base", moving));
+    tree
+}
+
+fn rover(kind: &str) -> Monitor {
+    let transform_joints = vec!["drive".to_owned()];
+    let settings = MonitorSettings { transform_joints, ..MonitorSettings::default() };
+    let mut monitor = Monitor::new(settings, stopwatch);
+    monitor.set_checker(base_on(kind));
+    monitor
+}
+
+fn pose(xyz: [f64; 3], rpy: [f64; 3]) -> crate::math::Pose {
+    crate::math::pose_from_xyz_rpy(xyz, rpy)
+}
+
+#[test]
+fn a_base_stands_where_tf_tells() {
+    for (kind, there) in [
+        ("planar", pose([3.0, 2.0, 0.0], [0.0, 0.0, 2.5])),
+        ("planar", pose([3.0, 2.0, 0.0], [0.0, 0.0, -3.1])),
+        ("floating", pose([3.0, 2.0, -1.0], [0.4, 1.0, -2.5])),
+    ] {
+        let mut monitor = rover(kind);
+        let lift = || input(0.0, &[("lift", 0.5)]);
+        let judgement = monitor.on_joint_state(lift(), at(0.0));
+        let reason = judgement.status.reason().unwrap().to_string();
+        assert_eq!(code(&judgement), "partial", "without a word of tf: {reason}");
+        monitor.note_transforms(&TransformTree::default());
+        let judgement = monitor.on_joint_state(lift(), at(0.0));
+        let reason = judgement.status.reason().unwrap().to_string();
+        assert_eq!(code(&judgement), "no_transform");
+        assert!(reason.contains("'odom' to 'base'") && reason.contains("'drive'"), "{reason}");
+
+        monitor.note_transforms(&tree(0.0, there));
+        let judgement = monitor.on_heartbeat(at(0.0));
+        assert_eq!(code(&judgement), "FREE");
+        let evidence = judgement.evidence.unwrap();
+        let base = judgement.revision.unwrap().checker.robot().link_by_name("base").unwrap();
+        let apart = evidence.poses.pose(base).inv_mul(&there);
+        assert!(apart.translation.vector.norm() < 1e-9 && apart.rotation.angle() < 1e-9, "{kind}: {apart}");
+    }
+}
+
+#[test]
+fn a_transform_that_is_old_or_leaves_the_plane_places_nothing() {
+    let lift = |seconds| input(seconds, &[("lift", 0.5), ("drive/x", f64::NAN)]);
+    let mut monitor = rover("planar");
+    monitor.note_transforms(&tree(0.0, pose([3.0, 0.0, 0.0], [0.0; 3])));
+    assert_eq!(
+        code(&monitor.on_joint_state(lift(0.0), at(0.0))),
+        "FREE",
+        "joint states say nothing about it"
+    );
+    assert_eq!(code(&monitor.on_joint_state(lift(1.0), at(1.0))), "FREE");
+    let due = monitor.time_to_heartbeat(at(1.0));
+    assert!(due < Duration::from_millis(2), "{due:?}");
+    let judgement = monitor.on_heartbeat(at(1.01));
+    assert!(judgement.placement.is_none() && code(&judgement) == "no_transform");
+    assert!(judgement.status.reason().unwrap().to_string().contains("1.010 s old"));
+    monitor.note_transforms(&tree(1.1, pose([3.0, 0.0, 0.0], [0.0; 3])));
+    assert_eq!(code(&monitor.on_heartbeat(at(1.1))), "FREE");
+
+    for (there, why) in [
+        (tree(1.2, pose([3.0, 0.0, 0.01], [0.0; 3])), "leaves the joint's plane by 0.0100"),
+        (tree(1.2, pose([3.0, 0.0, 0.0], [0.01, 0.0, 0.0])), "leaves the joint's plane by 0.0100"),
+        (tree(9.0, pose([3.0, 0.0, 0.0], [0.0; 3])), "in the future"),
+    ] {
+        monitor.note_transforms(&there);
+        let judgement = monitor.on_joint_state(lift(1.2), at(1.2));
+        let reason = judgement.status.reason().unwrap().to_string();
+        assert!(code(&judgement) == "no_transform" && reason.contains(why), "{reason}");
+    }
+}
+
+#[test]
+fn a_wish_for_transforms_that_cannot_be_fulfilled_is_told() {
+    let transform_joints = vec!["drive".to_owned(), "lift".to_owned(), "wing".to_owned()];
+    let mut monitor = rover("floating");
+    monitor.set_settings(MonitorSettings { transform_joints, ..MonitorSettings::default() });
+    monitor.note_transforms(&tree(0.0, pose([3.0, 0.0, 0.0], [0.0; 3])));
+    let judgement = monitor.on_joint_state(input(0.0, &[("lift", 0.5)]), at(0.0));
+    assert_eq!(code(&judgement), "FREE");
+    assert_eq!(judgement.warnings.len(), 2);
+    assert!(judgement.warnings[0].contains("'lift'") && judgement.warnings[1].contains("'wing'"));
+}
+
+const SPEED: SpeedSettings = SpeedSettings {
+    own: SpeedDistances { slowdown: 0.5, stop: 0.1 },
+    world: SpeedDistances { slowdown: 0.0, stop: 0.0 },
+    reaction_time: 0.1,
+    trigger_count: 1,
+    release_count: 1,
+};
+
+/// A monitor that slows down; stale after half a second.
+fn governed(speed: SpeedSettings) -> Monitor {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings { speed, ..MonitorSettings::default() });
+    monitor
+}
+
+/// The distance with this elbow.
+fn distance_at(elbow: f64) -> f64 {
+    governed(SPEED).on_joint_state(state(0.0, [0.0, elbow]), at(0.0)).distance()
+}
+
+#[test]
+fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
+    let (near, distance) = ([0.0, 2.6], distance_at(2.6));
+    assert!((0.1..0.5).contains(&distance), "{distance}");
+    let share = |velocities: &[f64]| {
+        governed(SPEED).on_joint_state(moving(0.0, near, velocities), at(0.0)).speed_scale
+    };
+    let at_rest = (distance - 0.1) / 0.4;
+    assert!((share(&[0.0, 0.0]) - at_rest).abs() < 1e-9);
+    assert_eq!(share(&[]), share(&[0.0, 0.0]), "where nothing is known of velocities, the distance counts");
+    // the ball is above the base, a little to the right: the shoulder lifts it, or lowers it
+    assert_eq!(share(&[1.0, 0.0]), 1.0);
+    assert!(share(&[-1.0, 0.0]) < at_rest);
+    assert!(share(&[0.0, 0.3]) < at_rest);
+    assert_eq!(share(&[0.0, 3.0]), 0.0);
+    assert_eq!(share(&[0.0, -0.3]), 1.0);
+    assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
+}
+
+#[test]
+fn without_velocities_the_last_state_tells_the_way() {
+    let mut monitor = governed(SPEED);
+    let speeds: Vec<f64> = [(0.0, 2.6), (0.1, 2.61), (0.2, 2.6), (0.3, 2.6)]
+        .map(|(t, elbow)| monitor.on_joint_state(state(t, [0.0, elbow]), at(t)).speed_scale)
+        .into();
+    let [resting, folding, opening, held] = speeds[..] else { panic!() };
+    let by_velocity = |elbow, velocity| {
+        governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0)).speed_scale
+    };
+    assert_eq!((resting, opening, held), (by_velocity(2.6, 0.0), 1.0, resting));
+    assert!((folding - by_velocity(2.61, 0.1)).abs() < 1e-3, "{folding}");
+}
+
+#[test]
+fn what_is_not_free_has_no_speed() {
+    let mut monitor = governed(SpeedSettings { release_count: 2, ..SpeedSettings::default() });
+    let mut speed = |input, seconds| monitor.on_joint_state(input, at(seconds)).speed_scale;
+    assert_eq!([speed(state(0.0, FREE), 0.0), speed(state(0.1, FREE), 0.1)], [0.0, 1.0]);
+    assert_eq!(speed(state(0.2, COLLIDING), 0.2), 0.0);
+    assert_eq!([speed(state(0.3, FREE), 0.3), speed(state(0.4, FREE), 0.4)], [0.0, 1.0]);
+    assert_eq!(speed(state(0.5, [0.0, f64::NAN]), 0.5), 0.0);
+    assert_eq!([speed(state(0.6, FREE), 0.6), speed(state(0.7, FREE), 0.7)], [0.0, 1.0]);
+    // a heartbeat is no state; what grows stale stops
+    assert_eq!(monitor.on_heartbeat(at(1.0)).speed_scale, 1.0);
+    assert_eq!(monitor.on_heartbeat(at(1.3)).speed_scale, 0.0);
+    assert_eq!(monitor.on_joint_state(state(1.4, FREE), at(1.4)).speed_scale, 0.0);
+    // a change of the world is none of the states in a row either way
+    monitor.on_joint_state(state(1.5, FREE), at(1.5));
+    monitor.set_checker(revision(2));
+    assert_eq!(monitor.on_joint_state(state(1.6, FREE), at(1.6)).speed_scale, 1.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn the_speed_is_that_of_the_change_of_the_distance(elbow in 2.4..2.8f64, velocity in -2.0..2.0f64) {
+        const STEP: f64 = 1e-4;
+        let distance = distance_at(elbow);
+        let rate = (distance_at(elbow - STEP * velocity) - distance_at(elbow + STEP * velocity)) / (2.0 * STEP);
+        prop_assume!(rate.abs() > 0.01 && distance > 0.0 && distance < 0.5);
+        let judgement = governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0));
+        let expected = if rate < 0.0 { 1.0 } else { ((distance - 0.1 * rate - 0.1) / 0.4).clamp(0.0, 1.0) };
+        prop_assert!((judgement.speed_scale - expected).abs() < 1e-3, "{} but {expected}", judgement.speed_scale);
+    }
+}
+
 #[test]
 fn a_clock_that_was_set_back_orders_anew() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(100.0, FREE), at(100.0));
     let restarted = Now { ros: at(0.0).ros, steady: at(100.1).steady };
     assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), restarted)), "FREE");
+}
+
+#[test]
+fn what_was_heard_before_the_clock_was_set_far_back_counts_no_more() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(100.0, FREE), at(100.0));
+    // a step within the tolerance takes nothing away
+    let stepped = Now { ros: at(99.8).ros, steady: at(100.0).steady };
+    assert_eq!(code(&monitor.on_heartbeat(stepped)), "FREE");
+    let restarted = |seconds| Now { ros: at(seconds).ros, steady: at(100.1 + seconds).steady };
+    let judgement = monitor.on_heartbeat(restarted(0.0));
+    assert_eq!((code(&judgement), judgement.stamp, judgement.age), ("clock_jump", None, None));
+    assert!(judgement.status.reason().unwrap().to_string().contains("99.800 s"), "{:?}", judgement.status);
+    assert_eq!(code(&monitor.on_heartbeat(restarted(0.1))), "clock_jump");
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), restarted(0.1))), "FREE");
+    // a leap forward makes it old
+    assert_eq!(code(&monitor.on_heartbeat(Now { ros: at(50.0).ros, steady: at(100.3).steady })), "stale");
+}
+
+#[test]
+fn nothing_is_known_while_checking_is_disabled() {
+    let mut monitor = monitor();
+    assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), at(0.0))), "FREE");
+    monitor.set_enabled(false);
+    assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
+    let judgement = monitor.on_heartbeat(at(0.0));
+    assert!(code(&judgement) == "disabled" && judgement.placement.is_none());
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "disabled");
+    // whatever is stale meanwhile
+    assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "disabled");
+    monitor.set_enabled(true);
+    assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "stale");
+    assert_eq!(code(&monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+}
+
+#[test]
+fn nothing_is_known_until_another_model_is_there_or_refused() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    monitor.note_model_swap();
+    assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "model_swap");
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "model_swap");
+    monitor.set_checker(revision(2));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "FREE");
+
+    monitor.note_model_swap();
+    monitor.note_model_fault("not XML".to_owned());
+    let judgement = monitor.on_heartbeat(at(0.2));
+    assert_eq!(code(&judgement), "FREE");
+    assert!(judgement.warnings[0].contains("not XML"), "{:?}", judgement.warnings);
+}
+
+#[test]
+fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings {
+        check_deadline: 1e-9,
+        distance_limit: 5.0,
+        ..settings_of_lookout()
+    });
+    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(code(&judgement), "deadline");
+    let reason = judgement.status.reason().unwrap().to_string();
+    assert!(
+        reason.contains("1 pairs were decided") && reason.contains("'base'") && reason.contains("'ball'"),
+        "{reason}"
+    );
+    assert!(judgement.evidence.is_none() && judgement.distance().is_nan() && judgement.placement.is_some());
+    assert_eq!(judgement.time_to_contact(), 0.0);
+    assert!(judgement.warnings[0].contains("check_deadline"), "{:?}", judgement.warnings);
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "deadline");
+    assert_eq!(code(&monitor.on_heartbeat(at(1.0))), "stale");
+
+    monitor.set_settings(MonitorSettings { check_deadline: 10.0, ..settings_of_lookout() });
+    assert_eq!(code(&monitor.on_joint_state(state(1.0, COLLIDING), at(1.0))), "COLLIDING");
+    let free = monitor.on_joint_state(state(1.1, FREE), at(1.1));
+    assert!(code(&free) == "FREE" && (free.distance() - 1.7).abs() < 1e-9, "{}", free.distance());
 }
 
 #[test]
@@ -413,25 +801,26 @@ fn now() -> impl Strategy<Value = Now> {
     (ros, 0..2000u64).prop_map(|(ros, ms)| Now { ros, steady: Duration::from_millis(ms) })
 }
 
-/// Whether FREE may be said about `input`, which came at `came`, at `now`.
-fn may_be_free(input: &JointStateInput, came: Now, now: Now) -> bool {
+/// Whether FREE may be said at `now` after all that was heard, of each message when it came: by the last that names each joint.
+fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
     let Some(ros) = now.ros else { return false };
-    let position = |name: &str| {
-        let mut found = input.names.iter().zip(&input.positions).filter(|(n, _)| *n == name);
-        match (found.next(), found.next()) {
-            (Some((_, value)), None) => value.is_finite(),
-            _ => false,
-        }
-    };
-    let fresh = match input.stamp {
-        Time::ZERO => true,
-        stamp => ros.seconds_since(stamp).abs() <= 0.5,
-    };
-    let silence = now.steady.saturating_sub(came.steady);
-    input.names.len() == input.positions.len()
-        && ["shoulder", "elbow"].into_iter().all(position)
-        && fresh
-        && silence <= Duration::from_millis(500)
+    ["shoulder", "elbow"].into_iter().all(|name| {
+        let names = |input: &JointStateInput| input.names.iter().filter(|n| *n == name).count();
+        let Some((input, came)) = heard.iter().rev().find(|(input, _)| names(input) > 0) else {
+            return false;
+        };
+        let place = input.names.iter().position(|n| n == name).unwrap();
+        let fresh = match input.stamp {
+            Time::ZERO => true,
+            stamp => ros.seconds_since(stamp).abs() <= 0.5,
+        };
+        let silence = now.steady.saturating_sub(came.steady);
+        input.names.len() == input.positions.len()
+            && names(input) == 1
+            && input.positions[place].is_finite()
+            && fresh
+            && silence <= Duration::from_millis(500)
+    })
 }
 
 proptest! {
@@ -440,11 +829,11 @@ proptest! {
         happenings in prop::collection::vec((happening(), now()), 0..30)
     ) {
         let mut monitor = lookout();
-        let mut last: Option<(JointStateInput, Now)> = None;
+        let mut heard = Vec::new();
         for (happening, now) in happenings {
             let judgement = match happening {
                 Happening::JointState(input) => {
-                    last = Some((input.clone(), now));
+                    heard.push((input.clone(), now));
                     monitor.on_joint_state(input, now)
                 }
                 Happening::Heartbeat => monitor.on_heartbeat(now),
@@ -455,7 +844,8 @@ proptest! {
             };
             let _ = monitor.time_to_heartbeat(now);
             prop_assert!((0.0..=0.5).contains(&judgement.time_to_contact()));
-            let allowed = last.as_ref().is_some_and(|(input, came)| may_be_free(input, *came, now));
+            prop_assert!(judgement.speed_scale == 0.0 || judgement.status.is_free());
+            let allowed = may_be_free(&heard, now);
             prop_assert!(!judgement.status.is_free() || allowed, "{:?}", judgement.status);
             prop_assert_eq!(
                 judgement.evidence.is_some(),

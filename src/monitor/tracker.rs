@@ -2,22 +2,37 @@
 
 use std::collections::HashMap;
 
+use super::contribution::{Contribution, Contributions};
+use super::hearing::Heard;
+use super::placement::Placed;
 use super::status::{quoted, quoted_list};
-use super::{JointStateInput, Reason};
+use super::{JointStateInput, Reason, Time};
 use crate::constants::LARGEST_COORDINATE;
 use crate::robot::{Configuration, JointId, RobotModel};
 
 /// How far (rad, m) a joint may be beyond its limits without a word: encoders are noisy and brakes give.
 const LIMIT_SLACK: f64 = 1e-3;
 
+/// How far (rad, m) a joint that follows others may be reported from where it should be without a word: gears have play.
+const MIMIC_SLACK: f64 = 0.02;
+
+/// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
+const MOST_STRANGERS: usize = 1000;
+const LONGEST_NAME: usize = 100;
+
 /// What a name in a joint state stands for.
 #[derive(Clone, Copy, Debug)]
 enum Slot {
     /// The number with this index in a configuration.
     Position(usize),
-    /// A joint whose position follows from others.
-    Follows,
+    /// A joint whose position follows from another.
+    Follows(JointId),
+    /// A joint without a position under this name.
+    Nothing,
 }
+
+/// In the place of a message: what is named by none.
+const BY_TF: usize = usize::MAX;
 
 /// Reads joint states for one robot.
 #[derive(Clone, Debug)]
@@ -27,7 +42,7 @@ pub(super) struct Tracker {
     limits: Vec<Option<(JointId, f64, f64)>>,
 }
 
-/// A configuration, and what was odd about its message.
+/// A configuration, and what was odd about its messages.
 #[derive(Clone, Debug)]
 pub(super) struct Reading {
     pub configuration: Configuration,
@@ -38,8 +53,9 @@ pub(super) struct Reading {
 
 impl Tracker {
     pub fn new(robot: &RobotModel) -> Self {
+        let slot = |id| if robot.joint(id).mimic.is_some() { Slot::Follows(id) } else { Slot::Nothing };
         let mut slots: HashMap<String, Slot> =
-            (robot.joints().iter()).map(|joint| (joint.name.clone(), Slot::Follows)).collect();
+            robot.joint_ids().map(|id| (robot.joint(id).name.clone(), slot(id))).collect();
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
@@ -55,43 +71,23 @@ impl Tracker {
         Self { slots, limits }
     }
 
-    pub fn read(&self, robot: &RobotModel, input: &JointStateInput) -> Result<Reading, Reason> {
-        if input.names.len() != input.positions.len() {
-            return Err(Reason::Malformed(format!(
-                "it has {} names and {} positions",
-                input.names.len(),
-                input.positions.len()
-            )));
+    /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
+    /// Also tells which those are.
+    pub fn read(
+        &self,
+        robot: &RobotModel,
+        heard: &[Heard],
+        is_fresh: impl Fn(&Heard) -> bool,
+        placed: Result<Vec<Placed>, Reason>,
+        prefix: &str,
+    ) -> (Result<Reading, Reason>, Contributions) {
+        let mut merge = Merge::new(self, prefix);
+        let unplaced = placed.map(|placed| merge.place(&placed)).err();
+        for (message, heard) in heard.iter().enumerate().rev() {
+            merge.take(message, heard, is_fresh(heard));
         }
-        let mut positions = vec![None; self.limits.len()];
-        let mut unknown = Vec::new();
-        for (name, &value) in input.names.iter().zip(&input.positions) {
-            match self.slots.get(name) {
-                Some(Slot::Position(index)) => fill(&mut positions[*index], name, value)?,
-                Some(Slot::Follows) => {}
-                None => unknown.push(name.clone()),
-            }
-        }
-        let configuration = complete(robot, &positions)?;
-        let mut warnings = self.limit_warnings(robot, &configuration);
-        if !unknown.is_empty() {
-            warnings.push(format!("the robot has no joint {}", quoted_list(&unknown)));
-        }
-        Ok(Reading { configuration, velocities: self.velocities(input), warnings })
-    }
-
-    /// Velocities of all positions; those of other joints count for nothing.
-    fn velocities(&self, input: &JointStateInput) -> Option<Vec<f64>> {
-        if input.velocities.len() != input.names.len() {
-            return None;
-        }
-        let mut velocities = vec![0.0; self.limits.len()];
-        for (name, &value) in input.names.iter().zip(&input.velocities) {
-            if let Some(Slot::Position(index)) = self.slots.get(name) {
-                velocities[*index] = value;
-            }
-        }
-        velocities.iter().all(|v| v.is_finite()).then_some(velocities)
+        let contributions = std::mem::take(&mut merge.contributions);
+        (merge.finish(robot, unplaced), contributions)
     }
 
     fn limit_warnings(&self, robot: &RobotModel, configuration: &Configuration) -> Vec<String> {
@@ -108,28 +104,165 @@ impl Tracker {
     }
 }
 
-fn fill(slot: &mut Option<f64>, name: &str, value: f64) -> Result<(), Reason> {
-    if slot.is_some() {
-        return Err(Reason::Malformed(format!("joint {} stands in it twice", quoted(name))));
-    }
-    if !value.is_finite() {
-        return Err(Reason::NonFinite { joint: name.to_owned(), value });
-    }
-    if value.abs() > LARGEST_COORDINATE {
-        return Err(Reason::Malformed(format!("joint {} is at {value:e}", quoted(name))));
-    }
-    *slot = Some(value);
-    Ok(())
+/// Messages that become one state, the newest first.
+struct Merge<'t> {
+    tracker: &'t Tracker,
+    /// Names that do not begin with this are another robot's.
+    prefix: &'t str,
+    /// By position: the message that counts, and what it says.
+    named_by: Vec<Option<usize>>,
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    followers: Vec<(JointId, f64)>,
+    contributions: Contributions,
+    /// What is wrong with the newest message of which something is.
+    fault: Option<Reason>,
+    strangers: Vec<String>,
+    warnings: Vec<String>,
 }
 
-fn complete(robot: &RobotModel, positions: &[Option<f64>]) -> Result<Configuration, Reason> {
-    let missing: Vec<String> = (robot.position_names().iter().zip(positions))
-        .filter(|(_, position)| position.is_none())
-        .map(|(name, _)| name.clone())
-        .collect();
-    if !missing.is_empty() {
-        return Err(Reason::Partial { missing });
+impl<'t> Merge<'t> {
+    fn new(tracker: &'t Tracker, prefix: &'t str) -> Self {
+        let count = tracker.limits.len();
+        Self {
+            tracker,
+            prefix,
+            named_by: vec![None; count],
+            positions: vec![f64::NAN; count],
+            velocities: vec![f64::NAN; count],
+            followers: Vec::new(),
+            contributions: Contributions::default(),
+            fault: None,
+            strangers: Vec::new(),
+            warnings: Vec::new(),
+        }
     }
-    let positions: Vec<f64> = positions.iter().copied().flatten().collect();
-    (robot.configuration(&positions)).map_err(|error| Reason::Malformed(error.to_string()))
+
+    /// Takes the positions that `tf` tells; what joint states say about them counts for nothing.
+    fn place(&mut self, placed: &[Placed]) {
+        for (first, positions) in placed {
+            for (index, &position) in positions.iter().enumerate().map(|(i, p)| (first + i, p)) {
+                self.named_by[index] = Some(BY_TF);
+                self.positions[index] = position;
+            }
+        }
+    }
+
+    fn take(&mut self, message: usize, heard: &Heard, is_fresh: bool) {
+        let JointStateInput { names, positions, velocities, stamp, .. } = &heard.input;
+        let is_whole = names.len() == positions.len();
+        let moves = velocities.len() == names.len();
+        let mut fault = heard.behind.map(|behind| Reason::OutOfOrder { behind });
+        if !is_whole {
+            let counts = format!("it has {} names and {} positions", names.len(), positions.len());
+            fault.get_or_insert(Reason::Malformed(counts));
+        }
+        let (mut mine, mut followers, mut strangers) = (Vec::new(), Vec::new(), Vec::new());
+        let mut is_superseded = false;
+        for (i, name) in names.iter().enumerate() {
+            match self.tracker.slots.get(name) {
+                Some(&Slot::Position(index)) => match self.named_by[index] {
+                    Some(other) if other == message => {
+                        let twice = format!("joint {} stands in it twice", quoted(name));
+                        fault.get_or_insert(Reason::Malformed(twice));
+                    }
+                    Some(_) => is_superseded = true,
+                    None => {
+                        self.named_by[index] = Some(message);
+                        mine.push(index);
+                        if is_whole {
+                            self.positions[index] = positions[i];
+                            fault = fault.or_else(|| fault_of(name, positions[i]));
+                        }
+                        self.velocities[index] = if moves { velocities[i] } else { f64::NAN };
+                    }
+                },
+                Some(&Slot::Follows(joint)) if is_whole => followers.push((joint, positions[i])),
+                None if strangers.len() < MOST_STRANGERS && name.starts_with(self.prefix) => {
+                    strangers.push(name.chars().take(LONGEST_NAME).collect());
+                }
+                Some(_) | None => {}
+            }
+        }
+        let counts = !mine.is_empty() || (is_fresh && !is_superseded);
+        if !counts {
+            return;
+        }
+        self.strangers.append(&mut strangers);
+        if is_fresh {
+            followers.retain(|(joint, _)| self.followers.iter().all(|(known, _)| known != joint));
+            self.followers.append(&mut followers);
+        }
+        if mine.is_empty() {
+            let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
+            if !is_whole
+                && !is_of_another
+                && let Some(Reason::Malformed(what)) = fault
+            {
+                self.warnings
+                    .push(format!("a joint state about none of the robot's joints is malformed: {what}"));
+            }
+            return;
+        }
+        if *stamp == Time::ZERO {
+            let warning = "the joint state has no stamp: it counts as measured when it came";
+            self.warnings.push(warning.to_owned());
+        }
+        self.fault = self.fault.take().or(fault);
+        let Heard { stamp, at, .. } = *heard;
+        self.contributions.0.push(Contribution { stamp, at, positions: mine });
+    }
+
+    fn finish(mut self, robot: &RobotModel, unplaced: Option<Reason>) -> Result<Reading, Reason> {
+        if let Some(fault) = self.fault.or(unplaced) {
+            return Err(fault);
+        }
+        let names = robot.position_names().iter().zip(&self.named_by);
+        let missing: Vec<String> =
+            names.filter(|(_, by)| by.is_none()).map(|(name, _)| name.clone()).collect();
+        if !missing.is_empty() {
+            return Err(Reason::Partial { missing });
+        }
+        let configuration =
+            (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
+        self.warnings.extend(self.tracker.limit_warnings(robot, &configuration));
+        if !self.strangers.is_empty() {
+            self.strangers.sort_unstable();
+            self.strangers.dedup();
+            self.warnings.push(format!("the robot has no joint {}", quoted_list(&self.strangers)));
+        }
+        self.warnings.extend(mimic_warnings(robot, &configuration, &self.followers));
+        let moves = self.velocities.iter().all(|v| v.is_finite());
+        Ok(Reading { configuration, velocities: moves.then_some(self.velocities), warnings: self.warnings })
+    }
+}
+
+fn fault_of(name: &str, value: f64) -> Option<Reason> {
+    if !value.is_finite() {
+        return Some(Reason::NonFinite { joint: name.to_owned(), value });
+    }
+    let is_far = value.abs() > LARGEST_COORDINATE;
+    is_far.then(|| Reason::Malformed(format!("joint {} is at {value:e}", quoted(name))))
+}
+
+/// Joints that are reported elsewhere than where the joint they follow takes them: they are checked there.
+fn mimic_warnings(
+    robot: &RobotModel,
+    configuration: &Configuration,
+    followers: &[(JointId, f64)],
+) -> Vec<String> {
+    (followers.iter())
+        .filter_map(|&(joint, reported)| {
+            let position = robot.joint_position(configuration, joint)?;
+            let apart = reported.is_finite() && (reported - position).abs() > MIMIC_SLACK;
+            let robot_joint = robot.joint(joint);
+            let leader = &robot.joint(robot_joint.mimic?.joint).name;
+            apart.then(|| {
+                format!(
+                    "joint '{}' is reported at {reported}, but it mimics '{leader}' and is checked at {position}",
+                    robot_joint.name
+                )
+            })
+        })
+        .collect()
 }

@@ -66,6 +66,8 @@ fn level(judgement: &Judgement, model_fault: Option<&str>) -> u8 {
         Status::Unknown(Reason::Stale { .. } | Reason::NoJointState | Reason::NoClock) => {
             DiagnosticStatus::STALE
         }
+        // someone meant it to be so
+        Status::Unknown(Reason::Disabled) => DiagnosticStatus::WARN,
         Status::Unknown(_) | Status::Colliding => DiagnosticStatus::ERROR,
         Status::Free if judgement.warnings.is_empty() && model_fault.is_none() => DiagnosticStatus::OK,
         Status::Free => DiagnosticStatus::WARN,
@@ -143,6 +145,7 @@ fn values(
     tell("mean compute time (ms)", milliseconds(mean));
     tell("longest compute time (ms)", milliseconds(activity.longest_compute_time));
     tell("joint states passed over", activity.passed_over.to_string());
+    tell("speed scale", format!("{:.3}", judgement.speed_scale));
     tell("messages dropped", activity.dropped.to_string());
     for warning in judgement.warnings.iter() {
         tell("warning", warning.clone());

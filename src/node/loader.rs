@@ -45,8 +45,10 @@ pub struct Loader {
     surroundings: Surroundings,
     mesh_model: MeshModel,
     parameters: ParameterStore,
-    /// The robot was given on the command line, which wins over topics.
-    robot_is_given: bool,
+    /// The robot that was given on the command line, which wins over topics.
+    given: Option<RobotModel>,
+    /// What the names of the robot's joints and links begin with.
+    prefixes: [String; 2],
     /// The last texts that came, so that the same ones again cost nothing.
     description: Option<String>,
     semantic: Option<String>,
@@ -84,7 +86,8 @@ impl Loader {
             surroundings,
             mesh_model,
             parameters,
-            robot_is_given: false,
+            given: None,
+            prefixes: Default::default(),
             description: None,
             semantic: None,
             robot: None,
@@ -118,7 +121,7 @@ impl Loader {
 
     /// The checker of a robot from the command line; from now on descriptions on topics are not heeded.
     pub fn take_given(&mut self, robot: RobotModel) -> Result<Arc<Revision>, String> {
-        self.robot_is_given = true;
+        self.given = Some(robot.clone());
         self.take(robot)
     }
 
@@ -130,6 +133,11 @@ impl Loader {
                 change = change.max(self.note(order));
             }
             change = change.max(self.look_at_the_world());
+            let is_described = self.description.is_some() || self.given.is_some();
+            let is_swap = change == Change::Robot && is_described;
+            if is_swap && events.send_blocking(Event::ModelSwap).is_err() {
+                return;
+            }
             let built = match change {
                 Change::Nothing => Ok(None),
                 Change::Settings | Change::World => self.rebuild(change),
@@ -187,13 +195,16 @@ impl Loader {
 
     fn note(&mut self, order: Order) -> Change {
         let (known, text, topic) = match order {
-            Order::Parameters => return Change::Settings,
+            Order::Parameters if self.prefixes == prefixes(&self.parameters.get()) => {
+                return Change::Settings;
+            }
+            Order::Parameters => return Change::Robot,
             Order::Clouds => return Change::Nothing,
             Order::Scene(order) => return self.note_scene(*order),
             Order::Description(text) => (&mut self.description, text, DESCRIPTION),
             Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
-        if self.robot_is_given {
+        if self.given.is_some() {
             log::info!("{topic} is not heeded: the robot was given on the command line");
             return Change::Nothing;
         }
@@ -216,6 +227,9 @@ impl Loader {
 
     /// The robot that the last texts describe.
     fn reload(&mut self) -> Result<Option<Arc<Revision>>, String> {
+        if let Some(robot) = self.given.clone() {
+            return self.take(robot).map(Some);
+        }
         let Some(description) = &self.description else {
             return Ok(None);
         };
@@ -256,7 +270,9 @@ impl Loader {
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
-        let robot = Arc::new(robot);
+        let parameters = self.parameters.get();
+        self.prefixes = prefixes(&parameters);
+        let robot = Arc::new(robot.with_prefixes(&self.prefixes[0], &self.prefixes[1]));
         let before = self.keeper.state.clone();
         let mut world = self.world_revision;
         if self.keeper.is_untouched() {
@@ -266,7 +282,6 @@ impl Loader {
         } else {
             self.keeper.fit_to(&robot);
         }
-        let parameters = self.parameters.get();
         for order in self.keeper.awaited() {
             let changed = guarded_scene(|| self.keeper.apply(order, &robot, &parameters));
             world += u64::from(changed);
@@ -339,6 +354,11 @@ pub fn checker_of(
         None => CollisionChecker::with_matrix(Arc::clone(robot), &scene.world, settings, matrix),
     };
     built.map_err(|error| error.to_string())
+}
+
+/// What names of joints and of links begin with.
+fn prefixes(parameters: &Parameters) -> [String; 2] {
+    [parameters.joint_prefix.clone(), parameters.link_prefix.clone()]
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

@@ -176,6 +176,7 @@ mod tests {
             age: None,
             evidence: None,
             placement: None,
+            speed_scale: 0.0,
             stale_world: None,
             revision: None,
             warnings: [].into(),

@@ -3,7 +3,8 @@
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
 //! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics,
-//! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact
+//! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact, ~/speed_scale
+//! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
 //! ```
@@ -17,6 +18,7 @@ pub mod clearance_msgs;
 pub mod clearance_srvs;
 mod clock;
 mod diagnostics;
+mod enable_service;
 mod environment;
 #[cfg(test)]
 mod interface_text;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use smol::Timer;
-use smol::channel::Receiver;
+use smol::channel::{Receiver, Sender};
 
 use super::clock::RosClock;
 use super::diagnostics::{Activity, diagnostics};
@@ -14,13 +14,19 @@ use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
+use crate::monitor::scene::TransformTree;
 use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
 pub enum Event {
     Checker(Arc<Revision>),
+    /// Another robot was described: its checker or its fault follows.
+    ModelSwap,
     ModelFault(String),
+    /// Whether states are checked; who asked is told when it is so.
+    Enabled(bool, Sender<()>),
     /// What sensors see, and what was refused of the last changes of the world.
     World(CloudReports, Vec<String>),
     Parameters(Box<Parameters>),
@@ -46,6 +52,7 @@ pub struct MonitorLoop {
     pub parameters: Parameters,
     pub clock: Arc<RosClock>,
     pub joint_states: Subscription<JointState>,
+    pub transforms: Transforms,
     pub own_motion: OwnMotion,
     pub events: Receiver<Event>,
     pub publishers: Publishers,
@@ -87,10 +94,7 @@ impl MonitorLoop {
                 Wake::Event(Event::Stop) => return,
                 Wake::Event(event) => self.heed(event),
                 Wake::JointState(message, origin) => self.judge(message, origin),
-                Wake::Heartbeat => {
-                    let judgement = self.monitor.on_heartbeat(self.clock.read());
-                    self.say(&judgement);
-                }
+                Wake::Heartbeat => self.beat(),
             }
         }
     }
@@ -126,6 +130,13 @@ impl MonitorLoop {
                 self.report.model_fault = None;
                 self.monitor.set_checker(revision);
             }
+            Event::ModelSwap => self.monitor.note_model_swap(),
+            Event::Enabled(enabled, heeded) => {
+                self.monitor.set_enabled(enabled);
+                self.beat();
+                // who no longer waits need not be told
+                let _ = heeded.try_send(());
+            }
             Event::ModelFault(fault) => {
                 self.report.model_fault = Some(fault.clone());
                 self.report.last = None;
@@ -142,13 +153,34 @@ impl MonitorLoop {
         }
     }
 
+    fn beat(&mut self) {
+        self.look_at_transforms();
+        let judgement = self.monitor.on_heartbeat(self.clock.read());
+        self.say(&judgement);
+    }
+
+    fn look_at_transforms(&mut self) {
+        if self.parameters.transform_joints.is_empty() {
+            self.monitor.note_transforms(&TransformTree::default());
+        } else {
+            self.monitor.note_transforms(&self.transforms.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
+                if Some(newer.1.publisher) == self.own_motion.source {
+                    continue;
+                }
                 self.report.activity.passed_over += 1;
+                // the newer one may be about other joints
+                let older = joint_state_input(message, origin.publisher);
+                self.monitor.hear(older, self.clock.read());
                 (message, origin) = newer;
             }
         }
+        self.look_at_transforms();
         let input = joint_state_input(message, origin.publisher);
         let judgement = self.monitor.on_joint_state(input, self.clock.read());
         self.report.activity.note_judged(&judgement);

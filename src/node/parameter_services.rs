@@ -245,7 +245,12 @@ fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
-        Range::Bool | Range::Word(_) | Range::Texts | Range::Point => Vec::new(),
+        Range::Bool
+        | Range::Integer { .. }
+        | Range::Word(_)
+        | Range::Prefix
+        | Range::Names(_)
+        | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
@@ -261,9 +266,17 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
-            Range::Bool | Range::Double { .. } | Range::Texts => String::new(),
+            Range::Bool | Range::Double { .. } | Range::Integer { .. } | Range::Prefix | Range::Names(_) => {
+                String::new()
+            }
         },
         floating_point_range: ranges,
+        integer_range: match declaration.range {
+            Range::Integer { from, to } => {
+                vec![raw::IntegerRange { from_value: from.into(), to_value: to.into(), step: 1 }]
+            }
+            _ => Vec::new(),
+        },
         ..blank_descriptor()
     }
 }

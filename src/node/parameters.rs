@@ -3,17 +3,27 @@
 use std::sync::LazyLock;
 
 use super::parameter_value::Value;
-use crate::monitor::MonitorSettings;
+use crate::monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
 
 /// All parameters in force. One value of this is one consistent choice: it changes as a whole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     pub heartbeat_rate: f64,
     pub stale_after: f64,
+    pub check_deadline: f64,
     pub influence_distance: f64,
     pub distance_limit: f64,
+    pub slowdown_distance_self: f64,
+    pub slowdown_distance_world: f64,
+    pub stop_distance_self: f64,
+    pub stop_distance_world: f64,
+    pub slowdown_reaction_time: f64,
+    pub slowdown_trigger_count: u32,
+    pub slowdown_release_count: u32,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
+    pub joint_prefix: String,
+    pub link_prefix: String,
     pub padding: f64,
     pub pad_self: bool,
     pub publish_markers: bool,
@@ -29,6 +39,7 @@ pub struct Parameters {
     pub octomap_ttl: f64,
     pub unknown_space: &'static str,
     pub transform_ttl: f64,
+    pub transform_joints: Vec<String>,
     pub use_sim_time: bool,
 }
 
@@ -41,10 +52,20 @@ impl Default for Parameters {
         Self {
             heartbeat_rate: monitor.heartbeat_rate,
             stale_after: monitor.stale_after,
+            check_deadline: monitor.check_deadline,
             influence_distance: monitor.influence_distance,
             distance_limit: monitor.distance_limit,
+            slowdown_distance_self: monitor.speed.own.slowdown,
+            slowdown_distance_world: monitor.speed.world.slowdown,
+            stop_distance_self: monitor.speed.own.stop,
+            stop_distance_world: monitor.speed.world.stop,
+            slowdown_reaction_time: monitor.speed.reaction_time,
+            slowdown_trigger_count: monitor.speed.trigger_count,
+            slowdown_release_count: monitor.speed.release_count,
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
+            joint_prefix: monitor.joint_prefix,
+            link_prefix: String::new(),
             padding: 0.0,
             pad_self: false,
             publish_markers: true,
@@ -59,7 +80,8 @@ impl Default for Parameters {
             cloud_crop_max: Vec::new(),
             octomap_ttl: 0.0,
             unknown_space: UNKNOWN_SPACES[0],
-            transform_ttl: 1.0,
+            transform_ttl: monitor.transform_ttl,
+            transform_joints: monitor.transform_joints,
             use_sim_time: false,
         }
     }
@@ -71,10 +93,25 @@ impl Parameters {
         MonitorSettings {
             heartbeat_rate: self.heartbeat_rate,
             stale_after: self.stale_after,
+            check_deadline: self.check_deadline,
+            joint_prefix: self.joint_prefix.clone(),
+            transform_joints: self.transform_joints.clone(),
+            transform_ttl: self.transform_ttl,
             influence_distance: self.influence_distance,
             distance_limit: self.distance_limit,
+            speed: self.speed_settings(),
             look_ahead_horizon: self.look_ahead_horizon,
             look_ahead_acceleration: self.look_ahead_acceleration,
+        }
+    }
+
+    fn speed_settings(&self) -> SpeedSettings {
+        SpeedSettings {
+            own: SpeedDistances { slowdown: self.slowdown_distance_self, stop: self.stop_distance_self },
+            world: SpeedDistances { slowdown: self.slowdown_distance_world, stop: self.stop_distance_world },
+            reaction_time: self.slowdown_reaction_time,
+            trigger_count: self.slowdown_trigger_count,
+            release_count: self.slowdown_release_count,
         }
     }
 
@@ -124,9 +161,16 @@ pub enum Range {
         from: f64,
         to: f64,
     },
+    Integer {
+        from: u32,
+        to: u32,
+    },
     /// One of these words.
     Word(&'static [&'static str]),
-    Texts,
+    /// What names begin with.
+    Prefix,
+    /// A list of names, of what is said here.
+    Names(&'static str),
     /// A point, or nothing.
     Point,
 }
@@ -136,7 +180,9 @@ pub enum Range {
 enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
     Double(fn(&mut Parameters) -> &mut f64),
+    Integer(fn(&mut Parameters) -> &mut u32),
     Word(fn(&mut Parameters) -> &mut &'static str),
+    Text(fn(&mut Parameters) -> &mut String),
     Texts(fn(&mut Parameters) -> &mut Vec<String>),
     Point(fn(&mut Parameters) -> &mut Vec<f64>),
 }
@@ -154,7 +200,9 @@ impl Declaration {
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
             Access::Double(field) => Value::Double(*field(&mut parameters)),
+            Access::Integer(field) => Value::Integer(i64::from(*field(&mut parameters))),
             Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
+            Access::Text(field) => Value::Text(field(&mut parameters).clone()),
             Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
             Access::Point(field) => Value::Doubles(field(&mut parameters).clone()),
         }
@@ -188,11 +236,24 @@ impl Declaration {
                 }
                 *field(parameters) = number;
             }
+            (Access::Integer(field), _) => *field(parameters) = self.integer(value)?,
             (Access::Word(field), _) => *field(parameters) = self.word(value)?,
+            (Access::Text(field), _) => *field(parameters) = self.prefix(value)?,
             (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
             (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
         Ok(())
+    }
+
+    fn integer(&self, value: &Value) -> Result<u32, String> {
+        let Range::Integer { from, to } = self.range else {
+            return Err(format!("{} is no integer", self.name));
+        };
+        let Value::Integer(number) = *value else {
+            return Err(format!("{} is an integer, but {} was given", self.name, value.kind()));
+        };
+        let within = u32::try_from(number).ok().filter(|number| (from..=to).contains(number));
+        within.ok_or_else(|| format!("{} must be from {from} to {to}, but {number} was given", self.name))
     }
 
     fn word(&self, value: &Value) -> Result<&'static str, String> {
@@ -204,6 +265,18 @@ impl Declaration {
         known
             .copied()
             .ok_or_else(|| format!("{} is {}, but '{text}' was given", self.name, words.join(" or ")))
+    }
+
+    fn prefix(&self, value: &Value) -> Result<String, String> {
+        const LONGEST: usize = 100;
+        let Value::Text(text) = value else {
+            return Err(format!("{} is a string, but {} was given", self.name, value.kind()));
+        };
+        let usable = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+        if text.len() > LONGEST || !text.chars().all(usable) {
+            return Err(format!("{} is up to {LONGEST} letters, digits and _ - . /", self.name));
+        }
+        Ok(text.clone())
     }
 
     fn texts(&self, value: &Value) -> Result<Vec<String>, String> {
@@ -244,6 +317,13 @@ pub fn declaration(name: &str) -> Option<&'static Declaration> {
 /// Every parameter, by name. `config/clearance.yaml` says the same with more words; a test compares them.
 pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     vec![
+        double(
+            "check_deadline",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.check_deadline,
+            "Time that one answer may take, beyond which undecided pairs make the state unknown; 0 means as long as it takes.",
+        ),
         Declaration {
             range: Range::Point,
             access: Access::Point(|p| &mut p.cloud_crop_max),
@@ -282,6 +362,24 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.influence_distance,
             "Distance up to which every pair is reported with its distance and nearest points.",
         ),
+        Declaration {
+            range: Range::Prefix,
+            access: Access::Text(|p| &mut p.joint_prefix),
+            ..described(
+                "joint_prefix",
+                "",
+                "What the names of this robot's joints begin with, before those of its URDF.",
+            )
+        },
+        Declaration {
+            range: Range::Prefix,
+            access: Access::Text(|p| &mut p.link_prefix),
+            ..described(
+                "link_prefix",
+                "",
+                "What the names of this robot's links begin with, before those of its URDF.",
+            )
+        },
         double(
             "look_ahead_acceleration",
             "rad/s2",
@@ -330,7 +428,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Age of a point cloud beyond which it says nothing about the world any more.",
         ),
         Declaration {
-            range: Range::Texts,
+            range: Range::Names("topics"),
             access: Access::Texts(|p| &mut p.point_cloud_topics),
             ..described("point_cloud_topics", "", "Topics of point clouds that have to be avoided.")
         },
@@ -350,6 +448,39 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Points of clouds nearer than this to the robot, or to what it holds, are taken for the robot.",
         ),
         double(
+            "slowdown_distance_self",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.slowdown_distance_self,
+            "Distance between links below which ~/speed_scale is less than 1; 0 means only when they touch.",
+        ),
+        double(
+            "slowdown_distance_world",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.slowdown_distance_world,
+            "Distance to an obstacle below which ~/speed_scale is less than 1; 0 means only when it is touched.",
+        ),
+        double(
+            "slowdown_reaction_time",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.slowdown_reaction_time,
+            "Time that the robot needs to slow down: what approaches counts as nearer by its way in this time.",
+        ),
+        integer(
+            "slowdown_release_count",
+            (1, 1000),
+            |p| &mut p.slowdown_release_count,
+            "States in a row that have to ask for more speed before ~/speed_scale rises.",
+        ),
+        integer(
+            "slowdown_trigger_count",
+            (1, 1000),
+            |p| &mut p.slowdown_trigger_count,
+            "States in a row that have to ask for less speed before ~/speed_scale falls.",
+        ),
+        double(
             "stale_after",
             "s",
             (0.001, 3600.0),
@@ -365,6 +496,29 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
                 "What becomes of a cloud or octomap that has grown too old.",
             )
         },
+        Declaration {
+            range: Range::Names("joints"),
+            access: Access::Texts(|p| &mut p.transform_joints),
+            ..described(
+                "transform_joints",
+                "",
+                "Planar and floating joints whose positions tf tells, instead of joint states.",
+            )
+        },
+        double(
+            "stop_distance_self",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.stop_distance_self,
+            "Distance between links up to which ~/speed_scale is 0.",
+        ),
+        double(
+            "stop_distance_world",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.stop_distance_world,
+            "Distance to an obstacle up to which ~/speed_scale is 0.",
+        ),
         double(
             "transform_ttl",
             "s",
@@ -400,6 +554,21 @@ fn double(
     Declaration { name, unit, description, range: Range::Double { from, to }, access: Access::Double(field) }
 }
 
+fn integer(
+    name: &'static str,
+    (from, to): (u32, u32),
+    field: fn(&mut Parameters) -> &mut u32,
+    description: &'static str,
+) -> Declaration {
+    Declaration {
+        name,
+        unit: "",
+        description,
+        range: Range::Integer { from, to },
+        access: Access::Integer(field),
+    }
+}
+
 fn boolean(
     name: &'static str,
     field: fn(&mut Parameters) -> &mut bool,
@@ -426,8 +595,10 @@ mod tests {
     /// Parameters of which every one differs from its default where a list can.
     fn declaration_test_start(name: &str) -> Parameters {
         let mut parameters = Parameters::default();
-        if name == "point_cloud_topics" {
-            parameters.point_cloud_topics = vec!["/clouds".to_owned()];
+        match name {
+            "point_cloud_topics" => parameters.point_cloud_topics = vec!["/clouds".to_owned()],
+            "transform_joints" => parameters.transform_joints = vec!["base".to_owned()],
+            _ => {}
         }
         parameters
     }
@@ -445,8 +616,10 @@ mod tests {
             let begins = match declaration.range {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
+                Range::Integer { from, to } => format!(" {from} to {to}."),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
-                Range::Texts => " A list of topics.".to_owned(),
+                Range::Prefix => " A text.".to_owned(),
+                Range::Names(what) => format!(" A list of {what}."),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),
             };
             let comment = comment_above(name);
@@ -464,6 +637,11 @@ mod tests {
             ("stale_after", Value::Text("long".into()), "a string"),
             ("publish_markers", Value::Integer(1), "an integer"),
             ("padding", Value::Other("an array"), "an array"),
+            ("slowdown_trigger_count", Value::Integer(0), "from 1 to 1000, but 0"),
+            ("slowdown_trigger_count", Value::Integer(-1), "from 1 to 1000, but -1"),
+            ("slowdown_trigger_count", Value::Double(2.0), "is an integer, but a double"),
+            ("joint_prefix", Value::Text("a b".into()), "letters, digits"),
+            ("link_prefix", Value::Integer(1), "is a string, but an integer"),
             ("speed", Value::Bool(true), "'speed'"),
             ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
             ("unknown_space", Value::Bool(true), "a bool"),

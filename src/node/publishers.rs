@@ -19,6 +19,7 @@ pub struct Publishers {
     state: Publisher<CollisionState>,
     is_free: Publisher<Bool>,
     distance: Publisher<Float64>,
+    speed_scale: Publisher<Float64>,
     time_to_contact: Publisher<Float64>,
     /// Whether someone may still hold a time to contact that is not zero.
     looked_ahead: bool,
@@ -47,6 +48,7 @@ impl Publishers {
             state: publisher(middleware, names, "~/state", state)?,
             is_free: publisher(middleware, names, "~/is_free", MessageKind("std_msgs", "Bool"))?,
             distance: publisher(middleware, names, "~/distance", float64)?,
+            speed_scale: publisher(middleware, names, "~/speed_scale", float64)?,
             time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
             looked_ahead: false,
             markers: publisher(middleware, names, "~/markers", array)?,
@@ -62,6 +64,7 @@ impl Publishers {
         let mut note = |sent: bool| dropped += u32::from(!sent);
         // what stops a robot goes first
         note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
+        note(self.speed_scale.publish(Float64 { data: judgement.speed_scale }));
         note(self.state.publish(collision_state(judgement)));
         note(self.distance.publish(Float64 { data: judgement.distance() }));
         let looks_ahead = parameters.look_ahead_horizon > 0.0;

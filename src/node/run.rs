@@ -9,6 +9,7 @@ use smol::channel::{self, Receiver, Sender};
 
 use super::arguments::RosArguments;
 use super::clock::RosClock;
+use super::enable_service::EnableService;
 use super::environment::Environment;
 use super::loader::{Loader, Order, Surroundings};
 use super::logging::{self, Line};
@@ -133,6 +134,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         parameters,
         clock: Arc::clone(&clock),
         joint_states: middleware.subscription(&joint_states, JOINT_STATE, Quality::BestEffort)?,
+        transforms: Arc::clone(&shared.transforms),
         own_motion: OwnMotion {
             source: motion.as_ref().map(|(_, publisher)| publisher.source()),
             joint_states: own_states_in,
@@ -149,7 +151,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
     let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
     let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current)?;
-    let own = (store, Arc::clone(&clock), motions);
+    let enable = EnableService::offer(&middleware, &names, end.events.clone())?;
+    let own = (store, Arc::clone(&clock), motions, enable);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || smol::block_on(monitor_loop.run())),
@@ -209,6 +212,7 @@ struct Services {
     semantics: Subscription<StringMessage>,
     parameters: ParameterServices,
     motions: MotionServices,
+    enable: EnableService,
     store: ParameterStore,
     clock: Arc<RosClock>,
     clock_topic: FullName,
@@ -223,7 +227,7 @@ impl Services {
     fn open(
         middleware: &Middleware,
         names: &Names,
-        (store, clock, motions): (ParameterStore, Arc<RosClock>, MotionServices),
+        (store, clock, motions, enable): (ParameterStore, Arc<RosClock>, MotionServices, EnableService),
         orders: Sender<Order>,
         changes: Receiver<()>,
     ) -> Result<Self, NodeError> {
@@ -235,6 +239,7 @@ impl Services {
             semantics: latched("robot_description_semantic")?,
             parameters: ParameterServices::offer(middleware, names, store.clone(), Arc::clone(&clock))?,
             motions,
+            enable,
             clock_topic: names.resolve("/clock")?,
             middleware: middleware.clone(),
             store,
@@ -262,7 +267,8 @@ impl Services {
                 self.middleware.tell(&self.logger, &line, self.clock.now().unwrap_or_default());
             }
         };
-        let serve = future::zip(future::zip(self.parameters.serve(), self.motions.serve()), tell);
+        let serve = future::zip(self.parameters.serve(), self.motions.serve());
+        let serve = future::zip(future::zip(serve, self.enable.serve()), tell);
         future::zip(future::zip(listen, serve), self.middleware.meet_peers()).await;
     }
 }
@@ -305,6 +311,7 @@ fn on_change(
 fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
     (
         (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
+        (parameters.joint_prefix.clone(), parameters.link_prefix.clone()),
         (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
     )
 }

@@ -71,6 +71,29 @@ impl JointKind {
         }
     }
 
+    /// The positions of a planar or floating joint whose child link is at `pose_jc` in the joint frame, and how far (m, rad) it then
+    /// is from there: a planar joint does not leave its plane. `None` for joints of other kinds.
+    #[must_use]
+    pub fn positions_at(&self, pose_jc: &Pose) -> Option<(Vec<f64>, f64)> {
+        let (shift, turn) = (pose_jc.translation.vector, pose_jc.rotation);
+        match self {
+            Self::Floating => {
+                let [i, j, k, w] = turn.quaternion().coords.into();
+                Some((vec![shift.x, shift.y, shift.z, i, j, k, w], 0.0))
+            }
+            Self::Planar(axis) => {
+                let (u, v) = plane_basis(axis);
+                let half = turn.imag().dot(axis).atan2(turn.w);
+                // half the angle and half the angle less a whole turn are the same rotation
+                let theta = 2.0 * (half - std::f64::consts::PI * (half / std::f64::consts::PI).round());
+                let tilt = turn.angle_to(&Rotation::from_axis_angle(axis, theta));
+                let off = shift.dot(axis).abs();
+                Some((vec![shift.dot(&u), shift.dot(&v), theta], off.max(tilt)))
+            }
+            _ => None,
+        }
+    }
+
     /// Pose of the child link in the joint frame; `positions` has one number for each position suffix.
     #[must_use]
     pub fn motion(&self, positions: &[f64]) -> Pose {

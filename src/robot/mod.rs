@@ -12,6 +12,7 @@ mod mesh_uri;
 mod mimic;
 mod model;
 mod numbers;
+mod prefix;
 mod robot_text;
 mod source;
 mod srdf;

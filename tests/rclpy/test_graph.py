@@ -12,6 +12,7 @@ PUBLISHED = {
     "~/state": "clearance_msgs/msg/CollisionState",
     "~/is_free": "std_msgs/msg/Bool",
     "~/distance": "std_msgs/msg/Float64",
+    "~/speed_scale": "std_msgs/msg/Float64",
     "~/time_to_contact": "std_msgs/msg/Float64",
     "~/certificates": "std_msgs/msg/String",
     "~/swept_volume": "visualization_msgs/msg/MarkerArray",
@@ -23,6 +24,7 @@ SUBSCRIBED = {
     "robot_description": "std_msgs/msg/String",
 }
 SERVICES = {
+    "~/enable": "std_srvs/srv/SetBool",
     "~/check_motion": "clearance_msgs/srv/CheckMotion",
     "~/check_trajectory": "clearance_msgs/srv/CheckTrajectory",
     "~/describe_parameters": "rcl_interfaces/srv/DescribeParameters",

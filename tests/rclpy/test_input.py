@@ -51,11 +51,13 @@ def test_a_missing_joint_is_named(cell):
     assert not state.distance_known
 
 
-def test_a_joint_that_was_there_before_is_missed_too(cell):
+def test_a_joint_that_was_there_before_is_missed_when_its_last_word_is_old(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
-    state = cell.judged(joint1=0)
-    assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, "partial")
-    assert "joint2" in state.reason
+    cell.driver.report(joint1=0)
+    state = cell.unknown("stale")
+    assert "'joint2'" in state.reason
+    assert "'joint1'" not in state.reason
+    assert state.age > STALE_AFTER
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])

@@ -19,6 +19,7 @@ from peer import Peer
 TYPES = {
     ParameterType.PARAMETER_BOOL,
     ParameterType.PARAMETER_DOUBLE,
+    ParameterType.PARAMETER_INTEGER,
     ParameterType.PARAMETER_STRING,
     ParameterType.PARAMETER_DOUBLE_ARRAY,
     ParameterType.PARAMETER_STRING_ARRAY,

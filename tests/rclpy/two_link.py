@@ -25,6 +25,18 @@ def description_with_cube(side):
     return changed
 
 
+def description_with_follower():
+    """The same robot with a flag on the tip, whose joint `follower` mimics joint2."""
+    flag = '''
+  <link name="flag"/>
+  <joint name="follower" type="revolute">
+    <parent link="tip"/><child link="flag"/><axis xyz="0 0 1"/><mimic joint="joint2"/>
+    <limit lower="-3.2" upper="3.2" effort="1" velocity="1"/>
+  </joint>
+</robot>'''
+    return description().replace("</robot>", flag)
+
+
 @dataclass(frozen=True)
 class Answer:
     """A state and its answer, derived in the comment at the top of the URDF."""

@@ -59,6 +59,17 @@ impl TransformTree {
         true
     }
 
+    /// Pose of `frame` in the frame `reference`, and the stamp of the oldest transform on the way, if one of them changes; `None` if
+    /// nothing connects them.
+    #[must_use]
+    pub fn pose_between(&self, reference: &str, frame: &str) -> Option<(Pose, Option<Time>)> {
+        let (of_frame, of_reference) = (self.ancestors(frame), self.ancestors(reference));
+        let (above, below) =
+            of_frame.iter().find_map(|a| Some((a, of_reference.iter().find(|r| r.name == a.name)?)))?;
+        let stamps = [above, below].into_iter().filter_map(|a| a.oldest).map(|(_, stamp)| stamp);
+        Some((below.pose_af.inverse() * above.pose_af, stamps.min()))
+    }
+
     /// The frame itself and those above it, nearest first; ends before it would come around.
     pub(super) fn ancestors<'t>(&'t self, frame: &'t str) -> Vec<Ancestor<'t>> {
         let mut above = vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None }];

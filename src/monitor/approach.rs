@@ -1,0 +1,75 @@
+//! How fast two bodies approach each other.
+
+use super::Evidence;
+use crate::checker::{Body, CollisionChecker, PairDistance};
+use crate::math::{Point, Vector};
+use crate::robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
+
+/// How far ahead (s) links are moved by their velocities: far above rounding, far below any curve.
+const STEP: f64 = 1e-5;
+
+/// Points nearer than this (m) have no direction between them.
+const LEAST_DISTANCE: f64 = 1e-9;
+
+/// Where the links are at another time.
+#[derive(Clone, Debug)]
+pub(super) struct OtherTime {
+    pub poses: LinkPoses,
+    /// How much later (s) that is; negative if it is earlier.
+    pub after: f64,
+}
+
+/// A moment later, by the velocities of all positions; `None` where these are no rates of the positions.
+pub(super) fn a_moment_later(robot: &RobotModel, evidence: &Evidence) -> Option<OtherTime> {
+    if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
+        return None;
+    }
+    let velocities = evidence.velocities.as_ref()?.iter();
+    let moved: Vec<f64> =
+        (evidence.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
+    let moved: Configuration = robot.configuration(&moved).ok()?;
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&moved, &mut poses);
+    Some(OtherTime { poses, after: STEP })
+}
+
+/// By how much (m/s) the distance of a pair shrinks; negative when it grows, `None` when the bodies touch. Obstacles stand still.
+///
+/// The nearest points move with their bodies; how fast they move along the line between them is how fast the distance changes.
+pub(super) fn approach_rate(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    now: &LinkPoses,
+    other: &OtherTime,
+) -> Option<f64> {
+    let [a, b] = pair.witness_points;
+    let way = b - a;
+    if way.norm() < LEAST_DISTANCE || pair.distance <= 0.0 {
+        return None;
+    }
+    let moved = |body, point| displacement(checker, body, point, (now, &other.poses));
+    let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
+    rate.is_finite().then_some(rate)
+}
+
+/// How far a point of a body moves from one time to the other.
+fn displacement(
+    checker: &CollisionChecker,
+    body: Body,
+    point_r: Point,
+    (now, then): (&LinkPoses, &LinkPoses),
+) -> Vector {
+    let Some(link) = carrier(checker, body) else { return Vector::zeros() };
+    let point_l = now.pose(link).inverse_transform_point(&point_r);
+    // both from the point on the link, so that rounding is the same
+    then.pose(link) * point_l - now.pose(link) * point_l
+}
+
+/// The link that a body moves with.
+fn carrier(checker: &CollisionChecker, body: Body) -> Option<LinkId> {
+    match body {
+        Body::Link(link) => Some(link),
+        Body::Attached(id) => checker.robot().link_by_name(&checker.world().attached_object(id).link),
+        Body::Obstacle(_) => None,
+    }
+}

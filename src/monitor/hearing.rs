@@ -1,0 +1,83 @@
+//! What was heard last of every joint, from whoever reports it.
+
+use std::time::Duration;
+
+use super::{JointStateInput, Now, Time};
+
+/// Messages remembered at most: publishers come and go, and memory must not grow with them.
+const MOST_MESSAGES: usize = 32;
+
+/// Bytes of joint names remembered at most, but for those of the last message.
+const MOST_TEXT: usize = 1 << 20;
+
+/// A joint state, and when it came.
+#[derive(Debug)]
+pub(super) struct Heard {
+    pub input: JointStateInput,
+    /// The stamp that counts: its own, or when it came if it has none.
+    pub stamp: Time,
+    /// When it came, by the steady clock.
+    pub at: Duration,
+    /// How much older (s) it is than the newest judged one of its stream, if it is.
+    pub behind: Option<f64>,
+    /// The newest judged stamp of its stream.
+    judged: Option<Time>,
+}
+
+impl Heard {
+    /// How long (s) ago it came.
+    pub fn silence(&self, now: Now) -> f64 {
+        now.steady.saturating_sub(self.at).as_secs_f64()
+    }
+
+    fn text(&self) -> usize {
+        self.input.names.iter().map(String::len).sum()
+    }
+}
+
+/// The last message of every stream, the one that came last at the end. A stream is what one publisher says about the same joints:
+/// several drivers may share the topic, and a played bag is one publisher that says what several said.
+#[derive(Debug, Default)]
+pub(super) struct Hearing(Vec<Heard>);
+
+impl Hearing {
+    pub fn hear(&mut self, input: JointStateInput, now: Now) {
+        let stamp = match (input.stamp, now.ros) {
+            (Time::ZERO, Some(now)) => now,
+            (stamp, _) => stamp,
+        };
+        let before =
+            self.0.iter().position(|h| h.input.source == input.source && h.input.names == input.names);
+        let judged = before.and_then(|place| self.0.remove(place).judged);
+        let newest = judged.filter(|_| input.stamp != Time::ZERO);
+        let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
+        self.0.push(Heard { input, stamp, at: now.steady, behind, judged });
+        let mut text: usize = self.0.iter().map(Heard::text).sum();
+        while self.0.len() > MOST_MESSAGES || (text > MOST_TEXT && self.0.len() > 1) {
+            text -= self.0.remove(0).text();
+        }
+    }
+
+    /// The message that came last was judged.
+    pub fn note_judged(&mut self) {
+        if let Some(last) = self.0.last_mut().filter(|last| last.input.stamp != Time::ZERO) {
+            last.judged = Some(last.stamp);
+        }
+    }
+
+    /// The clock that the stamps refer to was set back: those judged before order nothing any more.
+    pub fn forget_order(&mut self) {
+        for heard in &mut self.0 {
+            heard.judged = None;
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// In the order in which they came.
+    pub fn messages(&self) -> &[Heard] {
+        &self.0
+    }
+}

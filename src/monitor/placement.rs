@@ -1,0 +1,116 @@
+//! Joints of several positions whose places `tf` tells: a base that drives, flies or swims.
+
+use super::scene::TransformTree;
+use super::{MonitorSettings, Now, Reason, Time};
+use crate::math::Pose;
+use crate::robot::{JointId, RobotModel};
+
+/// How far (m, rad) a transform may leave the plane of a planar joint: that much of the base's place is not checked.
+const PLANE_SLACK: f64 = 1e-3;
+
+/// Where `tf` has the child link of a joint.
+#[derive(Clone, Debug, PartialEq)]
+struct Placement {
+    joint: JointId,
+    /// Pose of the child link in the parent link, and since when; `None` while nothing connects the two.
+    found: Option<(Pose, Option<Time>)>,
+}
+
+/// All joints that `tf` places.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Placements {
+    placements: Vec<Placement>,
+    /// What of the wish for them cannot be fulfilled.
+    pub warnings: Vec<String>,
+}
+
+/// Numbers of a configuration, where they begin.
+pub(super) type Placed = (usize, Vec<f64>);
+
+impl Placements {
+    /// What `tf` tells now about the joints that the settings name.
+    pub fn look_up(robot: &RobotModel, settings: &MonitorSettings, tree: &TransformTree) -> Self {
+        let mut all = Self::default();
+        for name in &settings.transform_joints {
+            let joint =
+                robot.joint_by_name(name).filter(|&id| robot.joint(id).kind.position_suffixes().len() > 1);
+            let Some(joint) = joint.filter(|&id| robot.first_position(id).is_some()) else {
+                all.warnings.push(format!(
+                    "transform_joints names '{name}', but the robot has no planar or floating joint of this name"
+                ));
+                continue;
+            };
+            let [parent, child] = frames(robot, joint);
+            let found = tree.pose_between(parent, child);
+            all.placements.push(Placement { joint, found });
+        }
+        all
+    }
+
+    /// Whether they place every number of a configuration.
+    pub fn place_all(&self, robot: &RobotModel) -> bool {
+        let placed: usize =
+            self.placements.iter().map(|p| robot.joint(p.joint).kind.position_suffixes().len()).sum();
+        placed > 0 && placed == robot.position_names().len()
+    }
+
+    /// The stamp of the oldest transform, if any has one.
+    pub fn stamp(&self) -> Option<Time> {
+        self.placements.iter().filter_map(|p| p.found?.1).min()
+    }
+
+    /// Where the joints are, or why that is not known of one.
+    pub fn read(
+        &self,
+        robot: &RobotModel,
+        now: Now,
+        settings: &MonitorSettings,
+    ) -> Result<Vec<Placed>, Reason> {
+        self.placements.iter().map(|placement| placement.read(robot, now, settings)).collect()
+    }
+
+    /// How long (s) the oldest transform still counts; infinite where none grows old.
+    pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
+        let age =
+            now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
+        settings.transform_ttl - age
+    }
+}
+
+impl Placement {
+    fn read(&self, robot: &RobotModel, now: Now, settings: &MonitorSettings) -> Result<Placed, Reason> {
+        let [parent, child] = frames(robot, self.joint);
+        let joint = robot.joint(self.joint);
+        let unknown = |why: String| Reason::NoTransform {
+            joint: joint.name.clone(),
+            frames: [parent.to_owned(), child.to_owned()],
+            why,
+        };
+        let (pose_pc, stamp) =
+            self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
+        let ros = now.ros.ok_or(Reason::NoClock)?;
+        let age = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
+        let ttl = settings.transform_ttl;
+        if age > ttl {
+            return Err(unknown(format!("it is {age:.3} s old, and transform_ttl is {ttl} s")));
+        }
+        if -age > ttl {
+            return Err(unknown(format!("it is stamped {:.3} s in the future", -age)));
+        }
+        let placed = joint.kind.positions_at(&(joint.pose_pj.inverse() * pose_pc));
+        let first = robot.first_position(self.joint);
+        let ((positions, apart), first) = placed
+            .zip(first)
+            .ok_or_else(|| unknown("the joint is neither planar nor floating".to_owned()))?;
+        if apart > PLANE_SLACK {
+            return Err(unknown(format!("it leaves the joint's plane by {apart:.4} (m, rad)")));
+        }
+        Ok((first, positions))
+    }
+}
+
+/// Names of the links before and behind a joint.
+fn frames(robot: &RobotModel, joint: JointId) -> [&str; 2] {
+    let joint = robot.joint(joint);
+    [joint.parent, joint.child].map(|link| robot.link(link).name.as_str())
+}

@@ -1,0 +1,57 @@
+//! `~/enable`: checking is turned off and on again.
+
+use serde::{Deserialize, Serialize};
+use smol::channel::{self, Sender};
+
+use super::middleware::{Message, Middleware, MiddlewareError, Server};
+use super::monitor_loop::Event;
+use super::names::Names;
+
+/// `std_srvs/srv/SetBool`, what is asked.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SetBoolRequest {
+    data: bool,
+}
+
+/// `std_srvs/srv/SetBool`, what is answered.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SetBoolResponse {
+    success: bool,
+    message: String,
+}
+
+impl Message for SetBoolRequest {}
+impl Message for SetBoolResponse {}
+
+/// Brings requests to the monitor.
+pub struct EnableService {
+    server: Server<SetBoolRequest, SetBoolResponse>,
+    events: Sender<Event>,
+}
+
+impl EnableService {
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        events: Sender<Event>,
+    ) -> Result<Self, MiddlewareError> {
+        let server = middleware.server(&names.resolve("~/enable")?, ("std_srvs", "SetBool"))?;
+        Ok(Self { server, events })
+    }
+
+    /// Serves for ever. The answer comes when the monitor has heeded the request: nothing older is said after it.
+    pub async fn serve(&self) {
+        loop {
+            let (id, SetBoolRequest { data }) = self.server.next().await;
+            let (heeded, heeded_in) = channel::bounded(1);
+            let sent = self.events.send(Event::Enabled(data, heeded)).await.is_ok();
+            let success = sent && heeded_in.recv().await.is_ok();
+            let message = match (success, data) {
+                (false, _) => "the monitor has ended",
+                (true, true) => "checking is enabled",
+                (true, false) => "checking is disabled: the state is UNKNOWN until it is enabled again",
+            };
+            self.server.answer(id, SetBoolResponse { success, message: message.to_owned() }).await;
+        }
+    }
+}
