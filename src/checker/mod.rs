@@ -30,6 +30,7 @@ mod questions;
 mod report;
 mod settings;
 mod stream;
+mod volumes;
 mod workspace;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
@@ -43,4 +44,5 @@ pub use motion::{
 pub use pairs::{PairList, SkipReason};
 pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};
 pub use settings::{MeshModel, Settings};
+pub use volumes::LinkVolume;
 pub use workspace::Workspace;

@@ -43,6 +43,7 @@ mod surface_grains;
 mod surface_solid;
 mod surface_surface;
 mod triangle_lanes;
+mod volumes;
 mod within_margin;
 mod work;
 
@@ -55,5 +56,6 @@ pub use element_pair::{Separation, element_contact, element_separation};
 pub use front::Front;
 pub use penetration::signed_distance;
 pub use scratch::Scratch;
+pub use volumes::BodyVolume;
 pub use within_margin::{margin_bounds, within_margin};
 pub use work::Work;
