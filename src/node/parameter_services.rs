@@ -245,10 +245,14 @@ fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
-        Range::Bool | Range::Word(_) | Range::Texts | Range::Point => Vec::new(),
+        Range::Bool | Range::Integer { .. } | Range::Word(_) | Range::Texts | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
+    };
+    let integers = match declaration.range {
+        Range::Integer { from, to } => vec![raw::IntegerRange { from_value: from, to_value: to, step: 1 }],
+        _ => Vec::new(),
     };
     let unit = match declaration.unit {
         "" => String::new(),
@@ -261,9 +265,10 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
-            Range::Bool | Range::Double { .. } | Range::Texts => String::new(),
+            Range::Bool | Range::Double { .. } | Range::Integer { .. } | Range::Texts => String::new(),
         },
         floating_point_range: ranges,
+        integer_range: integers,
         ..blank_descriptor()
     }
 }

@@ -18,6 +18,7 @@ pub struct Parameters {
     pub pad_self: bool,
     pub publish_markers: bool,
     pub marker_rate: f64,
+    pub link_volume_level: i64,
     pub point_cloud_topics: Vec<String>,
     pub point_radius: f64,
     pub point_cloud_ttl: f64,
@@ -49,6 +50,7 @@ impl Default for Parameters {
             pad_self: false,
             publish_markers: true,
             marker_rate: 20.0,
+            link_volume_level: -1,
             point_cloud_topics: Vec::new(),
             point_radius: 0.01,
             point_cloud_ttl: 1.0,
@@ -82,6 +84,12 @@ impl Parameters {
     #[must_use]
     pub fn drops_stale_sources(&self) -> bool {
         self.stale_source_policy == STALE_SOURCE_POLICIES[1]
+    }
+
+    /// How many steps below their roots hierarchies are shown, if they are.
+    #[must_use]
+    pub fn shown_level(&self) -> Option<usize> {
+        usize::try_from(self.link_volume_level).ok()
     }
 
     /// Whether what an octomap does not know counts as occupied.
@@ -124,6 +132,10 @@ pub enum Range {
         from: f64,
         to: f64,
     },
+    Integer {
+        from: i64,
+        to: i64,
+    },
     /// One of these words.
     Word(&'static [&'static str]),
     Texts,
@@ -136,6 +148,7 @@ pub enum Range {
 enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
     Double(fn(&mut Parameters) -> &mut f64),
+    Integer(fn(&mut Parameters) -> &mut i64),
     Word(fn(&mut Parameters) -> &mut &'static str),
     Texts(fn(&mut Parameters) -> &mut Vec<String>),
     Point(fn(&mut Parameters) -> &mut Vec<f64>),
@@ -154,6 +167,7 @@ impl Declaration {
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
             Access::Double(field) => Value::Double(*field(&mut parameters)),
+            Access::Integer(field) => Value::Integer(*field(&mut parameters)),
             Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
             Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
             Access::Point(field) => Value::Doubles(field(&mut parameters).clone()),
@@ -188,11 +202,25 @@ impl Declaration {
                 }
                 *field(parameters) = number;
             }
+            (Access::Integer(field), _) => *field(parameters) = self.integer(value)?,
             (Access::Word(field), _) => *field(parameters) = self.word(value)?,
             (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
             (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
         Ok(())
+    }
+
+    fn integer(&self, value: &Value) -> Result<i64, String> {
+        let Range::Integer { from, to } = self.range else {
+            return Err(format!("{} is no integer", self.name));
+        };
+        match value {
+            Value::Integer(number) if (from..=to).contains(number) => Ok(*number),
+            Value::Integer(number) => {
+                Err(format!("{} must be from {from} to {to}, but {number} was given", self.name))
+            }
+            other => Err(format!("{} is an integer, but {} was given", self.name, other.kind())),
+        }
     }
 
     fn word(&self, value: &Value) -> Result<&'static str, String> {
@@ -282,6 +310,15 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.influence_distance,
             "Distance up to which every pair is reported with its distance and nearest points.",
         ),
+        Declaration {
+            range: Range::Integer { from: -1, to: 20 },
+            access: Access::Integer(|p| &mut p.link_volume_level),
+            ..described(
+                "link_volume_level",
+                "",
+                "Level of the hierarchies of which ~/link_volumes shows the boxes; -1 shows none.",
+            )
+        },
         double(
             "look_ahead_acceleration",
             "rad/s2",
@@ -445,6 +482,7 @@ mod tests {
             let begins = match declaration.range {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
+                Range::Integer { from, to } => format!(" A whole number, {from} to {to}."),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
                 Range::Texts => " A list of topics.".to_owned(),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),
@@ -465,6 +503,8 @@ mod tests {
             ("publish_markers", Value::Integer(1), "an integer"),
             ("padding", Value::Other("an array"), "an array"),
             ("speed", Value::Bool(true), "'speed'"),
+            ("link_volume_level", Value::Integer(21), "from -1 to 20, but 21"),
+            ("link_volume_level", Value::Double(1.0), "a double"),
             ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
             ("unknown_space", Value::Bool(true), "a bool"),
             ("point_cloud_topics", Value::Text("/a".into()), "a list of strings, but a string"),
