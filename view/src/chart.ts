@@ -26,7 +26,7 @@ export class Chart {
         },
         axes: [
           { ...axis, size: 24, values: (_, ticks) => ticks.map((t) => `${t} s`) },
-          { ...axis, size: 52, values: (_, ticks) => ticks.map((d) => `${parseFloat(d.toFixed(4))} m`) },
+          { ...axis, size: 62, values: (_, ticks) => ticks.map((d) => `${parseFloat(d.toFixed(4))} m`) },
         ],
         series: [{}, { stroke: "#4f81bd", width: 2, spanGaps: false, points: { show: false } }],
       },

@@ -38,7 +38,7 @@ const COLLIDING = 0xd92d20;
 const WITNESS = 0xe5a50a;
 const GROUND = { light: 0xf4f5f7, dark: 0x16181c };
 
-/** Distances that are written beside their lines. */
+/** Distances that are written beside their lines, where they do not hide each other. */
 const LABELS = 4;
 
 type Kind = BodyName[0];
@@ -62,10 +62,16 @@ export class Stage {
   private links: Figure[] = [];
   private model = 0;
   private shown = 0;
+  /** Of the robot (m). */
+  private size = 1;
   private due = true;
+  private readonly gl: WebGL2RenderingContext;
+  /** Signalled when the last picture is finished. */
+  private drawing: WebGLSync | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(2, -2, 1.5);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -75,11 +81,22 @@ export class Stage {
     new ResizeObserver(() => this.resize()).observe(canvas);
     const frame = () => {
       requestAnimationFrame(frame);
-      if (!this.due) return;
+      if (!this.due || this.isDrawing()) return;
       this.due = false;
       this.renderer.render(this.scene, this.camera);
+      this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     };
     frame();
+  }
+
+  /** Whether the last picture is not finished: without a graphics card that takes longer than the next one needs to come. */
+  private isDrawing(): boolean {
+    const { gl, drawing } = this;
+    if (!drawing) return false;
+    if (!gl.isContextLost() && gl.getSyncParameter(drawing, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
+    gl.deleteSync(drawing);
+    this.drawing = null;
+    return false;
   }
 
   private addSurroundings(): void {
@@ -157,7 +174,14 @@ export class Stage {
     const look = new LineMaterial({ color: WITNESS, linewidth: 3, depthTest: false, transparent: true });
     const lines = new LineSegments2(geometry, look);
     lines.renderOrder = 1;
-    this.findings.add(lines, ...apart.slice(0, LABELS).map(label));
+    this.findings.add(lines);
+    const written: Vector3[] = [];
+    for (const pair of apart) {
+      const middle = new Vector3(...pair.witness_points[0]).add(new Vector3(...pair.witness_points[1])).multiplyScalar(0.5);
+      if (written.length === LABELS || written.some((other) => other.distanceTo(middle) < 0.12 * this.size)) continue;
+      written.push(middle);
+      this.findings.add(label(pair.distance, middle));
+    }
   }
 
   /** Looks at the robot from a distance at which all of it is seen. */
@@ -166,7 +190,7 @@ export class Stage {
     const box = new Box3();
     for (const { group } of this.links) box.expandByObject(group);
     if (box.isEmpty()) return;
-    const size = box.getSize(new Vector3()).length();
+    const size = (this.size = box.getSize(new Vector3()).length());
     box.getCenter(this.controls.target);
     this.camera.position.copy(this.controls.target).add(new Vector3(0.9, -1.1, 0.7).multiplyScalar(Math.max(size, 0.1)));
     this.camera.near = size / 200;
@@ -206,7 +230,7 @@ function colour({ materials, kind }: Figure, colliding: boolean, placed: boolean
 }
 
 /** The distance of a pair, beside the middle of its line. */
-function label({ distance, witness_points: [a, b] }: Pair): Sprite {
+function label(distance: number, middle: Vector3): Sprite {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [256, 64];
   const pen = canvas.getContext("2d");
@@ -223,7 +247,7 @@ function label({ distance, witness_points: [a, b] }: Pair): Sprite {
   }
   const texture = new CanvasTexture(canvas);
   const sprite = new Sprite(new SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false }));
-  sprite.position.set((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2);
+  sprite.position.copy(middle);
   sprite.center.set(0.5, -0.2);
   sprite.scale.set(0.14, 0.035, 1);
   sprite.renderOrder = 2;
