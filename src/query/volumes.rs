@@ -59,6 +59,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::cast_possible_truncation, reason = "a cloud's points are short")]
     fn every_level_holds_the_body_and_is_no_larger_than_the_one_above() {
         let mut random = Random::new(3);
         let vertices: Vec<Point> = (0..600).map(|_| random.vector(0.5).into()).collect();
