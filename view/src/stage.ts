@@ -15,6 +15,7 @@ import {
   type Material,
   Mesh,
   MeshStandardMaterial,
+  type Object3D,
   PerspectiveCamera,
   Points,
   PointsMaterial,
@@ -30,7 +31,7 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
 import type { Geometry } from "./geometry";
-import type { Body, BodyName, Document, Pair, Update } from "./messages";
+import type { Body, BodyName, Document, Pair, Robot, Update } from "./messages";
 import { draw, place, pointsMaterial } from "./shapes";
 
 const COLOURS = { link: 0xb9c0c9, attached: 0xd79a3c, obstacle: 0x4f81bd };
@@ -46,6 +47,7 @@ type Kind = BodyName[0];
 /** A body in the picture, with what colours it. */
 interface Figure {
   group: Group;
+  shapes: Object3D[];
   materials: (MeshStandardMaterial | PointsMaterial)[];
   kind: Kind;
 }
@@ -57,7 +59,8 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly bodies = new Group();
   private readonly findings = new Group();
-  private figures = new Map<string, Figure>();
+  private readonly figures = new Map<string, Figure>();
+  private robot: Document<Robot> | null = null;
   /** Figures of links, in the order of the robot's document. */
   private links: Figure[] = [];
   private model = 0;
@@ -125,11 +128,16 @@ export class Stage {
     this.due = true;
   }
 
-  /** Draws other geometry. */
+  /** Draws other geometry; links of the same robot stay. */
   set({ robot, world }: Geometry): void {
     if (!robot || !world) return;
-    dispose(this.bodies);
-    this.figures = new Map();
+    const isSameRobot = robot === this.robot;
+    for (const [name, { group, kind }] of this.figures) {
+      if (isSameRobot && kind === "link") continue;
+      dispose(group);
+      group.removeFromParent();
+      this.figures.delete(name);
+    }
     const add = (kind: Kind, numbers: Document<unknown>) => (body: Body) => {
       const figure = drawBody(kind, body, numbers);
       this.figures.set(key([kind, body.name]), figure);
@@ -137,10 +145,11 @@ export class Stage {
       (carrier?.group ?? this.bodies).add(figure.group);
       return figure;
     };
-    this.links = robot.text.links.map(add("link", robot));
+    if (!isSameRobot) this.links = robot.text.links.map(add("link", robot));
+    this.robot = robot;
     this.links.forEach((link, i) => {
       const scale = world.text.link_scales[i] ?? 1;
-      link.group.children.forEach((shape) => shape.scale.setScalar(scale));
+      link.shapes.forEach((shape) => shape.scale.setScalar(scale));
     });
     world.text.obstacles.forEach(add("obstacle", world));
     world.text.attached.forEach(add("attached", world));
@@ -213,7 +222,7 @@ function drawBody(kind: Kind, body: Body, numbers: Document<unknown>): Figure {
     if (points) materials.push(points);
     group.add(draw(shape, numbers, points ?? surface));
   }
-  const figure = { group, materials, kind };
+  const figure = { group, shapes: [...group.children], materials, kind };
   colour(figure, false, true);
   return figure;
 }

@@ -31,6 +31,9 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 /// Browsers that are kept up to date at once.
 pub const VIEWERS: usize = 8;
 
+/// Documents of geometry that are in memory at once: whoever asks for another waits for one to be taken.
+const DOCUMENTS: usize = 2;
+
 /// Bytes of an answer that are written at once.
 const CHUNK: usize = 64 << 10;
 
@@ -46,11 +49,13 @@ pub type Answer = Response<StreamBody<Chunks>>;
 pub struct Site {
     slot: Arc<Slot>,
     viewers: Arc<Semaphore>,
+    documents: Arc<Semaphore>,
 }
 
 impl Site {
     pub fn new(slot: Arc<Slot>) -> Self {
-        Self { slot, viewers: Arc::new(Semaphore::new(VIEWERS)) }
+        let seats = |count| Arc::new(Semaphore::new(count));
+        Self { slot, viewers: seats(VIEWERS), documents: seats(DOCUMENTS) }
     }
 
     pub async fn answer<B>(&self, request: Request<B>, progress: Progress) -> Answer {
@@ -66,7 +71,9 @@ impl Site {
             "/world" => self.geometry(scene::world, progress).await,
             "/updates" => self.updates(progress),
             path => match ASSETS.iter().find(|asset| asset.path == path) {
-                Some(asset) => whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), progress),
+                Some(asset) => {
+                    whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), (progress, None))
+                }
                 None => refusal(StatusCode::NOT_FOUND, "there is no such page", progress),
             },
         }
@@ -74,13 +81,15 @@ impl Site {
 
     /// A document about the robot and world that were judged last.
     async fn geometry(&self, document: fn(&Revision) -> Bytes, progress: Progress) -> Answer {
+        let seat = self.documents.acquire_arc().await;
         let said = self.slot.last().clone();
         let Some(revision) = said.and_then(|said| said.judgement.revision.clone()) else {
             return refusal(StatusCode::NOT_FOUND, "there is no robot yet", progress);
         };
         // large meshes take a while; other browsers go on meanwhile
         let document = smol::unblock(move || document(&revision)).await;
-        whole(StatusCode::OK, "application/octet-stream", document, progress)
+        progress.note();
+        whole(StatusCode::OK, "application/octet-stream", document, (progress, Some(seat)))
     }
 
     fn updates(&self, progress: Progress) -> Answer {
@@ -148,19 +157,24 @@ fn is_for_this_machine(headers: &HeaderMap) -> bool {
 }
 
 fn refusal(status: StatusCode, why: &'static str, progress: Progress) -> Answer {
-    whole(status, TEXT, Bytes::from_static(why.as_bytes()), progress)
+    whole(status, TEXT, Bytes::from_static(why.as_bytes()), (progress, None))
 }
 
-/// An answer of known length, piece by piece.
-fn whole(status: StatusCode, kind: &'static str, content: Bytes, progress: Progress) -> Answer {
+/// An answer of known length, piece by piece; its seat, if it has one, becomes free when it is taken.
+fn whole(
+    status: StatusCode,
+    kind: &'static str,
+    content: Bytes,
+    (progress, seat): (Progress, Option<SemaphoreGuardArc>),
+) -> Answer {
     let length = content.len();
-    let chunks = stream::unfold((content, progress), |(mut left, progress)| async {
+    let chunks = stream::unfold((content, progress, seat), |(mut left, progress, seat)| async {
         progress.note();
         if left.is_empty() {
             return None;
         }
         let chunk = left.split_to(left.len().min(CHUNK));
-        Some((Ok(Frame::data(chunk)), (left, progress)))
+        Some((Ok(Frame::data(chunk)), (left, progress, seat)))
     });
     let mut answer = response(status, kind, Box::pin(chunks));
     answer.headers_mut().insert(header::CONTENT_LENGTH, length.into());
