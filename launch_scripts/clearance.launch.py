@@ -3,12 +3,21 @@
     ros2 launch clearance.launch.py                                        the robot of the topic robot_description
     ros2 launch clearance.launch.py urdf:=ur5e.urdf srdf:=ur5e.srdf world:=cell.yaml
     ros2 launch clearance.launch.py namespace:=left joint_states:=/left/joint_states
+    ros2 launch clearance.launch.py urdf:=ur5e.urdf rviz:=true view:=true   and RViz, and a live view for web browsers
 """
+
+from pathlib import Path
+from xml.etree import ElementTree
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+
+RVIZ_CONFIG = Path(__file__).resolve().with_name("clearance.rviz")
+
+# What the RViz configuration listens to, named as without a namespace.
+SHOWN = ("clearance/markers", "clearance/link_volumes", "clearance/swept_volume", "monitored_planning_scene", "robot_description")
 
 ARGUMENTS = {
     "namespace": ("", "namespace of the node and of the relative topics"),
@@ -20,25 +29,53 @@ ARGUMENTS = {
     "joint_states": ("joint_states", "the topic with the joint states"),
     "use_sim_time": ("false", "whether time is read from /clock"),
     "executable": ("clearance", "the program, if it is not on the PATH"),
+    "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
+    "rviz": ("false", "whether RViz is started, with clearance.rviz"),
+    "fixed_frame": ("", "the fixed frame of RViz; without it the root link of the URDF, or base_link"),
 }
+
+
+def is_true(text):
+    return text.lower() == "true"
+
+
+def root_link(urdf):
+    """The link that no joint has as its child."""
+    robot = ElementTree.parse(urdf).getroot()
+    children = {child.get("link") for child in robot.iterfind("joint/child")}
+    return next(link.get("name") for link in robot.iterfind("link") if link.get("name") not in children)
+
+
+def rviz(given):
+    namespace = given["namespace"].strip("/")
+    frame = given["fixed_frame"] or (root_link(given["urdf"]) if given["urdf"] else "base_link")
+    return Node(
+        package="rviz2",
+        executable="rviz2",
+        arguments=["-d", str(RVIZ_CONFIG), "-f", frame],
+        parameters=[{"use_sim_time": is_true(given["use_sim_time"])}],
+        remappings=[(f"/{topic}", f"/{namespace}/{topic}") for topic in SHOWN] if namespace else [],
+    )
 
 
 def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     options = {"--urdf": "urdf", "--srdf": "srdf", "--package-path": "package_path", "--world": "world"}
     arguments = [word for flag, name in options.items() if given[name] for word in (flag, given[name])]
+    view = given["view"]
+    if view and view.lower() != "false":
+        arguments += ["--view"] if is_true(view) else ["--view", view]
     files = [given["params_file"]] if given["params_file"] else []
-    return [
-        Node(
-            executable=given["executable"],
-            name="clearance",
-            namespace=given["namespace"],
-            arguments=["node", *arguments],
-            parameters=[*files, {"use_sim_time": given["use_sim_time"].lower() == "true"}],
-            remappings=[("joint_states", given["joint_states"])],
-            output="screen",
-        )
-    ]
+    node = Node(
+        executable=given["executable"],
+        name="clearance",
+        namespace=given["namespace"],
+        arguments=["node", *arguments],
+        parameters=[*files, {"use_sim_time": is_true(given["use_sim_time"])}],
+        remappings=[("joint_states", given["joint_states"])],
+        output="screen",
+    )
+    return [node, rviz(given)] if is_true(given["rviz"]) else [node]
 
 
 def generate_launch_description():

@@ -1,6 +1,7 @@
 """A robot that moves by itself, watched by the node `clearance`: something to look at in RViz.
 
     ros2 launch demo.launch.py                                  the demo arm of this repository
+    ros2 launch demo.launch.py rviz:=true                       and RViz, which shows what the node finds
     ros2 launch demo.launch.py urdf:=ur5e.urdf world:=cell.yaml any other robot, each joint to and fro
 
 The demo arm in its own world plays a motion of its own when the program is started without arguments: `clearance`.
@@ -14,11 +15,14 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 ROOT = Path(__file__).resolve().parents[1]
+RVIZ_CONFIG = Path(__file__).resolve().with_name("clearance.rviz")
 
 ARGUMENTS = {
     "urdf": (str(ROOT / "urdf/demo_arm/demo_arm.urdf"), "the robot"),
     "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene"),
     "executable": ("clearance", "the program, if it is not on the PATH"),
+    "rviz": ("false", "whether RViz is started, with clearance.rviz"),
+    "fixed_frame": ("base", "the fixed frame of RViz: the robot's root link"),
 }
 
 
@@ -36,7 +40,10 @@ def start(context):
         executable="robot_state_publisher",
         parameters=[{"robot_description": Path(given["urdf"]).read_text()}],
     )
-    return [watch, show]
+    if given["rviz"].lower() != "true":
+        return [watch, show]
+    rviz = Node(package="rviz2", executable="rviz2", arguments=["-d", str(RVIZ_CONFIG), "-f", given["fixed_frame"]])
+    return [watch, show, rviz]
 
 
 def generate_launch_description():

@@ -123,6 +123,26 @@ impl<B: BoundingVolume, L> Tree<B, L> {
         &self.leaves
     }
 
+    /// What lies so many steps below the root, and leaves that lie higher: together they hold all that the tree does.
+    #[must_use]
+    pub fn at_level(&self, level: usize) -> Vec<NodeRef> {
+        let below = |of: NodeRef| {
+            if of.is_leaf() {
+                return vec![of];
+            }
+            let node = self.node(of);
+            node.children[..node.child_count as usize].to_vec()
+        };
+        let mut found = vec![self.root];
+        for _ in 0..level {
+            if found.iter().all(|of| of.is_leaf()) {
+                break;
+            }
+            found = found.into_iter().flat_map(below).collect();
+        }
+        found
+    }
+
     /// The volume around all that lies below, and the frame it is in.
     #[inline(always)]
     #[must_use]

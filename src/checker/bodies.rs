@@ -134,6 +134,11 @@ impl Rider {
         let (solid, capsule) = solid(&shapes, made_of.scale, made_of.mesh_model)?;
         Ok(Self { id, body: made_of.seat.body, link, padding, solid, capsule, made_of })
     }
+
+    /// Where its link sits on the body of the chain.
+    pub fn seat(&self) -> &Seat {
+        &self.made_of.seat
+    }
 }
 
 /// The body of some shapes, each larger by a factor, and a capsule around it.
@@ -245,6 +250,6 @@ fn usable_scale(of: &str, value: f64) -> Result<f64, SettingsError> {
     }
 }
 
-fn pose(frame: &Frame<f64>) -> Pose {
+pub(super) fn pose(frame: &Frame<f64>) -> Pose {
     Pose::from(&MatrixPose::from(frame))
 }

@@ -33,6 +33,7 @@ mod report;
 mod root_volume;
 mod settings;
 mod stream;
+mod volumes;
 mod workspace;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
@@ -46,4 +47,5 @@ pub use motion::{
 pub use pairs::{PairList, SkipReason};
 pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};
 pub use settings::{MeshModel, Settings};
+pub use volumes::LinkVolume;
 pub use workspace::Workspace;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::{
-    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory,
+    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory, View,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::world::PlanningScene;
@@ -15,6 +15,7 @@ use log::LevelFilter;
 use super::demo_table::{Latest, Table};
 use super::failure::Failure;
 use super::node::failure;
+use super::view::ViewArgs;
 
 const URDF: &str = include_str!("../../urdf/demo_arm/demo_arm.urdf");
 const SRDF: &str = include_str!("../../urdf/demo_arm/demo_arm.srdf");
@@ -33,7 +34,7 @@ const MESHES: &[(&str, &[u8])] = meshes! {
 };
 
 /// Runs the demo until it is told to end.
-pub fn run(level: LevelFilter) -> Result<ExitCode, Failure> {
+pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     node::logging::start(level);
     // a demo must not be seen, or disturb anything, on other machines
     let environment =
@@ -42,6 +43,8 @@ pub fn run(level: LevelFilter) -> Result<ExitCode, Failure> {
     let motion = Trajectory::from_yaml(MOTION)
         .map_err(|e| Failure::Internal(format!("config/demo_motion.yaml: {e}")))?;
 
+    let view = view.open()?;
+    let mut show = view.as_ref().map(View::observer);
     let latest = Latest::default();
     let ended = Arc::new(AtomicBool::new(false));
     let table = Table::start(latest.clone(), Arc::clone(&ended), environment.domain);
@@ -54,7 +57,12 @@ pub fn run(level: LevelFilter) -> Result<ExitCode, Failure> {
         surroundings: surroundings(),
         mesh_model: clearance::checker::MeshModel::Surface,
         motion: Some(Motion::Trajectory(motion)),
-        observer: Some(Box::new(move |judgement| latest.note(judgement))),
+        observer: Some(Box::new(move |judgement, settings| {
+            latest.note(judgement);
+            if let Some(show) = &mut show {
+                show(judgement, settings);
+            }
+        })),
     });
     ended.store(true, Ordering::Relaxed);
     table.finish();

@@ -113,7 +113,8 @@ fn hints(domain: u16) -> Vec<String> {
         "  ros2 topic echo /clearance/distance       the least distance, in metres".to_owned(),
         "  ros2 topic echo /clearance/state          everything (needs clearance_msgs)".to_owned(),
         "  rviz2                                     /clearance/markers, fixed frame base".to_owned(),
-        "Your own robot: clearance node --urdf robot.urdf. Ctrl-C ends.".to_owned(),
+        "In a web browser: clearance --view. Your own robot: clearance node --urdf robot.urdf. Ctrl-C ends."
+            .to_owned(),
     ];
     if domain != 0 {
         hints.push(format!("ROS_DOMAIN_ID is {domain}; it must be so there too."));

@@ -18,6 +18,8 @@ mod run_args;
 mod states;
 mod timing;
 mod verify;
+#[cfg(feature = "ros")]
+mod view;
 
 use std::process::ExitCode;
 
@@ -30,11 +32,15 @@ use failure::Failure;
 ///
 /// Without a command: the ROS 2 node on the built-in demo robot, with a live table in the terminal.
 #[derive(Parser)]
-#[command(version, about, long_about, max_term_width = 100)]
+#[command(version, about, long_about, max_term_width = 100, subcommand_precedence_over_arg = true)]
 struct Arguments {
     /// What is logged on stderr: off, error, warn, info, debug or trace [default: info for the node, error for the demo, else warn]
     #[arg(long, global = true, value_name = "LEVEL")]
     log_level: Option<LevelFilter>,
+
+    #[cfg(feature = "ros")]
+    #[command(flatten)]
+    view: view::ViewArgs,
 
     #[command(subcommand)]
     command: Option<Command>,
@@ -68,6 +74,10 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
+    #[cfg(feature = "ros")]
+    if arguments.command.is_some() && arguments.view.is_given() {
+        return Err(Failure::Input("--view stands after the command: clearance node --view".to_owned()));
+    }
     match arguments.command {
         Some(Command::Check(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
@@ -88,7 +98,7 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),
         #[cfg(feature = "ros")]
-        None => demo::run(arguments.log_level.unwrap_or(LevelFilter::Error)),
+        None => demo::run(arguments.view, arguments.log_level.unwrap_or(LevelFilter::Error)),
         #[cfg(not(feature = "ros"))]
         None => Err(Failure::Input("this build has no ROS 2 node: name a command (see --help)".to_owned())),
     }

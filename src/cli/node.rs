@@ -7,12 +7,13 @@ use clap::Args;
 use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::{
     self, Environment, Motion, NodeError, NodeOptions, ParameterSource, Parameters, RosArguments,
-    Surroundings, Value,
+    Surroundings, Value, View,
 };
 use log::LevelFilter;
 
 use super::failure::Failure;
 use super::model::{ModelArgs, WorldArgs};
+use super::view::ViewArgs;
 
 /// Without --urdf the robot is awaited on the topic `robot_description`.
 #[derive(Args)]
@@ -31,6 +32,9 @@ pub struct NodeArgs {
     #[arg(long)]
     demo_motion: bool,
 
+    #[command(flatten)]
+    view: ViewArgs,
+
     /// ROS arguments up to `--`: -r from:=to, -p name:=value, --params-file FILE, --log-level LEVEL
     #[arg(long, value_name = "ARGUMENT", num_args = 0.., allow_hyphen_values = true, value_terminator = "--")]
     ros_args: Vec<String>,
@@ -44,6 +48,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         Some(_) => Some(args.model.load()?),
         None => None,
     };
+    let view = args.view.open()?;
     node::run(NodeOptions {
         environment: Environment::of_process().map_err(Failure::input)?,
         arguments,
@@ -53,7 +58,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         surroundings: args.surroundings(),
         mesh_model: args.model.settings().mesh_model,
         motion: args.demo_motion.then_some(Motion::Sweep),
-        observer: None,
+        observer: view.as_ref().map(View::observer),
     })
     .map_err(failure)?;
     Ok(ExitCode::SUCCESS)

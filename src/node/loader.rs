@@ -9,6 +9,7 @@ use smol::Timer;
 use smol::channel::{Receiver, Sender};
 
 use super::clock::RosClock;
+use super::link_volumes::LinkVolumes;
 use super::monitor_loop::Event;
 use super::parameter_services::ParameterStore;
 use super::parameters::Parameters;
@@ -30,6 +31,8 @@ pub enum Order {
     Semantic(String),
     /// A parameter changed.
     Parameters,
+    /// Something else of the robot is to be shown.
+    Display,
     /// A message about the world.
     Scene(Box<SceneOrder>),
     /// Some topic has a new cloud.
@@ -62,6 +65,7 @@ pub struct Loader {
     current: CurrentRobot,
     scene: CurrentScene,
     monitored: Option<Monitored>,
+    volumes: Option<LinkVolumes>,
 }
 
 /// How much has to be built anew.
@@ -98,6 +102,7 @@ impl Loader {
             current: CurrentRobot::default(),
             scene: CurrentScene::default(),
             monitored: None,
+            volumes: None,
         }
     }
 
@@ -112,11 +117,21 @@ impl Loader {
     }
 
     /// From now on every change of the scene is told.
-    pub fn tell_on(&mut self, mut monitored: Monitored) {
-        if let Some(scene) = lock(&self.scene).as_ref() {
-            monitored.tell(scene);
+    pub fn tell_on(&mut self, monitored: Monitored, volumes: LinkVolumes) {
+        (self.monitored, self.volumes) = (Some(monitored), Some(volumes));
+        self.tell();
+    }
+
+    fn tell(&mut self) {
+        let Some(scene) = lock(&self.scene).clone() else {
+            return;
+        };
+        if let Some(monitored) = &mut self.monitored {
+            monitored.tell(&scene);
         }
-        self.monitored = Some(monitored);
+        if let Some(volumes) = &mut self.volumes {
+            volumes.show(&scene.revision.checker, self.parameters.get().shown_level());
+        }
     }
 
     /// The checker of a robot from the command line; from now on descriptions on topics are not heeded.
@@ -159,9 +174,7 @@ impl Loader {
                 }
             }
             self.keeper.answer();
-            if let (Some(monitored), Some(scene)) = (&mut self.monitored, lock(&self.scene).as_ref()) {
-                monitored.tell(scene);
-            }
+            self.tell();
         }
     }
 
@@ -199,7 +212,7 @@ impl Loader {
                 return Change::Settings;
             }
             Order::Parameters => return Change::Robot,
-            Order::Clouds => return Change::Nothing,
+            Order::Clouds | Order::Display => return Change::Nothing,
             Order::Scene(order) => return self.note_scene(*order),
             Order::Description(text) => (&mut self.description, text, DESCRIPTION),
             Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),

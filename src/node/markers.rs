@@ -15,11 +15,14 @@ use crate::checker::{Body, PairDistance};
 use crate::geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use crate::math::{Point, Pose, Vector};
 use crate::monitor::{Evidence, Judgement, Revision};
-use crate::robot::{Collision, LinkId, MeshSource};
+use crate::robot::{LinkId, MeshSource};
+use crate::world::AttachedId;
 
 const COLLIDING_LINKS: &str = "colliding_links";
 const WITNESS_LINES: &str = "witness_lines";
 const LEAST_DISTANCE: &str = "least_distance";
+const DISTANCES: &str = "distances";
+const COLLIDING_ATTACHED: &str = "colliding_attached_objects";
 
 const RED: [f32; 4] = [0.9, 0.1, 0.1, 0.8];
 const YELLOW: [f32; 4] = [1.0, 0.8, 0.1, 1.0];
@@ -29,9 +32,12 @@ const WHITE: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 const LINE_WIDTH: f64 = 0.004;
 /// Height of a letter (m).
 const TEXT_HEIGHT: f64 = 0.04;
+const SMALL_TEXT_HEIGHT: f64 = 0.02;
 /// Triangles in one message at most (72 bytes each): `RustDDS` loses messages of more than about 250 kB.
 const TRIANGLES_SHOWN: usize = 2000;
 const LINES_SHOWN: usize = 1000;
+/// Near pairs whose distance is written beside their line, the nearest ones.
+const DISTANCES_SHOWN: usize = 20;
 /// Points of a cloud in one message at most (24 bytes each).
 const POINTS_SHOWN: usize = 4000;
 
@@ -48,6 +54,7 @@ impl Display {
         let mut scene = Scene::new(header(judgement), lifetime);
         if let (Some(revision), Some(evidence)) = (&judgement.revision, &judgement.evidence) {
             scene.add_colliding_links(revision, evidence);
+            scene.add_colliding_attached(revision, evidence);
             scene.add_witness_lines(evidence);
         }
         let shown: BTreeSet<_> = scene.markers.iter().map(|(ns, m)| (*ns, m.id)).collect();
@@ -74,6 +81,8 @@ struct Scene {
     lifetime: DurationMessage,
     markers: Vec<(&'static str, Marker)>,
     triangles_left: usize,
+    /// The namespace of geometry that is added now.
+    geometry: &'static str,
 }
 
 impl Scene {
@@ -82,13 +91,19 @@ impl Scene {
             sec: i32::try_from(lifetime.as_secs()).unwrap_or(i32::MAX),
             nanosec: lifetime.subsec_nanos(),
         };
-        Self { header, lifetime, markers: Vec::new(), triangles_left: TRIANGLES_SHOWN }
+        Self {
+            header,
+            lifetime,
+            markers: Vec::new(),
+            triangles_left: TRIANGLES_SHOWN,
+            geometry: COLLIDING_LINKS,
+        }
     }
 
     fn add_colliding_links(&mut self, revision: &Revision, evidence: &Evidence) {
         let robot = revision.checker.robot();
-        let links: BTreeSet<LinkId> = (evidence.report.colliding_pairs.iter())
-            .flat_map(|&(a, b)| [a, b])
+        self.geometry = COLLIDING_LINKS;
+        let links: BTreeSet<LinkId> = (colliding_bodies(evidence))
             .filter_map(|body| match body {
                 Body::Link(link) => Some(link),
                 Body::Attached(_) | Body::Obstacle(_) => None,
@@ -97,17 +112,41 @@ impl Scene {
         for link in links {
             let pose_rl = evidence.poses.pose(link);
             for (index, collision) in robot.link(link).collisions.iter().enumerate() {
-                // a number of its own for every marker of the robot: up to four of each collision geometry
-                let first_id = (link.index() * 1024 + index) * 4;
-                self.add_collision(first_id, &(pose_rl * collision.pose_ls), collision);
+                let source = collision.mesh_source.as_ref();
+                let pose_rs = pose_rl * collision.pose_ls;
+                self.add_shape(first_id(link.index(), index), &pose_rs, &collision.shape, source);
             }
         }
     }
 
-    fn add_collision(&mut self, first_id: usize, pose_rs: &Pose, collision: &Collision) {
-        match &collision.shape {
+    fn add_colliding_attached(&mut self, revision: &Revision, evidence: &Evidence) {
+        let checker = &revision.checker;
+        self.geometry = COLLIDING_ATTACHED;
+        let attached: BTreeSet<AttachedId> = (colliding_bodies(evidence))
+            .filter_map(|body| match body {
+                Body::Attached(id) => Some(id),
+                Body::Link(_) | Body::Obstacle(_) => None,
+            })
+            .collect();
+        for id in attached {
+            let object = checker.world().attached_object(id);
+            let Some(link) = checker.robot().link_by_name(&object.link) else { continue };
+            let pose_ro = evidence.poses.pose(link) * object.pose_lo;
+            for (index, placed) in object.shapes.iter().enumerate() {
+                self.add_shape(
+                    first_id(id.0 as usize, index),
+                    &(pose_ro * placed.pose_os),
+                    &placed.shape,
+                    None,
+                );
+            }
+        }
+    }
+
+    fn add_shape(&mut self, first_id: usize, pose_rs: &Pose, shape: &Shape, source: Option<&MeshSource>) {
+        match shape {
             Shape::Primitive(primitive) => self.add_primitive(first_id, pose_rs, primitive),
-            Shape::Mesh(mesh) => match collision.mesh_source.as_ref().and_then(resource) {
+            Shape::Mesh(mesh) => match source.and_then(resource) {
                 Some((uri, scale)) => self.add_mesh_resource(first_id, pose_rs, uri, &scale),
                 None => self.add_mesh(first_id, pose_rs, mesh),
             },
@@ -146,7 +185,7 @@ impl Scene {
     }
 
     fn add_solid(&mut self, id: usize, kind: i32, pose_rs: &Pose, size: Vector) {
-        self.add(COLLIDING_LINKS, id, kind, RED, |marker| {
+        self.add(self.geometry, id, kind, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             marker.scale = vector_message(&size);
         });
@@ -154,7 +193,7 @@ impl Scene {
 
     /// A mesh by its name, for `RViz` to load.
     fn add_mesh_resource(&mut self, id: usize, pose_rs: &Pose, uri: String, scale: &Vector) {
-        self.add(COLLIDING_LINKS, id, Marker::MESH_RESOURCE, RED, |marker| {
+        self.add(self.geometry, id, Marker::MESH_RESOURCE, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             marker.scale = vector_message(scale);
             marker.mesh_resource = uri;
@@ -178,7 +217,7 @@ impl Scene {
 
     /// Three corners each.
     fn add_triangles(&mut self, id: usize, pose_rs: &Pose, points: Vec<PointMessage>) {
-        self.add(COLLIDING_LINKS, id, Marker::TRIANGLE_LIST, RED, |marker| {
+        self.add(self.geometry, id, Marker::TRIANGLE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             marker.scale = vector_message(&Vector::repeat(1.0));
             marker.points = points;
@@ -191,7 +230,7 @@ impl Scene {
         let shown =
             cloud.points().iter().step_by(step).map(|p| point_message(&Point::from(p.map(f64::from))));
         let points: Vec<PointMessage> = shown.collect();
-        self.add(COLLIDING_LINKS, id, Marker::SPHERE_LIST, RED, |marker| {
+        self.add(self.geometry, id, Marker::SPHERE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             // what has no size is not seen
             marker.scale = vector_message(&Vector::repeat((2.0 * cloud.radius()).max(LINE_WIDTH)));
@@ -221,17 +260,24 @@ impl Scene {
             });
         }
         if let Some(nearest) = nearest.filter(|nearest| nearest.distance > 0.0) {
-            self.add_text(nearest);
+            self.add_text(LEAST_DISTANCE, 0, nearest, TEXT_HEIGHT);
+        }
+        let is_other = |pair: &&PairDistance| pair.distance > 0.0 && Some(*pair) != nearest;
+        let mut others: Vec<_> = report.pair_distances.iter().filter(is_other).collect();
+        others.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        for (id, pair) in others.into_iter().take(DISTANCES_SHOWN).enumerate() {
+            self.add_text(DISTANCES, id, pair, SMALL_TEXT_HEIGHT);
         }
     }
 
-    fn add_text(&mut self, nearest: &PairDistance) {
-        let [a, b] = nearest.witness_points;
+    /// The distance of a pair, above the middle of its line.
+    fn add_text(&mut self, namespace: &'static str, id: usize, pair: &PairDistance, height: f64) {
+        let [a, b] = pair.witness_points;
         let middle: Point = nalgebra::center(&a, &b);
-        self.add(LEAST_DISTANCE, 0, Marker::TEXT_VIEW_FACING, WHITE, |marker| {
-            marker.pose = pose_message(&Pose::translation(middle.x, middle.y, middle.z + TEXT_HEIGHT));
-            marker.scale.z = TEXT_HEIGHT;
-            marker.text = format!("{:.3} m", nearest.distance);
+        self.add(namespace, id, Marker::TEXT_VIEW_FACING, WHITE, |marker| {
+            marker.pose = pose_message(&Pose::translation(middle.x, middle.y, middle.z + height));
+            marker.scale.z = height;
+            marker.text = format!("{:.3} m", pair.distance);
         });
     }
 
@@ -271,6 +317,15 @@ impl Scene {
         markers.extend(self.markers.into_iter().map(|(_, marker)| marker));
         MarkerArray { markers }
     }
+}
+
+fn colliding_bodies(evidence: &Evidence) -> impl Iterator<Item = Body> {
+    evidence.report.colliding_pairs.iter().flat_map(|&(a, b)| [a, b])
+}
+
+/// A number of its own for every marker of a namespace: up to four of each shape.
+fn first_id(body: usize, shape: usize) -> usize {
+    (body * 1024 + shape) * 4
 }
 
 /// Triangles of a cone's side, `RViz` having no marker for it.

@@ -11,6 +11,8 @@
 //!
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
 //!
+//! On request every judgement is also left for the `view`, which shows it to web browsers.
+//!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
 mod arguments;
@@ -22,6 +24,7 @@ mod enable_service;
 mod environment;
 #[cfg(test)]
 mod interface_text;
+mod link_volumes;
 mod loader;
 pub mod logging;
 mod markers;
@@ -43,6 +46,7 @@ mod scene_keeper;
 mod simulation_clock;
 mod swept_volume_markers;
 mod threads;
+mod view;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
 pub use environment::{Environment, EnvironmentError, Reach};
@@ -52,3 +56,4 @@ pub use motion::{Motion, Trajectory};
 pub use parameter_value::Value;
 pub use parameters::Parameters;
 pub use run::{NODE_NAME, NodeError, NodeOptions, run};
+pub use view::{View, ViewAddress, ViewAddressError, ViewError};

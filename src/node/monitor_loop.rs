@@ -17,7 +17,7 @@ use super::publishers::Publishers;
 use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
 use crate::monitor::scene::TransformTree;
-use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
+use crate::monitor::{Judgement, Monitor, MonitorSettings, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
 pub enum Event {
@@ -36,8 +36,8 @@ pub enum Event {
 /// The last judgement, for those who ask about the same robot and world.
 pub type CurrentJudgement = Arc<Mutex<Option<Judgement>>>;
 
-/// Sees every judgement, for a display beside ROS. It must be quick.
-pub type Observer = Box<dyn FnMut(&Judgement) + Send>;
+/// Sees every judgement and the settings that it was made with, for a display beside ROS. It must be quick.
+pub type Observer = Box<dyn FnMut(&Judgement, &MonitorSettings) + Send>;
 
 /// Time between two diagnostics while the status stays.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -193,7 +193,7 @@ impl MonitorLoop {
         *self.current.lock().unwrap_or_else(PoisonError::into_inner) = Some(judgement.clone());
         self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
         if let Some(observe) = &mut self.observer {
-            observe(judgement);
+            observe(judgement, &self.parameters.monitor_settings());
         }
         self.say_diagnostics(judgement, steady);
     }

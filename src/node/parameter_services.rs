@@ -255,6 +255,10 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
     };
+    let integers = match declaration.range {
+        Range::Integer { from, to } => vec![raw::IntegerRange { from_value: from, to_value: to, step: 1 }],
+        _ => Vec::new(),
+    };
     let unit = match declaration.unit {
         "" => String::new(),
         unit => format!(" [{unit}]"),
@@ -271,12 +275,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
             }
         },
         floating_point_range: ranges,
-        integer_range: match declaration.range {
-            Range::Integer { from, to } => {
-                vec![raw::IntegerRange { from_value: from.into(), to_value: to.into(), step: 1 }]
-            }
-            _ => Vec::new(),
-        },
+        integer_range: integers,
         ..blank_descriptor()
     }
 }

@@ -18,8 +18,8 @@ pub struct Parameters {
     pub stop_distance_self: f64,
     pub stop_distance_world: f64,
     pub slowdown_reaction_time: f64,
-    pub slowdown_trigger_count: u32,
-    pub slowdown_release_count: u32,
+    pub slowdown_trigger_count: i64,
+    pub slowdown_release_count: i64,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
     pub joint_prefix: String,
@@ -28,6 +28,7 @@ pub struct Parameters {
     pub pad_self: bool,
     pub publish_markers: bool,
     pub marker_rate: f64,
+    pub link_volume_level: i64,
     pub point_cloud_topics: Vec<String>,
     pub point_radius: f64,
     pub point_cloud_ttl: f64,
@@ -60,8 +61,8 @@ impl Default for Parameters {
             stop_distance_self: monitor.speed.own.stop,
             stop_distance_world: monitor.speed.world.stop,
             slowdown_reaction_time: monitor.speed.reaction_time,
-            slowdown_trigger_count: monitor.speed.trigger_count,
-            slowdown_release_count: monitor.speed.release_count,
+            slowdown_trigger_count: monitor.speed.trigger_count.into(),
+            slowdown_release_count: monitor.speed.release_count.into(),
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
             joint_prefix: monitor.joint_prefix,
@@ -70,6 +71,7 @@ impl Default for Parameters {
             pad_self: false,
             publish_markers: true,
             marker_rate: 20.0,
+            link_volume_level: -1,
             point_cloud_topics: Vec::new(),
             point_radius: 0.01,
             point_cloud_ttl: 1.0,
@@ -106,12 +108,14 @@ impl Parameters {
     }
 
     fn speed_settings(&self) -> SpeedSettings {
+        // their ranges are far inside
+        let count = |number: i64| u32::try_from(number).unwrap_or(u32::MAX);
         SpeedSettings {
             own: SpeedDistances { slowdown: self.slowdown_distance_self, stop: self.stop_distance_self },
             world: SpeedDistances { slowdown: self.slowdown_distance_world, stop: self.stop_distance_world },
             reaction_time: self.slowdown_reaction_time,
-            trigger_count: self.slowdown_trigger_count,
-            release_count: self.slowdown_release_count,
+            trigger_count: count(self.slowdown_trigger_count),
+            release_count: count(self.slowdown_release_count),
         }
     }
 
@@ -119,6 +123,12 @@ impl Parameters {
     #[must_use]
     pub fn drops_stale_sources(&self) -> bool {
         self.stale_source_policy == STALE_SOURCE_POLICIES[1]
+    }
+
+    /// How many steps below their roots hierarchies are shown, if they are.
+    #[must_use]
+    pub fn shown_level(&self) -> Option<usize> {
+        usize::try_from(self.link_volume_level).ok()
     }
 
     /// Whether what an octomap does not know counts as occupied.
@@ -162,8 +172,8 @@ pub enum Range {
         to: f64,
     },
     Integer {
-        from: u32,
-        to: u32,
+        from: i64,
+        to: i64,
     },
     /// One of these words.
     Word(&'static [&'static str]),
@@ -180,7 +190,7 @@ pub enum Range {
 enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
     Double(fn(&mut Parameters) -> &mut f64),
-    Integer(fn(&mut Parameters) -> &mut u32),
+    Integer(fn(&mut Parameters) -> &mut i64),
     Word(fn(&mut Parameters) -> &mut &'static str),
     Text(fn(&mut Parameters) -> &mut String),
     Texts(fn(&mut Parameters) -> &mut Vec<String>),
@@ -200,7 +210,7 @@ impl Declaration {
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
             Access::Double(field) => Value::Double(*field(&mut parameters)),
-            Access::Integer(field) => Value::Integer(i64::from(*field(&mut parameters))),
+            Access::Integer(field) => Value::Integer(*field(&mut parameters)),
             Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
             Access::Text(field) => Value::Text(field(&mut parameters).clone()),
             Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
@@ -245,15 +255,17 @@ impl Declaration {
         Ok(())
     }
 
-    fn integer(&self, value: &Value) -> Result<u32, String> {
+    fn integer(&self, value: &Value) -> Result<i64, String> {
         let Range::Integer { from, to } = self.range else {
             return Err(format!("{} is no integer", self.name));
         };
-        let Value::Integer(number) = *value else {
-            return Err(format!("{} is an integer, but {} was given", self.name, value.kind()));
-        };
-        let within = u32::try_from(number).ok().filter(|number| (from..=to).contains(number));
-        within.ok_or_else(|| format!("{} must be from {from} to {to}, but {number} was given", self.name))
+        match value {
+            Value::Integer(number) if (from..=to).contains(number) => Ok(*number),
+            Value::Integer(number) => {
+                Err(format!("{} must be from {from} to {to}, but {number} was given", self.name))
+            }
+            other => Err(format!("{} is an integer, but {} was given", self.name, other.kind())),
+        }
     }
 
     fn word(&self, value: &Value) -> Result<&'static str, String> {
@@ -380,6 +392,12 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
                 "What the names of this robot's links begin with, before those of its URDF.",
             )
         },
+        integer(
+            "link_volume_level",
+            (-1, 20),
+            |p| &mut p.link_volume_level,
+            "Level of the hierarchies of which ~/link_volumes shows the boxes; -1 shows none.",
+        ),
         double(
             "look_ahead_acceleration",
             "rad/s2",
@@ -556,8 +574,8 @@ fn double(
 
 fn integer(
     name: &'static str,
-    (from, to): (u32, u32),
-    field: fn(&mut Parameters) -> &mut u32,
+    (from, to): (i64, i64),
+    field: fn(&mut Parameters) -> &mut i64,
     description: &'static str,
 ) -> Declaration {
     Declaration {
@@ -616,7 +634,7 @@ mod tests {
             let begins = match declaration.range {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
-                Range::Integer { from, to } => format!(" {from} to {to}."),
+                Range::Integer { from, to } => format!(" A whole number, {from} to {to}."),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
                 Range::Prefix => " A text.".to_owned(),
                 Range::Names(what) => format!(" A list of {what}."),
@@ -643,6 +661,8 @@ mod tests {
             ("joint_prefix", Value::Text("a b".into()), "letters, digits"),
             ("link_prefix", Value::Integer(1), "is a string, but an integer"),
             ("speed", Value::Bool(true), "'speed'"),
+            ("link_volume_level", Value::Integer(21), "from -1 to 20, but 21"),
+            ("link_volume_level", Value::Double(1.0), "a double"),
             ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
             ("unknown_space", Value::Bool(true), "a bool"),
             ("point_cloud_topics", Value::Text("/a".into()), "a list of strings, but a string"),

@@ -11,6 +11,7 @@ use super::arguments::RosArguments;
 use super::clock::RosClock;
 use super::enable_service::EnableService;
 use super::environment::Environment;
+use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Order, Surroundings};
 use super::logging::{self, Line};
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
@@ -145,7 +146,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         observer: options.observer,
         report: Report::default(),
     };
-    loader.tell_on(Monitored::open(&middleware, &names)?);
+    loader.tell_on(Monitored::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
     let about_scene = (loader.current_scene(), Arc::clone(&current));
     let (scenes, validity_desk) =
         SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
@@ -299,6 +300,9 @@ fn on_change(
         let _ = events.try_send(Event::Parameters(Box::new(parameters.clone())));
         if what_is_built(&last) != what_is_built(parameters) {
             let _ = orders.try_send(Order::Parameters);
+        }
+        if last.link_volume_level != parameters.link_volume_level {
+            let _ = orders.try_send(Order::Display);
         }
         for changes in &changes {
             let _ = changes.try_send(());

@@ -44,6 +44,7 @@ mod surface_grains;
 mod surface_solid;
 mod surface_surface;
 mod triangle_lanes;
+mod volumes;
 mod within_margin;
 mod work;
 
@@ -57,5 +58,6 @@ pub use front::Front;
 pub use penetration::signed_distance;
 pub use piece::{Piece, PieceVolume};
 pub use scratch::Scratch;
+pub use volumes::BodyVolume;
 pub use within_margin::{margin_bounds, pieces_within_margin, within_margin};
 pub use work::Work;

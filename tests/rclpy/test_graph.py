@@ -17,6 +17,7 @@ PUBLISHED = {
     "~/certificates": "std_msgs/msg/String",
     "~/swept_volume": "visualization_msgs/msg/MarkerArray",
     "~/markers": "visualization_msgs/msg/MarkerArray",
+    "~/link_volumes": "visualization_msgs/msg/MarkerArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
 SUBSCRIBED = {

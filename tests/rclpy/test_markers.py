@@ -6,6 +6,8 @@ import pytest
 from rclpy.time import Time
 from visualization_msgs.msg import Marker, MarkerArray
 
+from scene import attached, ball
+from scene_client import SceneClient
 from two_link import judged_since
 
 
@@ -41,6 +43,39 @@ def test_a_near_pair_is_joined_by_a_line_between_its_witness_points(cell, marker
     assert on_cube == pytest.approx((1 - sqrt(3) / 2, 0.2, 0), abs=1e-4)
     assert on_ball == pytest.approx((1 - sqrt(3) / 2, 0.4, 0), abs=1e-4)
     assert not markers_of(array, "colliding_links")
+
+
+def test_distances_are_written_beside_their_lines(cell, markers):
+    scene = SceneClient(cell)
+    cell.judged(joint1=0, joint2=5 * pi / 6)
+    cell.parameters.succeed(influence_distance=0.5)
+    # the ball at the tip's end is at (0.134, 0.5): this one is 0.3 above it
+    scene.change(ball("lamp", 1 - sqrt(3) / 2, 0.95, radius=0.05))
+    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    assert len(state.pair_distances) == 2
+
+    array = markers.wait_for(after(state), "the markers of this state")
+    (least,) = markers_of(array, "least_distance")
+    assert (least.type, least.text) == (Marker.TEXT_VIEW_FACING, "0.200 m")
+    (other,) = markers_of(array, "distances")
+    assert (other.type, other.text) == (Marker.TEXT_VIEW_FACING, "0.300 m")
+    assert other.pose.position.y == pytest.approx(0.75, abs=1e-4)
+
+
+def test_what_the_robot_holds_is_shown_when_it_collides(cell, markers):
+    cell.judged(joint1=0, joint2=0)
+    SceneClient(cell).change(attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"]))
+    # folded, the tip is free and the part is in the cube of the base
+    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+
+    array = markers.wait_for(after(state), "the markers of this state")
+    (part,) = markers_of(array, "colliding_attached_objects")
+    assert part.type == Marker.SPHERE
+    assert xyz(part.scale) == pytest.approx((0.1, 0.1, 0.1))
+    where = 1 - sqrt(3) / 2 - 0.2, 0.5 - 0.4 * sqrt(3) / 2, 0
+    assert xyz(part.pose.position) == pytest.approx(where, abs=1e-4)
+    # the cube of the base alone
+    assert [marker.type for marker in markers_of(array, "colliding_links")] == [Marker.CUBE]
 
 
 def test_colliding_links_are_shown_and_taken_away_again(cell, markers):

@@ -1,0 +1,230 @@
+//! What is answered to which request.
+
+use std::convert::Infallible;
+use std::net::IpAddr;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use futures_lite::{Stream, stream};
+use http_body_util::StreamBody;
+use hyper::body::{Bytes, Frame};
+use hyper::header::{self, HeaderValue};
+use hyper::http::uri::Authority;
+use hyper::{HeaderMap, Method, Request, Response, StatusCode};
+use smol::Timer;
+use smol::lock::{Semaphore, SemaphoreGuardArc};
+
+use super::assets::{ASSETS, TEXT};
+use super::scene;
+use super::server::Progress;
+use super::slot::{Said, Slot};
+use super::update::update;
+use crate::monitor::Revision;
+
+/// Time between two updates of one browser at least.
+const UPDATE_PERIOD: Duration = Duration::from_millis(33);
+
+/// Time between two updates at most: a page that hears nothing for longer knows that nothing is known.
+const LONGEST_PAUSE: Duration = Duration::from_millis(500);
+
+/// Browsers that are kept up to date at once.
+pub const VIEWERS: usize = 8;
+
+/// Documents of geometry that are in memory at once: whoever asks for another waits for one to be taken.
+const DOCUMENTS: usize = 2;
+
+/// Bytes of an answer that are written at once.
+const CHUNK: usize = 64 << 10;
+
+/// The page loads nothing from anywhere else, and no other page can show or read it.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
+                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+type Chunks = Pin<Box<dyn Stream<Item = Result<Frame<Bytes>, Infallible>> + Send>>;
+pub type Answer = Response<StreamBody<Chunks>>;
+
+/// All that there is to ask for.
+#[derive(Debug)]
+pub struct Site {
+    slot: Arc<Slot>,
+    viewers: Arc<Semaphore>,
+    documents: Arc<Semaphore>,
+}
+
+impl Site {
+    pub fn new(slot: Arc<Slot>) -> Self {
+        let seats = |count| Arc::new(Semaphore::new(count));
+        Self { slot, viewers: seats(VIEWERS), documents: seats(DOCUMENTS) }
+    }
+
+    pub async fn answer<B>(&self, request: Request<B>, progress: Progress) -> Answer {
+        if !is_for_this_machine(request.headers()) {
+            let why = "open the view by an IP address or as localhost: under any other name it is not served";
+            return refusal(StatusCode::MISDIRECTED_REQUEST, why, progress);
+        }
+        if request.method() != Method::GET {
+            return refusal(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here", progress);
+        }
+        match request.uri().path() {
+            "/robot" => self.geometry(scene::robot, progress).await,
+            "/world" => self.geometry(scene::world, progress).await,
+            "/updates" => self.updates(progress),
+            path => match ASSETS.iter().find(|asset| asset.path == path) {
+                Some(asset) => {
+                    whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), (progress, None))
+                }
+                None => refusal(StatusCode::NOT_FOUND, "there is no such page", progress),
+            },
+        }
+    }
+
+    /// A document about the robot and world that were judged last.
+    async fn geometry(&self, document: fn(&Revision) -> Bytes, progress: Progress) -> Answer {
+        let seat = self.documents.acquire_arc().await;
+        let said = self.slot.last().clone();
+        let Some(revision) = said.and_then(|said| said.judgement.revision.clone()) else {
+            return refusal(StatusCode::NOT_FOUND, "there is no robot yet", progress);
+        };
+        // large meshes take a while; other browsers go on meanwhile
+        let document = smol::unblock(move || document(&revision)).await;
+        progress.note();
+        whole(StatusCode::OK, "application/octet-stream", document, (progress, Some(seat)))
+    }
+
+    fn updates(&self, progress: Progress) -> Answer {
+        let Some(seat) = self.viewers.try_acquire_arc() else {
+            let why = "too many browsers watch already: close one of them";
+            return refusal(StatusCode::SERVICE_UNAVAILABLE, why, progress);
+        };
+        let events =
+            stream::unfold(Viewer::new(Arc::clone(&self.slot), seat, progress), |mut viewer| async {
+                let event = viewer.next_event().await;
+                Some((Ok(Frame::data(event)), viewer))
+            });
+        response(StatusCode::OK, "text/event-stream", Box::pin(events))
+    }
+}
+
+/// A browser that is kept up to date.
+struct Viewer {
+    slot: Arc<Slot>,
+    _seat: SemaphoreGuardArc,
+    progress: Progress,
+    /// What was sent last, and when.
+    last: Option<(Option<Arc<Said>>, Instant)>,
+}
+
+impl Viewer {
+    fn new(slot: Arc<Slot>, seat: SemaphoreGuardArc, progress: Progress) -> Self {
+        Self { slot, _seat: seat, progress, last: None }
+    }
+
+    /// The newest judgement, as soon as there is a new one and not too often; the last one again after a pause.
+    async fn next_event(&mut self) -> Bytes {
+        loop {
+            // asked for only when what came before is on its way
+            self.progress.note();
+            let said = self.slot.last().clone();
+            let is_due = self.last.as_ref().is_none_or(|(last, at)| {
+                let is_new = last.as_ref().map(Arc::as_ptr) != said.as_ref().map(Arc::as_ptr);
+                at.elapsed() >= if is_new { UPDATE_PERIOD } else { LONGEST_PAUSE }
+            });
+            if is_due {
+                let now = Instant::now();
+                let event = format!("data: {}\n\n", update(said.as_deref(), now));
+                self.last = Some((said, now));
+                return event.into();
+            }
+            Timer::after(UPDATE_PERIOD / 4).await;
+        }
+    }
+}
+
+/// Whether the name that a browser asked for is a number or `localhost`. Any other name may have been pointed here by a
+/// stranger's page, which could then read what is shown (DNS rebinding).
+fn is_for_this_machine(headers: &HeaderMap) -> bool {
+    let mut hosts = headers.get_all(header::HOST).iter();
+    let (Some(host), None) = (hosts.next(), hosts.next()) else {
+        return false;
+    };
+    let Ok(authority) = Authority::try_from(host.as_bytes()) else {
+        return false;
+    };
+    let name = authority.host().trim_start_matches('[').trim_end_matches(']');
+    !host.as_bytes().contains(&b'@')
+        && (name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok())
+}
+
+fn refusal(status: StatusCode, why: &'static str, progress: Progress) -> Answer {
+    whole(status, TEXT, Bytes::from_static(why.as_bytes()), (progress, None))
+}
+
+/// An answer of known length, piece by piece; its seat, if it has one, becomes free when it is taken.
+fn whole(
+    status: StatusCode,
+    kind: &'static str,
+    content: Bytes,
+    (progress, seat): (Progress, Option<SemaphoreGuardArc>),
+) -> Answer {
+    let length = content.len();
+    let chunks = stream::unfold((content, progress, seat), |(mut left, progress, seat)| async {
+        progress.note();
+        if left.is_empty() {
+            return None;
+        }
+        let chunk = left.split_to(left.len().min(CHUNK));
+        Some((Ok(Frame::data(chunk)), (left, progress, seat)))
+    });
+    let mut answer = response(status, kind, Box::pin(chunks));
+    answer.headers_mut().insert(header::CONTENT_LENGTH, length.into());
+    answer
+}
+
+fn response(status: StatusCode, kind: &'static str, chunks: Chunks) -> Answer {
+    let mut answer = Response::new(StreamBody::new(chunks));
+    *answer.status_mut() = status;
+    for (name, value) in [
+        (header::CONTENT_TYPE, kind),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+    ] {
+        answer.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    answer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_numbers_and_localhost_are_served() {
+        let asked = |hosts: &[&str]| {
+            let mut headers = HeaderMap::new();
+            for host in hosts {
+                headers.append(header::HOST, HeaderValue::from_str(host).unwrap());
+            }
+            is_for_this_machine(&headers)
+        };
+        for own in ["127.0.0.1:8642", "localhost:8642", "LOCALHOST", "[::1]:8642", "10.0.0.7", "127.0.0.1"] {
+            assert!(asked(&[own]), "{own}");
+        }
+        for strange in [
+            "evil.example:8642",
+            "localhost.evil.example",
+            "",
+            "127.0.0.1.nip.io",
+            "evil@127.0.0.1",
+            "1.2.3",
+            "[x]",
+        ] {
+            assert!(!asked(&[strange]), "{strange}");
+        }
+        assert!(!asked(&[]));
+        assert!(!asked(&["127.0.0.1", "evil.example"]));
+    }
+}

@@ -1,0 +1,31 @@
+"""Publishes joint states of the two-link robot: those of the last line of stdin ("q1 q2", rad), again and again; after an empty one, none."""
+
+import sys
+import threading
+
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+PERIOD = 0.05  # [s]
+
+
+def main():
+    rclpy.init()
+    node = Node("driver", enable_rosout=False)
+    publisher = node.create_publisher(JointState, "joint_states", 10)
+    position = []
+
+    def publish():
+        if position:
+            message = JointState(name=["joint1", "joint2"], position=list(position))
+            message.header.stamp = node.get_clock().now().to_msg()
+            publisher.publish(message)
+
+    node.create_timer(PERIOD, publish)
+    threading.Thread(target=rclpy.spin, args=[node], daemon=True).start()
+    for line in sys.stdin:
+        position[:] = map(float, line.split())
+
+
+main()

@@ -1,0 +1,57 @@
+// The least distance over the last minute.
+
+import uPlot from "uplot";
+
+import type { Update } from "./messages";
+
+/** How much time is shown (s). */
+const WINDOW = 60;
+
+export class Chart {
+  private readonly times: number[] = [];
+  private readonly distances: (number | null)[] = [];
+  private readonly plot: uPlot;
+
+  constructor(private readonly place: HTMLElement) {
+    const ink = "#8a929c";
+    const axis = { stroke: ink, grid: { stroke: "#8a929c33", width: 1 }, ticks: { show: false } };
+    this.plot = new uPlot(
+      {
+        ...this.size(),
+        legend: { show: false },
+        cursor: { show: false },
+        scales: {
+          x: { time: false, range: () => [-WINDOW, 0] },
+          y: { range: (_, __, most) => [0, Math.max(most || 0, 0.01) * 1.1] },
+        },
+        axes: [
+          { ...axis, size: 24, values: (_, ticks) => ticks.map((t) => `${t} s`) },
+          { ...axis, size: 62, values: (_, ticks) => ticks.map((d) => `${parseFloat(d.toFixed(4))} m`) },
+        ],
+        series: [{}, { stroke: "#4f81bd", width: 2, spanGaps: false, points: { show: false } }],
+      },
+      [[], []],
+      place,
+    );
+    new ResizeObserver(() => this.plot.setSize(this.size())).observe(place);
+  }
+
+  private size(): { width: number; height: number } {
+    return { width: this.place.clientWidth || 320, height: 150 };
+  }
+
+  /** What is unknown, or beyond the distance limit, leaves a gap. */
+  note(update: Update): void {
+    const now = performance.now() / 1000;
+    this.times.push(now);
+    this.distances.push(update.colliding?.length ? 0 : (update.nearest?.distance ?? null));
+    const old = this.times.findIndex((time) => time > now - WINDOW);
+    this.times.splice(0, old);
+    this.distances.splice(0, old);
+  }
+
+  draw(): void {
+    const now = performance.now() / 1000;
+    this.plot.setData([this.times.map((time) => time - now), this.distances]);
+  }
+}

@@ -1,0 +1,92 @@
+// What the node sends: /updates (src/node/view/update.rs), /robot and /world (src/node/view/scene.rs).
+
+export type Status = "FREE" | "COLLIDING" | "UNKNOWN";
+
+/** The kind of a body and its name: of one kind no two have the same. */
+export type BodyName = ["link" | "attached" | "obstacle", string];
+
+export type Point = [number, number, number];
+
+/** Position (m), and quaternion in the order x, y, z, w. */
+export type Pose = [number, number, number, number, number, number, number];
+
+export interface Pair {
+  bodies: [BodyName, BodyName];
+  distance: number;
+  witness_points: [Point, Point];
+}
+
+/** Lengths in metres, times in seconds. */
+export interface Update {
+  status: Status;
+  reason: string | null;
+  reason_code: string | null;
+  warnings: string[];
+  model: number;
+  world: number;
+  age: number | null;
+  poses: Pose[] | null;
+  // absent when nothing is known
+  compute_time?: number;
+  pairs_checked?: number;
+  free_for?: number | null;
+  nearest?: Pair | null;
+  near?: Pair[];
+  near_count?: number;
+  colliding?: [BodyName, BodyName][];
+  colliding_count?: number;
+}
+
+/** Numbers behind the text: the first and how many. */
+export type Span = [number, number];
+
+export type Shape = { pose: Pose; coarse: boolean } & (
+  | { kind: "box"; size: Point }
+  | { kind: "sphere"; radius: number }
+  | { kind: "cylinder" | "cone" | "capsule"; radius: number; length: number }
+  | { kind: "plane"; normal: Point; offset: number }
+  | { kind: "mesh"; vertices: Span; triangles: Span }
+  | { kind: "points"; radius: number; centres: Span }
+  | { kind: "cubes"; cubes: Span }
+);
+
+export interface Body {
+  name: string;
+  link?: string;
+  shapes: Shape[];
+}
+
+export interface Robot {
+  model: number;
+  name: string;
+  frame: string;
+  links: Body[];
+}
+
+export interface World {
+  model: number;
+  world: number;
+  obstacles: Body[];
+  attached: Body[];
+  link_scales: number[];
+}
+
+/** A text with numbers behind it (src/node/view/document.rs). */
+export class Document<T> {
+  readonly text: T;
+  private readonly numbers: ArrayBuffer;
+
+  constructor(bytes: ArrayBuffer) {
+    const length = new DataView(bytes).getUint32(0, true);
+    this.text = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as T;
+    this.numbers = bytes.slice(4 + length);
+  }
+
+  floats([first, count]: Span): Float32Array<ArrayBuffer> {
+    return new Float32Array(this.numbers, 4 * first, count);
+  }
+
+  integers([first, count]: Span): Uint32Array<ArrayBuffer> {
+    return new Uint32Array(this.numbers, 4 * first, count);
+  }
+}
