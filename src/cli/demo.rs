@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clearance::monitor::scene::PlanningSceneState;
+use clearance::node::recording::Given;
 use clearance::node::{
     self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory,
 };
@@ -55,6 +56,7 @@ pub fn run(level: LevelFilter) -> Result<ExitCode, Failure> {
         mesh_model: clearance::checker::MeshModel::Surface,
         motion: Some(Motion::Trajectory(motion)),
         observer: Some(Box::new(move |judgement| latest.note(judgement))),
+        given: Given::default(),
     });
     ended.store(true, Ordering::Relaxed);
     table.finish();

@@ -13,6 +13,8 @@ mod motion;
 #[cfg(feature = "ros")]
 mod node;
 mod progress;
+#[cfg(feature = "ros")]
+mod replay;
 mod run_args;
 mod states;
 mod timing;
@@ -49,7 +51,10 @@ enum Command {
     Verify(verify::VerifyArgs),
     /// The ROS 2 node: joint states in, collisions and distances out
     #[cfg(feature = "ros")]
-    Node(node::NodeArgs),
+    Node(Box<node::NodeArgs>),
+    /// Run a recording of the node again, without a network, and tell the first answer that differs
+    #[cfg(feature = "ros")]
+    Replay(replay::ReplayArgs),
 }
 
 /// Runs the program; everything that goes wrong is one message on stderr.
@@ -80,6 +85,11 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         }
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),
+        #[cfg(feature = "ros")]
+        Some(Command::Replay(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Error));
+            replay::run(&args)
+        }
         #[cfg(feature = "ros")]
         None => demo::run(arguments.log_level.unwrap_or(LevelFilter::Error)),
         #[cfg(not(feature = "ros"))]

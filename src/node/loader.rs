@@ -1,6 +1,7 @@
 //! From robot descriptions and what is heard about the world to checkers, on a thread of its own: the monitor goes on with the old
 //! model and world meanwhile.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -8,16 +9,15 @@ use futures_lite::future;
 use smol::Timer;
 use smol::channel::{Receiver, Sender};
 
-use super::clock::RosClock;
-use super::monitor_loop::Event;
-use super::parameter_services::ParameterStore;
+use super::monitor_loop::{CurrentJudgement, Event};
 use super::parameters::Parameters;
-use super::scene::Monitored;
-use super::scene_keeper::{CurrentScene, SceneInForce, SceneKeeper, SceneOrder};
+use super::recording::{Happening, OrderStep, Original};
+use super::scene::{CloudMessage, Monitored, Shared};
+use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper, SceneOrder};
 use crate::checker::{CollisionChecker, MeshModel, Settings};
-use crate::monitor::Revision;
-use crate::monitor::scene::PlanningSceneState;
-use crate::robot::{MeshFiles, RobotModel, RobotText};
+use crate::monitor::scene::{PlanningSceneState, TransformTree};
+use crate::monitor::{Now, Revision};
+use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
@@ -39,12 +39,25 @@ pub enum Order {
 /// The robot in use, for those who want to move it.
 pub type CurrentRobot = Arc<Mutex<Option<Arc<RobotModel>>>>;
 
+/// Orders that are followed together, the newest clouds, and what is known meanwhile.
+pub struct Pass {
+    pub glimpse: Glimpse,
+    pub orders: Vec<Order>,
+    pub clouds: BTreeMap<String, CloudMessage>,
+}
+
+/// What the loader looks at when it begins a pass, and whom it tells of it.
+pub struct Outlook {
+    pub shared: Shared,
+    pub judgement: CurrentJudgement,
+    pub meshes: MeshLog,
+}
+
 /// Builds checkers and hands them to the monitor.
 pub struct Loader {
     mesh_files: MeshFiles,
     surroundings: Surroundings,
     mesh_model: MeshModel,
-    parameters: ParameterStore,
     /// The robot was given on the command line, which wins over topics.
     robot_is_given: bool,
     /// The last texts that came, so that the same ones again cost nothing.
@@ -52,7 +65,8 @@ pub struct Loader {
     semantic: Option<String>,
     robot: Option<Arc<RobotModel>>,
     keeper: SceneKeeper,
-    clock: Arc<RosClock>,
+    /// Clouds that came before there was a robot.
+    clouds: BTreeMap<String, CloudMessage>,
     /// Counts the robots that were taken.
     model_revision: u64,
     /// Counts the changes of the world.
@@ -73,23 +87,17 @@ enum Change {
 
 impl Loader {
     #[must_use]
-    pub fn new(
-        (mesh_files, surroundings, mesh_model): (MeshFiles, Surroundings, MeshModel),
-        parameters: ParameterStore,
-        keeper: SceneKeeper,
-        clock: Arc<RosClock>,
-    ) -> Self {
+    pub fn new((mesh_files, surroundings, mesh_model): (MeshFiles, Surroundings, MeshModel)) -> Self {
         Self {
             mesh_files,
             surroundings,
             mesh_model,
-            parameters,
             robot_is_given: false,
             description: None,
             semantic: None,
             robot: None,
-            keeper,
-            clock,
+            keeper: SceneKeeper::default(),
+            clouds: BTreeMap::new(),
             model_revision: 0,
             world_revision: 0,
             current: CurrentRobot::default(),
@@ -117,34 +125,20 @@ impl Loader {
     }
 
     /// The checker of a robot from the command line; from now on descriptions on topics are not heeded.
-    pub fn take_given(&mut self, robot: RobotModel) -> Result<Arc<Revision>, String> {
+    pub fn take_given(&mut self, robot: RobotModel, glimpse: &Glimpse) -> Result<Arc<Revision>, String> {
         self.robot_is_given = true;
-        self.take(robot)
+        self.take(robot, glimpse)
     }
 
     /// Follows orders until there is no one left to give them.
-    pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>) {
-        while let Some(mut change) = self.await_change(orders) {
+    pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>, outlook: &Outlook) {
+        while let Some(mut together) = self.await_orders(orders, outlook) {
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
             while let Ok(order) = orders.try_recv() {
-                change = change.max(self.note(order));
+                together.push(order);
             }
-            change = change.max(self.look_at_the_world());
-            let built = match change {
-                Change::Nothing => Ok(None),
-                Change::Settings | Change::World => self.rebuild(change),
-                Change::Robot => guarded(DESCRIPTION, || self.reload()),
-            };
-            let event = match built {
-                Ok(None) => None,
-                Ok(Some(revision)) => Some(Event::Checker(revision)),
-                Err(fault) => {
-                    log::error!("the robot model was refused: {fault}");
-                    Some(Event::ModelFault(fault))
-                }
-            };
-            let told =
-                event.into_iter().chain([Event::World(self.keeper.note_in_use(), self.keeper.faults())]);
+            let told = self.carry_out(outlook.begin(together));
+            outlook.note_meshes();
             for event in told {
                 if events.send_blocking(event).is_err() {
                     return;
@@ -157,10 +151,34 @@ impl Loader {
         }
     }
 
-    /// What the next order changes, or the time that passes without one; `None` when there will be none.
-    fn await_change(&mut self, orders: &Receiver<Order>) -> Option<Change> {
-        let parameters = self.parameters.get();
-        let due = self.keeper.time_to_drop(self.clock.read(), &parameters);
+    /// Does what is asked for together; what the monitor has to know of it.
+    pub fn carry_out(&mut self, pass: Pass) -> Vec<Event> {
+        let Pass { glimpse, orders, clouds } = pass;
+        let mut change = Change::Nothing;
+        for order in orders {
+            change = change.max(self.note(order, &glimpse));
+        }
+        change = change.max(self.look_at_the_world(clouds, &glimpse));
+        let built = match change {
+            Change::Nothing => Ok(None),
+            Change::Settings | Change::World => self.rebuild(change, &glimpse),
+            Change::Robot => guarded(DESCRIPTION, || self.reload(&glimpse)),
+        };
+        let event = match built {
+            Ok(None) => None,
+            Ok(Some(revision)) => Some(Event::Checker(revision)),
+            Err(fault) => {
+                log::error!("the robot model was refused: {fault}");
+                Some(Event::ModelFault(fault))
+            }
+        };
+        event.into_iter().chain([Event::World(self.keeper.note_in_use(), self.keeper.faults())]).collect()
+    }
+
+    /// The next order, or none when enough time passed without one; `None` when there will be none.
+    fn await_orders(&mut self, orders: &Receiver<Order>, outlook: &Outlook) -> Option<Vec<Order>> {
+        let Shared { store, clock, .. } = &outlook.shared;
+        let due = self.keeper.time_to_drop(clock.read(), &store.get());
         let order = smol::block_on(future::or(async { orders.recv().await.map(Some) }, async {
             match due {
                 Some(due) => drop(Timer::after(due).await),
@@ -168,28 +186,26 @@ impl Loader {
             }
             Ok(None)
         }));
-        match order.ok()? {
-            Some(order) => Some(self.note(order)),
-            None => Some(Change::Nothing),
-        }
+        Some(order.ok()?.into_iter().collect())
     }
 
     /// New clouds are taken, and what is too old is dropped.
-    fn look_at_the_world(&mut self) -> Change {
+    fn look_at_the_world(&mut self, clouds: BTreeMap<String, CloudMessage>, glimpse: &Glimpse) -> Change {
+        self.clouds.extend(clouds);
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
         };
-        let parameters = self.parameters.get();
-        let seen = guarded_scene(|| self.keeper.see(&robot, &parameters));
-        let dropped = self.keeper.drop_stale(self.clock.read(), &parameters);
+        let clouds = std::mem::take(&mut self.clouds);
+        let seen = guarded_scene(|| self.keeper.see(clouds, &robot, glimpse));
+        let dropped = self.keeper.drop_stale(glimpse.now, &glimpse.parameters);
         if seen || dropped { Change::World } else { Change::Nothing }
     }
 
-    fn note(&mut self, order: Order) -> Change {
+    fn note(&mut self, order: Order, glimpse: &Glimpse) -> Change {
         let (known, text, topic) = match order {
             Order::Parameters => return Change::Settings,
             Order::Clouds => return Change::Nothing,
-            Order::Scene(order) => return self.note_scene(*order),
+            Order::Scene(order) => return self.note_scene(*order, glimpse),
             Order::Description(text) => (&mut self.description, text, DESCRIPTION),
             Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
@@ -204,18 +220,17 @@ impl Loader {
         Change::Robot
     }
 
-    fn note_scene(&mut self, order: SceneOrder) -> Change {
+    fn note_scene(&mut self, order: SceneOrder, glimpse: &Glimpse) -> Change {
         let Some(robot) = self.robot.clone() else {
             self.keeper.wait(order);
             return Change::Nothing;
         };
-        let parameters = self.parameters.get();
-        let changed = guarded_scene(|| self.keeper.apply(order, &robot, &parameters));
+        let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
         if changed { Change::World } else { Change::Nothing }
     }
 
     /// The robot that the last texts describe.
-    fn reload(&mut self) -> Result<Option<Arc<Revision>>, String> {
+    fn reload(&mut self, glimpse: &Glimpse) -> Result<Option<Arc<Revision>>, String> {
         let Some(description) = &self.description else {
             return Ok(None);
         };
@@ -234,16 +249,17 @@ impl Loader {
             log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
             robot = load(&RobotText { srdf: None, ..text })?;
         }
-        self.take(robot).map(Some)
+        self.take(robot, glimpse).map(Some)
     }
 
     /// The same robot with other settings, or in another world.
-    fn rebuild(&mut self, change: Change) -> Result<Option<Arc<Revision>>, String> {
+    fn rebuild(&mut self, change: Change, glimpse: &Glimpse) -> Result<Option<Arc<Revision>>, String> {
         let Some(robot) = self.robot.clone() else {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        let built = guarded("the world", || self.build(&robot, self.model_revision, world));
+        let built =
+            guarded("the world", || self.build(&robot, (self.model_revision, world), &glimpse.parameters));
         if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
             self.keeper.go_back(&scene.scene, fault);
@@ -252,7 +268,7 @@ impl Loader {
         built.map(Some)
     }
 
-    fn take(&mut self, robot: RobotModel) -> Result<Arc<Revision>, String> {
+    fn take(&mut self, robot: RobotModel, glimpse: &Glimpse) -> Result<Arc<Revision>, String> {
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
@@ -266,12 +282,11 @@ impl Loader {
         } else {
             self.keeper.fit_to(&robot);
         }
-        let parameters = self.parameters.get();
         for order in self.keeper.awaited() {
-            let changed = guarded_scene(|| self.keeper.apply(order, &robot, &parameters));
+            let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
             world += u64::from(changed);
         }
-        let revision = match self.build(&robot, self.model_revision + 1, world) {
+        let revision = match self.build(&robot, (self.model_revision + 1, world), &glimpse.parameters) {
             Ok(revision) => revision,
             Err(fault) => {
                 // the robot before stays, in its scene
@@ -292,17 +307,21 @@ impl Loader {
     }
 
     /// A checker of the scene as it is now, which is in force from now on.
-    fn build(&mut self, robot: &Arc<RobotModel>, model: u64, world: u64) -> Result<Arc<Revision>, String> {
-        let parameters = self.parameters.get();
+    fn build(
+        &mut self,
+        robot: &Arc<RobotModel>,
+        (model, world): (u64, u64),
+        parameters: &Parameters,
+    ) -> Result<Arc<Revision>, String> {
         let scene = &self.keeper.state;
         let before = lock(&self.scene).clone();
         let known = before.as_ref().map(|before| &before.revision.checker);
-        let checker = checker_of(robot, scene, self.mesh_model, &parameters, known)?;
+        let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
         let revision = Arc::new(Revision {
             checker,
             model,
             world,
-            sources: self.keeper.sources(&parameters),
+            sources: self.keeper.sources(parameters),
             warnings: self.keeper.warnings(),
         });
         (self.model_revision, self.world_revision) = (model, world);
@@ -311,9 +330,63 @@ impl Loader {
             scene: scene.clone(),
             octomap: self.keeper.octomap.clone(),
             mesh_model: self.mesh_model,
-            parameters,
+            parameters: parameters.clone(),
         }));
         Ok(revision)
+    }
+}
+
+impl Glimpse {
+    /// Before anything is known but the parameters.
+    #[must_use]
+    pub fn first(parameters: &Parameters, now: Now) -> Self {
+        Self { now, parameters: parameters.clone(), transforms: TransformTree::default(), judgement: None }
+    }
+}
+
+impl Outlook {
+    /// What is known now. A recording has what came before it before it, and what comes later after it.
+    fn begin(&self, mut orders: Vec<Order>) -> Pass {
+        let Shared { transforms, clouds, store, clock, tape } = &self.shared;
+        let parameters = store.get();
+        let clouds = clouds.take();
+        let originals: Vec<_> =
+            if tape.is_on() { orders.iter_mut().map(original).collect() } else { Vec::new() };
+        let transforms = lock(transforms);
+        let judgement = lock(&self.judgement);
+        let now = clock.read();
+        tape.note(|| Happening::Pass {
+            now,
+            parameters: Box::new(parameters.clone()),
+            orders: originals,
+            clouds: clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect(),
+        });
+        let judgement = judgement.clone();
+        Pass {
+            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement },
+            orders,
+            clouds,
+        }
+    }
+
+    /// Tells the recorder which meshes were read.
+    pub fn note_meshes(&self) {
+        let meshes = self.meshes.take();
+        if !meshes.is_empty() {
+            self.shared.tape.note(|| Happening::Meshes(meshes));
+        }
+    }
+}
+
+/// An order as a recording has it.
+fn original(order: &mut Order) -> (OrderStep, Option<Original>) {
+    match order {
+        Order::Description(text) => (OrderStep::Description, Some(Original::Text(text.clone()))),
+        Order::Semantic(text) => (OrderStep::Semantic, Some(Original::Text(text.clone()))),
+        Order::Parameters => (OrderStep::Parameters, None),
+        Order::Clouds => (OrderStep::Clouds, None),
+        // all orders come with what they were made of while somebody records
+        Order::Scene(order) => order.take_original().unwrap_or((OrderStep::Clouds, None)),
     }
 }
 

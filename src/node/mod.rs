@@ -10,6 +10,8 @@
 //!
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
 //!
+//! monitor loop, loader, world ──> recorder, if it is wanted
+//!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
 mod arguments;
@@ -35,6 +37,7 @@ mod parameter_services;
 mod parameter_value;
 mod parameters;
 mod publishers;
+pub mod recording;
 mod run;
 mod scene;
 mod scene_keeper;

@@ -14,8 +14,9 @@ use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::recording::{Happening, Judged, Tape, Tidings};
 use super::scene_keeper::CloudReports;
-use crate::monitor::{Judgement, Monitor, Reason, Revision, SourceId};
+use crate::monitor::{Judgement, Monitor, Now, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
 pub enum Event {
@@ -51,6 +52,7 @@ pub struct MonitorLoop {
     pub publishers: Publishers,
     pub current: CurrentJudgement,
     pub observer: Option<Observer>,
+    pub tape: Tape,
     pub report: Report,
 }
 
@@ -88,8 +90,9 @@ impl MonitorLoop {
                 Wake::Event(event) => self.heed(event),
                 Wake::JointState(message, origin) => self.judge(message, origin),
                 Wake::Heartbeat => {
-                    let judgement = self.monitor.on_heartbeat(self.clock.read());
-                    self.say(&judgement);
+                    let now = self.clock.read();
+                    let judgement = self.monitor.on_heartbeat(now);
+                    self.say(&judgement, now, None);
                 }
             }
         }
@@ -120,6 +123,7 @@ impl MonitorLoop {
     }
 
     fn heed(&mut self, event: Event) {
+        self.note(&event);
         match event {
             Event::Stop => {}
             Event::Checker(revision) => {
@@ -142,6 +146,20 @@ impl MonitorLoop {
         }
     }
 
+    /// Tells the recorder what is heeded, and when.
+    fn note(&self, event: &Event) {
+        let told = match event {
+            Event::Stop => return,
+            Event::Checker(_) => Tidings::Checker,
+            Event::ModelFault(_) => Tidings::ModelFault,
+            Event::World(..) => Tidings::World,
+            Event::Parameters(parameters) => {
+                return self.tape.note(|| Happening::Parameters(parameters.clone()));
+            }
+        };
+        self.tape.note(|| Happening::Told(told));
+    }
+
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
@@ -149,16 +167,23 @@ impl MonitorLoop {
                 (message, origin) = newer;
             }
         }
+        let heard = self.tape.is_on().then(|| (message.clone(), origin.publisher));
         let input = joint_state_input(message, origin.publisher);
-        let judgement = self.monitor.on_joint_state(input, self.clock.read());
+        let now = self.clock.read();
+        let judgement = self.monitor.on_joint_state(input, now);
         self.report.activity.note_judged(&judgement);
-        self.say(&judgement);
+        self.say(&judgement, now, heard);
     }
 
-    fn say(&mut self, judgement: &Judgement) {
+    /// Says what was judged at `now`, from a joint state if one was heard.
+    fn say(&mut self, judgement: &Judgement, now: Now, heard: Option<(JointState, SourceId)>) {
         let steady = self.clock.steady();
         self.log_change(judgement);
-        *self.current.lock().unwrap_or_else(PoisonError::into_inner) = Some(judgement.clone());
+        let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
+        *current = Some(judgement.clone());
+        // a recording has it before whatever is made of it
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, judgement: judgement.clone() })));
+        drop(current);
         self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
         if let Some(observe) = &mut self.observer {
             observe(judgement);

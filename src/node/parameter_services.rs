@@ -48,7 +48,7 @@ impl ParameterStore {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
         for (name, value) in changes {
-            changed.set(name, value)?;
+            changed.set_live(name, value)?;
         }
         if *values != changed {
             *values = changed;
@@ -61,7 +61,7 @@ impl ParameterStore {
     fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
-        let results = changes.iter().map(|(name, value)| changed.set(name, value)).collect::<Vec<_>>();
+        let results = changes.iter().map(|(name, value)| changed.set_live(name, value)).collect::<Vec<_>>();
         if *values != changed {
             *values = changed;
             (self.on_change)(&values);
@@ -245,7 +245,7 @@ fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
 
 fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
     let ranges = match declaration.range {
-        Range::Bool | Range::Word(_) | Range::Texts | Range::Point => Vec::new(),
+        Range::Bool | Range::Word(_) | Range::Text | Range::Texts | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
         }
@@ -261,9 +261,10 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
-            Range::Bool | Range::Double { .. } | Range::Texts => String::new(),
+            Range::Bool | Range::Double { .. } | Range::Text | Range::Texts => String::new(),
         },
         floating_point_range: ranges,
+        read_only: declaration.is_fixed(),
         ..blank_descriptor()
     }
 }

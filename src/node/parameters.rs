@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use super::parameter_value::Value;
+use super::recording::RecordingSettings;
 use crate::monitor::MonitorSettings;
 
 /// All parameters in force. One value of this is one consistent choice: it changes as a whole.
@@ -29,6 +30,9 @@ pub struct Parameters {
     pub octomap_ttl: f64,
     pub unknown_space: &'static str,
     pub transform_ttl: f64,
+    pub record_file: String,
+    pub record_max_size: f64,
+    pub record_max_duration: f64,
     pub use_sim_time: bool,
 }
 
@@ -60,6 +64,9 @@ impl Default for Parameters {
             octomap_ttl: 0.0,
             unknown_space: UNKNOWN_SPACES[0],
             transform_ttl: 1.0,
+            record_file: String::new(),
+            record_max_size: 4000.0,
+            record_max_duration: 0.0,
             use_sim_time: false,
         }
     }
@@ -88,6 +95,27 @@ impl Parameters {
     #[must_use]
     pub fn unknown_is_occupied(&self) -> bool {
         self.unknown_space == UNKNOWN_SPACES[1]
+    }
+
+    /// What is recorded, if anything is.
+    #[must_use]
+    pub fn recording(&self) -> Option<RecordingSettings> {
+        (!self.record_file.is_empty()).then(|| RecordingSettings {
+            file: self.record_file.clone().into(),
+            max_size: self.record_max_size,
+            max_duration: self.record_max_duration,
+        })
+    }
+
+    /// Sets one parameter of a node that runs, or says why not.
+    pub fn set_live(&mut self, name: &str, value: &Value) -> Result<(), String> {
+        let mut changed = self.clone();
+        changed.set(name, value)?;
+        if declaration(name).is_some_and(|d| d.is_fixed() && d.get(&changed) != d.get(self)) {
+            return Err(format!("{name} counts at the start only: give it to a new node"));
+        }
+        *self = changed;
+        Ok(())
     }
 
     /// Sets one parameter, or says why not.
@@ -126,6 +154,7 @@ pub enum Range {
     },
     /// One of these words.
     Word(&'static [&'static str]),
+    Text,
     Texts,
     /// A point, or nothing.
     Point,
@@ -137,6 +166,7 @@ enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
     Double(fn(&mut Parameters) -> &mut f64),
     Word(fn(&mut Parameters) -> &mut &'static str),
+    Text(fn(&mut Parameters) -> &mut String),
     Texts(fn(&mut Parameters) -> &mut Vec<String>),
     Point(fn(&mut Parameters) -> &mut Vec<f64>),
 }
@@ -144,6 +174,12 @@ enum Access {
 impl Declaration {
     fn in_unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
+    }
+
+    /// Whether it counts at the start only.
+    #[must_use]
+    pub fn is_fixed(&self) -> bool {
+        self.name.starts_with("record_")
     }
 
     /// The value in force.
@@ -155,6 +191,7 @@ impl Declaration {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),
             Access::Double(field) => Value::Double(*field(&mut parameters)),
             Access::Word(field) => Value::Text((*field(&mut parameters)).to_owned()),
+            Access::Text(field) => Value::Text(field(&mut parameters).clone()),
             Access::Texts(field) => Value::Texts(field(&mut parameters).clone()),
             Access::Point(field) => Value::Doubles(field(&mut parameters).clone()),
         }
@@ -189,6 +226,12 @@ impl Declaration {
                 *field(parameters) = number;
             }
             (Access::Word(field), _) => *field(parameters) = self.word(value)?,
+            (Access::Text(field), _) => {
+                let Value::Text(text) = value else {
+                    return Err(format!("{} is a string, but {} was given", self.name, value.kind()));
+                };
+                text.clone_into(field(parameters));
+            }
             (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
             (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
@@ -342,6 +385,29 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Radius of the balls that the points of clouds are.",
         ),
         boolean("publish_markers", |p| &mut p.publish_markers, "Whether markers are published for RViz."),
+        Declaration {
+            range: Range::Text,
+            access: Access::Text(|p| &mut p.record_file),
+            ..described(
+                "record_file",
+                "",
+                "The MCAP file to which inputs and answers are recorded; none if empty.",
+            )
+        },
+        double(
+            "record_max_duration",
+            "s",
+            (0.0, 1e9),
+            |p| &mut p.record_max_duration,
+            "Time after which a recording ends; 0 means never.",
+        ),
+        double(
+            "record_max_size",
+            "MB",
+            (0.0, 1e9),
+            |p| &mut p.record_max_size,
+            "Size at which a recording ends; 0 means never.",
+        ),
         double(
             "self_filter_padding",
             "m",
@@ -446,6 +512,7 @@ mod tests {
                 Range::Bool => " true or false.".to_owned(),
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
+                Range::Text => " A file.".to_owned(),
                 Range::Texts => " A list of topics.".to_owned(),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),
             };

@@ -22,7 +22,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 16] = [
+const HOMES: [(&str, &str); 19] = [
     ("fearless_simd", "src/simd/"),
     ("parry3d_f64", "src/query/narrow_phase.rs"),
     ("urdf_rs", "src/robot/"),
@@ -35,6 +35,9 @@ const HOMES: [(&str, &str); 16] = [
     ("rustdds", "src/node/"),
     ("ros2_interfaces_jazzy_serde", "src/node/"),
     ("smol", "src/node/"),
+    ("mcap", "src/node/recording/"),
+    ("cdr_encoding", "src/node/recording/"),
+    ("byteorder", "src/node/recording/"),
     ("clap", "src/cli/"),
     ("indicatif", "src/cli/"),
     ("csv", "src/cli/"),
