@@ -1,27 +1,32 @@
 """What a node records, others can read; and run again it is the same, bit for bit."""
 
-import json
 import shutil
-import signal
 from math import pi
 
 import pytest
 from clearance_msgs.msg import CollisionState
 from geometry_msgs.msg import TransformStamped
-from moveit_msgs.msg import PlanningScene
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 import scene as scenes
 import two_link
 from clouds import cloud
-from node_process import ROOT, NodeProcess
+from node_process import NodeProcess
 from recordings import messages, outcome, replay, steps, tampered
 from scene_client import SceneClient
 from sensor_msgs.msg import PointCloud2
 
 FOLDED = {"joint1": 0, "joint2": 5 * pi / 6}
 COLLIDING = {"joint1": 0, "joint2": pi}
+WORLD = """
+world:
+  collision_objects:
+    - id: wall
+      header: {frame_id: base}
+      meshes: [{resource: wall.obj}]
+      mesh_poses: [{position: {x: 1.2, y: 0.5}}]
+"""
 NEAR = {"influence_distance": 0.5, "distance_limit": 2.0}
 
 
@@ -98,15 +103,18 @@ def test_robots_that_come_by_topic_are_the_same_again(start, peer, file):
 
 def test_meshes_are_in_the_recording(start, peer, file, tmp_path):
     folder = tmp_path / "robot"
-    shutil.copytree(ROOT / "urdf/demo_arm", folder)
-    world = tmp_path / "world.yaml"
-    shutil.copy(ROOT / "config/demo_world.yaml", world)
-    cell = start("--srdf", folder / "demo_arm.srdf", "--world", world, urdf=folder / "demo_arm.urdf", parameters=recorded(file))
-    cell.has_model()
-    cell.judged(**{f"joint{i}": 0.1 * i for i in range(1, 8)}, finger_joint=0.01)
+    folder.mkdir()
+    corners = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    (folder / "tip.obj").write_text(corners)
+    description = two_link.description().replace('<sphere radius="0.1"/>', '<mesh filename="tip.obj"/>')
+    assert "tip.obj" in description
+    (folder / "robot.urdf").write_text(description)
+    (folder / "wall.obj").write_text(corners)
+    (folder / "world.yaml").write_text(WORLD)
+    cell = start("--world", folder / "world.yaml", urdf=folder / "robot.urdf", parameters=recorded(file))
+    cell.judged(**FOLDED)
     ended(cell)
     shutil.rmtree(folder)
-    world.unlink()
 
     assert same(file) > 1
 
@@ -203,8 +211,8 @@ def test_recordings_begin_at_the_start_and_never_replace_one_another(start, peer
 
 
 def test_a_recording_ends_at_its_limit_and_the_node_goes_on(start, peer, file):
-    cell = start(parameters=recorded(file, record_max_duration=0.5))
+    cell = start(parameters=recorded(file, record_max_size=0.02))
     cell.judged(**FOLDED)
-    peer.wait_for(lambda: "record_max_duration" in cell.node.output(), "the end of the recording")
+    peer.wait_for(lambda: "record_max_size" in cell.node.output(), "the end of the recording")
     cell.judged(joint1=0, joint2=0)
     assert same(file) > 0

@@ -192,7 +192,9 @@ pub(super) fn mcap_writer(file: File) -> mcap::McapResult<mcap::Writer<BufWriter
         .profile("ros2")
         .library(concat!("clearance ", env!("CARGO_PKG_VERSION")))
         .compression(Some(Compression::Zstd))
-        .compression_threads(0);
+        .compression_threads(0)
+        // chunks are written whole: a file that is cut off ends with a chunk that is short, not with one that says nothing of its length
+        .disable_seeking(true);
     options.create(BufWriter::new(file))
 }
 
