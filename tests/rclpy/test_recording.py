@@ -25,7 +25,7 @@ world:
     - id: wall
       header: {frame_id: base}
       meshes: [{resource: wall.obj}]
-      mesh_poses: [{position: {x: 1.2, y: 0.5}}]
+      mesh_poses: [{position: {x: 1.2, y: 0.5, z: 0.0}}]
 """
 NEAR = {"influence_distance": 0.5, "distance_limit": 2.0}
 
