@@ -7,6 +7,8 @@ mod check;
 mod demo;
 #[cfg(feature = "ros")]
 mod demo_table;
+#[cfg(feature = "ros")]
+mod doctor;
 mod failure;
 mod model;
 mod motion;
@@ -52,6 +54,9 @@ enum Command {
     /// The ROS 2 node: joint states in, collisions and distances out
     #[cfg(feature = "ros")]
     Node(Box<node::NodeArgs>),
+    /// What is wrong on this machine and with these topics, if the node does not work
+    #[cfg(feature = "ros")]
+    Doctor(doctor::DoctorArgs),
     /// Run a recording of the node again, without a network, and tell the first answer that differs
     #[cfg(feature = "ros")]
     Replay(replay::ReplayArgs),
@@ -85,6 +90,8 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         }
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),
+        #[cfg(feature = "ros")]
+        Some(Command::Doctor(args)) => doctor::run(&args, arguments.log_level.unwrap_or(LevelFilter::Warn)),
         #[cfg(feature = "ros")]
         Some(Command::Replay(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Error));

@@ -19,6 +19,7 @@ pub mod clearance_msgs;
 pub mod clearance_srvs;
 mod clock;
 mod diagnostics;
+pub mod doctor;
 mod environment;
 #[cfg(test)]
 mod interface_text;
