@@ -151,7 +151,7 @@ impl MonitorLoop {
         let told = match event {
             Event::Stop => return,
             Event::Checker(_) => Tidings::Checker,
-            Event::ModelFault(_) => Tidings::ModelFault,
+            Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
             Event::World(..) => Tidings::World,
             Event::Parameters(parameters) => {
                 return self.tape.note(|| Happening::Parameters(parameters.clone()));

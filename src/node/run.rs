@@ -191,7 +191,6 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let node = names.full_node_name();
     log::info!("{node} listens to {joint_states} in domain {}", options.environment.domain);
     let ended = run_together(parts, &end).map_err(NodeError::Internal);
-    // all tapes went with the parts
     if let Some(recorder) = recorder {
         recorder.finish();
     }

@@ -92,13 +92,14 @@ def test_robots_that_come_by_topic_are_the_same_again(start, peer, file):
     publisher.publish(String(data=two_link.description_with_cube(0.8)))
     cell.has_model(2)
     cell.judged(**FOLDED)
-    publisher.publish(String(data="<robot"))
-    SceneClient(cell).complaints.wait_for("robot_description")
+    # a fault that names folders of this machine
+    publisher.publish(String(data=two_link.description().replace('<sphere radius="0.1"/>', '<mesh filename="package://a/b.stl"/>')))
+    SceneClient(cell).complaints.wait_for("b.stl")
     cell.judged(joint1=0, joint2=0)
     ended(cell)
 
     assert same(file) > 2
-    assert [len(message.data) > 10 for message in messages(file, topic)] == [True, True, False]
+    assert ["b.stl" in message.data for message in messages(file, topic)] == [False, False, True]
 
 
 def test_meshes_are_in_the_recording(start, peer, file, tmp_path):
@@ -215,4 +216,15 @@ def test_a_recording_ends_at_its_limit_and_the_node_goes_on(start, peer, file):
     cell.judged(**FOLDED)
     peer.wait_for(lambda: "record_max_size" in cell.node.output(), "the end of the recording")
     cell.judged(joint1=0, joint2=0)
+    assert same(file) > 0
+
+
+def test_a_robot_that_was_refused_is_refused_again(start, peer, file):
+    topic = "/refused/robot_description"
+    mesh = '<mesh filename="package://nowhere/tip.stl"/>'
+    peer.latch(String(data=two_link.description().replace('<sphere radius="0.1"/>', mesh)), topic)
+    cell = start(urdf=None, namespace="/refused", parameters=recorded(file))
+    cell.states.wait_for(lambda state: "nowhere/tip.stl" in state.reason, "the fault")
+    ended(cell)
+
     assert same(file) > 0

@@ -201,7 +201,7 @@ impl Run {
                 let pass = self.pass(now, &parameters, (orders, clouds), messages)?;
                 self.told.extend(self.loader.carry_out(pass));
             }
-            Step::Told(tidings) => return Ok(self.heed(tidings)),
+            Step::Told(tidings) => return Ok(self.heed(&tidings)),
             Step::Parameters(parameters) => {
                 self.monitor.set_settings(parameters_from_json(&parameters)?.monitor_settings());
             }
@@ -248,7 +248,7 @@ impl Run {
     }
 
     /// The monitor heeds what the loader told it next, which must be what it was.
-    fn heed(&mut self, recorded: Tidings) -> Done {
+    fn heed(&mut self, recorded: &Tidings) -> Done {
         let differs = |replayed: String| Done::Differs {
             field: "what the loader made of its orders".to_owned(),
             recorded: format!("{recorded:?}"),
@@ -256,7 +256,10 @@ impl Run {
         };
         match (recorded, self.told.pop_front()) {
             (Tidings::Checker, Some(Event::Checker(revision))) => self.monitor.set_checker(revision),
-            (Tidings::ModelFault, Some(Event::ModelFault(fault))) => self.monitor.note_model_fault(fault),
+            // the words name folders that are not here
+            (Tidings::ModelFault(fault), Some(Event::ModelFault(_))) => {
+                self.monitor.note_model_fault(fault.clone());
+            }
             (Tidings::World, Some(Event::World(_, faults))) => self.monitor.note_world_faults(faults),
             (_, Some(Event::ModelFault(fault))) => return differs(format!("ModelFault: {fault}")),
             (_, Some(Event::Checker(_))) => return differs("Checker".to_owned()),

@@ -12,8 +12,8 @@ use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
 use super::step::Step;
 use super::writer::mcap_writer;
 
-/// Copies a recording up to its answer number `last` (counted from 1), with as many answers as `kept` before it; the rest is
-/// copied whole.
+/// Copies a recording up to its answer number `last` (counted from 1), with as many answers as `kept` before it and those that the
+/// loader looked at; the rest is copied whole.
 pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), ReadError> {
     let mut source = RecordingFile::open(from)?;
     let refused = |error: &dyn std::fmt::Display| ReadError::new(to, error.to_string());
@@ -24,23 +24,27 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
         written: 0,
     };
     let mut answers = 0;
+    // the last answer that was left out: what the loader does next depends on where the robot was then
+    let mut before: Option<Vec<RawMessage>> = None;
     while let Some(entry) = source.next()? {
         match entry {
             Entry::Attachment { name, data } => {
                 copy.attachment(name, data).map_err(|error| refused(&error))?;
             }
-            Entry::Step { step, messages, itself } => {
+            Entry::Step { step, mut messages, itself } => {
+                messages.push(itself);
                 let is_answer = matches!(*step, Step::JointState { .. } | Step::Heartbeat { .. });
                 answers += u64::from(is_answer);
                 if is_answer && answers.saturating_add(kept) < last {
+                    before = Some(messages);
                     continue;
                 }
-                for message in messages.iter().chain([&itself]) {
+                let before = before.take_if(|_| is_answer || matches!(*step, Step::Pass { .. }));
+                for message in before.iter().flatten().chain(&messages) {
                     copy.message(message).map_err(|error| refused(&error))?;
                 }
             }
         }
-        // what the loader had read by then stands behind
         if answers >= last {
             break;
         }

@@ -39,11 +39,12 @@ pub enum Step {
 }
 
 /// What the loader tells the monitor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tidings {
     Checker,
-    ModelFault,
+    /// In words that name the folders of the machine it was on.
+    ModelFault(String),
     World,
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -96,6 +96,8 @@ struct Line {
 pub(super) struct Backlog {
     pub bytes: AtomicUsize,
     pub lost: AtomicU64,
+    /// Nothing that comes later belongs to the recording.
+    pub ended: AtomicBool,
 }
 
 impl Tape {

@@ -30,6 +30,9 @@ const LONGEST_QUEUE: usize = 20_000;
 /// What a file that is cut off may lack at its end.
 const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
+/// Time between two looks at whether it is enough.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
+
 /// Largest file (bytes) that is attached.
 const LARGEST_ATTACHMENT: u64 = 512 << 20;
 
@@ -48,10 +51,11 @@ pub struct RecordingSettings {
     pub max_duration: f64,
 }
 
-/// Writes a recording until every tape that leads to it has gone.
+/// Writes a recording until it is told to finish.
 #[derive(Debug)]
 pub struct Recorder {
     thread: JoinHandle<()>,
+    backlog: Arc<Backlog>,
 }
 
 impl Recorder {
@@ -74,6 +78,7 @@ impl Recorder {
         let (items, items_in) = mpsc::sync_channel(LONGEST_QUEUE);
         let backlog = Arc::new(Backlog::default());
         let tape = Tape::to(items, Arc::clone(&backlog));
+        let ends = Arc::clone(&backlog);
         let mut writer = Writer { mcap, channels: BTreeMap::new(), topics, written: 0 };
         let started = Step::Started {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -98,7 +103,7 @@ impl Recorder {
             }
         };
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(record);
-        Ok((tape, Self { thread: thread.map_err(|error| refused(&error))? }))
+        Ok((tape, Self { thread: thread.map_err(|error| refused(&error))?, backlog: ends }))
     }
 
     #[cfg(test)]
@@ -106,8 +111,9 @@ impl Recorder {
         self.thread.is_finished()
     }
 
-    /// Waits until all is written. Every tape has to be gone.
+    /// Writes what was told so far, and waits until it is written.
     pub fn finish(self) {
+        self.backlog.ended.store(true, Ordering::Relaxed);
         if self.thread.join().is_err() {
             log::error!("the recorder failed inside the program: its file ends before the node did");
         }
@@ -145,7 +151,9 @@ fn follow(
 ) -> Result<String, String> {
     let mut flushed = Instant::now();
     loop {
-        let item = items.recv_timeout(FLUSH_PERIOD.saturating_sub(flushed.elapsed()));
+        // what was told before the end is written; asked in this order, nothing of it is missed
+        let ended = backlog.ended.load(Ordering::Relaxed);
+        let item = items.recv_timeout(if ended { Duration::ZERO } else { LONGEST_WAIT });
         let lost = backlog.lost.swap(0, Ordering::Relaxed);
         if lost > 0 {
             log::warn!("the recording misses {lost} steps here: the disk is slower than what happens");
@@ -156,8 +164,8 @@ fn follow(
                 backlog.bytes.fetch_sub(item.bytes, Ordering::Relaxed);
                 writer.write(item.what, item.at)?;
             }
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok("the node ended".to_owned()),
+            Err(RecvTimeoutError::Timeout) if !ended => {}
+            Err(_) => return Ok("the node ended".to_owned()),
         }
         if flushed.elapsed() >= FLUSH_PERIOD {
             flushed = Instant::now();
