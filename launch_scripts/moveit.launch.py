@@ -5,7 +5,8 @@
 
 Robot and SRDF come on robot_description and robot_description_semantic: start move_group with
 publish_robot_description and publish_robot_description_semantic. Its scene comes on monitored_planning_scene, which the
-node hears as planning_scene: start the node first, for move_group tells the whole scene only once. The node's own scene services stand in its own namespace: MoveIt's keep their names.
+node hears as planning_scene: start the node first, for move_group tells the whole scene only once. The node's own scene
+services stand in its own namespace: MoveIt's keep their names.
 """
 
 from launch import LaunchDescription

@@ -1,6 +1,6 @@
 """Launch files without `launch` and `launch_ros`, whose wheels are not on PyPI: stand-ins with what our files use of them.
 
-What they make of a file is the command line that launch_ros 0.26 (Jazzy) would start: program, arguments, then --ros-args with name,
+What they make of a file is the command line that launch_ros starts: program, arguments, then --ros-args with name,
 namespace, parameters as files, remaps.
 """
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from unittest.mock import patch
 
-from node_process import BINARY, ROOT
+from node_process import BINARY, ROOT, yaml_text
 
 
 @dataclass
@@ -55,7 +55,7 @@ class Node:
         for number, parameters in enumerate(self.parameters):
             file = parameters
             if isinstance(parameters, dict):
-                lines = [f"    {name}: {str(value).lower() if isinstance(value, bool) else value}" for name, value in parameters.items()]
+                lines = [f"    {name}: {yaml_text(value)}" for name, value in parameters.items()]
                 file = folder / f"launch_params_{number}.yaml"
                 file.write_text("/**:\n  ros__parameters:\n" + "\n".join(lines) + "\n")
             words += ["--params-file", str(file)]

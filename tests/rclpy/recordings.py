@@ -42,13 +42,15 @@ def tampered(file, copy, topic, number, change):
         reader, writer = make_reader(stream), Writer(written)
         writer.start(profile="ros2", library="test")
         for attachment in reader.iter_attachments():
-            writer.add_attachment(attachment.create_time, attachment.log_time, attachment.name, attachment.media_type, attachment.data)
+            times = attachment.create_time, attachment.log_time
+            writer.add_attachment(*times, attachment.name, attachment.media_type, attachment.data)
         schemas, channels, seen = {}, {}, 0
         for schema, channel, message in reader.iter_messages(log_time_order=False):
             if schema.id not in schemas:
                 schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
             if channel.id not in channels:
-                channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, schemas[schema.id])
+                encoding = channel.message_encoding
+                channels[channel.id] = writer.register_channel(channel.topic, encoding, schemas[schema.id])
             data = message.data
             if channel.topic == topic:
                 data = change(data) if seen == number else data

@@ -55,14 +55,15 @@ def test_a_name_by_remap_and_a_position_that_is_none(peer, domain_id):
 
 
 def test_a_mesh_that_is_not_found_is_named(peer, domain_id, tmp_path):
-    urdf = two_link.description().replace('<sphere radius="0.1"/>', '<mesh filename="package://arm_description/tip.stl"/>')
-    peer.latch(String(data=urdf), "/robot_description")
-    findings = wrong(doctor(domain_id, code=1))
-    assert "arm_description/tip.stl" in findings["robot_description"] and "--package-path" in findings["robot_description"]
+    mesh = '<mesh filename="package://arm_description/tip.stl"/>'
+    peer.latch(String(data=two_link.description().replace('<sphere radius="0.1"/>', mesh)), "/robot_description")
+    fault = wrong(doctor(domain_id, code=1))["robot_description"]
+    assert "arm_description/tip.stl" in fault and "--package-path" in fault
 
 
 @pytest.mark.parametrize(
-    ("variable", "value"), [("RMW_IMPLEMENTATION", "rmw_zenoh_cpp"), ("ROS_LOCALHOST_ONLY", "perhaps"), ("ROS_STATIC_PEERS", "10.0.0.1")]
+    ("variable", "value"),
+    [("RMW_IMPLEMENTATION", "rmw_zenoh_cpp"), ("ROS_LOCALHOST_ONLY", "perhaps"), ("ROS_STATIC_PEERS", "10.0.0.1")],
 )
 def test_variables_that_part_it_from_others_are_named(domain_id, variable, value):
     findings = wrong(doctor(domain_id, code=1, wait=0.5, **{variable: value}))
@@ -72,7 +73,8 @@ def test_variables_that_part_it_from_others_are_named(domain_id, variable, value
 def test_a_machine_without_multicast_is_told(domain_id):
     command = [BINARY, "doctor", "--wait", "0.5", "--format", "json"]
     alone = ["unshare", "-rn", "bash", "-c", 'ip link set lo up; exec "$@"', "bash", *command]
-    done = subprocess.run(alone, cwd=ROOT, env=environment_of_node(domain_id, {}), capture_output=True, text=True, timeout=100)
+    environment = environment_of_node(domain_id, {})
+    done = subprocess.run(alone, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=100)
     assert done.returncode in (1, 3), done.stderr
     if done.returncode == 1:
         findings = [(f["verdict"], f["about"], f["text"]) for f in json.loads(done.stdout)]

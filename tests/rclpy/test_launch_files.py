@@ -31,12 +31,17 @@ def test_every_argument_is_described_and_without_any_the_installed_program_is_st
     assert all(argument.description for argument in file.arguments.values())
     ours = [node for node in file.nodes() if node.executable == "clearance"]
     assert ours and all(node.package == "clearance" and node.arguments[0] == "node" for node in ours)
-    assert all(node.package is None for node in file.nodes(executable="/opt/clearance") if node.executable == "/opt/clearance")
+    named = [node for node in file.nodes(executable="/opt/clearance") if node.executable == "/opt/clearance"]
+    assert named and all(node.package is None for node in named)
 
 
 def test_one_robot(peer, domain_id, tmp_path):
     command = LaunchFile("clearance.launch.py").command(
-        tmp_path, urdf=two_link.URDF, namespace="left", joint_states="/driver/joint_states", params_file="config/clearance.yaml"
+        tmp_path,
+        urdf=two_link.URDF,
+        namespace="left",
+        joint_states="/driver/joint_states",
+        params_file="config/clearance.yaml",
     )
     two_link.Driver(peer, "/driver/joint_states")
     states = peer.record(CollisionState, "/left/clearance/state")

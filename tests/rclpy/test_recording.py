@@ -27,6 +27,7 @@ world:
       meshes: [{resource: wall.obj}]
       mesh_poses: [{position: {x: 1.2, y: 0.5, z: 0.0}}]
 """
+SPHERE = '<sphere radius="0.1"/>'
 NEAR = {"influence_distance": 0.5, "distance_limit": 2.0}
 
 
@@ -79,8 +80,8 @@ def test_a_run_with_everything_in_it_is_the_same_again(start, peer, file):
 
     assert same(file) >= len(cell.states.messages) / 2
     assert replay(file).returncode == 0
-    # the file of the robot went with it
-    assert {step["pass"]["clouds"][0]["topic"] for step in steps(file, cell.node) if "pass" in step and step["pass"]["clouds"]} == {"points"}
+    clouds = [cloud for step in steps(file, cell.node) if "pass" in step for cloud in step["pass"]["clouds"]]
+    assert {cloud["topic"] for cloud in clouds} == {"points"}
 
 
 def test_robots_that_come_by_topic_are_the_same_again(start, peer, file):
@@ -93,7 +94,7 @@ def test_robots_that_come_by_topic_are_the_same_again(start, peer, file):
     cell.has_model(2)
     cell.judged(**FOLDED)
     # a fault that names folders of this machine
-    publisher.publish(String(data=two_link.description().replace('<sphere radius="0.1"/>', '<mesh filename="package://a/b.stl"/>')))
+    publisher.publish(String(data=two_link.description().replace(SPHERE, '<mesh filename="package://a/b.stl"/>')))
     SceneClient(cell).complaints.wait_for("b.stl")
     cell.judged(joint1=0, joint2=0)
     ended(cell)
@@ -107,7 +108,7 @@ def test_meshes_are_in_the_recording(start, peer, file, tmp_path):
     folder.mkdir()
     corners = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
     (folder / "tip.obj").write_text(corners)
-    description = two_link.description().replace('<sphere radius="0.1"/>', '<mesh filename="tip.obj"/>')
+    description = two_link.description().replace(SPHERE, '<mesh filename="tip.obj"/>')
     assert "tip.obj" in description
     (folder / "robot.urdf").write_text(description)
     (folder / "wall.obj").write_text(corners)
@@ -146,7 +147,8 @@ def test_a_tampered_answer_is_told_and_becomes_a_test(start, peer, file, tmp_pat
     answers = len(messages(file, cell.node.private("is_free")))
     number = answers - 1
 
-    copy = tampered(file, tmp_path / "tampered.mcap", cell.node.private("is_free"), number, lambda data: data[:-1] + bytes([1 - data[-1]]))
+    copy, topic = tmp_path / "tampered.mcap", cell.node.private("is_free")
+    tampered(file, copy, topic, number, lambda data: data[:-1] + bytes([1 - data[-1]]))
     case = tmp_path / "case"
     done = replay(copy, "--save-test", case)
 
@@ -184,7 +186,8 @@ def test_a_recording_of_someone_else_is_refused(start, peer, file, tmp_path):
     cell = start(parameters=recorded(file))
     cell.judged(**FOLDED)
     ended(cell)
-    copy = tampered(file, tmp_path / "other.mcap", cell.node.private("recording"), 0, lambda data: data.replace(b"started", b"stopped"))
+    copy, topic = tmp_path / "other.mcap", cell.node.private("recording")
+    tampered(file, copy, topic, 0, lambda data: data.replace(b"started", b"stopped"))
     done = replay(copy)
     assert done.returncode == 2
     assert "no step of this version" in done.stderr
@@ -222,7 +225,7 @@ def test_a_recording_ends_at_its_limit_and_the_node_goes_on(start, peer, file):
 def test_a_robot_that_was_refused_is_refused_again(start, peer, file):
     topic = "/refused/robot_description"
     mesh = '<mesh filename="package://nowhere/tip.stl"/>'
-    peer.latch(String(data=two_link.description().replace('<sphere radius="0.1"/>', mesh)), topic)
+    peer.latch(String(data=two_link.description().replace(SPHERE, mesh)), topic)
     cell = start(urdf=None, namespace="/refused", parameters=recorded(file))
     cell.states.wait_for(lambda state: "nowhere/tip.stl" in state.reason, "the fault")
     ended(cell)
