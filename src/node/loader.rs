@@ -352,16 +352,15 @@ impl Outlook {
         let clouds = clouds.take();
         let originals: Vec<_> =
             if tape.is_on() { orders.iter_mut().map(original).collect() } else { Vec::new() };
+        let used = clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect();
+        let used_parameters = Box::new(parameters.clone());
         let transforms = lock(transforms);
-        let judgement = lock(&self.judgement);
+        // the monitor waits for this one: no more is done under it than has to be
+        let current = lock(&self.judgement);
         let now = clock.read();
-        tape.note(|| Happening::Pass {
-            now,
-            parameters: Box::new(parameters.clone()),
-            orders: originals,
-            clouds: clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect(),
-        });
-        let judgement = judgement.clone();
+        tape.note(|| Happening::Pass { now, parameters: used_parameters, orders: originals, clouds: used });
+        let judgement = current.clone();
+        drop(current);
         Pass {
             glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement },
             orders,
