@@ -1,9 +1,11 @@
 """The node `clearance` for one robot.
 
-    ros2 launch clearance.launch.py                                        the robot of the topic robot_description
-    ros2 launch clearance.launch.py urdf:=ur5e.urdf srdf:=ur5e.srdf world:=cell.yaml
-    ros2 launch clearance.launch.py namespace:=left joint_states:=/left/joint_states
-    ros2 launch clearance.launch.py urdf:=ur5e.urdf rviz:=true view:=true   and RViz, and a live view for web browsers
+    ros2 launch clearance clearance.launch.py                              the robot of the topic robot_description
+    ros2 launch clearance clearance.launch.py urdf:=ur5e.urdf srdf:=ur5e.srdf world:=cell.yaml
+    ros2 launch clearance clearance.launch.py namespace:=left joint_states:=/left/joint_states
+    ros2 launch clearance clearance.launch.py urdf:=ur5e.urdf rviz:=true view:=true   and RViz, and a live view for web browsers
+
+Without an installed package, by path: ros2 launch launch_scripts/clearance.launch.py executable:=target/release/clearance
 """
 
 from pathlib import Path
@@ -26,9 +28,10 @@ ARGUMENTS = {
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
     "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
+    "record": ("", "an MCAP file to record inputs and answers to"),
     "joint_states": ("joint_states", "the topic with the joint states"),
     "use_sim_time": ("false", "whether time is read from /clock"),
-    "executable": ("clearance", "the program, if it is not on the PATH"),
+    "executable": ("", "the program, if it is not that of the installed package"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz"),
     "fixed_frame": ("", "the fixed frame of RViz; without it the root link of the URDF, or base_link"),
@@ -60,14 +63,21 @@ def rviz(given):
 
 def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    options = {"--urdf": "urdf", "--srdf": "srdf", "--package-path": "package_path", "--world": "world"}
+    options = {
+        "--urdf": "urdf",
+        "--srdf": "srdf",
+        "--package-path": "package_path",
+        "--world": "world",
+        "--record": "record",
+    }
     arguments = [word for flag, name in options.items() if given[name] for word in (flag, given[name])]
     view = given["view"]
     if view and view.lower() != "false":
         arguments += ["--view"] if is_true(view) else ["--view", view]
     files = [given["params_file"]] if given["params_file"] else []
     node = Node(
-        executable=given["executable"],
+        package=None if given["executable"] else "clearance",
+        executable=given["executable"] or "clearance",
         name="clearance",
         namespace=given["namespace"],
         arguments=["node", *arguments],

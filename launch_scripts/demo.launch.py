@@ -1,8 +1,8 @@
 """A robot that moves by itself, watched by the node `clearance`: something to look at in RViz.
 
-    ros2 launch demo.launch.py                                  the demo arm of this repository
-    ros2 launch demo.launch.py rviz:=true                       and RViz, which shows what the node finds
-    ros2 launch demo.launch.py urdf:=ur5e.urdf world:=cell.yaml any other robot, each joint to and fro
+    ros2 launch clearance demo.launch.py                                  the demo arm
+    ros2 launch clearance demo.launch.py rviz:=true                       and RViz, which shows what the node finds
+    ros2 launch clearance demo.launch.py urdf:=ur5e.urdf world:=cell.yaml any other robot, each joint to and fro
 
 The demo arm in its own world plays a motion of its own when the program is started without arguments: `clearance`.
 """
@@ -14,13 +14,14 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+# beside this folder stand config and urdf, in the repository as in an installed package
 ROOT = Path(__file__).resolve().parents[1]
 RVIZ_CONFIG = Path(__file__).resolve().with_name("clearance.rviz")
 
 ARGUMENTS = {
     "urdf": (str(ROOT / "urdf/demo_arm/demo_arm.urdf"), "the robot"),
     "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene"),
-    "executable": ("clearance", "the program, if it is not on the PATH"),
+    "executable": ("", "the program, if it is not that of the installed package"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz"),
     "fixed_frame": ("base", "the fixed frame of RViz: the robot's root link"),
 }
@@ -30,7 +31,8 @@ def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     world = ["--world", given["world"]] if given["world"] else []
     watch = Node(
-        executable=given["executable"],
+        package=None if given["executable"] else "clearance",
+        executable=given["executable"] or "clearance",
         name="clearance",
         arguments=["node", "--urdf", given["urdf"], *world, "--demo-motion"],
         output="screen",

@@ -1,8 +1,8 @@
 """Two robots, each in a namespace of its own with a node `clearance` beside it.
 
-    ros2 launch two_robots.launch.py                                      the robots of /left/robot_description and /right/robot_description
-    ros2 launch two_robots.launch.py left_urdf:=ur5e.urdf right_urdf:=ur10e.urdf left_world:=cell.yaml
-    ros2 launch two_robots.launch.py left:=picker right:=packer           other namespaces
+    ros2 launch clearance two_robots.launch.py                            the robots of /left/robot_description and /right/robot_description
+    ros2 launch clearance two_robots.launch.py left_urdf:=ur5e.urdf right_urdf:=ur10e.urdf left_world:=cell.yaml
+    ros2 launch clearance two_robots.launch.py left:=picker right:=packer other namespaces
 
 Each node listens to joint_states, robot_description and the topics about the world in its own namespace, and says /left/clearance/state
 and /right/clearance/state. The robots do not see each other: where their spaces overlap, describe both in one URDF, with prefixed names,
@@ -29,7 +29,7 @@ OF_BOTH = {
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml; /left/clearance and /right/clearance may have sections of their own"),
     "use_sim_time": ("false", "whether time is read from /clock"),
-    "executable": ("clearance", "the program, if it is not on the PATH"),
+    "executable": ("", "the program, if it is not that of the installed package"),
 }
 
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clearance::monitor::scene::PlanningSceneState;
+use clearance::node::recording::Given;
 use clearance::node::{
     self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory, View,
 };
@@ -63,6 +64,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
                 show(judgement, settings);
             }
         })),
+        given: Given::default(),
     });
     ended.store(true, Ordering::Relaxed);
     table.finish();

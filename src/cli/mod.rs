@@ -8,12 +8,16 @@ mod check;
 mod demo;
 #[cfg(feature = "ros")]
 mod demo_table;
+#[cfg(feature = "ros")]
+mod doctor;
 mod failure;
 mod model;
 mod motion;
 #[cfg(feature = "ros")]
 mod node;
 mod progress;
+#[cfg(feature = "ros")]
+mod replay;
 mod run_args;
 mod states;
 mod timing;
@@ -58,7 +62,13 @@ enum Command {
     Bench(bench::BenchArgs),
     /// The ROS 2 node: joint states in, collisions and distances out
     #[cfg(feature = "ros")]
-    Node(node::NodeArgs),
+    Node(Box<node::NodeArgs>),
+    /// What is wrong on this machine and with these topics, if the node does not work
+    #[cfg(feature = "ros")]
+    Doctor(doctor::DoctorArgs),
+    /// Run a recording of the node again, without a network, and tell the first answer that differs
+    #[cfg(feature = "ros")]
+    Replay(replay::ReplayArgs),
 }
 
 /// Runs the program; everything that goes wrong is one message on stderr.
@@ -97,6 +107,13 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         }
         #[cfg(feature = "ros")]
         Some(Command::Node(args)) => node::run(&args, arguments.log_level.unwrap_or(LevelFilter::Info)),
+        #[cfg(feature = "ros")]
+        Some(Command::Doctor(args)) => doctor::run(&args, arguments.log_level.unwrap_or(LevelFilter::Warn)),
+        #[cfg(feature = "ros")]
+        Some(Command::Replay(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Error));
+            replay::run(&args)
+        }
         #[cfg(feature = "ros")]
         None => demo::run(arguments.view, arguments.log_level.unwrap_or(LevelFilter::Error)),
         #[cfg(not(feature = "ros"))]

@@ -44,7 +44,8 @@ pub struct ModelArgs {
     pub mesh: Option<MeshArg>,
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum MeshArg {
     Surface,
     Solid,
@@ -71,7 +72,10 @@ pub struct WorldArgs {
     pub unknown_space: UnknownSpace,
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(
+    clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
 pub enum UnknownSpace {
     #[default]
     Free,
@@ -92,10 +96,14 @@ pub struct LoadedWorld {
 impl ModelArgs {
     /// Loads the robot; warnings are logged.
     pub fn load(&self) -> Result<RobotModel, Failure> {
+        self.load_with(&self.mesh_files())
+    }
+
+    /// As [`Self::load`], with meshes looked up as `files` says.
+    pub fn load_with(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
         let urdf =
             (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
-        let robot =
-            RobotModel::load(urdf, self.srdf.as_deref(), &self.package_path).map_err(Failure::input)?;
+        let robot = RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(Failure::input)?;
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
@@ -108,6 +116,7 @@ impl ModelArgs {
             .fold(MeshFiles::default(), MeshFiles::with_package_path)
             .with_environment();
         match self.urdf.as_deref().and_then(Path::parent) {
+            Some(folder) if folder.as_os_str().is_empty() => files.beside_urdf(Path::new(".")),
             Some(folder) => files.beside_urdf(folder),
             None => files,
         }
@@ -130,11 +139,21 @@ impl ModelArgs {
 impl WorldArgs {
     /// Loads all files into one world; warnings are logged.
     pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<LoadedWorld, Failure> {
+        self.load_with(robot, files, &|path| read_file(path).map_err(|e| format!("{}: {e}", path.display())))
+    }
+
+    /// As [`Self::load`], with `read` in place of the files themselves.
+    pub fn load_with(
+        &self,
+        robot: &RobotModel,
+        files: &MeshFiles,
+        read: &dyn Fn(&Path) -> Result<Vec<u8>, String>,
+    ) -> Result<LoadedWorld, Failure> {
         let mut scene = PlanningScene::default();
         scene.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
         for path in self.world.iter().chain(&self.cloud) {
             let file = path.display();
-            let bytes = read_file(path).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+            let bytes = read(path).map_err(Failure::Input)?;
             let kind = WorldFileKind::of(&bytes, path);
             if kind == WorldFileKind::Cloud && self.point_radius.is_none() {
                 return Err(Failure::Input(format!("{file}: a cloud needs --point-radius M")));

@@ -5,14 +5,17 @@ use std::process::ExitCode;
 
 use clap::Args;
 use clearance::monitor::scene::PlanningSceneState;
+use clearance::node::recording::Given;
 use clearance::node::{
     self, Environment, Motion, NodeError, NodeOptions, ParameterSource, Parameters, RosArguments,
     Surroundings, Value, View,
 };
+use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
 
 use super::failure::Failure;
-use super::model::{ModelArgs, WorldArgs};
+use super::model::{LoadedWorld, ModelArgs, WorldArgs};
+use super::replay::GivenFiles;
 use super::view::ViewArgs;
 
 /// Without --urdf the robot is awaited on the topic `robot_description`.
@@ -27,6 +30,10 @@ pub struct NodeArgs {
     /// Parameters: a ROS 2 parameter file, such as config/clearance.yaml
     #[arg(long, value_name = "FILE")]
     params_file: Vec<PathBuf>,
+
+    /// Record everything that is heard and said to an MCAP file, for `clearance replay`, `ros2 bag` and Foxglove
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
 
     /// Also move the robot: publish a slow motion of every joint on `joint_states`
     #[arg(long)]
@@ -44,21 +51,26 @@ pub struct NodeArgs {
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
     node::logging::start(arguments.log_level.unwrap_or(level));
+    let meshes = MeshLog::default();
+    let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
     let robot = match args.model.urdf {
-        Some(_) => Some(args.model.load()?),
+        Some(_) => Some(args.model.load_with(&mesh_files)?),
         None => None,
     };
     let view = args.view.open()?;
+    let files = GivenFiles::new(&args.model, &args.world);
+    let given = Given { arguments: files.to_json(), files: files.all(), meshes };
     node::run(NodeOptions {
         environment: Environment::of_process().map_err(Failure::input)?,
         arguments,
         parameters: Parameters::default(),
         robot,
-        mesh_files: args.model.mesh_files(),
-        surroundings: args.surroundings(),
+        surroundings: args.surroundings(mesh_files.clone()),
+        mesh_files,
         mesh_model: args.model.settings().mesh_model,
         motion: args.demo_motion.then_some(Motion::Sweep),
         observer: view.as_ref().map(View::observer),
+        given,
     })
     .map_err(failure)?;
     Ok(ExitCode::SUCCESS)
@@ -79,21 +91,30 @@ impl NodeArgs {
         let files = self.params_file.iter().cloned().map(ParameterSource::File);
         let padding = self.model.padding.map(|m| single("padding", Value::Double(m)));
         let pad_self = self.model.pad_self.then(|| single("pad_self", Value::Bool(true)));
-        let first = files.chain(padding).chain(pad_self);
+        let record = self.record.as_ref().map(|file| {
+            let text = file.to_str().ok_or_else(|| Failure::Input("--record: is no UTF-8".to_owned()))?;
+            Ok(single("record_file", Value::Text(text.to_owned())))
+        });
+        let first = files.chain(padding).chain(pad_self).chain(record.transpose()?);
         arguments.parameters = first.chain(arguments.parameters).collect();
         Ok(arguments)
     }
 
-    fn surroundings(&self) -> Surroundings {
-        let (world, mesh_files) = (self.world.clone(), self.model.mesh_files());
+    fn surroundings(&self, mesh_files: MeshFiles) -> Surroundings {
+        let world = self.world.clone();
         Box::new(move |robot| {
             let loaded = world.load(robot, &mesh_files).map_err(|failure| failure.to_string())?;
-            let mut scene = PlanningSceneState::new(loaded.world);
-            scene.matrix = loaded.allowed;
-            (scene.link_padding, scene.link_scale) = (loaded.link_padding, loaded.link_scale);
-            Ok(scene)
+            Ok(scene_of(loaded))
         })
     }
+}
+
+/// What files say of the world, as the beginning of a scene.
+pub fn scene_of(loaded: LoadedWorld) -> PlanningSceneState {
+    let mut scene = PlanningSceneState::new(loaded.world);
+    scene.matrix = loaded.allowed;
+    (scene.link_padding, scene.link_scale) = (loaded.link_padding, loaded.link_scale);
+    scene
 }
 
 fn single(name: &str, value: Value) -> ParameterSource {

@@ -58,6 +58,17 @@ pub struct Evidence {
     pub compute_time: Duration,
 }
 
+/// What the deadline left out of an answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LeftOut {
+    #[default]
+    Nothing,
+    /// The time to contact.
+    LookAhead,
+    /// Some pairs.
+    Pairs,
+}
+
 /// What is known about the robot now. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Judgement {
@@ -72,6 +83,7 @@ pub struct Judgement {
     pub placement: Option<Arc<Evidence>>,
     /// The share of its speed that the robot may have, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
+    pub left_out: LeftOut,
     /// Why the world is not known, if it is not, whatever else is the matter.
     pub stale_world: Option<Reason>,
     /// The robot and world that were checked, or would be.

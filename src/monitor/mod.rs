@@ -51,7 +51,7 @@ mod world_source;
 mod tests;
 
 pub use input::{JointStateInput, SourceId};
-pub use judgement::{Evidence, Judgement, Revision};
+pub use judgement::{Evidence, Judgement, LeftOut, Revision};
 pub use monitor::{Monitor, Stopwatch};
 pub use settings::MonitorSettings;
 pub use speed::{SpeedDistances, SpeedSettings};

@@ -11,8 +11,9 @@ use super::placement::Placements;
 use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
 use super::tracker::{Reading, Tracker};
-use super::{Evidence, JointStateInput, Judgement, MonitorSettings, Now, Reason, Revision, Status, Time};
+use super::{Evidence, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time};
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
+use crate::query::Effort;
 use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -24,6 +25,8 @@ pub struct Monitor {
     settings: MonitorSettings,
     stopwatch: Stopwatch,
     enabled: bool,
+    /// What checks leave out, whatever time they take; without it, the deadline decides.
+    left_out: Option<LeftOut>,
     subject: Option<Subject>,
     /// Another model is being built, and the subject's does not count any more.
     swapping: bool,
@@ -60,12 +63,14 @@ struct Subject {
 struct Verdict {
     status: Status,
     evidence: Option<Arc<Evidence>>,
+    left_out: LeftOut,
     warnings: Vec<String>,
 }
 
 impl Verdict {
     fn unknown(reason: Reason) -> Self {
-        Self { status: Status::Unknown(reason), evidence: None, warnings: Vec::new() }
+        let (status, left_out) = (Status::Unknown(reason), LeftOut::Nothing);
+        Self { status, evidence: None, left_out, warnings: Vec::new() }
     }
 }
 
@@ -76,6 +81,7 @@ impl Monitor {
             settings,
             stopwatch,
             enabled: true,
+            left_out: None,
             subject: None,
             swapping: false,
             model_fault: None,
@@ -129,6 +135,11 @@ impl Monitor {
         self.outdated = true;
     }
 
+    /// What checks leave out from now on, as they once did: a deadline leaves out something else on every machine.
+    pub fn leave_out(&mut self, left_out: LeftOut) {
+        self.left_out = Some(left_out);
+    }
+
     /// What was refused of the last changes of the world; the rest of the world stays in use.
     pub fn note_world_faults(&mut self, faults: Vec<String>) {
         self.world_faults = faults;
@@ -137,6 +148,9 @@ impl Monitor {
     pub fn set_settings(&mut self, settings: MonitorSettings) {
         self.settings = settings;
         self.outdated = true;
+        if self.settings.transform_joints.is_empty() {
+            self.placements = Placements::default();
+        }
     }
 
     /// What `tf` tells now; judgements from now on use it.
@@ -248,7 +262,7 @@ impl Monitor {
         reading.warnings.extend_from_slice(&self.placements.warnings);
         // checking what is stale already would be wasted
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
-        let verdict = subject.judge(reading, &self.settings, self.stopwatch);
+        let verdict = subject.judge(reading, &self.settings, self.left_out, self.stopwatch);
         self.hearing.note_judged();
         Ok(verdict)
     }
@@ -286,6 +300,7 @@ impl Monitor {
             placement,
             stale_world,
             speed_scale: self.governor.share(),
+            left_out: self.verdict.left_out,
             stamp,
             age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
@@ -320,7 +335,13 @@ impl Monitor {
 
 impl Subject {
     /// What a check of a whole joint state finds.
-    fn judge(&mut self, reading: Reading, settings: &MonitorSettings, stopwatch: Stopwatch) -> Verdict {
+    fn judge(
+        &mut self,
+        reading: Reading,
+        settings: &MonitorSettings,
+        fixed: Option<LeftOut>,
+        stopwatch: Stopwatch,
+    ) -> Verdict {
         let Reading { configuration, velocities, mut warnings } = reading;
         let checker = &self.revision.checker;
         let started = stopwatch();
@@ -328,10 +349,15 @@ impl Subject {
             influence_distance: settings.influence_distance.max(settings.speed.reach()),
             limit: settings.distance_limit,
         };
-        let effort = settings.effort();
+        let effort = if fixed.is_some() { Effort::default() } else { settings.effort() };
         let report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        let mut left_out = fixed.unwrap_or_default();
+        if !report.undecided.is_empty() {
+            left_out = LeftOut::Pairs;
+        }
         let mut look_ahead = None;
-        if settings.look_ahead_horizon > 0.0 && effort.is_over() {
+        if settings.look_ahead_horizon > 0.0 && (left_out != LeftOut::Nothing || effort.is_over()) {
+            left_out = left_out.max(LeftOut::LookAhead);
             warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
         } else if settings.look_ahead_horizon > 0.0 {
             let state = (&configuration, velocities.as_deref());
@@ -341,12 +367,16 @@ impl Subject {
             }
         }
         let compute_time = stopwatch().saturating_sub(started);
-        let status = status_of(&report, checker, settings);
+        let mut status = status_of(&report, checker, settings);
+        if fixed == Some(LeftOut::Pairs) {
+            let (deadline, pair) = (settings.check_deadline, Default::default());
+            status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
+        }
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
         let evidence =
             Some(Arc::new(Evidence { report, configuration, poses, look_ahead, velocities, compute_time }));
-        Verdict { status, evidence, warnings }
+        Verdict { status, evidence, left_out, warnings }
     }
 }
 

@@ -274,7 +274,8 @@ mod tests {
             let begun = following(trigger, release, &asked);
             prop_assert!(begun.iter().all(|share| (0.0..=most).contains(share)));
             asked.extend([last; 6]);
-            prop_assert_eq!(following(trigger, release, &asked).last(), Some(&last));
+            let followed = following(trigger, release, &asked);
+            prop_assert_eq!(followed.last(), Some(&last));
         }
 
         #[test]

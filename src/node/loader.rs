@@ -1,6 +1,7 @@
 //! From robot descriptions and what is heard about the world to checkers, on a thread of its own: the monitor goes on with the old
 //! model and world meanwhile.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -8,17 +9,16 @@ use futures_lite::future;
 use smol::Timer;
 use smol::channel::{Receiver, Sender};
 
-use super::clock::RosClock;
 use super::link_volumes::LinkVolumes;
-use super::monitor_loop::Event;
-use super::parameter_services::ParameterStore;
+use super::monitor_loop::{CurrentJudgement, Event};
 use super::parameters::Parameters;
-use super::scene::Monitored;
-use super::scene_keeper::{CurrentScene, SceneInForce, SceneKeeper, SceneOrder};
+use super::recording::{Happening, OrderStep, Original};
+use super::scene::{CloudMessage, Monitored, Shared};
+use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper, SceneOrder};
 use crate::checker::{CollisionChecker, MeshModel, Settings};
-use crate::monitor::Revision;
-use crate::monitor::scene::PlanningSceneState;
-use crate::robot::{MeshFiles, RobotModel, RobotText};
+use crate::monitor::scene::{PlanningSceneState, TransformTree};
+use crate::monitor::{Now, Revision};
+use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
@@ -42,12 +42,25 @@ pub enum Order {
 /// The robot in use, for those who want to move it.
 pub type CurrentRobot = Arc<Mutex<Option<Arc<RobotModel>>>>;
 
+/// Orders that are followed together, the newest clouds, and what is known meanwhile.
+pub struct Pass {
+    pub glimpse: Glimpse,
+    pub orders: Vec<Order>,
+    pub clouds: BTreeMap<String, CloudMessage>,
+}
+
+/// What the loader looks at when it begins a pass, and whom it tells of it.
+pub struct Outlook {
+    pub shared: Shared,
+    pub judgement: CurrentJudgement,
+    pub meshes: MeshLog,
+}
+
 /// Builds checkers and hands them to the monitor.
 pub struct Loader {
     mesh_files: MeshFiles,
     surroundings: Surroundings,
     mesh_model: MeshModel,
-    parameters: ParameterStore,
     /// The robot that was given on the command line, which wins over topics.
     given: Option<RobotModel>,
     /// What the names of the robot's joints and links begin with.
@@ -57,7 +70,8 @@ pub struct Loader {
     semantic: Option<String>,
     robot: Option<Arc<RobotModel>>,
     keeper: SceneKeeper,
-    clock: Arc<RosClock>,
+    /// Clouds that came before there was a robot.
+    clouds: BTreeMap<String, CloudMessage>,
     /// Counts the robots that were taken.
     model_revision: u64,
     /// Counts the changes of the world.
@@ -66,6 +80,8 @@ pub struct Loader {
     scene: CurrentScene,
     monitored: Option<Monitored>,
     volumes: Option<LinkVolumes>,
+    /// How many steps below their roots hierarchies are shown, if they are.
+    shown_level: Option<usize>,
 }
 
 /// How much has to be built anew.
@@ -79,30 +95,25 @@ enum Change {
 
 impl Loader {
     #[must_use]
-    pub fn new(
-        (mesh_files, surroundings, mesh_model): (MeshFiles, Surroundings, MeshModel),
-        parameters: ParameterStore,
-        keeper: SceneKeeper,
-        clock: Arc<RosClock>,
-    ) -> Self {
+    pub fn new((mesh_files, surroundings, mesh_model): (MeshFiles, Surroundings, MeshModel)) -> Self {
         Self {
             mesh_files,
             surroundings,
             mesh_model,
-            parameters,
             given: None,
             prefixes: Default::default(),
             description: None,
             semantic: None,
             robot: None,
-            keeper,
-            clock,
+            keeper: SceneKeeper::default(),
+            clouds: BTreeMap::new(),
             model_revision: 0,
             world_revision: 0,
             current: CurrentRobot::default(),
             scene: CurrentScene::default(),
             monitored: None,
             volumes: None,
+            shown_level: None,
         }
     }
 
@@ -130,58 +141,70 @@ impl Loader {
             monitored.tell(&scene);
         }
         if let Some(volumes) = &mut self.volumes {
-            volumes.show(&scene.revision.checker, self.parameters.get().shown_level());
+            volumes.show(&scene.revision.checker, self.shown_level);
         }
     }
 
     /// The checker of a robot from the command line; from now on descriptions on topics are not heeded.
-    pub fn take_given(&mut self, robot: RobotModel) -> Result<Arc<Revision>, String> {
+    pub fn take_given(&mut self, robot: RobotModel, glimpse: &Glimpse) -> Result<Arc<Revision>, String> {
+        self.shown_level = glimpse.parameters.shown_level();
         self.given = Some(robot.clone());
-        self.take(robot)
+        self.take(robot, glimpse)
     }
 
     /// Follows orders until there is no one left to give them.
-    pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>) {
-        while let Some(mut change) = self.await_change(orders) {
+    pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>, outlook: &Outlook) {
+        while let Some(mut together) = self.await_orders(orders, outlook) {
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
             while let Ok(order) = orders.try_recv() {
-                change = change.max(self.note(order));
+                together.push(order);
             }
-            change = change.max(self.look_at_the_world());
-            let is_described = self.description.is_some() || self.given.is_some();
-            let is_swap = change == Change::Robot && is_described;
-            if is_swap && events.send_blocking(Event::ModelSwap).is_err() {
+            let mut is_heard = true;
+            self.carry_out(outlook.begin(together), |event| {
+                outlook.note_meshes();
+                is_heard &= events.send_blocking(event).is_ok();
+            });
+            if !is_heard {
                 return;
-            }
-            let built = match change {
-                Change::Nothing => Ok(None),
-                Change::Settings | Change::World => self.rebuild(change),
-                Change::Robot => guarded(DESCRIPTION, || self.reload()),
-            };
-            let event = match built {
-                Ok(None) => None,
-                Ok(Some(revision)) => Some(Event::Checker(revision)),
-                Err(fault) => {
-                    log::error!("the robot model was refused: {fault}");
-                    Some(Event::ModelFault(fault))
-                }
-            };
-            let told =
-                event.into_iter().chain([Event::World(self.keeper.note_in_use(), self.keeper.faults())]);
-            for event in told {
-                if events.send_blocking(event).is_err() {
-                    return;
-                }
             }
             self.keeper.answer();
             self.tell();
         }
     }
 
-    /// What the next order changes, or the time that passes without one; `None` when there will be none.
-    fn await_change(&mut self, orders: &Receiver<Order>) -> Option<Change> {
-        let parameters = self.parameters.get();
-        let due = self.keeper.time_to_drop(self.clock.read(), &parameters);
+    /// Does what is asked for together, and tells what the monitor has to know of it.
+    pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
+        let Pass { glimpse, orders, clouds } = pass;
+        let mut change = Change::Nothing;
+        for order in orders {
+            change = change.max(self.note(order, &glimpse));
+        }
+        self.shown_level = glimpse.parameters.shown_level();
+        change = change.max(self.look_at_the_world(clouds, &glimpse));
+        let is_described = self.description.is_some() || self.given.is_some();
+        if change == Change::Robot && is_described {
+            tell(Event::ModelSwap);
+        }
+        let built = match change {
+            Change::Nothing => Ok(None),
+            Change::Settings | Change::World => self.rebuild(change, &glimpse),
+            Change::Robot => guarded(DESCRIPTION, || self.reload(&glimpse)),
+        };
+        match built {
+            Ok(None) => {}
+            Ok(Some(revision)) => tell(Event::Checker(revision)),
+            Err(fault) => {
+                log::error!("the robot model was refused: {fault}");
+                tell(Event::ModelFault(fault));
+            }
+        }
+        tell(Event::World(self.keeper.note_in_use(), self.keeper.faults()));
+    }
+
+    /// The next order, or none when enough time passed without one; `None` when there will be none.
+    fn await_orders(&mut self, orders: &Receiver<Order>, outlook: &Outlook) -> Option<Vec<Order>> {
+        let Shared { store, clock, .. } = &outlook.shared;
+        let due = self.keeper.time_to_drop(clock.read(), &store.get());
         let order = smol::block_on(future::or(async { orders.recv().await.map(Some) }, async {
             match due {
                 Some(due) => drop(Timer::after(due).await),
@@ -189,31 +212,29 @@ impl Loader {
             }
             Ok(None)
         }));
-        match order.ok()? {
-            Some(order) => Some(self.note(order)),
-            None => Some(Change::Nothing),
-        }
+        Some(order.ok()?.into_iter().collect())
     }
 
     /// New clouds are taken, and what is too old is dropped.
-    fn look_at_the_world(&mut self) -> Change {
+    fn look_at_the_world(&mut self, clouds: BTreeMap<String, CloudMessage>, glimpse: &Glimpse) -> Change {
+        self.clouds.extend(clouds);
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
         };
-        let parameters = self.parameters.get();
-        let seen = guarded_scene(|| self.keeper.see(&robot, &parameters));
-        let dropped = self.keeper.drop_stale(self.clock.read(), &parameters);
+        let clouds = std::mem::take(&mut self.clouds);
+        let seen = guarded_scene(|| self.keeper.see(clouds, &robot, glimpse));
+        let dropped = self.keeper.drop_stale(glimpse.now, &glimpse.parameters);
         if seen || dropped { Change::World } else { Change::Nothing }
     }
 
-    fn note(&mut self, order: Order) -> Change {
+    fn note(&mut self, order: Order, glimpse: &Glimpse) -> Change {
         let (known, text, topic) = match order {
-            Order::Parameters if self.prefixes == prefixes(&self.parameters.get()) => {
+            Order::Parameters if self.prefixes == prefixes(&glimpse.parameters) => {
                 return Change::Settings;
             }
             Order::Parameters => return Change::Robot,
             Order::Clouds | Order::Display => return Change::Nothing,
-            Order::Scene(order) => return self.note_scene(*order),
+            Order::Scene(order) => return self.note_scene(*order, glimpse),
             Order::Description(text) => (&mut self.description, text, DESCRIPTION),
             Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
@@ -228,20 +249,19 @@ impl Loader {
         Change::Robot
     }
 
-    fn note_scene(&mut self, order: SceneOrder) -> Change {
+    fn note_scene(&mut self, order: SceneOrder, glimpse: &Glimpse) -> Change {
         let Some(robot) = self.robot.clone() else {
             self.keeper.wait(order);
             return Change::Nothing;
         };
-        let parameters = self.parameters.get();
-        let changed = guarded_scene(|| self.keeper.apply(order, &robot, &parameters));
+        let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
         if changed { Change::World } else { Change::Nothing }
     }
 
     /// The robot that the last texts describe.
-    fn reload(&mut self) -> Result<Option<Arc<Revision>>, String> {
+    fn reload(&mut self, glimpse: &Glimpse) -> Result<Option<Arc<Revision>>, String> {
         if let Some(robot) = self.given.clone() {
-            return self.take(robot).map(Some);
+            return self.take(robot, glimpse).map(Some);
         }
         let Some(description) = &self.description else {
             return Ok(None);
@@ -261,16 +281,17 @@ impl Loader {
             log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
             robot = load(&RobotText { srdf: None, ..text })?;
         }
-        self.take(robot).map(Some)
+        self.take(robot, glimpse).map(Some)
     }
 
     /// The same robot with other settings, or in another world.
-    fn rebuild(&mut self, change: Change) -> Result<Option<Arc<Revision>>, String> {
+    fn rebuild(&mut self, change: Change, glimpse: &Glimpse) -> Result<Option<Arc<Revision>>, String> {
         let Some(robot) = self.robot.clone() else {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        let built = guarded("the world", || self.build(&robot, self.model_revision, world));
+        let built =
+            guarded("the world", || self.build(&robot, (self.model_revision, world), &glimpse.parameters));
         if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
             self.keeper.go_back(&scene.scene, fault);
@@ -279,12 +300,11 @@ impl Loader {
         built.map(Some)
     }
 
-    fn take(&mut self, robot: RobotModel) -> Result<Arc<Revision>, String> {
+    fn take(&mut self, robot: RobotModel, glimpse: &Glimpse) -> Result<Arc<Revision>, String> {
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
-        let parameters = self.parameters.get();
-        self.prefixes = prefixes(&parameters);
+        self.prefixes = prefixes(&glimpse.parameters);
         let robot = Arc::new(robot.with_prefixes(&self.prefixes[0], &self.prefixes[1]));
         let before = self.keeper.state.clone();
         let mut world = self.world_revision;
@@ -296,10 +316,10 @@ impl Loader {
             self.keeper.fit_to(&robot);
         }
         for order in self.keeper.awaited() {
-            let changed = guarded_scene(|| self.keeper.apply(order, &robot, &parameters));
+            let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
             world += u64::from(changed);
         }
-        let revision = match self.build(&robot, self.model_revision + 1, world) {
+        let revision = match self.build(&robot, (self.model_revision + 1, world), &glimpse.parameters) {
             Ok(revision) => revision,
             Err(fault) => {
                 // the robot before stays, in its scene
@@ -320,17 +340,21 @@ impl Loader {
     }
 
     /// A checker of the scene as it is now, which is in force from now on.
-    fn build(&mut self, robot: &Arc<RobotModel>, model: u64, world: u64) -> Result<Arc<Revision>, String> {
-        let parameters = self.parameters.get();
+    fn build(
+        &mut self,
+        robot: &Arc<RobotModel>,
+        (model, world): (u64, u64),
+        parameters: &Parameters,
+    ) -> Result<Arc<Revision>, String> {
         let scene = &self.keeper.state;
         let before = lock(&self.scene).clone();
         let known = before.as_ref().map(|before| &before.revision.checker);
-        let checker = checker_of(robot, scene, self.mesh_model, &parameters, known)?;
+        let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
         let revision = Arc::new(Revision {
             checker,
             model,
             world,
-            sources: self.keeper.sources(&parameters),
+            sources: self.keeper.sources(parameters),
             warnings: self.keeper.warnings(),
         });
         (self.model_revision, self.world_revision) = (model, world);
@@ -339,9 +363,63 @@ impl Loader {
             scene: scene.clone(),
             octomap: self.keeper.octomap.clone(),
             mesh_model: self.mesh_model,
-            parameters,
+            parameters: parameters.clone(),
         }));
         Ok(revision)
+    }
+}
+
+impl Glimpse {
+    /// Before anything is known but the parameters.
+    #[must_use]
+    pub fn first(parameters: &Parameters, now: Now) -> Self {
+        Self { now, parameters: parameters.clone(), transforms: TransformTree::default(), judgement: None }
+    }
+}
+
+impl Outlook {
+    /// What is known now. A recording has what came before it before it, and what comes later after it.
+    fn begin(&self, mut orders: Vec<Order>) -> Pass {
+        let Shared { transforms, clouds, store, clock, tape } = &self.shared;
+        let parameters = store.get();
+        let clouds = clouds.take();
+        let originals: Vec<_> =
+            if tape.is_on() { orders.iter_mut().map(original).collect() } else { Vec::new() };
+        let used = clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect();
+        let used_parameters = Box::new(parameters.clone());
+        let transforms = lock(transforms);
+        // the monitor waits for this one: no more is done under it than has to be
+        let current = lock(&self.judgement);
+        let now = clock.read();
+        tape.note(|| Happening::Pass { now, parameters: used_parameters, orders: originals, clouds: used });
+        let judgement = current.clone();
+        drop(current);
+        Pass {
+            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement },
+            orders,
+            clouds,
+        }
+    }
+
+    /// Tells the recorder which meshes were read.
+    pub fn note_meshes(&self) {
+        let meshes = self.meshes.take();
+        if !meshes.is_empty() {
+            self.shared.tape.note(|| Happening::Meshes(meshes));
+        }
+    }
+}
+
+/// An order as a recording has it.
+fn original(order: &mut Order) -> (OrderStep, Option<Original>) {
+    match order {
+        Order::Description(text) => (OrderStep::Description, Some(Original::Text(text.clone()))),
+        Order::Semantic(text) => (OrderStep::Semantic, Some(Original::Text(text.clone()))),
+        Order::Parameters => (OrderStep::Parameters, None),
+        Order::Clouds => (OrderStep::Clouds, None),
+        Order::Display => (OrderStep::Display, None),
+        // all orders come with what they were made of while somebody records
+        Order::Scene(order) => order.take_original().unwrap_or((OrderStep::Clouds, None)),
     }
 }
 

@@ -156,6 +156,7 @@ fn count(number: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::LeftOut;
 
     #[test]
     fn stamps_go_both_ways() {
@@ -177,6 +178,7 @@ mod tests {
             evidence: None,
             placement: None,
             speed_scale: 0.0,
+            left_out: LeftOut::Nothing,
             stale_world: None,
             revision: None,
             warnings: [].into(),

@@ -11,6 +11,8 @@
 //!
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
 //!
+//! monitor loop, loader, world ──> recorder, if it is wanted
+//!
 //! On request every judgement is also left for the `view`, which shows it to web browsers.
 //!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
@@ -20,6 +22,7 @@ pub mod clearance_msgs;
 pub mod clearance_srvs;
 mod clock;
 mod diagnostics;
+pub mod doctor;
 mod enable_service;
 mod environment;
 #[cfg(test)]
@@ -40,6 +43,7 @@ mod parameter_services;
 mod parameter_value;
 mod parameters;
 mod publishers;
+pub mod recording;
 mod run;
 mod scene;
 mod scene_keeper;

@@ -14,10 +14,10 @@ use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::recording::{Happening, Judged, Tape, Tidings};
 use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
-use crate::monitor::scene::TransformTree;
-use crate::monitor::{Judgement, Monitor, MonitorSettings, Reason, Revision, SourceId};
+use crate::monitor::{Judgement, Monitor, MonitorSettings, Now, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
 pub enum Event {
@@ -58,6 +58,7 @@ pub struct MonitorLoop {
     pub publishers: Publishers,
     pub current: CurrentJudgement,
     pub observer: Option<Observer>,
+    pub tape: Tape,
     pub report: Report,
 }
 
@@ -124,6 +125,7 @@ impl MonitorLoop {
     }
 
     fn heed(&mut self, event: Event) {
+        self.note(&event);
         match event {
             Event::Stop => {}
             Event::Checker(revision) => {
@@ -155,16 +157,35 @@ impl MonitorLoop {
 
     fn beat(&mut self) {
         self.look_at_transforms();
-        let judgement = self.monitor.on_heartbeat(self.clock.read());
-        self.say(&judgement);
+        let now = self.clock.read();
+        let judgement = self.monitor.on_heartbeat(now);
+        self.say(&judgement, now, None);
     }
 
     fn look_at_transforms(&mut self) {
         if self.parameters.transform_joints.is_empty() {
-            self.monitor.note_transforms(&TransformTree::default());
-        } else {
-            self.monitor.note_transforms(&self.transforms.lock().unwrap_or_else(PoisonError::into_inner));
+            return;
         }
+        let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);
+        // a recording has it where it stands among the transforms
+        self.tape.note(|| Happening::Looked);
+        self.monitor.note_transforms(&tree);
+    }
+
+    /// Tells the recorder what is heeded, and when.
+    fn note(&self, event: &Event) {
+        let told = match event {
+            Event::Stop => return,
+            Event::Checker(_) => Tidings::Checker,
+            Event::ModelSwap => Tidings::ModelSwap,
+            Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
+            Event::World(..) => Tidings::World,
+            Event::Enabled(enabled, _) => return self.tape.note(|| Happening::Enabled(*enabled)),
+            Event::Parameters(parameters) => {
+                return self.tape.note(|| Happening::Parameters(parameters.clone()));
+            }
+        };
+        self.tape.note(|| Happening::Told(told));
     }
 
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
@@ -175,22 +196,35 @@ impl MonitorLoop {
                 }
                 self.report.activity.passed_over += 1;
                 // the newer one may be about other joints
-                let older = joint_state_input(message, origin.publisher);
-                self.monitor.hear(older, self.clock.read());
+                self.hear(message, origin.publisher);
                 (message, origin) = newer;
             }
         }
         self.look_at_transforms();
+        let heard = self.tape.is_on().then(|| (message.clone(), origin.publisher));
         let input = joint_state_input(message, origin.publisher);
-        let judgement = self.monitor.on_joint_state(input, self.clock.read());
+        let now = self.clock.read();
+        let judgement = self.monitor.on_joint_state(input, now);
         self.report.activity.note_judged(&judgement);
-        self.say(&judgement);
+        self.say(&judgement, now, heard);
     }
 
-    fn say(&mut self, judgement: &Judgement) {
+    /// Takes note of a joint state that is not judged by itself.
+    fn hear(&mut self, message: JointState, source: SourceId) {
+        let now = self.clock.read();
+        self.tape.note(|| Happening::Heard { now, message: Box::new(message.clone()), source });
+        self.monitor.hear(joint_state_input(message, source), now);
+    }
+
+    /// Says what was judged at `now`, from a joint state if one was heard.
+    fn say(&mut self, judgement: &Judgement, now: Now, heard: Option<(JointState, SourceId)>) {
         let steady = self.clock.steady();
         self.log_change(judgement);
-        *self.current.lock().unwrap_or_else(PoisonError::into_inner) = Some(judgement.clone());
+        let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
+        *current = Some(judgement.clone());
+        // a recording has it before whatever is made of it
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, judgement: judgement.clone() })));
+        drop(current);
         self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
         if let Some(observe) = &mut self.observer {
             observe(judgement, &self.parameters.monitor_settings());

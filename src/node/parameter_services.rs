@@ -48,7 +48,7 @@ impl ParameterStore {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
         for (name, value) in changes {
-            changed.set(name, value)?;
+            changed.set_live(name, value)?;
         }
         if *values != changed {
             *values = changed;
@@ -61,7 +61,7 @@ impl ParameterStore {
     fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
-        let results = changes.iter().map(|(name, value)| changed.set(name, value)).collect::<Vec<_>>();
+        let results = changes.iter().map(|(name, value)| changed.set_live(name, value)).collect::<Vec<_>>();
         if *values != changed {
             *values = changed;
             (self.on_change)(&values);
@@ -248,6 +248,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         Range::Bool
         | Range::Integer { .. }
         | Range::Word(_)
+        | Range::Text
         | Range::Prefix
         | Range::Names(_)
         | Range::Point => Vec::new(),
@@ -270,12 +271,16 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
-            Range::Bool | Range::Double { .. } | Range::Integer { .. } | Range::Prefix | Range::Names(_) => {
-                String::new()
-            }
+            Range::Bool
+            | Range::Double { .. }
+            | Range::Integer { .. }
+            | Range::Text
+            | Range::Prefix
+            | Range::Names(_) => String::new(),
         },
         floating_point_range: ranges,
         integer_range: integers,
+        read_only: declaration.is_fixed(),
         ..blank_descriptor()
     }
 }

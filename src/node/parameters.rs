@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use super::parameter_value::Value;
+use super::recording::RecordingSettings;
 use crate::monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
 
 /// All parameters in force. One value of this is one consistent choice: it changes as a whole.
@@ -41,6 +42,9 @@ pub struct Parameters {
     pub unknown_space: &'static str,
     pub transform_ttl: f64,
     pub transform_joints: Vec<String>,
+    pub record_file: String,
+    pub record_max_size: f64,
+    pub record_max_duration: f64,
     pub use_sim_time: bool,
 }
 
@@ -84,6 +88,9 @@ impl Default for Parameters {
             unknown_space: UNKNOWN_SPACES[0],
             transform_ttl: monitor.transform_ttl,
             transform_joints: monitor.transform_joints,
+            record_file: String::new(),
+            record_max_size: 4000.0,
+            record_max_duration: 0.0,
             use_sim_time: false,
         }
     }
@@ -137,6 +144,27 @@ impl Parameters {
         self.unknown_space == UNKNOWN_SPACES[1]
     }
 
+    /// What is recorded, if anything is.
+    #[must_use]
+    pub fn recording(&self) -> Option<RecordingSettings> {
+        (!self.record_file.is_empty()).then(|| RecordingSettings {
+            file: self.record_file.clone().into(),
+            max_size: self.record_max_size,
+            max_duration: self.record_max_duration,
+        })
+    }
+
+    /// Sets one parameter of a node that runs, or says why not.
+    pub fn set_live(&mut self, name: &str, value: &Value) -> Result<(), String> {
+        let mut changed = self.clone();
+        changed.set(name, value)?;
+        if declaration(name).is_some_and(|d| d.is_fixed() && d.get(&changed) != d.get(self)) {
+            return Err(format!("{name} counts at the start only: give it to a new node"));
+        }
+        *self = changed;
+        Ok(())
+    }
+
     /// Sets one parameter, or says why not.
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
         let declaration = declaration(name).ok_or_else(|| format!("this node has no parameter '{name}'"))?;
@@ -177,6 +205,7 @@ pub enum Range {
     },
     /// One of these words.
     Word(&'static [&'static str]),
+    Text,
     /// What names begin with.
     Prefix,
     /// A list of names, of what is said here.
@@ -200,6 +229,12 @@ enum Access {
 impl Declaration {
     fn in_unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
+    }
+
+    /// Whether it counts at the start only.
+    #[must_use]
+    pub fn is_fixed(&self) -> bool {
+        self.name.starts_with("record_")
     }
 
     /// The value in force.
@@ -248,7 +283,7 @@ impl Declaration {
             }
             (Access::Integer(field), _) => *field(parameters) = self.integer(value)?,
             (Access::Word(field), _) => *field(parameters) = self.word(value)?,
-            (Access::Text(field), _) => *field(parameters) = self.prefix(value)?,
+            (Access::Text(field), _) => *field(parameters) = self.text(value)?,
             (Access::Texts(field), _) => *field(parameters) = self.texts(value)?,
             (Access::Point(field), _) => *field(parameters) = self.point(value)?,
         }
@@ -279,13 +314,13 @@ impl Declaration {
             .ok_or_else(|| format!("{} is {}, but '{text}' was given", self.name, words.join(" or ")))
     }
 
-    fn prefix(&self, value: &Value) -> Result<String, String> {
+    fn text(&self, value: &Value) -> Result<String, String> {
         const LONGEST: usize = 100;
         let Value::Text(text) = value else {
             return Err(format!("{} is a string, but {} was given", self.name, value.kind()));
         };
         let usable = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
-        if text.len() > LONGEST || !text.chars().all(usable) {
+        if self.range == Range::Prefix && (text.len() > LONGEST || !text.chars().all(usable)) {
             return Err(format!("{} is up to {LONGEST} letters, digits and _ - . /", self.name));
         }
         Ok(text.clone())
@@ -458,6 +493,29 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Radius of the balls that the points of clouds are.",
         ),
         boolean("publish_markers", |p| &mut p.publish_markers, "Whether markers are published for RViz."),
+        Declaration {
+            range: Range::Text,
+            access: Access::Text(|p| &mut p.record_file),
+            ..described(
+                "record_file",
+                "",
+                "The MCAP file to which inputs and answers are recorded; none if empty.",
+            )
+        },
+        double(
+            "record_max_duration",
+            "s",
+            (0.0, 1e9),
+            |p| &mut p.record_max_duration,
+            "Time after which a recording ends; 0 means never.",
+        ),
+        double(
+            "record_max_size",
+            "MB",
+            (0.0, 1e9),
+            |p| &mut p.record_max_size,
+            "Size at which a recording ends; 0 means never.",
+        ),
         double(
             "self_filter_padding",
             "m",
@@ -636,6 +694,7 @@ mod tests {
                 Range::Double { from, to } => format!(" {}, {from} to {to}.", declaration.unit),
                 Range::Integer { from, to } => format!(" A whole number, {from} to {to}."),
                 Range::Word(words) => format!(" {}.", words.join(" or ")),
+                Range::Text => " A file.".to_owned(),
                 Range::Prefix => " A text.".to_owned(),
                 Range::Names(what) => format!(" A list of {what}."),
                 Range::Point => format!(" {}, three numbers or none.", declaration.unit),

@@ -12,7 +12,7 @@ use super::clock::RosClock;
 use super::enable_service::EnableService;
 use super::environment::Environment;
 use super::link_volumes::LinkVolumes;
-use super::loader::{Loader, Order, Surroundings};
+use super::loader::{Loader, Order, Outlook, Surroundings};
 use super::logging::{self, Line};
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
 use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
@@ -23,8 +23,9 @@ use super::parameter_files;
 use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
+use super::recording::{Given, Recorder, Tape};
 use super::scene::{Monitored, SceneServices, SceneTopics, Shared, Transforms};
-use super::scene_keeper::SceneKeeper;
+use super::scene_keeper::Glimpse;
 use super::simulation_clock;
 use super::threads::{End, Part, run_together, until};
 use crate::checker::MeshModel;
@@ -49,6 +50,8 @@ pub struct NodeOptions {
     /// A motion to publish on `joint_states`.
     pub motion: Option<Motion>,
     pub observer: Option<Observer>,
+    /// What a recording needs to run again.
+    pub given: Given,
 }
 
 impl std::fmt::Debug for NodeOptions {
@@ -107,21 +110,24 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
 
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
     let current = CurrentJudgement::default();
+    let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
+    if let Some(robot) = options.robot {
+        let glimpse = Glimpse::first(&parameters, clock.read());
+        monitor.set_checker(loader.take_given(robot, &glimpse).map_err(NodeError::Input)?);
+    }
+    let meshes = options.given.meshes.clone();
+    let (tape, recorder) = record(&parameters, &names, options.given)?;
     let shared = Shared {
         transforms: Transforms::default(),
         clouds: Arc::default(),
         store: store.clone(),
         clock: Arc::clone(&clock),
+        tape: tape.clone(),
     };
-    let keeper = SceneKeeper::new(shared.clone(), Arc::clone(&current));
-    let given = (options.mesh_files, options.surroundings, options.mesh_model);
-    let mut loader = Loader::new(given, store.clone(), keeper, Arc::clone(&clock));
-    if let Some(robot) = options.robot {
-        monitor.set_checker(loader.take_given(robot).map_err(NodeError::Input)?);
-    }
+    let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
+    outlook.note_meshes();
     let current_robot = loader.current_robot();
     end_on_signals(end.clone())?;
-
     let middleware = Middleware::join(options.environment, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
     let motion = (options.motion)
@@ -144,6 +150,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         publishers: Publishers::open(&middleware, &names)?,
         current: Arc::clone(&current),
         observer: options.observer,
+        tape: tape.clone(),
         report: Report::default(),
     };
     loader.tell_on(Monitored::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
@@ -152,12 +159,12 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
     let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
     let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current)?;
-    let enable = EnableService::offer(&middleware, &names, end.events.clone())?;
-    let own = (store, Arc::clone(&clock), motions, enable);
+    let small = (motions, EnableService::offer(&middleware, &names, end.events.clone())?);
+    let own = (store, tape, Arc::clone(&clock), small);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || smol::block_on(monitor_loop.run())),
-        Part::new("loader", move || loader.follow(&orders_in, &events)),
+        Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
     ];
     if let Some((motion, publisher)) = motion {
         let stopped = stopped.clone();
@@ -186,10 +193,27 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
 
     let node = names.full_node_name();
     log::info!("{node} listens to {joint_states} in domain {}", options.environment.domain);
-    run_together(parts, &end).map_err(NodeError::Internal)?;
+    let ended = run_together(parts, &end).map_err(NodeError::Internal);
+    if let Some(recorder) = recorder {
+        recorder.finish();
+    }
+    ended?;
     middleware.leave();
     log::info!("{node} has ended");
     Ok(())
+}
+
+/// A recorder and the way to it, if the parameters want one.
+fn record(
+    parameters: &Parameters,
+    names: &Names,
+    given: Given,
+) -> Result<(Tape, Option<Recorder>), NodeError> {
+    let Some(settings) = parameters.recording() else {
+        return Ok((Tape::default(), None));
+    };
+    let (tape, recorder) = Recorder::start(&settings, names, given, parameters).map_err(NodeError::Input)?;
+    Ok((tape, Some(recorder)))
 }
 
 fn initial_parameters(options: &NodeOptions, names: &Names) -> Result<Parameters, NodeError> {
@@ -215,6 +239,7 @@ struct Services {
     motions: MotionServices,
     enable: EnableService,
     store: ParameterStore,
+    tape: Tape,
     clock: Arc<RosClock>,
     clock_topic: FullName,
     orders: Sender<Order>,
@@ -228,7 +253,12 @@ impl Services {
     fn open(
         middleware: &Middleware,
         names: &Names,
-        (store, clock, motions, enable): (ParameterStore, Arc<RosClock>, MotionServices, EnableService),
+        (store, tape, clock, (motions, enable)): (
+            ParameterStore,
+            Tape,
+            Arc<RosClock>,
+            (MotionServices, EnableService),
+        ),
         orders: Sender<Order>,
         changes: Receiver<()>,
     ) -> Result<Self, NodeError> {
@@ -244,6 +274,7 @@ impl Services {
             clock_topic: names.resolve("/clock")?,
             middleware: middleware.clone(),
             store,
+            tape,
             clock,
             orders,
             changes,
@@ -254,8 +285,8 @@ impl Services {
 
     async fn serve(self) {
         let follow_clock = async {
-            let Self { middleware, clock_topic, clock, store, changes, .. } = &self;
-            let followed = simulation_clock::follow(middleware, clock_topic, clock, store, changes);
+            let Self { middleware, clock_topic, clock, store, tape, changes, .. } = &self;
+            let followed = simulation_clock::follow(middleware, clock_topic, clock, (store, tape), changes);
             if let Err(error) = followed.await {
                 log::error!("simulated time can not be followed: {error}");
             }

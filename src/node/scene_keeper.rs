@@ -1,20 +1,22 @@
 //! The scene in force: what messages and sensors make of it, and who has to hear of it.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
 use super::messages::time_of;
-use super::monitor_loop::CurrentJudgement;
 use super::parameters::Parameters;
-use super::scene::{CloudReport, OCTOMAP_SOURCE, Shared, decode};
+use super::recording::{OrderStep, Original};
+use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
 use crate::checker::MeshModel;
 use crate::monitor::cloud::{SelfFilter, Sieve};
-use crate::monitor::scene::{OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate};
-use crate::monitor::{Evidence, Now, Revision, Sight, Time, WorldSource};
+use crate::monitor::scene::{
+    OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, TransformTree,
+};
+use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, Time, WorldSource};
 use crate::robot::RobotModel;
 use crate::world::Obstacle;
 
@@ -35,12 +37,14 @@ pub struct SceneOrder {
     octomap: Option<(OctomapWithPose, Sight)>,
     /// Who waits for it to be in force: whether all of it was done.
     done: Option<Sender<bool>>,
+    /// The message, if somebody records.
+    original: Option<(OrderStep, Option<Original>)>,
 }
 
 impl SceneOrder {
     #[must_use]
     pub fn on(source: &'static str) -> Self {
-        Self { source, update: None, refusals: Vec::new(), octomap: None, done: None }
+        Self { source, update: None, refusals: Vec::new(), octomap: None, done: None, original: None }
     }
 
     #[must_use]
@@ -59,10 +63,30 @@ impl SceneOrder {
         Self { octomap: holds_one.then_some((octomap, sight)), ..self }
     }
 
+    /// With the message that it was made of, if somebody records.
+    #[must_use]
+    pub fn made_of(self, original: Option<(OrderStep, Option<Original>)>) -> Self {
+        Self { original, ..self }
+    }
+
+    /// What it was made of, told once.
+    pub fn take_original(&mut self) -> Option<(OrderStep, Option<Original>)> {
+        self.original.take()
+    }
+
     #[must_use]
     pub fn answered_on(self, done: Sender<bool>) -> Self {
         Self { done: Some(done), ..self }
     }
+}
+
+/// What is known at one moment, in whose light orders are followed.
+#[derive(Debug)]
+pub struct Glimpse {
+    pub now: Now,
+    pub parameters: Parameters,
+    pub transforms: TransformTree,
+    pub judgement: Option<Judgement>,
 }
 
 /// What is checked, and the scene that it was made of.
@@ -79,11 +103,10 @@ pub struct SceneInForce {
 pub type CurrentScene = Arc<Mutex<Option<Arc<SceneInForce>>>>;
 
 /// Keeps the scene; belongs to the loader's thread.
+#[derive(Default)]
 pub struct SceneKeeper {
     pub state: PlanningSceneState,
     pub octomap: Option<Arc<OctomapWithPose>>,
-    shared: Shared,
-    judgement: CurrentJudgement,
     /// When the octomap was seen last, if one came since it was cleared.
     octomap_seen: Option<Sight>,
     clouds: BTreeMap<String, Cloud>,
@@ -113,24 +136,6 @@ struct Cloud {
 pub type CloudReports = Vec<(String, CloudReport)>;
 
 impl SceneKeeper {
-    #[must_use]
-    pub fn new(shared: Shared, judgement: CurrentJudgement) -> Self {
-        Self {
-            state: PlanningSceneState::default(),
-            octomap: None,
-            shared,
-            judgement,
-            octomap_seen: None,
-            clouds: BTreeMap::new(),
-            filter: None,
-            waiting: VecDeque::new(),
-            faults: Vec::new(),
-            dropped: Vec::new(),
-            touched: false,
-            unanswered: Vec::new(),
-        }
-    }
-
     /// Whether the scene is still that of the files.
     #[must_use]
     pub fn is_untouched(&self) -> bool {
@@ -171,16 +176,15 @@ impl SceneKeeper {
     }
 
     /// Does what a message asks for; whether that changed anything.
-    pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, parameters: &Parameters) -> bool {
-        let SceneOrder { source, update, mut refusals, octomap, done } = order;
+    pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
+        let SceneOrder { source, update, mut refusals, octomap, done, .. } = order;
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
         let mut changed = false;
         if let Some(update) = &update {
-            let evidence = self.evidence(robot);
+            let evidence = glimpse.evidence(robot);
             let poses = evidence.as_ref().map(|e| &e.poses);
-            let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            let now = self.shared.clock.now();
-            let context = SceneContext::new(robot, poses, &transforms, now, parameters.transform_ttl);
+            let Glimpse { now, parameters, transforms, .. } = glimpse;
+            let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
             let applied = self.state.apply(update, &context);
             changed = applied.changed;
             refusals.extend(applied.refusals);
@@ -242,17 +246,15 @@ impl SceneKeeper {
         }
     }
 
-    /// What the monitor knows about where the robot is.
-    fn evidence(&self, robot: &Arc<RobotModel>) -> Option<Arc<Evidence>> {
-        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
-        let same = judgement.revision.is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
-        judgement.placement.filter(|_| same)
-    }
-
     /// Lets the newest clouds take the place of those before; whether any did.
-    pub fn see(&mut self, robot: &Arc<RobotModel>, parameters: &Parameters) -> bool {
+    pub fn see(
+        &mut self,
+        messages: BTreeMap<String, CloudMessage>,
+        robot: &Arc<RobotModel>,
+        glimpse: &Glimpse,
+    ) -> bool {
+        let parameters = &glimpse.parameters;
         let mut changed = self.forget_unwatched(parameters);
-        let messages = self.shared.clouds.take();
         for (topic, message) in messages {
             if !parameters.point_cloud_topics.contains(&topic) {
                 continue;
@@ -262,7 +264,7 @@ impl SceneKeeper {
                 Time::ZERO => message.came.ros.unwrap_or_default(),
                 stamp => stamp,
             };
-            let seen = self.sieve(&topic, &message.cloud, robot, parameters);
+            let seen = self.sieve(&topic, &message.cloud, robot, glimpse);
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
                 Ok((obstacle, report)) => {
@@ -297,14 +299,14 @@ impl SceneKeeper {
         topic: &str,
         message: &ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2,
         robot: &Arc<RobotModel>,
-        parameters: &Parameters,
+        glimpse: &Glimpse,
     ) -> Result<(Option<Obstacle>, CloudReport), String> {
+        let Glimpse { now, parameters, transforms, .. } = glimpse;
         let points = decode(message)?;
-        let evidence = self.evidence(robot).ok_or("no fresh joint state tells which points are the robot")?;
-        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let now = self.shared.clock.now();
-        let context =
-            SceneContext::new(robot, Some(&evidence.poses), &transforms, now, parameters.transform_ttl);
+        let evidence =
+            glimpse.evidence(robot).ok_or("no fresh joint state tells which points are the robot")?;
+        let poses = Some(&evidence.poses);
+        let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =
             context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
@@ -413,6 +415,15 @@ impl SceneKeeper {
             }
         }
         self.clouds.iter().map(|(topic, cloud)| (topic.clone(), cloud.report.clone())).collect()
+    }
+}
+
+impl Glimpse {
+    /// What the monitor knows about where the robot is.
+    fn evidence(&self, robot: &Arc<RobotModel>) -> Option<Arc<Evidence>> {
+        let judgement = self.judgement.as_ref()?;
+        let same = judgement.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
+        judgement.placement.clone().filter(|_| same)
     }
 }
 

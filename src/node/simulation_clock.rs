@@ -11,13 +11,14 @@ use super::messages::time_of;
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
 use super::names::FullName;
 use super::parameter_services::ParameterStore;
+use super::recording::{Happening, Tape};
 
 /// Follows `/clock` for ever; `changes` tells that a parameter changed.
 pub async fn follow(
     middleware: &Middleware,
     name: &FullName,
     clock: &RosClock,
-    store: &ParameterStore,
+    (store, tape): (&ParameterStore, &Tape),
     changes: &Receiver<()>,
 ) -> Result<(), MiddlewareError> {
     let kind = MessageKind("rosgraph_msgs", "Clock");
@@ -37,6 +38,7 @@ pub async fn follow(
                 Some(subscription) => {
                     let (message, _) = subscription.next().await;
                     clock.on_simulation_time(time_of(&message.clock));
+                    tape.note(|| Happening::Clock(message));
                 }
                 None => future::pending().await,
             }

@@ -67,6 +67,7 @@ fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
     let (file, bytes) = match found {
         Found::File(file) => (file.as_path(), read_file(file)),
         Found::Embedded(name, bytes) => (Path::new(name), Ok(bytes.to_vec())),
+        Found::Recorded(file, bytes) => (file.as_path(), Ok(bytes.to_vec())),
     };
     let unusable = |reason: String| MeshFileError::Unusable { file: file.to_owned(), reason };
     let extension = file.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase();

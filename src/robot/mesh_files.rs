@@ -6,7 +6,9 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::mesh_log::{MeshLog, RecordedMeshes};
 use super::mesh_uri::{self, MeshName};
 use super::numbers::shortened;
 
@@ -21,6 +23,9 @@ pub struct MeshFiles {
     ament_prefixes: Vec<PathBuf>,
     ros_package_paths: Vec<PathBuf>,
     embedded: &'static [(&'static str, &'static [u8])],
+    /// With these, nothing is looked up elsewhere.
+    recorded: Option<Arc<RecordedMeshes>>,
+    log: Option<MeshLog>,
 }
 
 /// Why a mesh name gave no mesh.
@@ -47,6 +52,8 @@ pub(super) enum Found {
     /// By its real path.
     File(PathBuf),
     Embedded(&'static str, &'static [u8]),
+    /// Out of a recording.
+    Recorded(PathBuf, Arc<[u8]>),
 }
 
 /// A file that may hold a mesh, and why it may be opened.
@@ -70,6 +77,18 @@ impl MeshFiles {
     #[must_use]
     pub fn embedded(meshes: &'static [(&'static str, &'static [u8])]) -> Self {
         Self { embedded: meshes, ..Self::default() }
+    }
+
+    /// Meshes of a recording: nothing else is found.
+    #[must_use]
+    pub fn recorded(meshes: Arc<RecordedMeshes>) -> Self {
+        Self { recorded: Some(meshes), ..Self::default() }
+    }
+
+    /// Notes in `log` which files are found.
+    #[must_use]
+    pub fn noted_in(self, log: MeshLog) -> Self {
+        Self { log: Some(log), ..self }
     }
 
     /// Looks up `package://NAME/path` as `dir/NAME/path`, before everything else.
@@ -119,10 +138,22 @@ impl MeshFiles {
     /// When the name is no name, or the file is missing or outside the allowed folders.
     pub(super) fn find(&self, uri: &str) -> Result<Found, MeshFileError> {
         let plain = uri.strip_prefix("package://").unwrap_or(uri);
-        match self.embedded.iter().find(|(name, _)| *name == plain) {
-            Some((name, bytes)) => Ok(Found::Embedded(name, bytes)),
-            None => self.find_file(uri).map(Found::File),
+        if let Some((name, bytes)) = self.embedded.iter().find(|(name, _)| *name == plain) {
+            return Ok(Found::Embedded(name, bytes));
         }
+        let folder = self.folder.as_deref();
+        if let Some(recorded) = &self.recorded {
+            let (file, bytes) = recorded.find(folder, uri).ok_or_else(|| MeshFileError::NotFound {
+                uri: shortened(uri),
+                tried: "it in the recording".to_owned(),
+            })?;
+            return Ok(Found::Recorded(file.clone(), Arc::clone(bytes)));
+        }
+        let file = self.find_file(uri)?;
+        if let Some(log) = &self.log {
+            log.note(folder, uri, &file);
+        }
+        Ok(Found::File(file))
     }
 
     fn find_file(&self, uri: &str) -> Result<PathBuf, MeshFileError> {

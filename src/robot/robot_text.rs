@@ -57,20 +57,32 @@ impl RobotModel {
         srdf_path: Option<&Path>,
         package_paths: &[PathBuf],
     ) -> Result<Self, ModelError> {
-        let urdf = read_text(urdf_path)?;
-        let srdf = srdf_path.map(read_text).transpose()?;
         let folder = urdf_path.parent().filter(|p| !p.as_os_str().is_empty());
         let files = (package_paths.iter())
             .fold(MeshFiles::default(), MeshFiles::with_package_path)
             .beside_urdf(folder.unwrap_or(Path::new(".")))
             .with_environment();
+        Self::load_with(urdf_path, srdf_path, &files)
+    }
+
+    /// Loads a robot from files, whose meshes are looked up as `files` says.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_with(
+        urdf_path: &Path,
+        srdf_path: Option<&Path>,
+        files: &MeshFiles,
+    ) -> Result<Self, ModelError> {
+        let urdf = read_text(urdf_path)?;
+        let srdf = srdf_path.map(read_text).transpose()?;
         let text = RobotText {
             urdf: &urdf,
             urdf_name: urdf_path.to_str(),
             srdf: srdf.as_deref(),
             srdf_name: srdf_path.and_then(Path::to_str),
         };
-        Self::from_text(&text, &files)
+        Self::from_text(&text, files)
     }
 }
 

@@ -14,6 +14,8 @@ mod moving;
 mod other_shapes;
 mod random;
 mod reference;
+#[cfg(feature = "ros")]
+mod replays;
 mod robots;
 mod snapshots;
 mod soundness;

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Makes a Python environment with real rclpy (ROS 2 Kilted wheels from PyPI), clearance_msgs built from this
-# repository and what of MoveIt's interfaces the node speaks, and prints its path. Nothing is installed outside
-# the cache folder:
+# Makes a Python environment with real rclpy (wheels from PyPI), clearance_msgs built from this repository and what of
+# MoveIt's interfaces the node speaks, readers of MCAP and a Cyclone DDS, and prints its path. CLEARANCE_ROS is the
+# distribution: kilted (the default) or jazzy. Nothing is installed outside the cache folder:
 #   ${CLEARANCE_CACHE:-${XDG_CACHE_HOME:-~/.cache}/clearance}/rclpy-<hash of all that it is made from>
-# Needs CPython 3.10 to 3.13 with its headers, g++ and make. The first run takes two minutes or three.
+# Needs CPython 3.10 to 3.13 (for Jazzy: 3.11) with its headers, g++ and make. The first run takes two minutes or three.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -15,15 +15,29 @@ unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME 
 say() { echo "rclpy environment: $*" >&2; }
 die() { say "$*"; exit 1; }
 
+# What differs between the distributions: versions of rclpy, ament and its packages.
+case "${CLEARANCE_ROS:=kilted}" in
+    kilted)
+        pythons="3.11 3.12 3.13 3.10" rclpy=9.1.2 ament=2.7.3 ament_package=0.17.2
+        more_ament=ros-ament-cmake-ros-core
+        ;;
+    jazzy)
+        pythons="3.11" rclpy=7.1.6 ament=2.5.4 ament_package=0.16.4
+        more_ament=ros-python-cmake-module==0.11.1
+        ;;
+    *) die "CLEARANCE_ROS is '$CLEARANCE_ROS', but must be kilted or jazzy" ;;
+esac
+
 find_python() {
-    local candidate
-    for candidate in python3.11 python3.12 python3.13 python3.10 python3; do
-        if "$candidate" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null; then
+    local candidate version
+    for candidate in $(printf "python%s " $pythons) python3; do
+        version=$("$candidate" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null) || continue
+        if [[ " $pythons " == *" $version "* ]]; then
             echo "$candidate"
             return
         fi
     done
-    die "needs CPython 3.10, 3.11, 3.12 or 3.13: there are no rclpy wheels for others"
+    die "needs CPython ${pythons// /, }: there are no rclpy wheels of $CLEARANCE_ROS for others"
 }
 
 check_tools() {
@@ -39,21 +53,21 @@ check_tools() {
 hash_of_inputs() {
     {
         "$python" --version
+        echo "$CLEARANCE_ROS"
         cd "$root"
         find tests/rclpy/{environment.sh,interface_packages.py,moveit_interfaces.txt} interfaces -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
     } | sha256sum | cut -c1-16
 }
 
 install_wheels() {
-    local ament=2.7.3
     "$python" -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check \
-        "setuptools<80" numpy catkin_pkg cmake pytest pytest-timeout \
-        ros-rclpy==9.1.2 ros-diagnostic-msgs ros-ament-package==0.17.2 ros-ament-cmake-ros-core \
+        "setuptools<80" numpy catkin_pkg cmake pytest pytest-timeout mcap==1.6.0 mcap-ros2-support==0.6.0 cyclonedds==11.0.1 \
+        ros-rclpy==$rclpy ros-diagnostic-msgs ros-ament-package==$ament_package $more_ament \
         ros-ament-cmake-{core,python,libraries,include-directories,target-dependencies,test,gtest,gmock,pytest,version,gen-version-h}==$ament \
         ros-ament-cmake-export-{definitions,dependencies,include-directories,interfaces,libraries,link-flags,targets}==$ament \
-        ros-kilted-{rmw-fastrtps-cpp,ament-cmake,ament-cmake-ros,rosidl-core-generators,rosidl-default-generators} \
-        ros-kilted-{std,sensor,geometry,shape,trajectory,visualization,diagnostic}-msgs ros-kilted-std-srvs
+        ros-$CLEARANCE_ROS-{rmw-fastrtps-cpp,ament-cmake,ament-cmake-ros,rosidl-core-generators,rosidl-default-generators} \
+        ros-$CLEARANCE_ROS-{std,sensor,geometry,shape,trajectory,visualization,diagnostic}-msgs ros-$CLEARANCE_ROS-std-srvs
 }
 
 # The CMake exports of the wheels carry the paths of the machine that built them.

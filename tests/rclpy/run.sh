@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs the tests against real rclpy: ./run.sh [pytest arguments]
 # CLEARANCE_BIN is the binary under test; without it, the release build of this repository.
+# CLEARANCE_ROS is the distribution whose rclpy speaks with it: kilted (the default) or jazzy.
 # Node and tests share one private network namespace, so nothing reaches the machine's network.
 # Needs, beside what environment.sh needs: unshare and flock (util-linux), ip (iproute2).
 set -euo pipefail

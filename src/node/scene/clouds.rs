@@ -1,7 +1,7 @@
 //! `sensor_msgs/PointCloud2` of any layout.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
@@ -17,7 +17,7 @@ pub struct CloudMessages {
 
 /// A cloud and when it came.
 pub struct CloudMessage {
-    pub cloud: PointCloud2,
+    pub cloud: Arc<PointCloud2>,
     pub came: Now,
     pub since: Instant,
 }

@@ -10,6 +10,7 @@
 mod clouds;
 mod monitored;
 mod octomaps;
+mod orders;
 mod reading;
 mod services;
 mod telling;
@@ -18,7 +19,8 @@ mod tests;
 mod topics;
 mod validity;
 
-pub use clouds::{CloudReport, decode};
+pub use clouds::{CloudMessage, CloudReport, decode};
 pub use monitored::Monitored;
+pub use orders::{attached_order, clear_octomap, object_order, octomap_order, scene_order, world_order};
 pub use services::SceneServices;
-pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms};
+pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms, note_transforms};

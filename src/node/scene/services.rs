@@ -13,14 +13,15 @@ use serde::{Deserialize, Serialize};
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
 
+use super::orders::clear_octomap;
 use super::telling::{Told, scene_message};
 use super::topics::{SceneTopics, Shared};
 use super::validity::{Situation, state_validity};
-use crate::monitor::scene::SceneUpdate;
 use crate::node::loader::Order;
 use crate::node::middleware::{Message, Middleware, MiddlewareError, RequestId, Server};
 use crate::node::monitor_loop::CurrentJudgement;
 use crate::node::names::Names;
+use crate::node::recording::{OrderStep, SceneDoor};
 use crate::node::scene_keeper::{CurrentScene, SceneInForce, SceneOrder};
 
 /// Questions about states that wait at most; who comes then is told at once that the state is not valid.
@@ -98,7 +99,7 @@ impl SceneServices {
         let apply = async {
             loop {
                 let (id, request) = self.apply.next().await;
-                let order = topics.scene("apply_planning_scene", request.scene);
+                let order = topics.scene(SceneDoor::ApplyPlanningScene, request.scene);
                 let answer = async move {
                     let success = self.ordered(order).await;
                     self.apply.answer(id, ApplyPlanningSceneResponse { success }).await;
@@ -110,7 +111,7 @@ impl SceneServices {
             loop {
                 let (id, _) = self.clear.next().await;
                 let answer = async move {
-                    self.ordered(SceneOrder::on("clear_octomap").to(SceneUpdate::Octomap(None))).await;
+                    self.ordered(clear_octomap().made_of(Some((OrderStep::ClearOctomap, None)))).await;
                     self.clear.answer(id, Empty::default()).await;
                 };
                 answering.spawn(answer).detach();

@@ -8,23 +8,23 @@ use futures_lite::{FutureExt, future};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
 };
-use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use smol::channel::{Receiver, Sender};
 
 use super::clouds::{CloudMessage, CloudMessages};
-use super::octomaps::octomap_placement;
-use super::reading::{attached_change, object_change, scene_change, transform_pose, world_change};
-use crate::monitor::Sight;
-use crate::monitor::Time;
-use crate::monitor::scene::{OCTOMAP, SceneUpdate, Transform, TransformTree};
+use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
+use super::reading::transform_pose;
+use crate::monitor::scene::{OCTOMAP, Transform, TransformTree};
+use crate::monitor::{Now, Time};
 use crate::node::clock::RosClock;
 use crate::node::loader::Order;
 use crate::node::messages::time_of;
 use crate::node::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
 use crate::node::names::Names;
 use crate::node::parameter_services::ParameterStore;
+use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
 use crate::node::scene_keeper::SceneOrder;
 
 /// Frames that others publish, shared between who hears and who needs them.
@@ -55,6 +55,7 @@ pub struct Shared {
     pub clouds: Arc<CloudMessages>,
     pub store: ParameterStore,
     pub clock: Arc<RosClock>,
+    pub tape: Tape,
 }
 
 /// The copy of a message that a topic heard in two ways brings must not count twice.
@@ -116,10 +117,10 @@ impl SceneTopics {
     /// Listens for ever.
     pub async fn listen(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
-        let objects = self.hear(&self.objects, |m| Self::object(&m));
-        let attached = self.hear(&self.attached, |m| Self::attached(&m));
+        let objects = self.hear(&self.objects, |m| Some(self.object(m)));
+        let attached = self.hear(&self.attached, |m| Some(self.attached(m)));
         let worlds = self.hear(&self.worlds, |m| Some(self.world(m)));
-        let scenes = self.hear(&self.scenes, |m| Some(self.scene("planning_scene", m)));
+        let scenes = self.hear(&self.scenes, |m| Some(self.scene(SceneDoor::PlanningScene, m)));
         let octomap = |topic: usize, twin: usize| {
             let last = &twins[topic];
             self.hear(&self.octomaps[topic][twin], move |m| {
@@ -150,84 +151,58 @@ impl SceneTopics {
         }
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "as the others")]
-    fn object(message: &CollisionObject) -> Option<SceneOrder> {
-        let order = SceneOrder::on("collision_object");
-        Some(match object_change(message) {
-            Ok(change) => order.to(SceneUpdate::Object(Box::new(change))),
-            Err(refusal) => order.refused(vec![refusal]),
-        })
+    /// What a message asks for, and the message itself if somebody records.
+    fn order<M: Clone>(
+        &self,
+        by: SceneDoor,
+        message: M,
+        keep: impl FnOnce(M) -> Original,
+        read: impl FnOnce(M, bool, Now) -> SceneOrder,
+    ) -> SceneOrder {
+        let Shared { store, clock, tape, .. } = &self.shared;
+        let (came, unknown_is_occupied) = (clock.read(), store.get().unknown_is_occupied());
+        let original = tape.is_on().then(|| {
+            let step = OrderStep::Scene { by, came: came.into(), unknown_is_occupied };
+            (step, Some(keep(message.clone())))
+        });
+        read(message, unknown_is_occupied, came).made_of(original)
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "as the others")]
-    fn attached(message: &AttachedCollisionObject) -> Option<SceneOrder> {
-        let order = SceneOrder::on("attached_collision_object");
-        Some(match attached_change(message) {
-            Ok(change) => order.to(SceneUpdate::Attached(Box::new(change))),
-            Err(refusal) => order.refused(vec![refusal]),
-        })
+    fn object(&self, message: CollisionObject) -> SceneOrder {
+        let keep = |m| Original::Object(Box::new(m));
+        self.order(SceneDoor::CollisionObject, message, keep, |m, _, _| object_order(&m))
+    }
+
+    fn attached(&self, message: AttachedCollisionObject) -> SceneOrder {
+        let keep = |m| Original::Attached(Box::new(m));
+        self.order(SceneDoor::AttachedCollisionObject, message, keep, |m, _, _| attached_order(&m))
     }
 
     fn world(&self, message: PlanningSceneWorld) -> SceneOrder {
-        let read = world_change(&message, self.unknown_is_occupied());
-        let order = SceneOrder::on("planning_scene_world").to(SceneUpdate::World(Box::new(read.change)));
-        order.refused(read.refusals).with_octomap(message.octomap, self.sight(Time::ZERO))
+        self.order(SceneDoor::PlanningSceneWorld, message, |m| Original::World(Box::new(m)), world_order)
     }
 
     /// An order to apply a whole or partial scene.
-    pub fn scene(&self, source: &'static str, message: PlanningScene) -> SceneOrder {
-        let read = scene_change(&message, self.unknown_is_occupied());
-        let order = SceneOrder::on(source).to(SceneUpdate::Scene(Box::new(read.change)));
-        order.refused(read.refusals).with_octomap(message.world.octomap, self.sight(Time::ZERO))
+    pub fn scene(&self, by: SceneDoor, message: PlanningScene) -> SceneOrder {
+        let read = |m, unknown_is_occupied, came| scene_order(by, m, unknown_is_occupied, came);
+        self.order(by, message, |m| Original::Scene(Box::new(m)), read)
     }
 
     fn octomap(&self, topic: usize, message: Octomap) -> SceneOrder {
-        let order = SceneOrder::on(["octomap_binary", "octomap_full"][topic]);
-        match octomap_placement(&message, self.unknown_is_occupied()) {
-            Err(refusal) => order.refused(vec![refusal]),
-            Ok(placement) => {
-                let sight = self.sight(time_of(&message.header.stamp));
-                let header = message.header.clone();
-                let octomap = OctomapWithPose { header, octomap: message, ..OctomapWithPose::default() };
-                order.to(SceneUpdate::Octomap(Some(placement))).with_octomap(octomap, sight)
-            }
-        }
-    }
-
-    fn unknown_is_occupied(&self) -> bool {
-        self.shared.store.get().unknown_is_occupied()
-    }
-
-    /// Now, of what was stamped then; without a stamp it is new.
-    fn sight(&self, stamp: Time) -> Sight {
-        let now = self.shared.clock.read();
-        let stamp = if stamp == Time::ZERO { now.ros.unwrap_or_default() } else { stamp };
-        Sight { stamp, at: now.steady }
+        let by = [SceneDoor::OctomapBinary, SceneDoor::OctomapFull][topic];
+        let read = |m, unknown_is_occupied, came| octomap_order(by, m, unknown_is_occupied, came);
+        self.order(by, message, |m| Original::Octomap(Box::new(m)), read)
     }
 
     async fn follow(&self, topic: &Subscription<TFMessage>, fixed: bool) {
         loop {
             let (message, _) = topic.next().await;
-            let now = self.shared.clock.now().unwrap_or_default();
-            let mut tree = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner);
-            for transform in message.transforms {
-                let stamp = match time_of(&transform.header.stamp) {
-                    Time::ZERO => now,
-                    stamp => stamp,
-                };
-                let Ok(pose_pf) = transform_pose(&transform.transform) else {
-                    log::warn!(
-                        "tf: the transform of '{}' is no pose",
-                        transform.child_frame_id.escape_debug()
-                    );
-                    continue;
-                };
-                let parent = transform.header.frame_id;
-                let stamp = (!fixed).then_some(stamp);
-                if !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp }) {
-                    log::warn!("tf: there are too many frames; the rest is not heeded");
-                }
-            }
+            let Shared { transforms, clock, tape, .. } = &self.shared;
+            let now = clock.now();
+            let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
+            // a recording has it before whatever is made of this tree
+            tape.note(|| Happening::Transforms { message: message.clone(), now, fixed });
+            note_transforms(&mut tree, message, now, fixed);
         }
     }
 
@@ -266,11 +241,30 @@ impl SceneTopics {
         loop {
             let (cloud, origin) = clouds.next().await;
             let since = Instant::now().checked_sub(origin.waited()).unwrap_or_else(Instant::now);
-            let message = CloudMessage { cloud, came: self.shared.clock.read(), since };
+            let message = CloudMessage { cloud: Arc::new(cloud), came: self.shared.clock.read(), since };
             self.shared.clouds.put(topic, message);
             if self.orders.send(Order::Clouds).await.is_err() {
                 return;
             }
+        }
+    }
+}
+
+/// Puts what came at `now` into the tree; `fixed` transforms stay for ever.
+pub fn note_transforms(tree: &mut TransformTree, message: TFMessage, now: Option<Time>, fixed: bool) {
+    for transform in message.transforms {
+        let stamp = match time_of(&transform.header.stamp) {
+            Time::ZERO => now.unwrap_or_default(),
+            stamp => stamp,
+        };
+        let Ok(pose_pf) = transform_pose(&transform.transform) else {
+            log::warn!("tf: the transform of '{}' is no pose", transform.child_frame_id.escape_debug());
+            continue;
+        };
+        let parent = transform.header.frame_id;
+        let stamp = (!fixed).then_some(stamp);
+        if !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp }) {
+            log::warn!("tf: there are too many frames; the rest is not heeded");
         }
     }
 }

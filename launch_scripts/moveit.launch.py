@@ -1,0 +1,61 @@
+"""The node `clearance` beside a running MoveIt: it watches the same robot in the same scene.
+
+    ros2 launch clearance moveit.launch.py
+    ros2 launch clearance moveit.launch.py scene:=/arm/monitored_planning_scene params_file:=cell.yaml
+
+Robot and SRDF come on robot_description and robot_description_semantic: start move_group with
+publish_robot_description and publish_robot_description_semantic. Its scene comes on monitored_planning_scene, which the
+node hears as planning_scene: start the node first, for move_group tells the whole scene only once. The node's own scene
+services stand in its own namespace: MoveIt's keep their names.
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+ARGUMENTS = {
+    "scene": ("/monitored_planning_scene", "the topic on which it does"),
+    "description": ("/robot_description", "the topic with the URDF"),
+    "semantic": ("/robot_description_semantic", "the topic with the SRDF"),
+    "joint_states": ("/joint_states", "the topic with the joint states"),
+    "package_path": ("", "where package://NAME/path is looked up, if not in the sourced workspaces"),
+    "params_file": ("", "a parameter file, such as config/clearance.yaml"),
+    "use_sim_time": ("false", "whether time is read from /clock"),
+    "executable": ("", "the program, if it is not that of the installed package"),
+}
+
+# Where MoveIt has names of its own, those of this node are moved into its own namespace.
+SERVICES = ["get_planning_scene", "apply_planning_scene", "clear_octomap", "check_state_validity"]
+
+
+def start(context):
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    path = ["--package-path", given["package_path"]] if given["package_path"] else []
+    files = [given["params_file"]] if given["params_file"] else []
+    own = [(name, f"/clearance/{name}") for name in [*SERVICES, "monitored_planning_scene"]]
+    return [
+        Node(
+            package=None if given["executable"] else "clearance",
+            executable=given["executable"] or "clearance",
+            name="clearance",
+            arguments=["node", *path],
+            parameters=[*files, {"use_sim_time": given["use_sim_time"].lower() == "true"}],
+            remappings=[
+                ("planning_scene", given["scene"]),
+                ("robot_description", given["description"]),
+                ("robot_description_semantic", given["semantic"]),
+                ("joint_states", given["joint_states"]),
+                *own,
+            ],
+            output="screen",
+        )
+    ]
+
+
+def generate_launch_description():
+    declarations = [
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declarations, OpaqueFunction(function=start)])

@@ -1,0 +1,61 @@
+//! `clearance doctor`: what is wrong here, in clear lines.
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Args;
+use clearance::node::RosArguments;
+use clearance::node::doctor::{self, Finding, Patient, Verdict};
+use log::LevelFilter;
+
+use super::failure::Failure;
+use super::model::ModelArgs;
+use super::node::failure;
+use super::run_args::{Format, internal, print_line};
+
+/// Without --urdf the robot is awaited on the topic `robot_description`.
+///
+/// Exit codes: 0 nothing is wrong; 1 something is; 2 bad input.
+#[derive(Args)]
+pub struct DoctorArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// How long topics are listened to, in seconds
+    #[arg(long, value_name = "S", default_value_t = 5.0)]
+    wait: f64,
+
+    /// How the findings are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    /// ROS arguments up to `--`, as of the node: -r from:=to
+    #[arg(long, value_name = "ARGUMENT", num_args = 0.., allow_hyphen_values = true, value_terminator = "--")]
+    ros_args: Vec<String>,
+}
+
+pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
+    let patience = (Duration::try_from_secs_f64(args.wait).ok())
+        .filter(|wait| (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(wait))
+        .ok_or_else(|| Failure::Input(format!("--wait: must be from 0.1 to 3600 s, but is {}", args.wait)))?;
+    clearance::node::logging::start(level);
+    let robot = args.model.urdf.as_ref().map(|_| args.model.load()).transpose()?;
+    let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
+    let patient = Patient { arguments, robot, mesh_files: args.model.mesh_files(), patience };
+    let findings = doctor::examine(patient).map_err(failure)?;
+    match args.format {
+        Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,
+        Format::Text => findings.iter().try_for_each(tell)?,
+    }
+    let is_wrong = findings.iter().any(|finding| finding.verdict == Verdict::Wrong);
+    Ok(ExitCode::from(u8::from(is_wrong)))
+}
+
+fn tell(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {
+    let verdict = match verdict {
+        Verdict::Good => "ok   ",
+        Verdict::Note => "note ",
+        Verdict::Wrong => "WRONG",
+    };
+    print_line(&format!("{verdict}  {about}: {text}"))
+}

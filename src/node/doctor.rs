@@ -1,0 +1,366 @@
+//! `clearance doctor`: what keeps the node from working here, found by listening for a while.
+
+use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use futures_lite::future;
+use log::Level;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use serde::Serialize;
+use smol::Timer;
+
+use super::arguments::RosArguments;
+use super::clock::RosClock;
+use super::environment::{Environment, EnvironmentError, Reach};
+use super::logging;
+use super::messages::joint_state_input;
+use super::middleware::{MessageKind, Middleware, Origin, Quality};
+use super::names::Names;
+use super::run::{NODE_NAME, NodeError};
+use crate::checker::{CollisionChecker, Settings};
+use crate::monitor::{Judgement, Monitor, MonitorSettings, Revision, Status};
+use crate::robot::{MeshFiles, RobotModel, RobotText};
+use crate::world::World;
+
+/// One thing that was looked at.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    pub verdict: Verdict,
+    /// What was looked at, such as `joint_states`.
+    pub about: String,
+    pub text: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    Good,
+    /// Worth knowing.
+    Note,
+    /// The node can not work like this, or not with these peers.
+    Wrong,
+}
+
+/// What is to be examined.
+#[derive(Debug)]
+pub struct Patient {
+    pub arguments: RosArguments,
+    /// Without a robot it is awaited on `robot_description`.
+    pub robot: Option<RobotModel>,
+    pub mesh_files: MeshFiles,
+    /// How long topics are listened to.
+    pub patience: Duration,
+}
+
+/// Everything that came in that time.
+#[derive(Default)]
+struct Heard {
+    description: Option<String>,
+    semantic: Option<String>,
+    joint_states: Vec<(JointState, Origin)>,
+    /// What the middleware complained about.
+    complaints: Vec<String>,
+}
+
+/// Looks at everything.
+pub fn examine(patient: Patient) -> Result<Vec<Finding>, NodeError> {
+    let mut findings = Vec::new();
+    let variable = |name: &str| std::env::var(name).ok();
+    let environment = match network(variable, &mut findings) {
+        Ok(environment) => environment,
+        Err(error) => {
+            findings.push(wrong("environment", error.to_string()));
+            return Ok(findings);
+        }
+    };
+    findings.push(multicast(environment.reach));
+    let names = Names::new(NODE_NAME, &patient.arguments.remaps)?;
+    let heard = listen(environment, &names, patient.robot.is_none(), patient.patience)?;
+    findings.extend(heard.complaints.iter().map(|text| wrong("peers", text.clone())));
+    let robot = match patient.robot {
+        Some(robot) => Some(robot),
+        None => described(&heard, &patient.mesh_files, environment, &mut findings),
+    };
+    if let Some(robot) = &robot {
+        findings.extend(about_robot(robot));
+    }
+    findings.extend(about_joint_states(&heard, robot, environment, patient.patience));
+    Ok(findings)
+}
+
+fn good(about: &str, text: impl Into<String>) -> Finding {
+    Finding { verdict: Verdict::Good, about: about.to_owned(), text: text.into() }
+}
+
+fn note(about: &str, text: impl Into<String>) -> Finding {
+    Finding { verdict: Verdict::Note, about: about.to_owned(), text: text.into() }
+}
+
+fn wrong(about: &str, text: impl Into<String>) -> Finding {
+    Finding { verdict: Verdict::Wrong, about: about.to_owned(), text: text.into() }
+}
+
+/// What the variables say about the network.
+fn network(
+    variable: impl Fn(&str) -> Option<String>,
+    findings: &mut Vec<Finding>,
+) -> Result<Environment, EnvironmentError> {
+    let environment = Environment::read(&variable)?;
+    let Environment { domain, reach } = environment;
+    findings.push(good(
+        "environment",
+        match reach {
+            Reach::Subnet => format!("domain {domain}, all of the network"),
+            Reach::Localhost => format!("domain {domain}, this machine only"),
+        },
+    ));
+    let set = |name| variable(name).filter(|value| !value.is_empty());
+    match set("RMW_IMPLEMENTATION").as_deref() {
+        Some("rmw_zenoh_cpp") => findings.push(wrong(
+            "environment",
+            "RMW_IMPLEMENTATION is rmw_zenoh_cpp: its nodes do not speak DDS, and this one speaks nothing else; use rmw_fastrtps_cpp \
+             or rmw_cyclonedds_cpp",
+        )),
+        Some(other) => findings.push(good("environment", format!("RMW_IMPLEMENTATION is {other}"))),
+        None => {}
+    }
+    for name in ["ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER"] {
+        if let Some(value) = set(name) {
+            findings.push(wrong(
+                "environment",
+                format!("{name} is '{value}', which this node does not heed: peers are found by multicast"),
+            ));
+        }
+    }
+    Ok(environment)
+}
+
+/// Whether what is said to a group is heard, which is how nodes meet.
+fn multicast(reach: Reach) -> Finding {
+    let interface = match reach {
+        Reach::Localhost => Ipv4Addr::LOCALHOST,
+        Reach::Subnet => Ipv4Addr::UNSPECIFIED,
+    };
+    let about = "multicast";
+    match heard_by_group(interface) {
+        Ok(true) => good(about, "what is sent to a group comes back"),
+        Ok(false) => wrong(
+            about,
+            "what is sent to a group does not come back: a firewall, or an interface without multicast (ip link set lo multicast on)",
+        ),
+        Err(error) => wrong(about, format!("{error}: is there a route (ip route add 224.0.0.0/4 dev lo)?")),
+    }
+}
+
+fn heard_by_group(interface: Ipv4Addr) -> std::io::Result<bool> {
+    const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
+    const WORD: &[u8] = b"clearance doctor";
+    let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
+    socket.join_multicast_v4(&GROUP, &interface)?;
+    socket.set_multicast_loop_v4(true)?;
+    socket.set_read_timeout(Some(Duration::from_secs(1)))?;
+    let port = socket.local_addr()?.port();
+    socket.send_to(WORD, SocketAddrV4::new(GROUP, port))?;
+    let mut heard = [0; 64];
+    let deadline = Instant::now() + Duration::from_secs(1);
+    while Instant::now() < deadline {
+        match socket.recv_from(&mut heard) {
+            Ok((length, _)) if &heard[..length] == WORD => return Ok(true),
+            Ok(_) => {}
+            Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => return Ok(false),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(false)
+}
+
+/// Hears what there is to hear, for a while.
+fn listen(
+    environment: Environment,
+    names: &Names,
+    describe: bool,
+    patience: Duration,
+) -> Result<Heard, NodeError> {
+    const MOST: usize = 10_000;
+    let lines = logging::listen();
+    let middleware = Middleware::join(environment, names.namespace(), &format!("{NODE_NAME}_doctor"))?;
+    let text = MessageKind("std_msgs", "String");
+    let states = middleware.subscription::<JointState>(
+        &names.resolve("joint_states")?,
+        MessageKind("sensor_msgs", "JointState"),
+        Quality::BestEffort,
+    )?;
+    let [descriptions, semantics] = ["robot_description", "robot_description_semantic"].map(|name| {
+        let name = names.resolve(name)?;
+        Ok::<_, NodeError>(middleware.subscription::<StringMessage>(&name, text, Quality::Latched)?)
+    });
+    let (descriptions, semantics) = (descriptions?, semantics?);
+    let mut heard = Heard::default();
+    let Heard { description, semantic, joint_states, complaints } = &mut heard;
+    smol::block_on(future::or(drop_after(patience), async {
+        let hear_states = async {
+            loop {
+                let state = states.next().await;
+                if joint_states.len() < MOST {
+                    joint_states.push(state);
+                }
+            }
+        };
+        let hear_description = async {
+            if describe {
+                loop {
+                    *description = Some(descriptions.next().await.0.data);
+                }
+            }
+        };
+        let hear_semantic = async {
+            loop {
+                *semantic = Some(semantics.next().await.0.data);
+            }
+        };
+        let hear_complaints = async {
+            while let Ok(line) = lines.recv().await {
+                if line.level <= Level::Warn && !complaints.contains(&line.text) {
+                    complaints.push(line.text);
+                }
+            }
+        };
+        let topics = future::zip(hear_states, future::zip(hear_description, hear_semantic));
+        future::zip(topics, future::zip(hear_complaints, middleware.meet_peers())).await;
+    }));
+    drop((states, descriptions, semantics));
+    middleware.leave();
+    Ok(heard)
+}
+
+async fn drop_after(patience: Duration) {
+    Timer::after(patience).await;
+}
+
+/// The robot that is described on the topics.
+fn described(
+    heard: &Heard,
+    mesh_files: &MeshFiles,
+    environment: Environment,
+    findings: &mut Vec<Finding>,
+) -> Option<RobotModel> {
+    let about = "robot_description";
+    let Some(urdf) = &heard.description else {
+        let domain = environment.domain;
+        findings.push(wrong(
+            about,
+            format!(
+                "nobody published it (latched) in domain {domain}: start robot_state_publisher, give --urdf FILE, or look at the namespace \
+                 (--ros-args -r __ns:=/NAME) and ROS_DOMAIN_ID"
+            ),
+        ));
+        return None;
+    };
+    let text = RobotText {
+        urdf,
+        urdf_name: Some(about),
+        srdf: heard.semantic.as_deref(),
+        srdf_name: Some("robot_description_semantic"),
+    };
+    match RobotModel::from_text(&text, mesh_files) {
+        Ok(robot) => Some(robot),
+        Err(error) => {
+            findings.push(wrong(about, error.to_string()));
+            None
+        }
+    }
+}
+
+fn about_robot(robot: &RobotModel) -> Vec<Finding> {
+    let (links, positions) = (robot.links().len(), robot.position_names().len());
+    let mut findings =
+        vec![good("robot", format!("'{}': {links} links, {positions} positions", robot.name()))];
+    findings.extend(robot.warnings().iter().map(|warning| note("robot", warning.to_string())));
+    if robot.srdf().is_none() {
+        findings.push(note("robot", "there is no SRDF: only pairs of adjacent bodies are left out"));
+    }
+    findings
+}
+
+/// Whether what the drivers say is about this robot: the monitor itself judges.
+fn about_joint_states(
+    heard: &Heard,
+    robot: Option<RobotModel>,
+    environment: Environment,
+    patience: Duration,
+) -> Vec<Finding> {
+    let about = "joint_states";
+    let Some((first, _)) = heard.joint_states.first() else {
+        let (domain, seconds) = (environment.domain, patience.as_secs_f64());
+        return vec![wrong(
+            about,
+            format!(
+                "nobody published one in {seconds} s in domain {domain}: is the driver running, under this name and namespace \
+                 (--ros-args -r joint_states:=NAME)?"
+            ),
+        )];
+    };
+    #[expect(clippy::cast_precision_loss, reason = "a few thousand")]
+    let rate = heard.joint_states.len() as f64 / patience.as_secs_f64();
+    let mut findings = vec![good(about, format!("{rate:.0} a second, of {}", first.name.join(", ")))];
+    let Some(robot) = robot else {
+        findings.push(note(about, "they are compared with no robot: there is none"));
+        return findings;
+    };
+    match judge(robot, &heard.joint_states) {
+        Err(error) => findings.push(wrong("robot", error)),
+        Ok(judgement) => {
+            findings.push(match &judgement.status {
+                Status::Free => good(about, "the robot is free of itself"),
+                Status::Colliding => note(
+                    about,
+                    "links of the robot touch each other at this state: if they always do, an SRDF is missing",
+                ),
+                Status::Unknown(reason) => wrong(about, reason.to_string()),
+            });
+            findings.extend(judgement.warnings.iter().map(|warning| note(about, warning.clone())));
+        }
+    }
+    findings
+}
+
+/// What the monitor says to joint states that came one after the other.
+fn judge(robot: RobotModel, joint_states: &[(JointState, Origin)]) -> Result<Judgement, String> {
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default());
+    let checker = checker.map_err(|error| error.to_string())?;
+    // they waited here while others were listened to
+    let settings = MonitorSettings { stale_after: 3600.0, ..MonitorSettings::default() };
+    let mut monitor = Monitor::new(settings, || Duration::ZERO);
+    monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
+    let clock = RosClock::new(false);
+    let mut judgement = monitor.on_heartbeat(clock.read());
+    for (message, origin) in joint_states {
+        judgement =
+            monitor.on_joint_state(joint_state_input(message.clone(), origin.publisher), clock.read());
+    }
+    Ok(judgement)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_that_part_the_network_are_wrong() {
+        let look = |variables: &[(&str, &str)]| {
+            let mut findings = Vec::new();
+            let get = |name: &str| variables.iter().find(|(n, _)| *n == name).map(|(_, v)| (*v).to_owned());
+            network(get, &mut findings).map(|_| findings)
+        };
+        let verdicts = |variables: &[(&str, &str)]| {
+            look(variables).unwrap().into_iter().map(|finding| finding.verdict).collect::<Vec<_>>()
+        };
+        assert_eq!(verdicts(&[]), [Verdict::Good]);
+        assert_eq!(verdicts(&[("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")]), [Verdict::Good; 2]);
+        assert_eq!(verdicts(&[("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")]), [Verdict::Good, Verdict::Wrong]);
+        assert_eq!(verdicts(&[("ROS_STATIC_PEERS", "10.0.0.1")]), [Verdict::Good, Verdict::Wrong]);
+        assert!(look(&[("ROS_DOMAIN_ID", "x")]).is_err());
+    }
+}

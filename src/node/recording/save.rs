@@ -1,0 +1,87 @@
+//! A disagreement as a test: the part of a recording that shows it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use mcap::Attachment;
+use mcap::records::MessageHeader;
+
+use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
+use super::step::Step;
+use super::writer::mcap_writer;
+
+/// Copies a recording up to its answer number `last` (counted from 1), with as many answers as `kept` before it and those that the
+/// loader looked at; the rest is copied whole.
+pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), ReadError> {
+    let mut source = RecordingFile::open(from)?;
+    let refused = |error: &dyn std::fmt::Display| ReadError::new(to, error.to_string());
+    let file = File::create_new(to).map_err(|error| refused(&error))?;
+    let mut copy = Copy {
+        mcap: mcap_writer(file).map_err(|error| refused(&error))?,
+        channels: BTreeMap::new(),
+        written: 0,
+    };
+    let mut answers = 0;
+    // the last answer that was left out: what the loader does next depends on where the robot was then
+    let mut before: Option<Vec<RawMessage>> = None;
+    while let Some(entry) = source.next()? {
+        match entry {
+            Entry::Attachment { name, data } => {
+                copy.attachment(name, data).map_err(|error| refused(&error))?;
+            }
+            Entry::Step { step, mut messages, itself } => {
+                messages.push(itself);
+                let is_answer = matches!(*step, Step::JointState { .. } | Step::Heartbeat { .. });
+                answers += u64::from(is_answer);
+                if is_answer && answers.saturating_add(kept) < last {
+                    before = Some(messages);
+                    continue;
+                }
+                let before = before.take_if(|_| is_answer || matches!(*step, Step::Pass { .. }));
+                for message in before.iter().flatten().chain(&messages) {
+                    copy.message(message).map_err(|error| refused(&error))?;
+                }
+            }
+        }
+        if answers >= last {
+            break;
+        }
+    }
+    copy.mcap.finish().map(drop).map_err(|error| refused(&error))
+}
+
+struct Copy {
+    mcap: mcap::Writer<BufWriter<File>>,
+    channels: BTreeMap<(String, String), u16>,
+    written: u32,
+}
+
+impl Copy {
+    fn attachment(&mut self, name: String, data: Vec<u8>) -> mcap::McapResult<()> {
+        let media_type = "application/octet-stream".to_owned();
+        self.mcap.attach(&Attachment { log_time: 0, create_time: 0, name, media_type, data: data.into() })
+    }
+
+    fn message(&mut self, message: &RawMessage) -> mcap::McapResult<()> {
+        let RawMessage { topic, kind, schema, log_time, data } = message;
+        let key = (topic.clone(), kind.clone());
+        let channel_id = if let Some(channel) = self.channels.get(&key) {
+            *channel
+        } else {
+            let schema = self.mcap.add_schema(kind, "ros2msg", schema)?;
+            let channel = self.mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
+            self.channels.insert(key, channel);
+            channel
+        };
+        let header = MessageHeader {
+            channel_id,
+            sequence: self.written,
+            log_time: *log_time,
+            publish_time: *log_time,
+        };
+        self.written = self.written.wrapping_add(1);
+        self.mcap.write_to_known_channel(&header, data)
+    }
+}

@@ -1,0 +1,187 @@
+//! What the parts of the node tell the recorder: they never wait for it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc::{SyncSender, TrySendError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
+};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
+use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2};
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
+
+use super::step::{OrderStep, Tidings};
+use crate::monitor::{Judgement, Now, SourceId, Time};
+use crate::node::parameters::Parameters;
+use crate::robot::{MeshLog, MeshUse};
+
+/// Bytes that wait to be written at most.
+const LONGEST_QUEUE: usize = 256 << 20;
+
+/// What the command line gave a node, for those who run it again.
+#[derive(Clone, Debug, Default)]
+pub struct Given {
+    /// Known to the command line alone.
+    pub arguments: serde_json::Value,
+    /// Files that the arguments name.
+    pub files: Vec<PathBuf>,
+    /// Where the meshes came from.
+    pub meshes: MeshLog,
+}
+
+/// A message as it came.
+#[derive(Clone, Debug)]
+pub enum Original {
+    Text(String),
+    Scene(Box<PlanningScene>),
+    World(Box<PlanningSceneWorld>),
+    Object(Box<CollisionObject>),
+    Attached(Box<AttachedCollisionObject>),
+    Octomap(Box<Octomap>),
+}
+
+/// One thing that changed what is known or said.
+#[derive(Debug)]
+pub enum Happening {
+    Meshes(Vec<MeshUse>),
+    Pass {
+        now: Now,
+        parameters: Box<Parameters>,
+        orders: Vec<(OrderStep, Option<Original>)>,
+        clouds: Vec<(String, Now, Arc<PointCloud2>)>,
+    },
+    Told(Tidings),
+    Parameters(Box<Parameters>),
+    Enabled(bool),
+    /// The monitor looked at the transforms.
+    Looked,
+    /// A joint state was heard, and not judged by itself.
+    Heard {
+        now: Now,
+        message: Box<JointState>,
+        source: SourceId,
+    },
+    Judged(Box<Judged>),
+    Transforms {
+        message: TFMessage,
+        now: Option<Time>,
+        fixed: bool,
+    },
+    Clock(Clock),
+}
+
+/// A judgement, and what it was made from: a joint state, or the time that passed.
+#[derive(Debug)]
+pub struct Judged {
+    pub now: Now,
+    pub heard: Option<(JointState, SourceId)>,
+    pub judgement: Judgement,
+}
+
+/// Something on its way to the recorder.
+pub(super) struct Item {
+    /// Nanoseconds since 1970 when it happened.
+    pub at: u64,
+    pub what: Happening,
+    pub bytes: usize,
+}
+
+/// Leads to the recorder, if there is one.
+#[derive(Clone, Debug, Default)]
+pub struct Tape(Option<Arc<Line>>);
+
+#[derive(Debug)]
+struct Line {
+    items: SyncSender<Item>,
+    backlog: Arc<Backlog>,
+}
+
+/// What waits, and what did not fit.
+#[derive(Debug, Default)]
+pub(super) struct Backlog {
+    pub bytes: AtomicUsize,
+    pub lost: AtomicU64,
+    /// Nothing that comes later belongs to the recording.
+    pub ended: AtomicBool,
+}
+
+impl Tape {
+    pub(super) fn to(items: SyncSender<Item>, backlog: Arc<Backlog>) -> Self {
+        Self(Some(Arc::new(Line { items, backlog })))
+    }
+
+    /// Whether somebody records.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// As if so many steps had not fitted.
+    #[cfg(test)]
+    pub(super) fn lose(&self, steps: u64) {
+        if let Some(line) = &self.0 {
+            line.backlog.lost.fetch_add(steps, Ordering::Relaxed);
+        }
+    }
+
+    /// Tells what happened, if somebody records; never waits. What does not fit is lost and counted.
+    pub fn note(&self, what: impl FnOnce() -> Happening) {
+        let Some(line) = &self.0 else { return };
+        let what = what();
+        let bytes = size(&what);
+        let waiting = line.backlog.bytes.fetch_add(bytes, Ordering::Relaxed);
+        let sent = waiting <= LONGEST_QUEUE && {
+            match line.items.try_send(Item { at: system_time(), what, bytes }) {
+                Ok(()) => true,
+                Err(TrySendError::Full(_)) => false,
+                // a recording that has ended misses nothing
+                Err(TrySendError::Disconnected(_)) => return,
+            }
+        };
+        if !sent {
+            line.backlog.bytes.fetch_sub(bytes, Ordering::Relaxed);
+            line.backlog.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+pub(super) fn system_time() -> u64 {
+    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since_epoch.as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// Roughly, the bytes that something takes.
+fn size(what: &Happening) -> usize {
+    const ANY: usize = 1000;
+    let of_original = |original: &Original| match original {
+        Original::Text(text) => text.len(),
+        Original::Scene(scene) => {
+            of_objects(&scene.world.collision_objects) + scene.world.octomap.octomap.data.len()
+        }
+        Original::World(world) => of_objects(&world.collision_objects) + world.octomap.octomap.data.len(),
+        Original::Object(object) => of_objects(std::slice::from_ref(object)),
+        Original::Attached(attached) => of_objects(std::slice::from_ref(&attached.object)),
+        Original::Octomap(octomap) => octomap.data.len(),
+    };
+    ANY + match what {
+        Happening::Pass { orders, clouds, .. } => {
+            let clouds: usize = clouds.iter().map(|(_, _, cloud)| cloud.data.len()).sum();
+            clouds
+                + orders.iter().filter_map(|(_, original)| original.as_ref()).map(of_original).sum::<usize>()
+        }
+        Happening::Heard { message, .. } => 60 * message.name.len(),
+        Happening::Judged(judged) => 60 * judged.heard.as_ref().map_or(0, |(state, _)| state.name.len()),
+        Happening::Transforms { message, .. } => 200 * message.transforms.len(),
+        _ => 0,
+    }
+}
+
+fn of_objects(objects: &[CollisionObject]) -> usize {
+    let meshes = objects.iter().flat_map(|object| &object.meshes);
+    let meshes: usize = meshes.map(|mesh| 24 * mesh.vertices.len() + 12 * mesh.triangles.len()).sum();
+    500 * objects.len() + meshes
+}

@@ -1,0 +1,430 @@
+//! Runs of a node without a network: recorded, run again, tampered with, cut off.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc;
+use std::time::Duration;
+
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Pose, TransformStamped};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::CollisionObject;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2, PointField};
+use ros2_interfaces_jazzy_serde::shape_msgs::msg::SolidPrimitive;
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
+use serde_json::json;
+
+use super::step::{OrderStep, SceneDoor, Tidings, parameters_from_json, parameters_to_json};
+use super::tape::Backlog;
+use super::{
+    Archive, Given, Happening, Judged, Original, Outcome, Prepared, Recorder, RecordingSettings, Tape,
+    recorded_path, replay, save_part,
+};
+use crate::checker::MeshModel;
+use crate::monitor::scene::{PlanningSceneState, TransformTree};
+use crate::monitor::{Judgement, Monitor, Now, SourceId, Time};
+use crate::node::loader::{Loader, Order, Pass};
+use crate::node::messages::{joint_state_input, stamp_message};
+use crate::node::monitor_loop::Event;
+use crate::node::names::Names;
+use crate::node::parameters::Parameters;
+use crate::node::scene::{CloudMessage, note_transforms, object_order};
+use crate::node::scene_keeper::Glimpse;
+use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
+use crate::testing::Random;
+
+/// A rod with a mesh for its tip, which turns about z.
+const URDF: &str = r#"<robot name="rod">
+  <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
+  <joint name="turn" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/></joint>
+  <link name="rod"><collision><origin xyz="1 0 0"/><geometry><mesh filename="tip.obj"/></geometry></collision></link>
+</robot>"#;
+const TIP: &str = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+const SOURCE: SourceId = SourceId([7; 16]);
+
+/// A node without its network, beside a recorder.
+struct Cell {
+    monitor: Monitor,
+    loader: Loader,
+    tape: Tape,
+    recorder: Recorder,
+    meshes: MeshLog,
+    parameters: Parameters,
+    transforms: TransformTree,
+    judgement: Option<Judgement>,
+    milliseconds: u64,
+}
+
+impl Cell {
+    /// Records to `record.mcap` in a folder that holds the robot.
+    fn start(folder: &Path) -> Self {
+        Self::limited(folder, 0.0)
+    }
+
+    fn limited(folder: &Path, max_duration: f64) -> Self {
+        std::fs::write(folder.join("rod.urdf"), URDF).unwrap();
+        std::fs::write(folder.join("tip.obj"), TIP).unwrap();
+        let parameters = Parameters {
+            influence_distance: 2.0,
+            point_cloud_topics: vec!["points".to_owned()],
+            point_cloud_ttl: 3600.0,
+            ..Parameters::default()
+        };
+        let meshes = MeshLog::default();
+        let mesh_files = MeshFiles::default().beside_urdf(folder).noted_in(meshes.clone());
+        let robot = RobotModel::load_with(&folder.join("rod.urdf"), None, &mesh_files).unwrap();
+        let mut loader = Loader::new((mesh_files, nothing_around(), MeshModel::Surface));
+        let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
+        let glimpse = Glimpse::first(&parameters, now(0));
+        monitor.set_checker(loader.take_given(robot, &glimpse).unwrap());
+        let file = folder.join("record.mcap");
+        let settings = RecordingSettings { file, max_size: 0.0, max_duration };
+        let urdf = recorded_path(&folder.join("rod.urdf"));
+        let given = Given { arguments: json!({ "urdf": urdf }), files: vec![urdf], meshes: meshes.clone() };
+        let names = Names::new("clearance", &[]).unwrap();
+        let (tape, recorder) = Recorder::start(&settings, &names, given, &parameters).unwrap();
+        tape.note(|| Happening::Meshes(meshes.take()));
+        Self {
+            monitor,
+            loader,
+            tape,
+            recorder,
+            meshes,
+            parameters,
+            transforms: TransformTree::default(),
+            judgement: None,
+            milliseconds: 1000,
+        }
+    }
+
+    fn tick(&mut self) -> Now {
+        self.milliseconds += 10;
+        now(self.milliseconds)
+    }
+
+    fn turn(&mut self, angle: f64) -> Judgement {
+        let now = self.tick();
+        let judgement = self.monitor.on_joint_state(joint_state_input(joint_state(angle, now), SOURCE), now);
+        self.say(judgement, now, Some(joint_state(angle, now)))
+    }
+
+    fn wait(&mut self) -> Judgement {
+        let now = self.tick();
+        let judgement = self.monitor.on_heartbeat(now);
+        self.say(judgement, now, None)
+    }
+
+    fn say(&mut self, judgement: Judgement, now: Now, heard: Option<JointState>) -> Judgement {
+        self.judgement = Some(judgement.clone());
+        let heard = heard.map(|message| (message, SOURCE));
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, judgement: judgement.clone() })));
+        judgement
+    }
+
+    /// A transform of a camera.
+    fn transform(&mut self) {
+        let now = self.tick();
+        let mut transform = TransformStamped { child_frame_id: "camera".into(), ..Default::default() };
+        transform.header.frame_id = "base".into();
+        transform.transform.rotation.w = 1.0;
+        transform.transform.translation.z = 0.05;
+        let message = TFMessage { transforms: vec![transform] };
+        self.tape.note(|| Happening::Transforms { message: message.clone(), now: now.ros, fixed: true });
+        note_transforms(&mut self.transforms, message, now.ros, true);
+    }
+
+    fn ball(&mut self, x: f64) {
+        let (came, message) = (self.tick(), ball(x));
+        let original = Original::Object(Box::new(message.clone()));
+        let step = OrderStep::Scene {
+            by: SceneDoor::CollisionObject,
+            came: came.into(),
+            unknown_is_occupied: false,
+        };
+        let order = Order::Scene(Box::new(object_order(&message)));
+        self.carry_out(vec![(order, step, Some(original))], None);
+    }
+
+    fn cloud(&mut self) {
+        self.carry_out(vec![(Order::Clouds, OrderStep::Clouds, None)], Some(cloud()));
+    }
+
+    fn carry_out(&mut self, orders: Vec<(Order, OrderStep, Option<Original>)>, cloud: Option<PointCloud2>) {
+        let now = self.tick();
+        let cloud = cloud.map(|cloud| ("points".to_owned(), now, Arc::new(cloud)));
+        let (orders, steps): (Vec<_>, Vec<_>) =
+            orders.into_iter().map(|(order, step, original)| (order, (step, original))).unzip();
+        self.tape.note(|| Happening::Pass {
+            now,
+            parameters: Box::new(self.parameters.clone()),
+            orders: steps,
+            clouds: cloud.iter().cloned().collect(),
+        });
+        let glimpse = Glimpse {
+            transforms: self.transforms.clone(),
+            judgement: self.judgement.clone(),
+            ..Glimpse::first(&self.parameters, now)
+        };
+        let clouds = cloud.into_iter().map(|(topic, came, cloud)| {
+            (topic, CloudMessage { cloud, came, since: std::time::Instant::now() })
+        });
+        let mut told = Vec::new();
+        let pass = Pass { glimpse, orders, clouds: clouds.collect() };
+        self.loader.carry_out(pass, |event| told.push(event));
+        self.tape.note(|| Happening::Meshes(self.meshes.take()));
+        for event in told {
+            match event {
+                Event::Checker(revision) => {
+                    self.tape.note(|| Happening::Told(Tidings::Checker));
+                    self.monitor.set_checker(revision);
+                }
+                Event::World(_, faults) => {
+                    self.tape.note(|| Happening::Told(Tidings::World));
+                    self.monitor.note_world_faults(faults);
+                }
+                _ => panic!("nothing else is expected"),
+            }
+        }
+    }
+
+    fn end(self) {
+        drop(self.tape);
+        self.recorder.finish();
+    }
+}
+
+fn now(milliseconds: u64) -> Now {
+    let steady = Duration::from_millis(milliseconds);
+    let ros = Time::from_nanoseconds(1_700_000_000_000_000_000 + steady.as_nanos() as i64);
+    Now { ros: Some(ros), steady }
+}
+
+fn joint_state(angle: f64, now: Now) -> JointState {
+    let mut message =
+        JointState { name: vec!["turn".to_owned()], position: vec![angle], ..JointState::default() };
+    message.header.stamp = stamp_message(now.ros.unwrap());
+    message
+}
+
+fn ball(x: f64) -> CollisionObject {
+    let mut message = CollisionObject { id: "ball".to_owned(), ..CollisionObject::default() };
+    message.header.frame_id = "base".to_owned();
+    message.primitives.push(SolidPrimitive {
+        type_: SolidPrimitive::SPHERE,
+        dimensions: vec![0.1],
+        ..SolidPrimitive::default()
+    });
+    let mut pose = Pose::default();
+    (pose.position.x, pose.position.y, pose.orientation.w) = (x, 0.3, 0.9);
+    pose.orientation.x = 0.3;
+    message.primitive_poses.push(pose);
+    message
+}
+
+fn cloud() -> PointCloud2 {
+    let points: [[f32; 3]; 3] = [[1.3, 0.1, 0.2], [1.4, 0.0, 0.0], [f32::NAN, 0.0, 0.0]];
+    let field = |name: &str, offset| PointField {
+        name: name.to_owned(),
+        offset,
+        datatype: PointField::FLOAT32,
+        count: 1,
+    };
+    let mut message = PointCloud2 {
+        height: 1,
+        width: 3,
+        fields: vec![field("x", 0), field("y", 4), field("z", 8)],
+        point_step: 12,
+        row_step: 36,
+        data: points.iter().flatten().flat_map(|number| number.to_le_bytes()).collect(),
+        ..PointCloud2::default()
+    };
+    message.header.frame_id = "camera".to_owned();
+    message
+}
+
+fn nothing_around() -> crate::node::Surroundings {
+    Box::new(|_| Ok(PlanningSceneState::default()))
+}
+
+/// Runs a recording again, with the robot that it holds.
+fn again(file: &Path) -> Result<Outcome, String> {
+    let archive = Archive::read(file).map_err(|error| error.to_string())?;
+    let urdf: PathBuf = serde_json::from_value(archive.given["urdf"].clone()).map_err(|e| e.to_string())?;
+    let mesh_files = archive.meshes().beside_urdf(urdf.parent().ok_or("no folder")?);
+    let text = String::from_utf8(archive.file(&urdf)?.to_vec()).map_err(|error| error.to_string())?;
+    let text = RobotText { urdf: &text, urdf_name: None, srdf: None, srdf_name: None };
+    let robot = RobotModel::from_text(&text, &mesh_files).map_err(|error| error.to_string())?;
+    let prepared = Prepared {
+        robot: Some(robot),
+        mesh_files,
+        surroundings: nothing_around(),
+        mesh_model: MeshModel::Surface,
+    };
+    replay(file, prepared).map_err(|error| error.to_string())
+}
+
+/// A run with everything in it, of 25 answers.
+fn run(cell: &mut Cell) {
+    cell.wait();
+    cell.transform();
+    for i in 0..10 {
+        cell.turn(f64::from(i) * 0.1);
+    }
+    cell.ball(1.1);
+    cell.turn(0.3);
+    cell.cloud();
+    for i in 0..12 {
+        cell.turn(f64::from(i) * 0.07);
+    }
+    cell.wait();
+}
+
+const ANSWERS: u64 = 25;
+
+#[test]
+fn a_recorded_run_is_the_same_run_bit_for_bit_without_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    run(&mut cell);
+    let last = cell.judgement.clone().unwrap();
+    assert!(last.evidence.is_some_and(|evidence| evidence.report.nearest.is_some()), "{:?}", last.status);
+    assert_eq!(last.revision.unwrap().world, 2);
+    cell.end();
+    std::fs::remove_file(folder.path().join("tip.obj")).unwrap();
+    std::fs::remove_file(folder.path().join("rod.urdf")).unwrap();
+    let outcome = again(&folder.path().join("record.mcap")).unwrap();
+    assert_eq!((outcome.same, outcome.difference, outcome.cut_off), (ANSWERS, None, false));
+}
+
+#[test]
+fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    run(&mut cell);
+    let other = cell.judgement.clone().unwrap();
+    // a judgement of another joint state
+    let now = cell.tick();
+    let _ = cell.monitor.on_joint_state(joint_state_input(joint_state(2.0, now), SOURCE), now);
+    cell.say(other, now, Some(joint_state(2.0, now)));
+    cell.turn(0.1);
+    cell.end();
+    let whole = folder.path().join("record.mcap");
+    let outcome = again(&whole).unwrap();
+    assert_eq!(outcome.same, ANSWERS);
+    let difference = outcome.difference.unwrap();
+    assert_eq!((difference.answer, difference.field.as_str()), (ANSWERS + 1, "age"));
+    let part = folder.path().join("part.mcap");
+    save_part(&whole, &part, difference.answer, 2).unwrap();
+    let shown = again(&part).unwrap();
+    assert!((2..ANSWERS).contains(&shown.same), "{}", shown.same);
+    let shown = shown.difference.unwrap();
+    assert_eq!((shown.recorded, shown.replayed), (difference.recorded, difference.replayed));
+    assert!(
+        save_part(&whole, &part, 1, 1).unwrap_err().to_string().contains("part.mcap"),
+        "no file is overwritten"
+    );
+}
+
+#[test]
+fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    run(&mut cell);
+    cell.end();
+    let whole = std::fs::read(folder.path().join("record.mcap")).unwrap();
+    let file = folder.path().join("other.mcap");
+    let (mut some, mut most) = (0, 0);
+    for length in (0..whole.len()).step_by(whole.len() / 40).chain([whole.len() - 1]) {
+        std::fs::write(&file, &whole[..length]).unwrap();
+        if let Ok(outcome) = again(&file) {
+            assert_eq!(outcome.difference, None, "cut off after {length} bytes");
+            some += 1;
+            most = most.max(outcome.same);
+        }
+    }
+    assert!(some > 0);
+    assert_eq!(most, ANSWERS, "what was written is not lost with the end of the file");
+    let mut random = Random::new(1);
+    for _ in 0..60 {
+        let mut broken = whole.clone();
+        for _ in 0..=random.below(3) {
+            let at = random.below(broken.len());
+            broken[at] = random.bits() as u8;
+        }
+        std::fs::write(&file, broken).unwrap();
+        // whatever it says, it says it: no panic, no endless work
+        let _ = again(&file);
+    }
+    for (bytes, word) in [
+        (&b""[..], "no beginning"),
+        (b"hello, this is no MCAP file at all", "no MCAP file"),
+        // a record of 2^60 bytes
+        (b"\x89MCAP0\r\n\x01\x00\x00\x00\x00\x00\x00\x00\x10abc", "damaged"),
+    ] {
+        std::fs::write(&file, bytes).unwrap();
+        let error = again(&file).unwrap_err();
+        assert!(error.contains(word) && error.contains("other.mcap"), "{error}");
+    }
+    assert!(again(folder.path()).unwrap_err().contains("no ordinary file"));
+}
+
+#[test]
+fn what_does_not_fit_is_lost_and_counted_and_nobody_waits() {
+    let (items, items_in) = mpsc::sync_channel(2);
+    let backlog = Arc::new(Backlog::default());
+    let tape = Tape::to(items, Arc::clone(&backlog));
+    for _ in 0..5 {
+        tape.note(|| Happening::Told(Tidings::World));
+    }
+    assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3);
+    drop(items_in);
+    tape.note(|| Happening::Told(Tidings::World));
+    assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3, "nobody records any more");
+    assert!(!Tape::default().is_on());
+    Tape::default().note(|| panic!("nothing is made that nobody records"));
+}
+
+#[test]
+fn behind_what_was_lost_nothing_is_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    cell.turn(0.1);
+    cell.tape.lose(3);
+    cell.turn(0.2);
+    cell.end();
+    let outcome = again(&folder.path().join("record.mcap")).unwrap();
+    assert_eq!(outcome.lost, Some(3));
+    assert!(outcome.same <= 1);
+}
+
+#[test]
+fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut first = Cell::limited(folder.path(), 0.001);
+    first.turn(0.0);
+    while !first.recorder.has_ended() {
+        std::thread::yield_now();
+    }
+    // nobody listens any more, and nobody minds
+    first.turn(0.1);
+    first.end();
+    let mut second = Cell::start(folder.path());
+    second.turn(0.0);
+    second.turn(0.1);
+    second.end();
+    let outcome = again(&folder.path().join("record.mcap")).unwrap();
+    assert!(outcome.same <= 1 && !outcome.cut_off, "{outcome:?}");
+    assert_eq!(again(&folder.path().join("record_1.mcap")).unwrap().same, 2);
+}
+
+#[test]
+fn parameters_go_both_ways() {
+    let mut parameters = Parameters { padding: 0.1 + 0.2, ..Parameters::default() };
+    parameters.record_file = "true".to_owned();
+    parameters.point_cloud_topics = vec!["1.0".to_owned(), "/a".to_owned()];
+    (parameters.cloud_crop_min, parameters.cloud_crop_max) = (vec![5.0, 0.0, 0.0], vec![6.0, 1.0, 1.0]);
+    let json = parameters_to_json(&parameters);
+    let text = serde_json::to_string(&json).unwrap();
+    assert_eq!(parameters_from_json(&serde_json::from_str(&text).unwrap()), Ok(parameters));
+    let mut wrong = json;
+    wrong.insert("speed".to_owned(), true.into());
+    assert!(parameters_from_json(&wrong).unwrap_err().contains("'speed'"));
+}

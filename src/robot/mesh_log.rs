@@ -1,0 +1,50 @@
+//! Which file each mesh name led to, for recordings; and meshes out of one, in place of files.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A mesh name, and the file that it led to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshUse {
+    /// What names without a scheme are relative to.
+    pub folder: Option<PathBuf>,
+    pub uri: String,
+    /// By its real path.
+    pub file: PathBuf,
+}
+
+/// Notes every mesh that is found. Its copies share one list.
+#[derive(Clone, Debug, Default)]
+pub struct MeshLog(Arc<Mutex<Vec<MeshUse>>>);
+
+impl MeshLog {
+    /// What was found since this was asked last.
+    #[must_use]
+    pub fn take(&self) -> Vec<MeshUse> {
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    pub(super) fn note(&self, folder: Option<&Path>, uri: &str, file: &Path) {
+        let found =
+            MeshUse { folder: folder.map(Path::to_owned), uri: uri.to_owned(), file: file.to_owned() };
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(found);
+    }
+}
+
+/// Meshes of a recording. With them, no file is ever opened.
+#[derive(Clone, Debug, Default)]
+pub struct RecordedMeshes(HashMap<(Option<PathBuf>, String), RecordedMesh>);
+
+/// A file by its real path, and what it holds.
+pub(super) type RecordedMesh = (PathBuf, Arc<[u8]>);
+
+impl RecordedMeshes {
+    pub fn insert(&mut self, found: MeshUse, bytes: Arc<[u8]>) {
+        self.0.insert((found.folder, found.uri), (found.file, bytes));
+    }
+
+    pub(super) fn find(&self, folder: Option<&Path>, uri: &str) -> Option<&RecordedMesh> {
+        self.0.get(&(folder.map(Path::to_owned), uri.to_owned()))
+    }
+}

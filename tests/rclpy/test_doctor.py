@@ -1,0 +1,81 @@
+"""`clearance doctor` says what is wrong, and is silent about what is not."""
+
+import json
+import subprocess
+from math import nan
+
+import pytest
+from std_msgs.msg import String
+
+import two_link
+from node_process import BINARY, ROOT, environment_of_node
+
+
+def doctor(domain_id, *arguments, code, wait=3.0, **environment):
+    """Its findings: (verdict, about, text)."""
+    command = [BINARY, "doctor", *map(str, arguments), "--wait", str(wait), "--format", "json"]
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment_of_node(domain_id, environment), capture_output=True, text=True, timeout=100
+    )
+    assert done.returncode == code, done.stdout + done.stderr
+    return [(finding["verdict"], finding["about"], finding["text"]) for finding in json.loads(done.stdout)]
+
+
+def wrong(findings):
+    return {about: text for verdict, about, text in findings if verdict == "wrong"}
+
+
+def test_where_everything_runs_nothing_is_wrong(peer, domain_id):
+    two_link.Driver(peer, "/joint_states")
+    peer.latch(String(data=two_link.description()), "/robot_description")
+    findings = doctor(domain_id, code=0)
+    assert not wrong(findings)
+    texts = " ".join(text for _, _, text in findings)
+    assert "'two_link'" in texts and "joint1, joint2" in texts and "free of itself" in texts and "comes back" in texts
+
+
+def test_topics_that_nobody_publishes_are_named(domain_id):
+    findings = wrong(doctor(domain_id, code=1, wait=0.5))
+    assert findings.keys() == {"robot_description", "joint_states"}
+    assert all(f"domain {domain_id}" in text for text in findings.values())
+
+
+def test_joints_that_are_not_the_robots_are_named(peer, domain_id):
+    driver = two_link.Driver(peer, "/joint_states")
+    driver.report(shoulder=0, joint1=0)
+    findings = doctor(domain_id, "--urdf", two_link.URDF, code=1)
+    assert "joint2" in wrong(findings)["joint_states"]
+
+
+def test_a_name_by_remap_and_a_position_that_is_none(peer, domain_id):
+    driver = two_link.Driver(peer, "/arm/states")
+    driver.report(joint1=0, joint2=nan)
+    findings = doctor(domain_id, "--urdf", two_link.URDF, "--ros-args", "-r", "joint_states:=/arm/states", "--", code=1)
+    assert "joint2" in wrong(findings)["joint_states"]
+
+
+def test_a_mesh_that_is_not_found_is_named(peer, domain_id, tmp_path):
+    mesh = '<mesh filename="package://arm_description/tip.stl"/>'
+    peer.latch(String(data=two_link.description().replace('<sphere radius="0.1"/>', mesh)), "/robot_description")
+    fault = wrong(doctor(domain_id, code=1))["robot_description"]
+    assert "arm_description/tip.stl" in fault and "--package-path" in fault
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [("RMW_IMPLEMENTATION", "rmw_zenoh_cpp"), ("ROS_LOCALHOST_ONLY", "perhaps"), ("ROS_STATIC_PEERS", "10.0.0.1")],
+)
+def test_variables_that_part_it_from_others_are_named(domain_id, variable, value):
+    findings = wrong(doctor(domain_id, code=1, wait=0.5, **{variable: value}))
+    assert variable in findings["environment"]
+
+
+def test_a_machine_without_multicast_is_told(domain_id):
+    command = [BINARY, "doctor", "--wait", "0.5", "--format", "json"]
+    alone = ["unshare", "-rn", "bash", "-c", 'ip link set lo up; exec "$@"', "bash", *command]
+    environment = environment_of_node(domain_id, {})
+    done = subprocess.run(alone, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=100)
+    assert done.returncode in (1, 3), done.stderr
+    if done.returncode == 1:
+        findings = [(f["verdict"], f["about"], f["text"]) for f in json.loads(done.stdout)]
+        assert "multicast" in wrong(findings)
