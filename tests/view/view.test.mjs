@@ -142,8 +142,8 @@ test("the demo in a browser: status, robot, distances, picture", { timeout: TIME
 /** Near, and not colliding: lines with distances are seen. */
 async function keepPicture(page) {
   await until(async () => {
-    const near = Number.parseFloat(await text(page, "distance")) < 0.05;
-    return near && (await status(page)) === "FREE" && (await page.locator("#pairs tr").count()) > 2;
+    const now = await seen(page);
+    return now.status === "FREE" && Number.parseFloat(now.distance) < 0.05 && now.pairs !== "";
   }, "near pairs");
   await writeFile(process.env.CLEARANCE_VIEW_PICTURE, await page.screenshot());
 }
