@@ -11,7 +11,9 @@ use super::placement::Placements;
 use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
 use super::tracker::{Reading, Tracker};
-use super::{Evidence, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time};
+use super::{
+    Evidence, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
+};
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use crate::query::Effort;
 use crate::robot::LinkPoses;

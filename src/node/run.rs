@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use futures_lite::future;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use smol::channel::{self, Receiver, Sender};
 
@@ -14,7 +15,7 @@ use super::environment::Environment;
 use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Order, Outlook, Surroundings};
 use super::logging::{self, Line};
-use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
+use super::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription};
 use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
 use super::motion_services::MotionServices;
@@ -130,10 +131,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     end_on_signals(end.clone())?;
     let middleware = Middleware::join(options.environment, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
-    let motion = (options.motion)
-        .map(|motion| Ok((motion, middleware.publisher(&joint_states, JOINT_STATE, Quality::Reliable)?)))
-        .transpose()
-        .map_err(|error: MiddlewareError| NodeError::from(error))?;
+    let motion = with_publisher(options.motion, &middleware, &joint_states)?;
     let (own_states, own_states_in) = channel::bounded(1);
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
@@ -201,6 +199,17 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     middleware.leave();
     log::info!("{node} has ended");
     Ok(())
+}
+
+/// A motion, and by what it is published.
+fn with_publisher(
+    motion: Option<Motion>,
+    middleware: &Middleware,
+    joint_states: &FullName,
+) -> Result<Option<(Motion, Publisher<JointState>)>, MiddlewareError> {
+    let published =
+        |motion| Ok((motion, middleware.publisher(joint_states, JOINT_STATE, Quality::Reliable)?));
+    motion.map(published).transpose()
 }
 
 /// A recorder and the way to it, if the parameters want one.

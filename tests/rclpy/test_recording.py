@@ -6,7 +6,8 @@ from math import pi
 import pytest
 from clearance_msgs.msg import CollisionState
 from geometry_msgs.msg import TransformStamped
-from std_msgs.msg import String
+from std_msgs.msg import Float64, String
+from std_srvs.srv import SetBool
 from tf2_msgs.msg import TFMessage
 
 import scene as scenes
@@ -15,6 +16,7 @@ from clouds import cloud
 from node_process import NodeProcess
 from recordings import messages, outcome, replay, steps, tampered
 from scene_client import SceneClient
+from test_transforms import Localization
 from sensor_msgs.msg import PointCloud2
 
 FOLDED = {"joint1": 0, "joint2": 5 * pi / 6}
@@ -101,6 +103,52 @@ def test_robots_that_come_by_topic_are_the_same_again(start, peer, file):
 
     assert same(file) > 2
     assert ["b.stl" in message.data for message in messages(file, topic)] == [False, False, True]
+
+
+def test_a_run_of_several_drivers_that_is_slowed_turned_off_and_late_is_the_same_again(start, peer, file):
+    slow = {"slowdown_distance_self": 0.8, "slowdown_release_count": 2}
+    cell = start(parameters=recorded(file, **slow))
+    scales = peer.record(Float64, cell.node.private("speed_scale"))
+    elbow = two_link.Driver(peer, cell.node.relative("joint_states"))
+    elbow.report(joint2=5 * pi / 6)
+    cell.driver.report(joint1=0.0)
+    scales.wait_for(lambda scale: 0.0 < scale.data < 1.0, "a slower robot")
+    enable = peer.node.create_client(SetBool, cell.node.private("enable"))
+    peer.wait_for(enable.service_is_ready, "the service enable")
+    peer.result(enable.call_async(SetBool.Request(data=False)))
+    cell.unknown("disabled")
+    peer.result(enable.call_async(SetBool.Request(data=True)))
+    cell.parameters.succeed(check_deadline=1e-9)
+    cell.unknown("deadline")
+    cell.parameters.succeed(check_deadline=0.0, joint_prefix="other_")
+    cell.unknown("partial", after=len(cell.states.messages))
+    cell.parameters.succeed(joint_prefix="", link_volume_level=1)
+    scales.wait_for(lambda scale: 0.0 < scale.data < 1.0, "a slower robot", after=len(scales.messages))
+    elbow.pause()
+    assert "'joint2'" in cell.unknown("stale").reason
+    ended(cell)
+
+    result = outcome(file)
+    assert result["difference"] is None and result["late"] > 0, result
+    assert len(messages(file, cell.node.private("speed_scale"))) == result["same"]
+
+
+def test_a_base_that_tf_places_is_placed_again(start, peer, file):
+    parameters = recorded(file, transform_joints=["drive"], transform_ttl=1.0, distance_limit=20.0)
+    cell = start(urdf="tests/rclpy/rover.urdf", parameters=parameters)
+    cell.driver.report(lift=0.5)
+    cell.unknown("no_transform")
+    localization = Localization(cell)
+    for x in (2.0, 3.0):
+        localization.tell(x)
+        distance = pytest.approx(x + 1.4, abs=1e-9)
+        cell.states.wait_for(lambda state: state.nearest.distance == distance, "the distance to the wall")
+    localization.fall_silent()
+    cell.unknown("no_transform", after=len(cell.states.messages))
+    ended(cell)
+
+    assert same(file) > 3
+    assert any("looked" in step for step in steps(file, cell.node))
 
 
 def test_meshes_are_in_the_recording(start, peer, file, tmp_path):

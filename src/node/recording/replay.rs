@@ -284,12 +284,7 @@ impl Run {
         Done::Nothing
     }
 
-    fn compare(
-        &mut self,
-        judgement: Judgement,
-        late: Late,
-        messages: &mut Messages,
-    ) -> Result<Done, String> {
+    fn compare(&mut self, judgement: Judgement, late: Late, messages: &mut Messages) -> Result<Done, String> {
         let difference = difference(&judgement, late, messages)?;
         self.judgement = Some(judgement);
         Ok(difference.unwrap_or(Done::Same(late)))

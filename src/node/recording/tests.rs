@@ -20,7 +20,7 @@ use super::{
 };
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
-use crate::monitor::{Judgement, Monitor, Now, SourceId, Time};
+use crate::monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time};
 use crate::node::loader::{Loader, Order, Pass};
 use crate::node::messages::{joint_state_input, stamp_message};
 use crate::node::monitor_loop::Event;
@@ -104,6 +104,25 @@ impl Cell {
         let now = self.tick();
         let judgement = self.monitor.on_joint_state(joint_state_input(joint_state(angle, now), SOURCE), now);
         self.say(judgement, now, Some(joint_state(angle, now)))
+    }
+
+    /// A joint state that another one follows at once.
+    fn pass_over(&mut self, angle: f64) {
+        let now = self.tick();
+        let message = joint_state(angle, now);
+        self.tape.note(|| Happening::Heard { now, message: Box::new(message.clone()), source: SOURCE });
+        self.monitor.hear(joint_state_input(message, SOURCE), now);
+    }
+
+    fn enable(&mut self, enabled: bool) {
+        self.tape.note(|| Happening::Enabled(enabled));
+        self.monitor.set_enabled(enabled);
+    }
+
+    fn change(&mut self, change: impl FnOnce(&mut Parameters)) {
+        change(&mut self.parameters);
+        self.tape.note(|| Happening::Parameters(Box::new(self.parameters.clone())));
+        self.monitor.set_settings(self.parameters.monitor_settings());
     }
 
     fn wait(&mut self) -> Judgement {
@@ -193,7 +212,7 @@ impl Cell {
 
 fn now(milliseconds: u64) -> Now {
     let steady = Duration::from_millis(milliseconds);
-    let ros = Time::from_nanoseconds(1_700_000_000_000_000_000 + steady.as_nanos() as i64);
+    let ros = Time::from_nanoseconds(1_700_000_000_000_000_000 + i64::try_from(steady.as_nanos()).unwrap());
     Now { ros: Some(ros), steady }
 }
 
@@ -295,6 +314,35 @@ fn a_recorded_run_is_the_same_run_bit_for_bit_without_its_files() {
 }
 
 #[test]
+fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    cell.ball(1.1);
+    cell.change(|p| {
+        (p.slowdown_distance_world, p.slowdown_release_count, p.look_ahead_horizon) = (5.0, 2, 1.0)
+    });
+    cell.turn(0.9);
+    // an older stamp than that of the one passed over is out of order
+    cell.pass_over(0.8);
+    assert!(cell.turn(0.8).speed_scale > 0.0);
+    cell.enable(false);
+    assert_eq!(cell.wait().status, Status::Unknown(Reason::Disabled));
+    cell.enable(true);
+    assert_eq!(cell.turn(0.9).status, Status::Free);
+    cell.change(|p| p.check_deadline = 1e-9);
+    for _ in 0..3 {
+        assert_eq!(cell.turn(0.9).left_out, LeftOut::Pairs);
+    }
+    assert_eq!(cell.wait().left_out, LeftOut::Pairs);
+    cell.change(|p| p.check_deadline = 0.0);
+    assert_eq!(cell.turn(0.9).speed_scale, 0.0, "what was asked before the deadline passed counts no more");
+    assert!(cell.turn(0.9).speed_scale > 0.0);
+    cell.end();
+    let outcome = again(&folder.path().join("record.mcap")).unwrap();
+    assert_eq!((outcome.same, outcome.late, outcome.difference), (10, 4, None));
+}
+
+#[test]
 fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
@@ -347,7 +395,7 @@ fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused()
         let mut broken = whole.clone();
         for _ in 0..=random.below(3) {
             let at = random.below(broken.len());
-            broken[at] = random.bits() as u8;
+            broken[at] = random.bits().to_le_bytes()[0];
         }
         std::fs::write(&file, broken).unwrap();
         // whatever it says, it says it: no panic, no endless work

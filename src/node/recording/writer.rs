@@ -108,6 +108,7 @@ impl Recorder {
     }
 
     #[cfg(test)]
+    #[must_use]
     pub fn has_ended(&self) -> bool {
         self.thread.is_finished()
     }
