@@ -29,7 +29,7 @@ pub struct DoctorArgs {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
-    /// ROS arguments up to `--`, as of the node: -r from:=to
+    /// ROS arguments up to `--`, as of the node: -r from:=to, -p name:=value, --params-file FILE
     #[arg(long, value_name = "ARGUMENT", num_args = 0.., allow_hyphen_values = true, value_terminator = "--")]
     ros_args: Vec<String>,
 }

@@ -317,7 +317,7 @@ impl Monitor {
             self.contributions.freshness(now, &self.settings, robot.position_names())?;
         }
         if self.verdict.evidence.is_some() {
-            self.placements.read(robot, now, &self.settings)?;
+            return self.placements.read(robot, now, &self.settings).1.map_or(Ok(()), Err);
         }
         Ok(())
     }

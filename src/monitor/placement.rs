@@ -59,14 +59,24 @@ impl Placements {
         self.placements.iter().filter_map(|p| p.found?.1).min()
     }
 
-    /// Where the joints are, or why that is not known of one.
+    /// Where the joints are, NaN where that is not known, and why it is not known of the first of these.
     pub fn read(
         &self,
         robot: &RobotModel,
         now: Now,
         settings: &MonitorSettings,
-    ) -> Result<Vec<Placed>, Reason> {
-        self.placements.iter().map(|placement| placement.read(robot, now, settings)).collect()
+    ) -> (Vec<Placed>, Option<Reason>) {
+        let mut unplaced = None;
+        let read = |placement: &Placement| match placement.read(robot, now, settings) {
+            Ok(placed) => Some(placed),
+            Err(why) => {
+                unplaced.get_or_insert(why);
+                let count = robot.joint(placement.joint).kind.position_suffixes().len();
+                Some((robot.first_position(placement.joint)?, vec![f64::NAN; count]))
+            }
+        };
+        let placed = self.placements.iter().filter_map(read).collect();
+        (placed, unplaced)
     }
 
     /// How long (s) the oldest transform still counts; infinite where none grows old.

@@ -78,11 +78,11 @@ impl Tracker {
         robot: &RobotModel,
         heard: &[Heard],
         is_fresh: impl Fn(&Heard) -> bool,
-        placed: Result<Vec<Placed>, Reason>,
+        (placed, unplaced): (Vec<Placed>, Option<Reason>),
         prefix: &str,
     ) -> (Result<Reading, Reason>, Contributions) {
         let mut merge = Merge::new(self, prefix);
-        let unplaced = placed.map(|placed| merge.place(&placed)).err();
+        merge.place(&placed);
         for (message, heard) in heard.iter().enumerate().rev() {
             merge.take(message, heard, is_fresh(heard));
         }

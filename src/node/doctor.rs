@@ -1,5 +1,6 @@
 //! `clearance doctor`: what keeps the node from working here, found by listening for a while.
 
+use std::cell::RefCell;
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -8,6 +9,7 @@ use futures_lite::future;
 use log::Level;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use serde::Serialize;
 use smol::Timer;
 
@@ -16,10 +18,14 @@ use super::clock::RosClock;
 use super::environment::{Environment, EnvironmentError, Reach};
 use super::logging;
 use super::messages::joint_state_input;
-use super::middleware::{MessageKind, Middleware, Origin, Quality};
+use super::middleware::{MessageKind, Middleware, Origin, Quality, Subscription};
 use super::names::Names;
+use super::parameter_files;
+use super::parameters::Parameters;
 use super::run::{NODE_NAME, NodeError};
+use super::scene::note_transforms;
 use crate::checker::{CollisionChecker, Settings};
+use crate::monitor::scene::TransformTree;
 use crate::monitor::{Judgement, Monitor, MonitorSettings, Revision, Status};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
 use crate::world::World;
@@ -60,6 +66,7 @@ struct Heard {
     description: Option<String>,
     semantic: Option<String>,
     joint_states: Vec<(JointState, Origin)>,
+    transforms: TransformTree,
     /// What the middleware complained about.
     complaints: Vec<String>,
 }
@@ -77,16 +84,20 @@ pub fn examine(patient: Patient) -> Result<Vec<Finding>, NodeError> {
     };
     findings.push(multicast(environment.reach));
     let names = Names::new(NODE_NAME, &patient.arguments.remaps)?;
+    let (parameters, _) =
+        parameter_files::initial(Parameters::default(), &patient.arguments.parameters, &names)
+            .map_err(|fault| NodeError::Input(fault.to_string()))?;
     let heard = listen(environment, &names, patient.robot.is_none(), patient.patience)?;
     findings.extend(heard.complaints.iter().map(|text| wrong("peers", text.clone())));
     let robot = match patient.robot {
         Some(robot) => Some(robot),
         None => described(&heard, &patient.mesh_files, environment, &mut findings),
     };
+    let robot = robot.map(|robot| robot.with_prefixes(&parameters.joint_prefix, &parameters.link_prefix));
     if let Some(robot) = &robot {
         findings.extend(about_robot(robot));
     }
-    findings.extend(about_joint_states(&heard, robot, environment, patient.patience));
+    findings.extend(about_joint_states(&heard, robot, &parameters, (environment, patient.patience)));
     Ok(findings)
 }
 
@@ -197,8 +208,16 @@ fn listen(
         Ok::<_, NodeError>(middleware.subscription::<StringMessage>(&name, text, Quality::Latched)?)
     });
     let (descriptions, semantics) = (descriptions?, semantics?);
+    let kind = MessageKind("tf2_msgs", "TFMessage");
+    let [moving, fixed] =
+        [("tf", Quality::BestEffort), ("tf_static", Quality::Kept)].map(|(name, quality)| {
+            Ok::<_, NodeError>(middleware.subscription::<TFMessage>(&names.resolve(name)?, kind, quality)?)
+        });
+    let (moving, fixed) = (moving?, fixed?);
+    let clock = RosClock::new(false);
+    let tree = RefCell::new(TransformTree::default());
     let mut heard = Heard::default();
-    let Heard { description, semantic, joint_states, complaints } = &mut heard;
+    let Heard { description, semantic, joint_states, complaints, .. } = &mut heard;
     smol::block_on(future::or(drop_after(patience), async {
         let hear_states = async {
             loop {
@@ -220,6 +239,12 @@ fn listen(
                 *semantic = Some(semantics.next().await.0.data);
             }
         };
+        let hear_transforms = async |topic: &Subscription<TFMessage>, fixed: bool| {
+            loop {
+                let (message, _) = topic.next().await;
+                note_transforms(&mut tree.borrow_mut(), message, clock.now(), fixed);
+            }
+        };
         let hear_complaints = async {
             while let Ok(line) = lines.recv().await {
                 if line.level <= Level::Warn && !complaints.contains(&line.text) {
@@ -227,10 +252,13 @@ fn listen(
                 }
             }
         };
-        let topics = future::zip(hear_states, future::zip(hear_description, hear_semantic));
+        let robot = future::zip(hear_description, hear_semantic);
+        let transforms = future::zip(hear_transforms(&moving, false), hear_transforms(&fixed, true));
+        let topics = future::zip(hear_states, future::zip(robot, transforms));
         future::zip(topics, future::zip(hear_complaints, middleware.meet_peers())).await;
     }));
-    drop((states, descriptions, semantics));
+    heard.transforms = tree.into_inner();
+    drop((states, descriptions, semantics, moving, fixed));
     middleware.leave();
     Ok(heard)
 }
@@ -288,8 +316,8 @@ fn about_robot(robot: &RobotModel) -> Vec<Finding> {
 fn about_joint_states(
     heard: &Heard,
     robot: Option<RobotModel>,
-    environment: Environment,
-    patience: Duration,
+    parameters: &Parameters,
+    (environment, patience): (Environment, Duration),
 ) -> Vec<Finding> {
     let about = "joint_states";
     let Some((first, _)) = heard.joint_states.first() else {
@@ -309,7 +337,7 @@ fn about_joint_states(
         findings.push(note(about, "they are compared with no robot: there is none"));
         return findings;
     };
-    match judge(robot, &heard.joint_states) {
+    match judge(robot, heard, parameters) {
         Err(error) => findings.push(wrong("robot", error)),
         Ok(judgement) => {
             findings.push(match &judgement.status {
@@ -326,17 +354,24 @@ fn about_joint_states(
     findings
 }
 
-/// What the monitor says to joint states that came one after the other.
-fn judge(robot: RobotModel, joint_states: &[(JointState, Origin)]) -> Result<Judgement, String> {
+/// What the monitor says to transforms, and joint states that came one after the other.
+fn judge(robot: RobotModel, heard: &Heard, parameters: &Parameters) -> Result<Judgement, String> {
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default());
     let checker = checker.map_err(|error| error.to_string())?;
     // they waited here while others were listened to
-    let settings = MonitorSettings { stale_after: 3600.0, ..MonitorSettings::default() };
+    let settings = MonitorSettings {
+        stale_after: 3600.0,
+        transform_ttl: 3600.0,
+        joint_prefix: parameters.joint_prefix.clone(),
+        transform_joints: parameters.transform_joints.clone(),
+        ..MonitorSettings::default()
+    };
     let mut monitor = Monitor::new(settings, || Duration::ZERO);
     monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
+    monitor.note_transforms(&heard.transforms);
     let clock = RosClock::new(false);
     let mut judgement = monitor.on_heartbeat(clock.read());
-    for (message, origin) in joint_states {
+    for (message, origin) in &heard.joint_states {
         judgement =
             monitor.on_joint_state(joint_state_input(message.clone(), origin.publisher), clock.read());
     }

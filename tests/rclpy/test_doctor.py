@@ -54,6 +54,14 @@ def test_a_name_by_remap_and_a_position_that_is_none(peer, domain_id):
     assert "joint2" in wrong(findings)["joint_states"]
 
 
+def test_parameters_that_say_which_joints_are_the_robots_are_heeded(peer, domain_id):
+    two_link.Driver(peer, "/joint_states").report(left_joint1=0, left_joint2=0)
+    given = "--urdf", two_link.URDF, "--ros-args", "-p", "joint_prefix:=left_", "--"
+    assert not wrong(doctor(domain_id, *given, code=0))
+    rover = "--urdf", "tests/rclpy/rover.urdf", "--ros-args", "-p", "transform_joints:=[drive]", "--"
+    assert "'drive'" in wrong(doctor(domain_id, *rover, code=1))["joint_states"]
+
+
 def test_a_mesh_that_is_not_found_is_named(peer, domain_id, tmp_path):
     mesh = '<mesh filename="package://arm_description/tip.stl"/>'
     peer.latch(String(data=two_link.description().replace('<sphere radius="0.1"/>', mesh)), "/robot_description")
