@@ -74,7 +74,7 @@ def test_a_run_with_everything_in_it_is_the_same_again(start, peer, file):
     cell.parameters.succeed(padding=0.01, look_ahead_horizon=0.5)
     cell.moving(COLLIDING, [0.1, -0.2])
     cell.driver.report(joint1=0)
-    cell.unknown("partial")
+    assert "'joint2'" in cell.unknown("stale").reason
     cell.judged(**FOLDED)
     cell.driver.pause()
     cell.unknown("stale", after=len(cell.states.messages))
