@@ -30,6 +30,11 @@ impl Contributions {
         self.0.iter().map(|c| c.stamp).max()
     }
 
+    /// How far (s) they are apart.
+    pub fn spread(&self) -> f64 {
+        self.newest_stamp().zip(self.stamp()).map_or(0.0, |(newest, oldest)| newest.seconds_since(oldest))
+    }
+
     /// Whether all still say something about the robot; `names` are those of its positions.
     pub fn freshness(&self, now: Now, settings: &MonitorSettings, names: &[String]) -> Result<(), Reason> {
         let stale_after = settings.stale_after;

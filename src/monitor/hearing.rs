@@ -5,7 +5,10 @@ use std::time::Duration;
 use super::{JointStateInput, Now, Time};
 
 /// Messages remembered at most: publishers come and go, and memory must not grow with them.
-const MOST_MESSAGES: usize = 32;
+const MOST_MESSAGES: usize = 128;
+
+/// Numbers and names that are read of a message at most: no robot has as many joints.
+const MOST_JOINTS: usize = 4096;
 
 /// Bytes of joint names remembered at most, but for those of the last message.
 const MOST_TEXT: usize = 1 << 20;
@@ -41,7 +44,10 @@ impl Heard {
 pub(super) struct Hearing(Vec<Heard>);
 
 impl Hearing {
-    pub fn hear(&mut self, input: JointStateInput, now: Now) {
+    pub fn hear(&mut self, mut input: JointStateInput, now: Now) {
+        input.names.truncate(MOST_JOINTS);
+        input.positions.truncate(MOST_JOINTS);
+        input.velocities.truncate(MOST_JOINTS);
         let stamp = match (input.stamp, now.ros) {
             (Time::ZERO, Some(now)) => now,
             (stamp, _) => stamp,

@@ -26,7 +26,7 @@ impl Lookout {
     pub fn look(
         &mut self,
         checker: &CollisionChecker,
-        (q, velocities): (&Configuration, Option<&[f64]>),
+        (q, velocities, spread): (&Configuration, Option<&[f64]>, f64),
         report: &CollisionReport,
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
@@ -36,6 +36,10 @@ impl Lookout {
         }
         if self.floats {
             return unknown("the robot has a floating joint");
+        }
+        // the tube begins everywhere at once: what was measured later is somewhere else at that time
+        if spread > 0.0 {
+            return unknown(&format!("joints were measured {spread:.3} s apart"));
         }
         let Some(velocities) = velocities else {
             return unknown("the joint state does not give every joint a finite velocity");

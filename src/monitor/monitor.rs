@@ -158,7 +158,8 @@ impl Monitor {
     /// What `tf` tells now; judgements from now on use it.
     pub fn note_transforms(&mut self, tree: &TransformTree) {
         let Some(subject) = &self.subject else { return };
-        let placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
+        let mut placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
+        placements.inherit(&self.placements);
         if placements != self.placements {
             self.placements = placements;
             self.outdated = true;
@@ -233,7 +234,7 @@ impl Monitor {
         match &self.subject {
             Some(Subject { revision, .. }) => {
                 let judged = (&self.verdict.status, self.verdict.evidence.as_ref());
-                let stamp = self.contributions.newest_stamp();
+                let stamp = self.contributions.newest_stamp().max(self.placements.newest_stamp());
                 self.governor.heed(&revision.checker, judged, stamp, &self.settings.speed);
             }
             None => self.governor.stop(),
@@ -255,6 +256,7 @@ impl Monitor {
         if messages.is_empty() && !self.placements.place_all(robot) {
             return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
+        self.placements.note_seen(now);
         let placed = self.placements.read(robot, now, &self.settings);
         let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
         let (reading, contributions) =
@@ -344,7 +346,7 @@ impl Subject {
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
     ) -> Verdict {
-        let Reading { configuration, velocities, mut warnings } = reading;
+        let Reading { configuration, velocities, spread, mut warnings } = reading;
         let checker = &self.revision.checker;
         let started = stopwatch();
         let survey = Question::Survey {
@@ -362,7 +364,7 @@ impl Subject {
             left_out = left_out.max(LeftOut::LookAhead);
             warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
         } else if settings.look_ahead_horizon > 0.0 {
-            let state = (&configuration, velocities.as_deref());
+            let state = (&configuration, velocities.as_deref(), spread);
             match self.lookout.look(checker, state, &report, settings) {
                 Ok(found) => look_ahead = Some(found),
                 Err(why) => warnings.push(why),

@@ -1,5 +1,7 @@
 //! Joints of several positions whose places `tf` tells: a base that drives, flies or swims.
 
+use std::time::Duration;
+
 use super::scene::TransformTree;
 use super::{MonitorSettings, Now, Reason, Time};
 use crate::math::Pose;
@@ -14,6 +16,8 @@ struct Placement {
     joint: JointId,
     /// Pose of the child link in the parent link, and since when; `None` while nothing connects the two.
     found: Option<(Pose, Option<Time>)>,
+    /// When that was first judged by, on the steady clock: a clock that stands lets nothing grow old.
+    since: Option<Duration>,
 }
 
 /// All joints that `tf` places.
@@ -42,9 +46,30 @@ impl Placements {
             };
             let [parent, child] = frames(robot, joint);
             let found = tree.pose_between(parent, child);
-            all.placements.push(Placement { joint, found });
+            all.placements.push(Placement { joint, found, since: None });
         }
         all
+    }
+
+    /// What is known of earlier ones, where nothing newer was told since.
+    pub fn inherit(&mut self, before: &Self) {
+        for placement in &mut self.placements {
+            let same =
+                before.placements.iter().find(|b| b.joint == placement.joint && b.found == placement.found);
+            placement.since = same.and_then(|same| same.since);
+        }
+    }
+
+    /// From now on, at the latest, they grow old.
+    pub fn note_seen(&mut self, now: Now) {
+        for placement in &mut self.placements {
+            placement.since.get_or_insert(now.steady);
+        }
+    }
+
+    /// The stamp of the newest transform, if any has one.
+    pub fn newest_stamp(&self) -> Option<Time> {
+        self.placements.iter().filter_map(|p| p.found?.1).max()
     }
 
     /// Whether they place every number of a configuration.
@@ -83,11 +108,18 @@ impl Placements {
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
         let age =
             now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
-        settings.transform_ttl - age
+        let silence = self.placements.iter().filter_map(|p| p.silence(now)).fold(f64::NEG_INFINITY, f64::max);
+        settings.transform_ttl - age.max(silence)
     }
 }
 
 impl Placement {
+    /// How long (s) nothing newer was told of what can grow old.
+    fn silence(&self, now: Now) -> Option<f64> {
+        self.found?.1?;
+        Some(now.steady.saturating_sub(self.since?).as_secs_f64())
+    }
+
     fn read(&self, robot: &RobotModel, now: Now, settings: &MonitorSettings) -> Result<Placed, Reason> {
         let [parent, child] = frames(robot, self.joint);
         let joint = robot.joint(self.joint);
@@ -99,13 +131,14 @@ impl Placement {
         let (pose_pc, stamp) =
             self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
         let ros = now.ros.ok_or(Reason::NoClock)?;
-        let age = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
+        let by_stamp = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
+        let age = by_stamp.max(self.silence(now).unwrap_or(f64::NEG_INFINITY));
         let ttl = settings.transform_ttl;
         if age > ttl {
             return Err(unknown(format!("it is {age:.3} s old, and transform_ttl is {ttl} s")));
         }
-        if -age > ttl {
-            return Err(unknown(format!("it is stamped {:.3} s in the future", -age)));
+        if -by_stamp > ttl {
+            return Err(unknown(format!("it is stamped {:.3} s in the future", -by_stamp)));
         }
         let placed = joint.kind.positions_at(&(joint.pose_pj.inverse() * pose_pc));
         let first = robot.first_position(self.joint);

@@ -2,6 +2,7 @@
 //!
 //! Each near pair asks for a share: all of it from the slow-down distance on, none of it up to the stop distance, between them
 //! in proportion; what approaches counts as nearer by the way of its reaction time, what moves away asks for nothing. The least share counts.
+//! Where nobody knows how fast something near approaches, the share does not rise.
 //! It falls when so many states in a row ask for less as the trigger count says, to the most that they ask for, and rises when
 //! so many as the release count says ask for more, to the least of them. Where nothing is known it is zero at once.
 
@@ -128,12 +129,22 @@ impl SpeedGovernor {
         let other = near
             .peek()
             .and_then(|_| a_moment_later(checker.robot(), evidence).or_else(|| self.before(stamp)));
-        let asked = near.map(|pair| {
+        let (mut asked, mut are_known) = (1.0_f64, true);
+        for pair in near {
             let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, &evidence.poses, other));
-            distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time)
-        });
-        self.follow(asked.fold(1.0, f64::min), settings);
-        self.last = stamp.map(|stamp| (stamp, Arc::clone(evidence)));
+            are_known &= rate.is_some();
+            asked =
+                asked.min(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
+        }
+        let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
+        // what is judged once more, or approaches nobody knows how fast, is no reason to be faster
+        if (is_new && are_known) || asked < self.share {
+            self.follow(asked, settings);
+        }
+        // of what is as old, the first is kept: later motion is seen against it
+        if is_new {
+            self.last = stamp.map(|stamp| (stamp, Arc::clone(evidence)));
+        }
     }
 
     /// Where the links were at the last state, if that was before this one.

@@ -48,6 +48,8 @@ pub(super) struct Reading {
     pub configuration: Configuration,
     /// One for each position, if all are given and finite.
     pub velocities: Option<Vec<f64>>,
+    /// How far (s) the times are apart at which joints were measured.
+    pub spread: f64,
     pub warnings: Vec<String>,
 }
 
@@ -87,7 +89,7 @@ impl Tracker {
             merge.take(message, heard, is_fresh(heard));
         }
         let contributions = std::mem::take(&mut merge.contributions);
-        (merge.finish(robot, unplaced), contributions)
+        (merge.finish(robot, unplaced, contributions.spread()), contributions)
     }
 
     fn limit_warnings(&self, robot: &RobotModel, configuration: &Configuration) -> Vec<String> {
@@ -177,7 +179,9 @@ impl<'t> Merge<'t> {
                         self.velocities[index] = if moves { velocities[i] } else { f64::NAN };
                     }
                 },
-                Some(&Slot::Follows(joint)) if is_whole => followers.push((joint, positions[i])),
+                Some(&Slot::Follows(joint)) if is_whole && followers.len() < self.tracker.slots.len() => {
+                    followers.push((joint, positions[i]));
+                }
                 None if strangers.len() < MOST_STRANGERS && name.starts_with(self.prefix) => {
                     strangers.push(name.chars().take(LONGEST_NAME).collect());
                 }
@@ -213,7 +217,12 @@ impl<'t> Merge<'t> {
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
 
-    fn finish(mut self, robot: &RobotModel, unplaced: Option<Reason>) -> Result<Reading, Reason> {
+    fn finish(
+        mut self,
+        robot: &RobotModel,
+        unplaced: Option<Reason>,
+        spread: f64,
+    ) -> Result<Reading, Reason> {
         if let Some(fault) = self.fault.or(unplaced) {
             return Err(fault);
         }
@@ -233,7 +242,8 @@ impl<'t> Merge<'t> {
         }
         self.warnings.extend(mimic_warnings(robot, &configuration, &self.followers));
         let moves = self.velocities.iter().all(|v| v.is_finite());
-        Ok(Reading { configuration, velocities: moves.then_some(self.velocities), warnings: self.warnings })
+        let velocities = moves.then_some(self.velocities);
+        Ok(Reading { configuration, velocities, spread, warnings: self.warnings })
     }
 }
 

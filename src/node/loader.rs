@@ -175,28 +175,40 @@ impl Loader {
     /// Does what is asked for together, and tells what the monitor has to know of it.
     pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
         let Pass { glimpse, orders, clouds } = pass;
-        let mut change = Change::Nothing;
+        let (mut is_new_robot, mut change) = (false, Change::Nothing);
         for order in orders {
-            change = change.max(self.note(order, &glimpse));
+            match self.note(order, &glimpse) {
+                Change::Robot => is_new_robot = true,
+                other => change = change.max(other),
+            }
         }
         self.shown_level = glimpse.parameters.shown_level();
         change = change.max(self.look_at_the_world(clouds, &glimpse));
         let is_described = self.description.is_some() || self.given.is_some();
-        if change == Change::Robot && is_described {
+        if is_new_robot && is_described {
             tell(Event::ModelSwap);
         }
-        let built = match change {
-            Change::Nothing => Ok(None),
-            Change::Settings | Change::World => self.rebuild(change, &glimpse),
-            Change::Robot => guarded(DESCRIPTION, || self.reload(&glimpse)),
-        };
-        match built {
-            Ok(None) => {}
-            Ok(Some(revision)) => tell(Event::Checker(revision)),
-            Err(fault) => {
-                log::error!("the robot model was refused: {fault}");
-                tell(Event::ModelFault(fault));
+        let mut refused = None;
+        let mut built = None;
+        if is_new_robot {
+            match guarded(DESCRIPTION, || self.reload(&glimpse)) {
+                Ok(revision) => built = revision,
+                Err(fault) => refused = Some(fault),
             }
+        }
+        // a robot that is refused takes nothing else with it
+        if change != Change::Nothing && (!is_new_robot || refused.is_some()) {
+            match self.rebuild(change, &glimpse) {
+                Ok(revision) => built = revision,
+                Err(fault) => refused = Some(fault),
+            }
+        }
+        if let Some(revision) = built {
+            tell(Event::Checker(revision));
+        }
+        if let Some(fault) = refused {
+            log::error!("the robot model was refused: {fault}");
+            tell(Event::ModelFault(fault));
         }
         tell(Event::World(self.keeper.note_in_use(), self.keeper.faults()));
     }

@@ -153,9 +153,11 @@ impl SceneKeeper {
 
     /// Another robot stands in the same scene.
     pub fn fit_to(&mut self, robot: &RobotModel) {
-        for warning in self.state.fit_to(robot) {
+        let warnings = self.state.fit_to(robot);
+        for warning in &warnings {
             log::warn!("{warning}");
         }
+        self.faults.extend(warnings.into_iter().take(TOLD));
     }
 
     /// Puts an order aside until there is a robot.

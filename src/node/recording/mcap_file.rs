@@ -22,6 +22,10 @@ const LARGEST_RECORD: usize = (512 << 20) + (1 << 20);
 const MESSAGES_OF_A_STEP: usize = 100_000;
 const BYTES_OF_A_STEP: usize = 1 << 30;
 
+/// Declared kinds of messages at most, and the bytes of one.
+const MOST_SCHEMAS: usize = 1000;
+const BYTES_OF_A_SCHEMA: usize = 1 << 20;
+
 /// Why a recording can not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {why}", file.display())]
@@ -151,6 +155,9 @@ impl RecordingFile {
     fn note(&mut self, record: Record<'static>) -> Result<Option<Entry>, ReadError> {
         match record {
             Record::Schema { header, data } => {
+                if data.len() > BYTES_OF_A_SCHEMA || self.schemas.len() >= MOST_SCHEMAS {
+                    return Err(self.refuse("its schemas are too many or too large"));
+                }
                 self.schemas.insert(header.id, (header.name, data.into_owned()));
             }
             Record::Channel(channel) => {
@@ -169,7 +176,7 @@ impl RecordingFile {
                 if is_step {
                     return self.step(message).map(Some);
                 }
-                self.bytes += message.data.len();
+                self.bytes += message.data.len() + message.schema.len();
                 if self.messages.len() >= MESSAGES_OF_A_STEP || self.bytes > BYTES_OF_A_STEP {
                     return Err(self.refuse(format!(
                         "too many messages stand in it without one on a topic '{STEPS}': it is no recording of clearance"

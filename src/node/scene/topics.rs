@@ -252,20 +252,26 @@ impl SceneTopics {
 
 /// Puts what came at `now` into the tree; `fixed` transforms stay for ever.
 pub fn note_transforms(tree: &mut TransformTree, message: TFMessage, now: Option<Time>, fixed: bool) {
+    let (mut wrong, mut too_many) = (None, false);
     for transform in message.transforms {
         let stamp = match time_of(&transform.header.stamp) {
             Time::ZERO => now.unwrap_or_default(),
             stamp => stamp,
         };
         let Ok(pose_pf) = transform_pose(&transform.transform) else {
-            log::warn!("tf: the transform of '{}' is no pose", transform.child_frame_id.escape_debug());
+            wrong = Some(transform.child_frame_id);
             continue;
         };
         let parent = transform.header.frame_id;
         let stamp = (!fixed).then_some(stamp);
-        if !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp }) {
-            log::warn!("tf: there are too many frames; the rest is not heeded");
-        }
+        too_many |= !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp });
+    }
+    // once a message: others wait for the tree
+    if let Some(frame) = wrong {
+        log::warn!("tf: the transform of '{}' is no pose", frame.escape_debug());
+    }
+    if too_many {
+        log::warn!("tf: there are too many frames; the rest is not heeded");
     }
 }
 

@@ -87,7 +87,8 @@ impl Site {
             return refusal(StatusCode::NOT_FOUND, "there is no robot yet", progress);
         };
         // large meshes take a while; other browsers go on meanwhile
-        let document = smol::unblock(move || document(&revision)).await;
+        // the seat goes with the work, which goes on when the browser has left
+        let (document, seat) = smol::unblock(move || (document(&revision), seat)).await;
         progress.note();
         whole(StatusCode::OK, "application/octet-stream", document, (progress, Some(seat)))
     }
