@@ -23,7 +23,7 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
         channels: BTreeMap::new(),
         written: 0,
     };
-    let mut answers = 0;
+    let (mut answers, mut is_part) = (0, false);
     // the last answer that was left out: what the loader does next depends on where the robot was then
     let mut before: Option<Vec<RawMessage>> = None;
     while let Some(entry) = source.next()? {
@@ -36,8 +36,13 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
                 let is_answer = matches!(*step, Step::JointState { .. } | Step::Heartbeat { .. });
                 answers += u64::from(is_answer);
                 if is_answer && answers.saturating_add(kept) < last {
+                    is_part = true;
+                    leave_out_speed(&mut messages);
                     before = Some(messages);
                     continue;
+                }
+                if is_part && is_answer {
+                    leave_out_speed(&mut messages);
                 }
                 let before = before.take_if(|_| is_answer || matches!(*step, Step::Pass { .. }));
                 for message in before.iter().flatten().chain(&messages) {
@@ -50,6 +55,17 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
         }
     }
     copy.mcap.finish().map(drop).map_err(|error| refused(&error))
+}
+
+/// How fast a robot may be follows from more answers than a part has.
+fn leave_out_speed(answer: &mut Vec<RawMessage>) {
+    let is_number = |message: &RawMessage| message.kind == "std_msgs/msg/Float64";
+    let distance = answer.iter().position(is_number);
+    let mut place = 0;
+    answer.retain(|message| {
+        place += 1;
+        !is_number(message) || distance == Some(place - 1)
+    });
 }
 
 struct Copy {

@@ -319,7 +319,8 @@ fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
     let mut cell = Cell::start(folder.path());
     cell.ball(1.1);
     cell.change(|p| {
-        (p.slowdown_distance_world, p.slowdown_release_count, p.look_ahead_horizon) = (5.0, 2, 1.0);
+        (p.slowdown_distance_world, p.slowdown_reaction_time) = (5.0, 0.0);
+        (p.slowdown_release_count, p.look_ahead_horizon) = (2, 1.0);
     });
     cell.turn(0.9);
     // an older stamp than that of the one passed over is out of order
