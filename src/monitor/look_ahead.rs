@@ -37,13 +37,13 @@ impl Lookout {
         if self.floats {
             return unknown("the robot has a floating joint");
         }
+        let Some(velocities) = velocities else {
+            return unknown("the joint state does not give every joint a finite velocity");
+        };
         // the tube begins everywhere at once: what was measured later is somewhere else at that time
         if spread > 0.0 {
             return unknown(&format!("joints were measured {spread:.3} s apart"));
         }
-        let Some(velocities) = velocities else {
-            return unknown("the joint state does not give every joint a finite velocity");
-        };
         let usual = settings.look_ahead_acceleration;
         let accelerations: Vec<f64> = self.limits.iter().map(|limit| limit.unwrap_or(usual)).collect();
         let horizon = settings.look_ahead_horizon;

@@ -2,7 +2,7 @@
 //!
 //! Each near pair asks for a share: all of it from the slow-down distance on, none of it up to the stop distance, between them
 //! in proportion; what approaches counts as nearer by the way of its reaction time, what moves away asks for nothing. The least share counts.
-//! Where nobody knows how fast something near approaches, the share does not rise.
+//! Where nobody knows how fast something near approaches, the share does not rise, but for a first state, which counts as at rest.
 //! It falls when so many states in a row ask for less as the trigger count says, to the most that they ask for, and rises when
 //! so many as the release count says ask for more, to the least of them. Where nothing is known it is zero at once.
 
@@ -137,8 +137,8 @@ impl SpeedGovernor {
                 asked.min(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
         }
         let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
-        // what is judged once more, or approaches nobody knows how fast, is no reason to be faster
-        if (is_new && are_known) || asked < self.share {
+        // what is judged once more, or approaches nobody knows how fast, is no reason to be faster; a first state has but distances
+        if (is_new && (are_known || self.last.is_none())) || asked < self.share {
             self.follow(asked, settings);
         }
         // of what is as old, the first is kept: later motion is seen against it

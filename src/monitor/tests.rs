@@ -327,7 +327,7 @@ fn velocities_of_several_publishers_are_those_of_one_robot() {
 fn more_publishers_than_are_remembered_do_no_harm() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(0.0, FREE), at(0.0));
-    for from in 2..100 {
+    for from in 2..200 {
         monitor.on_joint_state(part(from, 0.1, &[("gripper", 0.0)]), at(0.1));
     }
     // the robot was forgotten: that is not taken for free
