@@ -124,27 +124,21 @@ impl Loader {
 
     /// Follows orders until there is no one left to give them.
     pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>) {
-        while let Some(mut change) = self.await_change(orders) {
+        while let Some(first) = self.await_change(orders) {
+            let mut is_new_robot = first == Change::Robot;
+            let mut rest = if is_new_robot { Change::Nothing } else { first };
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
             while let Ok(order) = orders.try_recv() {
-                change = change.max(self.note(order));
-            }
-            change = change.max(self.look_at_the_world());
-            let built = match change {
-                Change::Nothing => Ok(None),
-                Change::Settings | Change::World => self.rebuild(change),
-                Change::Robot => guarded(DESCRIPTION, || self.reload()),
-            };
-            let event = match built {
-                Ok(None) => None,
-                Ok(Some(revision)) => Some(Event::Checker(revision)),
-                Err(fault) => {
-                    log::error!("the robot model was refused: {fault}");
-                    Some(Event::ModelFault(fault))
+                match self.note(order) {
+                    Change::Robot => is_new_robot = true,
+                    other => rest = rest.max(other),
                 }
-            };
+            }
+            rest = rest.max(self.look_at_the_world());
+            let (built, refused) = self.build_anew(is_new_robot, rest);
+            let world = Event::World(self.keeper.note_in_use(), self.keeper.faults());
             let told =
-                event.into_iter().chain([Event::World(self.keeper.note_in_use(), self.keeper.faults())]);
+                built.map(Event::Checker).into_iter().chain(refused.map(Event::ModelFault)).chain([world]);
             for event in told {
                 if events.send_blocking(event).is_err() {
                     return;
@@ -155,6 +149,26 @@ impl Loader {
                 monitored.tell(scene);
             }
         }
+    }
+
+    /// Builds what changed, and tells what was refused: a robot that is takes no other change with it.
+    fn build_anew(&mut self, is_new_robot: bool, rest: Change) -> (Option<Arc<Revision>>, Option<String>) {
+        let mut refused = None;
+        if is_new_robot {
+            match guarded(DESCRIPTION, || self.reload()) {
+                Ok(built) => return (built, None),
+                Err(fault) => refused = Some(fault),
+            }
+        }
+        let built = if rest == Change::Nothing { Ok(None) } else { self.rebuild(rest) };
+        let built = built.unwrap_or_else(|fault| {
+            refused.get_or_insert(fault);
+            None
+        });
+        if let Some(fault) = &refused {
+            log::error!("the robot model was refused: {fault}");
+        }
+        (built, refused)
     }
 
     /// What the next order changes, or the time that passes without one; `None` when there will be none.
