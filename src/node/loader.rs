@@ -188,29 +188,39 @@ impl Loader {
         if is_new_robot && is_described {
             tell(Event::ModelSwap);
         }
-        let mut refused = None;
-        let mut built = None;
-        if is_new_robot {
-            match guarded(DESCRIPTION, || self.reload(&glimpse)) {
-                Ok(revision) => built = revision,
-                Err(fault) => refused = Some(fault),
-            }
-        }
-        // a robot that is refused takes nothing else with it
-        if change != Change::Nothing && (!is_new_robot || refused.is_some()) {
-            match self.rebuild(change, &glimpse) {
-                Ok(revision) => built = revision,
-                Err(fault) => refused = Some(fault),
-            }
-        }
+        let (built, refused) = self.build_anew(is_new_robot, change, &glimpse);
         if let Some(revision) = built {
             tell(Event::Checker(revision));
         }
         if let Some(fault) = refused {
-            log::error!("the robot model was refused: {fault}");
             tell(Event::ModelFault(fault));
         }
         tell(Event::World(self.keeper.note_in_use(), self.keeper.faults()));
+    }
+
+    /// Builds what changed, and tells what was refused: a robot that is takes no other change with it.
+    fn build_anew(
+        &mut self,
+        is_new_robot: bool,
+        rest: Change,
+        glimpse: &Glimpse,
+    ) -> (Option<Arc<Revision>>, Option<String>) {
+        let mut refused = None;
+        if is_new_robot {
+            match guarded(DESCRIPTION, || self.reload(glimpse)) {
+                Ok(built) => return (built, None),
+                Err(fault) => refused = Some(fault),
+            }
+        }
+        let built = if rest == Change::Nothing { Ok(None) } else { self.rebuild(rest, glimpse) };
+        let built = built.unwrap_or_else(|fault| {
+            refused.get_or_insert(fault);
+            None
+        });
+        if let Some(fault) = &refused {
+            log::error!("the robot model was refused: {fault}");
+        }
+        (built, refused)
     }
 
     /// The next order, or none when enough time passed without one; `None` when there will be none.

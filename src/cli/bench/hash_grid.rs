@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use clearance::bvh::AxisBox;
 
-use super::structures::overlap;
+use super::structures::{BroadPhase, overlap};
 
 /// A box in more cells than these is in a list of its own.
 const MOST_CELLS: usize = 512;
@@ -25,8 +25,10 @@ pub struct HashGrid {
     search: u32,
 }
 
-impl HashGrid {
-    pub fn new(items: &[(u32, AxisBox)]) -> Self {
+impl BroadPhase for HashGrid {
+    const NAME: &'static str = "hash grid";
+
+    fn build(items: &[(u32, AxisBox)]) -> Self {
         let mut sizes: Vec<f32> = items.iter().map(|(_, bounds)| bounds.girth() / 3.0).collect();
         sizes.sort_by(f32::total_cmp);
         // as large as most of what is in it
@@ -39,7 +41,7 @@ impl HashGrid {
         grid
     }
 
-    pub fn set(&mut self, item: u32, bounds: &AxisBox) {
+    fn set(&mut self, item: u32, bounds: &AxisBox) {
         self.remove(item);
         if self.boxes.len() <= item as usize {
             self.boxes.resize(item as usize + 1, None);
@@ -52,7 +54,7 @@ impl HashGrid {
         }
     }
 
-    pub fn remove(&mut self, item: u32) {
+    fn remove(&mut self, item: u32) {
         let Some(bounds) = self.boxes.get_mut(item as usize).and_then(Option::take) else { return };
         let Some(cells) = self.cells_of(&bounds) else {
             return self.large.retain(|other| *other != item);
@@ -64,7 +66,7 @@ impl HashGrid {
         }
     }
 
-    pub fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
+    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
         self.search += 1;
         let Self { edge, cells, large, boxes, seen, search } = &mut *self;
         let mut look = |item: u32| {
@@ -81,7 +83,9 @@ impl HashGrid {
             None => cells.values().flatten().for_each(|item| look(*item)),
         }
     }
+}
 
+impl HashGrid {
     fn cells_of(&self, bounds: &AxisBox) -> Option<impl Iterator<Item = Cell> + use<>> {
         cells_within(self.edge, bounds, MOST_CELLS)
     }

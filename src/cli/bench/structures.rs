@@ -3,9 +3,6 @@
 use clearance::bvh::{AxisBox, DynamicTree};
 use clearance::simd::Level;
 
-use super::hash_grid::HashGrid;
-use super::sweep_and_prune::SweepAndPrune;
-
 /// Numbered boxes that come, move and go.
 pub trait BroadPhase {
     const NAME: &'static str;
@@ -45,46 +42,6 @@ impl BroadPhase for Tree {
 
     fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
         self.boxes.overlapping(self.level, with, &mut self.stack, found);
-    }
-}
-
-impl BroadPhase for SweepAndPrune {
-    const NAME: &'static str = "sweep and prune";
-
-    fn build(items: &[(u32, AxisBox)]) -> Self {
-        Self::new(items)
-    }
-
-    fn set(&mut self, item: u32, bounds: &AxisBox) {
-        Self::set(self, item, bounds);
-    }
-
-    fn remove(&mut self, item: u32) {
-        Self::remove(self, item);
-    }
-
-    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
-        Self::overlapping(self, with, found);
-    }
-}
-
-impl BroadPhase for HashGrid {
-    const NAME: &'static str = "hash grid";
-
-    fn build(items: &[(u32, AxisBox)]) -> Self {
-        Self::new(items)
-    }
-
-    fn set(&mut self, item: u32, bounds: &AxisBox) {
-        Self::set(self, item, bounds);
-    }
-
-    fn remove(&mut self, item: u32) {
-        Self::remove(self, item);
-    }
-
-    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
-        Self::overlapping(self, with, found);
     }
 }
 

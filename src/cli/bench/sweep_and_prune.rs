@@ -2,7 +2,7 @@
 
 use clearance::bvh::AxisBox;
 
-use super::structures::overlap;
+use super::structures::{BroadPhase, overlap};
 
 /// Boxes in the order of their lower sides, along the axis on which they are spread most.
 pub struct SweepAndPrune {
@@ -14,8 +14,10 @@ pub struct SweepAndPrune {
     longest: f32,
 }
 
-impl SweepAndPrune {
-    pub fn new(items: &[(u32, AxisBox)]) -> Self {
+impl BroadPhase for SweepAndPrune {
+    const NAME: &'static str = "sweep and prune";
+
+    fn build(items: &[(u32, AxisBox)]) -> Self {
         let spread = |axis: usize| {
             let sides = || items.iter().map(|(_, bounds)| bounds.lo[axis]);
             sides().fold(f32::NEG_INFINITY, f32::max) - sides().fold(f32::INFINITY, f32::min)
@@ -29,14 +31,14 @@ impl SweepAndPrune {
         made
     }
 
-    pub fn set(&mut self, item: u32, bounds: &AxisBox) {
+    fn set(&mut self, item: u32, bounds: &AxisBox) {
         self.remove(item);
         let at = self.sorted.partition_point(|(_, other)| other.lo[self.axis] < bounds.lo[self.axis]);
         self.sorted.insert(at, (item, *bounds));
         self.note(item, bounds);
     }
 
-    pub fn remove(&mut self, item: u32) {
+    fn remove(&mut self, item: u32) {
         let Some(&key) = self.keys.get(item as usize).filter(|key| !key.is_nan()) else { return };
         let from = self.sorted.partition_point(|(_, other)| other.lo[self.axis] < key);
         let held = self.sorted[from..].iter().position(|(other, _)| *other == item);
@@ -44,13 +46,15 @@ impl SweepAndPrune {
         self.keys[item as usize] = f32::NAN;
     }
 
-    pub fn overlapping(&self, with: &AxisBox, found: &mut Vec<u32>) {
+    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
         let [low, high] = [with.lo[self.axis] - self.longest, with.hi[self.axis]];
         let from = self.sorted.partition_point(|(_, other)| other.lo[self.axis] < low);
         let swept = self.sorted[from..].iter().take_while(|(_, other)| other.lo[self.axis] <= high);
         found.extend(swept.filter(|(_, other)| overlap(other, with)).map(|(item, _)| *item));
     }
+}
 
+impl SweepAndPrune {
     fn note(&mut self, item: u32, bounds: &AxisBox) {
         if self.keys.len() <= item as usize {
             self.keys.resize(item as usize + 1, f32::NAN);
