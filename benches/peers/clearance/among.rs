@@ -1,6 +1,7 @@
 //! What is asked about a robot in worlds: files, scatters, growth, and how soon a cloud is of use.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
 
@@ -59,7 +60,7 @@ impl Among {
         self.0.remove("cubes");
         let mut words = format!("objects={}", world.len());
         if let Some(cloud) = world_file::cloud(world) {
-            words += &format!("\tpoints={}", cloud.1.points().len());
+            let _ = write!(words, "\tpoints={}", cloud.1.points().len());
             self.0.insert("cubes".to_owned(), Surroundings::new(checker, &world_file::cubes(cloud)?)?);
         }
         Ok(words)

@@ -87,7 +87,7 @@ impl Neutral {
                 writeln!(self.0, "box\t{}\t{}\t{}\t{}\t{place}", link, 2.0 * x, 2.0 * y, 2.0 * z)
             }
             Shape::Primitive(Primitive::Sphere { radius }) => {
-                writeln!(self.0, "sphere\t{}\t{radius}\t{place}", link)
+                writeln!(self.0, "sphere\t{link}\t{radius}\t{place}")
             }
             Shape::Primitive(Primitive::Cylinder { radius, half_length }) => {
                 writeln!(self.0, "cylinder\t{}\t{radius}\t{}\t{place}", link, 2.0 * half_length)

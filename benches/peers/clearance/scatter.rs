@@ -155,7 +155,9 @@ fn hits(checker: &CollisionChecker, world: &World, states: &[Configuration]) -> 
             .filter_map(|(_, b)| if let Body::Obstacle(id) = b { Some(id.0) } else { None })
             .collect();
         free += usize::from(touched.is_empty());
-        touched.into_iter().for_each(|id| hits[id as usize] += 1);
+        for id in touched {
+            hits[id as usize] += 1;
+        }
     }
     Ok((hits, free))
 }
