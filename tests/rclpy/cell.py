@@ -9,9 +9,10 @@ import two_link
 from node_process import NodeProcess
 from parameters import Parameters
 
-# Short enough for a test to see staleness soon, long enough not to see it by accident on a loaded machine.
+# Nothing grows old by accident on a loaded machine.
+QUICK = {"heartbeat_rate": 20.0, "stale_after": 3600.0}
+# Soon enough for a test to see it.
 STALE_AFTER = 1.0  # [s]
-QUICK = {"heartbeat_rate": 20.0, "stale_after": STALE_AFTER}
 
 _numbers = itertools.count(1)
 
@@ -53,6 +54,10 @@ class Cell:
         """The first state judged of these joint positions and velocities, which the driver now reports."""
         self.driver.velocities = velocities
         return self.judged(**positions)
+
+    def grows_old(self):
+        """From now on joint states are soon stale."""
+        self.parameters.succeed(stale_after=STALE_AFTER)
 
     def has_model(self, revision=1):
         """Waits until this model is in force."""

@@ -46,6 +46,7 @@ def test_is_free_is_heard_by_cyclone_dds(cell, peer):
         cell.judged(joint1=0, joint2=pi)
         peer.wait_for(lambda: False in said[before:], "a collision by Cyclone DDS")
         before = len(said)
+        cell.grows_old()
         cell.driver.pause()
         cell.unknown("stale")
         peer.wait_for(lambda: len(said) > before + 2, "more answers")

@@ -46,6 +46,7 @@ def test_diagnostics_follow_the_state(cell, diagnostics):
     assert "tip" in colliding.message
     assert values(colliding)["status"] == "COLLIDING"
 
+    cell.grows_old()
     cell.driver.pause()
     stale = diagnostics.wait_for(DiagnosticStatus.STALE)
     assert stale.message

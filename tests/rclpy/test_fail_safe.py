@@ -22,7 +22,6 @@ HEADING = "### When the answer is UNKNOWN"
 STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
 IS_FREE = {"false": {False}, "as found": {True, False}}
 HEARTBEATS = 3
-AGELESS = {"stale_after": 3600.0}  # nothing grows old in a test that is about something else
 ZERO = {"joint1": 0.0, "joint2": 0.0}
 
 
@@ -68,7 +67,7 @@ class Situation:
 
     def judging(self, **parameters):
         """A node that has judged the robot once, and hears nothing any more."""
-        cell = self.start(parameters=AGELESS | parameters)
+        cell = self.start(parameters=parameters)
         assert cell.judged(**ZERO).status == CollisionState.FREE
         cell.driver.pause()
         return cell
@@ -137,7 +136,7 @@ def model_swap(s):
         '<box size="0.4 0.4 0.4"/>', '<mesh filename="package://heavy_description/heavy.stl"/>'
     )
     publisher = s.describe(two_link.description(), "/swap/robot_description")
-    cell = s._start("--package-path", s.tmp_path, urdf=None, namespace="/swap", parameters=AGELESS)
+    cell = s._start("--package-path", s.tmp_path, urdf=None, namespace="/swap")
     s.cell = cell
     cell.has_model()
     assert cell.judged(**ZERO).status == CollisionState.FREE
@@ -161,12 +160,14 @@ def no_clock(s):
 def stale(s):
     cell = s.start()
     assert cell.judged(**ZERO).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.pause()
 
 
 def stale_joint(s):
     cell = s.start()
     assert cell.judged(**ZERO).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.report(joint1=0.0)
 
 
@@ -203,22 +204,22 @@ def non_finite(s):
 
 
 def partial(s):
-    cell = s.start(parameters=AGELESS, driving=False)
+    cell = s.start(driving=False)
     s.until("partial", lambda: cell.driver.publish({"joint1": 0.0}))
 
 
 def no_transform(s):
-    cell = s.start(urdf="tests/rclpy/rover.urdf", parameters=AGELESS | {"transform_joints": ["drive"]})
+    cell = s.start(urdf="tests/rclpy/rover.urdf", parameters={"transform_joints": ["drive"]})
     cell.driver.report(lift=0.0)
 
 
 def stale_world(s):
-    cell = s.start(parameters=AGELESS | {"point_cloud_topics": ["points"]})
+    cell = s.start(parameters={"point_cloud_topics": ["points"]})
     cell.driver.report(**ZERO)
 
 
 def deadline(s):
-    s.start(parameters=AGELESS | {"check_deadline": 1e-9})
+    s.start(parameters={"check_deadline": 1e-9})
 
 
 def unknown_joint(s):
@@ -233,7 +234,7 @@ def outside_limits(s):
 
 def mimic(s):
     s.describe(two_link.description_with_follower(), "/mimic/robot_description")
-    cell = s.start(urdf=None, namespace="/mimic", parameters=AGELESS)
+    cell = s.start(urdf=None, namespace="/mimic")
     cell.has_model()
     cell.driver.report(**ZERO, follower=0.5)
 
@@ -245,7 +246,7 @@ def no_stamp(s):
 
 def refused_description(s):
     publisher = s.describe(two_link.description(), "/refused/robot_description")
-    cell = s.start(urdf=None, namespace="/refused", parameters=AGELESS)
+    cell = s.start(urdf=None, namespace="/refused")
     cell.has_model()
     assert cell.judged(**ZERO).status == CollisionState.FREE
     publisher.publish(String(data="<robot"))

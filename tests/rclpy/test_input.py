@@ -26,6 +26,7 @@ def test_nothing_is_free_before_the_first_joint_state(start):
 def test_silence_becomes_stale_and_the_heartbeat_goes_on(cell):
     is_free = cell.peer.record(Bool, cell.node.private("is_free"))
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.pause()
 
     first = cell.unknown("stale")
@@ -53,6 +54,7 @@ def test_a_missing_joint_is_named(cell):
 
 def test_a_joint_that_was_there_before_is_missed_when_its_last_word_is_old(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.report(joint1=0)
     state = cell.unknown("stale")
     assert "'joint2'" in state.reason
@@ -95,6 +97,7 @@ def test_fewer_positions_than_names_are_malformed(cell):
 
 def test_a_stamp_far_in_the_future_is_not_trusted(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.pause()
 
     def refused():
@@ -138,6 +141,7 @@ def test_a_stamp_before_the_last_one_is_out_of_order(cell):
 
 def test_a_joint_state_that_arrives_old_is_stale(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.pause()
     stamp = cell.peer.now()
     cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "silence that began before that stamp")

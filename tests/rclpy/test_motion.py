@@ -168,6 +168,7 @@ def test_without_a_joint_state_there_is_no_start(start):
     cell.driver.resume()
     cell.judged(joint1=0, joint2=0)
     assert motions.check((), (0, 1)).verdict == CheckMotion.Response.FREE
+    cell.grows_old()
     cell.driver.pause()
     cell.unknown("stale", after=len(cell.states.messages))
     answer = motions.check((), (0, 1))

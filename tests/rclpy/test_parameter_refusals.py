@@ -2,7 +2,7 @@
 
 import pytest
 
-from cell import STALE_AFTER, Cell
+from cell import QUICK, Cell
 
 
 @pytest.fixture(scope="module")
@@ -46,4 +46,4 @@ def test_an_atomic_change_is_made_whole_or_not_at_all(cell):
     result = cell.parameters.set_atomically(stale_after=2.0, heartbeat_rate=-1.0)
     assert not result.successful
     assert "heartbeat_rate" in result.reason
-    assert cell.parameters.get("stale_after", "heartbeat_rate") == [STALE_AFTER, 20.0]
+    assert cell.parameters.get("stale_after", "heartbeat_rate") == [QUICK["stale_after"], 20.0]

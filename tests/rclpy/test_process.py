@@ -37,6 +37,7 @@ def test_a_subscriber_hears_the_node_again_after_a_restart(cell, end):
 
 def test_the_node_hears_a_driver_again_after_its_restart(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    cell.grows_old()
     cell.driver.disconnect()
     cell.unknown("stale")
 

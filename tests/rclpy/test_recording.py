@@ -73,6 +73,7 @@ def test_a_run_with_everything_in_it_is_the_same_again(start, peer, file):
     cell.judged(**FOLDED)
     cell.parameters.succeed(padding=0.01, look_ahead_horizon=0.5)
     cell.moving(COLLIDING, [0.1, -0.2])
+    cell.grows_old()
     cell.driver.report(joint1=0)
     assert "'joint2'" in cell.unknown("stale").reason
     cell.judged(**FOLDED)
@@ -124,6 +125,7 @@ def test_a_run_of_several_drivers_that_is_slowed_turned_off_and_late_is_the_same
     cell.unknown("partial", after=len(cell.states.messages))
     cell.parameters.succeed(joint_prefix="", link_volume_level=1)
     scales.wait_for(lambda scale: 0.0 < scale.data < 1.0, "a slower robot", after=len(scales.messages))
+    cell.grows_old()
     elbow.pause()
     assert "'joint2'" in cell.unknown("stale").reason
     ended(cell)
@@ -205,7 +207,7 @@ def test_a_tampered_answer_is_told_and_becomes_a_test(start, peer, file, tmp_pat
     assert "recorded: false\n  replayed: true" in done.stdout
     part = outcome(case / "recording.mcap")
     assert part["difference"]["field"] == "is_free"
-    assert part["same"] < number
+    assert part["same"] <= number
     assert replay(copy, "--save-test", case).returncode == 2
     assert replay(file, "--save-test", tmp_path / "none").returncode == 0
     assert not (tmp_path / "none").exists()

@@ -47,6 +47,7 @@ def test_two_drivers_make_one_robot(shoulder):
 def test_a_driver_that_falls_silent_is_missed_by_the_names_of_its_joints(shoulder):
     with driver(shoulder, joint2=0.0) as elbow:
         found(shoulder, CollisionState.FREE, "FREE from two drivers")
+        shoulder.grows_old()
         elbow.pause()
         state = shoulder.unknown("stale")
         assert "'joint2'" in state.reason
@@ -59,6 +60,7 @@ def test_a_driver_that_falls_silent_is_missed_by_the_names_of_its_joints(shoulde
 def test_a_driver_that_starts_anew_takes_its_place(shoulder):
     with driver(shoulder, joint2=0.0):
         found(shoulder, CollisionState.FREE, "FREE from two drivers")
+    shoulder.grows_old()
     shoulder.unknown("stale", after=len(shoulder.states.messages))
     with driver(shoulder, joint2=pi):
         found(shoulder, CollisionState.COLLIDING, "the new driver's answer")
@@ -76,6 +78,7 @@ def test_the_gripper_of_another_robot_makes_nothing_partial(cell):
         diagnostics.wait_for(
             lambda array: any(status.level == DiagnosticStatus.WARN for status in array.status), "a warning"
         )
+    cell.grows_old()
     cell.states.wait_for(lambda state: not state.warnings, "no warning", after=len(cell.states.messages))
 
 

@@ -81,6 +81,7 @@ def test_without_knowledge_there_is_no_speed(slowing):
     speed.becomes(0.0)
     cell.judged(**FAR)
     speed.becomes(1.0)
+    cell.grows_old()
     cell.driver.pause()
     speed.becomes(0.0)
     cell.driver.resume()

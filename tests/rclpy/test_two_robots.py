@@ -49,6 +49,7 @@ def test_what_befalls_one_leaves_the_other_alone(arms):
         assert cell.judged(joint1=0, joint2=0).status == FREE
     seen = len(right.states.messages)
 
+    left.grows_old()
     left.driver.pause()
     left.unknown("stale")
     left.parameters.succeed(padding=0.5, stale_after=0.5)
@@ -93,6 +94,7 @@ def test_equal_robots_on_the_same_topics_are_told_apart_by_their_names(twins):
     (pair,) = settles(right, COLLIDING).colliding_pairs
     assert {pair.body_a, pair.body_b} == {"right/base", "right/tip"}
 
+    right.grows_old()
     driver.report(left_joint1=0.0, left_joint2=0.0, left_gripper=0.0)
     right.unknown("stale")
     state = left.states.wait_for(lambda state: state.warnings, "a warning")
