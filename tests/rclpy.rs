@@ -7,13 +7,24 @@ use std::process::Command;
 
 const SKIP: &str = "CLEARANCE_SKIP_RCLPY";
 
+/// Tests mostly wait: two parts at once take little more than half the time.
 #[test]
-fn rclpy() {
+fn rclpy_part_1() {
+    run("1/2");
+}
+
+#[test]
+fn rclpy_part_2() {
+    run("2/2");
+}
+
+fn run(part: &str) {
     if std::env::var(SKIP).is_ok_and(|value| value == "1") {
         announce(&format!("\n*** SKIPPED: the tests with rclpy did not run, because {SKIP}=1 ***\n"));
         return;
     }
     let output = Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rclpy/run.sh"))
+        .args(["--part", part])
         .env("CLEARANCE_BIN", env!("CARGO_BIN_EXE_clearance"))
         .output()
         .expect("tests/rclpy/run.sh starts");
@@ -27,7 +38,7 @@ fn rclpy() {
          --- stderr ---\n{stderr}\n--- stdout ---\n{stdout}",
         output.status,
     );
-    announce(&format!("rclpy: {passed} tests passed"));
+    announce(&format!("rclpy, part {part}: {passed} tests passed"));
 }
 
 /// Past the capture of the test harness, which shows only what failed tests print.

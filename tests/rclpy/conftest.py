@@ -3,6 +3,7 @@
 import itertools
 import os
 import tempfile
+from collections import Counter
 from contextlib import ExitStack
 
 import pytest
@@ -53,6 +54,25 @@ def cell(start):
 def scene(cell):
     """Changes the world of `cell`."""
     return SceneClient(cell)
+
+
+def pytest_addoption(parser):
+    parser.addoption("--part", metavar="K/N", default="1/1", help="of N parts with whole files, only the K-th")
+
+
+def pytest_collection_modifyitems(config, items):
+    part, parts = map(int, config.getoption("--part").split("/"))
+    tests = Counter(item.path for item in items)
+    sizes = [0] * parts
+    kept = set()
+    # large files first, each to the part that has least
+    for path in sorted(tests, key=lambda path: (-tests[path], path)):
+        least = sizes.index(min(sizes))
+        sizes[least] += tests[path]
+        if least == part - 1:
+            kept.add(path)
+    config.hook.pytest_deselected(items=[item for item in items if item.path not in kept])
+    items[:] = [item for item in items if item.path in kept]
 
 
 @pytest.hookimpl(wrapper=True)
