@@ -91,14 +91,14 @@ class Recorder:
             self.messages.append(message)
             self._peer.changed.notify_all()
 
-    def wait_for(self, accept, what, after=0):
+    def wait_for(self, accept, what, after=0, deadline=DEADLINE):
         """The first message that is accepted, of those that arrived after the first `after` ones."""
 
         def search():
             return next((message for message in self.messages[after:] if accept(message)), None)
 
         try:
-            return self._peer.wait_for(search, f"{what} on {self._topic}")
+            return self._peer.wait_for(search, f"{what} on {self._topic}", deadline)
         except AssertionError as error:
             last = self.messages[-1] if self.messages else "nothing"
             raise AssertionError(f"{error}; {len(self.messages)} messages came, the last: {last}") from None

@@ -200,15 +200,17 @@ def test_a_map_does_not_grow_old_by_itself(start):
 
 
 def test_a_map_that_went_stale_makes_the_state_unknown(start):
-    cell = start(parameters=NEARBY | {"octomap_ttl": 1.0})
+    cell = start(parameters=NEARBY)
     cell.driver.report(**STRETCHED)
     scene = SceneClient(cell)
     assert scene.change(NEAR.message(), topic="octomap_binary").status == CollisionState.FREE
 
+    cell.parameters.succeed(octomap_ttl=1.0)
     state = cell.states.wait_for(
         lambda state: "octomap" in state.reason, "UNKNOWN for a stale map", after=len(cell.states.messages)
     )
     assert state.status == CollisionState.UNKNOWN
+    cell.parameters.succeed(octomap_ttl=3600.0)
     assert scene.change(NEAR.message(), topic="octomap_binary").status == CollisionState.FREE
 
 
