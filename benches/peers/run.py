@@ -55,6 +55,7 @@ class Comparison:
         self.clearance = Child("clearance", [made.clearance, "serve"])
         self.coal = Child("coal_cpp", [made.coal])
         self.pinocchio = Child("pinocchio_coal", [made.python, contestants / "pinocchio_coal.py"])
+        self.fcl_cpp = Child("fcl_cpp", [made.fcl]) if made.fcl else None
         self.fcl = Child("python_fcl", [made.python, contestants / "python_fcl.py"])
         self.own = [
             Voice("clearance", self.clearance),
@@ -63,8 +64,9 @@ class Comparison:
         ]
 
     def close(self) -> None:
-        for child in (self.clearance, self.coal, self.pinocchio, self.fcl):
-            child.close()
+        for child in (self.clearance, self.coal, self.pinocchio, self.fcl, self.fcl_cpp):
+            if child:
+                child.close()
 
     def robot(self, source: subjects.RobotSource) -> RobotResult:
         options, neutral = self.options, self.folder / "neutral"
@@ -86,7 +88,11 @@ class Comparison:
                 result.problems.append(str(failure))
         loaded = {voice.name: voice.child for voice in voices if voice.child in (self.coal, self.pinocchio)}
         if not options.edges_only:
-            self._worlds(source, result, loaded)
+            among = dict(loaded)
+            if self.fcl_cpp:
+                self.fcl_cpp.ask("load", neutral)
+                among[self.fcl_cpp.name] = self.fcl_cpp
+            self._worlds(source, result, among)
         if options.worlds_only:
             return result
         if options.edges:

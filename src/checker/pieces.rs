@@ -28,7 +28,7 @@ pub(super) struct PlacedPiece {
 
 impl PlacedPiece {
     /// A number never larger than the padded distance (m) of a padded part; what is no number bounds nothing.
-    #[inline]
+    #[inline(always)]
     pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
         self.volume.lower_bound(part)
     }
@@ -89,6 +89,7 @@ impl Pieces {
         self.of_places[at] = numbers;
     }
 
+    #[inline]
     pub fn at(&self, number: u32) -> &PlacedPiece {
         &self.all[number as usize]
     }

@@ -26,6 +26,8 @@ const STEPS: usize = 2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootCapsule {
     segment: Segment<f32>,
+    /// 1 / |half|² (1/m²).
+    over_square: f32,
     radius: f32,
     /// E + H of the bounds (m): the largest coordinate that it was made from, and how far it reaches from its centre.
     size: f32,
@@ -66,7 +68,13 @@ impl RootCapsule {
         let [p, q, r] = origin;
         let extent = (x.abs() + p.abs()).max(y.abs() + q.abs()).max(z.abs() + r.abs());
         let reach = half[0].abs() + half[1].abs() + half[2].abs() + radius;
-        Self { segment: Segment { centre: [x + p, y + q, z + r], half }, radius, size: extent + reach }
+        let over_square = 1.0 / dot(half, half).max(LEAST_SQUARE);
+        Self {
+            segment: Segment { centre: [x + p, y + q, z + r], half },
+            over_square,
+            radius,
+            size: extent + reach,
+        }
     }
 
     /// A box around all that is within `by` (m) of it.
@@ -80,28 +88,30 @@ impl RootCapsule {
 
     /// A number never larger than the distance (m) from another one, less than zero where they overlap; what is no number bounds
     /// nothing.
+    #[inline(always)]
     fn bound_of_capsule(&self, other: &Self) -> f32 {
         let (u, v) = (self.segment.half, other.segment.half);
         let w = minus(other.segment.centre, self.segment.centre);
         let (uu, vv, uv, uw, vw) = (dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w));
-        let s = share(uw * vv - uv * vw, (uu * vv - uv * uv).max(PARALLEL * uu * vv));
-        let t = share(uv * s - vw, vv);
-        let s = share(uv * t + uw, uu);
+        let determinant = (uu * vv - uv * uv).max(PARALLEL * uu * vv).max(LEAST_SQUARE);
+        let s = share((uw * vv - uv * vw) / determinant);
+        let t = share((uv * s - vw) * other.over_square);
+        let s = share((uv * t + uw) * self.over_square);
         let n = minus(along(w, v, t), along([0.0; 3], u, s));
         let gap = dot(n, w) - dot(n, u).abs() - dot(n, v).abs();
         gap / length(n) - (self.radius + other.radius + SLACK * (self.size + other.size))
     }
 
     /// The same of a box.
+    #[inline(always)]
     fn bound_of_box(&self, to: &RootBox) -> f32 {
         let turned = |v: [f32; 3]| to.axes.map(|axis| dot(axis, v));
         let w = turned(minus(self.segment.centre, to.centre));
         let u = turned(self.segment.half);
-        let uu = dot(u, u);
-        let mut p = along(w, u, share(-dot(w, u), uu));
+        let mut p = along(w, u, share(-dot(w, u) * self.over_square));
         for _ in 0..STEPS {
             let q = to.nearest(p);
-            p = along(w, u, share(dot(minus(q, w), u), uu));
+            p = along(w, u, share(dot(minus(q, w), u) * self.over_square));
         }
         let n = minus(p, to.nearest(p));
         let [x, y, z] = n.map(f32::abs);
@@ -113,6 +123,7 @@ impl RootCapsule {
 
 impl RootBox {
     /// The point of it, in its frame, nearest to one.
+    #[inline(always)]
     fn nearest(&self, p: [f32; 3]) -> [f32; 3] {
         let [a, b, c] = self.half_extents;
         [p[0].max(-a).min(a), p[1].max(-b).min(b), p[2].max(-c).min(c)]
@@ -161,7 +172,7 @@ impl RootVolume {
     }
 
     /// A number never larger than the distance (m) of a part, less than zero where they overlap.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
         let bound = match self {
@@ -173,10 +184,10 @@ impl RootVolume {
     }
 }
 
-/// A share of a half length, where numbers are good for one.
+/// A share of a half length.
 #[inline(always)]
-fn share(over: f32, under: f32) -> f32 {
-    (over / under.max(LEAST_SQUARE)).clamp(-1.0, 1.0)
+fn share(of: f32) -> f32 {
+    of.clamp(-1.0, 1.0)
 }
 
 #[inline(always)]

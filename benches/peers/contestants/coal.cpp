@@ -1,16 +1,15 @@
 // Coal as a careful C++ programmer would drive it; what that means is in README.md, "Fairness".
 #include <coal/collision.h>
 #include <coal/distance.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
 #include <limits>
 #include <memory>
 
 #include "edges.hpp"
 #include "neutral.hpp"
+#include "protocol.hpp"
 #include "solids.hpp"
 #include "surroundings.hpp"
 
@@ -88,8 +87,13 @@ class Contestant {
     return false;
   }
 
-  void take(neutral::Edges edges) { edges_ = std::move(edges); }
-  void take(const neutral::Robot& world) { surroundings_ = std::make_unique<Surroundings>(solids_, world); }
+  // Takes what stands in a file in place of what it had; false where it takes nothing of the kind.
+  bool take(const std::string& kind, const std::string& file) {
+    if (kind == "edges") edges_ = neutral::edges(file);
+    else if (kind == "world") surroundings_ = std::make_unique<Surroundings>(solids_, neutral::Reader(file).robot);
+    else return false;
+    return true;
+  }
 
   std::string say(bool free) const { return free ? "1" : "0"; }
   std::string say(double distance) const {
@@ -221,54 +225,4 @@ class Contestant {
   }
 };
 
-static long long cpu_nanoseconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return t.tv_sec * 1000000000LL + t.tv_nsec;
-}
-
-// Keeps the compiler from dropping work whose answer nobody reads.
-template <class T>
-static void keep(const T& value) {
-  asm volatile("" : : "g"(&value) : "memory");
-}
-
-static std::string reply(const std::vector<std::string>& w, std::unique_ptr<Contestant>& contestant) {
-  if (w[0] == "load") {
-    contestant = std::make_unique<Contestant>(w.at(1));
-    return "ok\t";
-  }
-  if (!contestant) throw std::runtime_error("nothing is loaded");
-  if (w[0] == "edges") {
-    contestant->take(neutral::edges(w.at(1)));
-    return "ok\t";
-  }
-  if (w[0] == "world") {
-    contestant->take(neutral::Reader(w.at(1)).robot);
-    return "ok\t";
-  }
-  bool known = true;
-  std::string out;
-  if (w[0] == "pass") {
-    const long long start = cpu_nanoseconds();
-    for (long n = std::stol(w.at(3)); n > 0 && known; --n)
-      known = contestant->ask(w.at(1), w.at(2), [](const auto& answer) { keep(answer); });
-    out = "\t" + std::to_string(cpu_nanoseconds() - start);
-  } else if (w[0] == "answers") {
-    known = contestant->ask(w.at(1), w.at(2), [&](const auto& answer) { out += "\t" + contestant->say(answer); });
-  } else {
-    known = false;
-  }
-  return known ? "ok" + out : "unsupported";
-}
-
-int main() {
-  std::unique_ptr<Contestant> contestant;
-  for (std::string line; std::getline(std::cin, line);) {
-    try {
-      std::cout << reply(neutral::words(line), contestant) << std::endl;
-    } catch (const std::exception& e) {
-      std::cout << "error\t" << e.what() << std::endl;
-    }
-  }
-}
+int main() { return protocol::serve<Contestant>(); }

@@ -31,6 +31,8 @@ class MissingTool(Exception):
 class Environment:
     python: Path
     coal: Path
+    # None where its library is not installed; `notes` say so.
+    fcl: Path | None
     clearance: Path
     # None where it cannot be installed; `notes` say why.
     tesseract: Path | None
@@ -48,15 +50,21 @@ def prepare() -> Environment:
             raise MissingTool(f"needs {tool} ({source})")
     with _venv("peers", PEERS / "requirements.txt") as venv:
         coal = _build_coal(venv)
+    notes: list[str] = []
+    fcl_version = _fcl_version()
+    if fcl_version is None:
+        notes.append("FCL from C++ is left out: it needs apt-get install libfcl-dev pkg-config")
+    fcl = _build_fcl(fcl_version) if fcl_version else None
     # apart from the others, so that neither takes the other's NumPy, and so that all else goes on without it
-    tesseract, notes = None, []
+    tesseract = None
     try:
         with _venv("tesseract", PEERS / "requirements-tesseract.txt") as apart:
             tesseract = apart / "bin/python"
     except MissingTool as missing:
         notes.append(f"Tesseract is left out: {str(missing).strip().splitlines()[-1]}")
     python = venv / "bin/python"
-    return Environment(python, coal, _build_clearance(), tesseract, _versions(python, tesseract), notes)
+    versions = _versions(python, tesseract) | ({"FCL": fcl_version} if fcl_version else {})
+    return Environment(python, coal, fcl, _build_clearance(), tesseract, versions, notes)
 
 
 @contextmanager
@@ -125,6 +133,26 @@ def _build_coal(venv: Path) -> Path:
     command += ["-L", prefix / "lib", "-lcoal", f"-Wl,-rpath,{prefix / 'lib'}", "-o", program]
     _run(command, "the C++ contestant does not build")
     return program
+
+
+def _build_fcl(version: str) -> Path:
+    """Against the distribution's library: its wheel has no headers."""
+    folder = PEERS / "contestants"
+    sources = [folder / name for name in ("fcl.cpp", "neutral.hpp", "protocol.hpp")]
+    program = _cache() / f"fcl-{_hash(sources, version)}"
+    if not program.exists():
+        print("building the contestant of FCL", file=sys.stderr)
+        command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", "-isystem", "/usr/include/eigen3", sources[0]]
+        command += ["-lfcl", "-loctomap", "-loctomath", "-lccd", "-o", program]
+        _run(command, "the contestant of FCL does not build")
+    return program
+
+
+def _fcl_version() -> str | None:
+    if shutil.which("pkg-config") is None:
+        return None
+    told = subprocess.run(["pkg-config", "--modversion", "fcl"], capture_output=True, text=True, check=False)
+    return told.stdout.strip() if told.returncode == 0 else None
 
 
 def _build_clearance() -> Path:

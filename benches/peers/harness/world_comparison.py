@@ -81,14 +81,16 @@ class WorldComparison:
         if kind == "cloud":
             own.append(Voice("clearance_cubes", self.clearance, "-cubes"))
             peers = [("coal_cpp", "tree", "-world-tree"), ("coal_cpp", "octree", "-world-octree")]
+            peers += [("fcl_cpp", "tree", "-world-tree"), ("fcl_cpp", "octree", "-world-octree")]
             peers.append(("pinocchio_coal", "octree", "-world-list"))
         else:
             peers = [(name, way, manner) for name in known for way, manner in manners.items()]
             peers = [peer for peer in peers if short or peer[:2] != ("pinocchio_coal", "list")]
+            peers = [peer for peer in peers if peer[:2] != ("fcl_cpp", "list")]
         return own + [Voice(f"{name}_{way}", known[name], manner) for name, way, manner in peers if name in known]
 
     def _distance_voices(self, known: dict[str, Child]) -> list[Voice]:
-        ways = [("coal_cpp", "tree"), ("coal_cpp", "list"), ("pinocchio_coal", "list")]
+        ways = [("coal_cpp", "tree"), ("coal_cpp", "list"), ("fcl_cpp", "tree"), ("pinocchio_coal", "list")]
         own = Voice("clearance", self.clearance, "-world")
         return [own] + [Voice(f"{name}_{way}", known[name], f"-world-{way}") for name, way in ways if name in known]
 
