@@ -6,7 +6,6 @@ from itertools import count
 
 from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckMotion
-from rclpy.time import Time
 from std_msgs.msg import String
 
 import two_link
@@ -36,7 +35,7 @@ class Restarts:
             stack.callback(lambda: self._source and self._source.kill())
             self._describe()
             self._drive()
-            self._free(since=Time())
+            self._free(self._peer.now())
             self._stack = stack.pop_all()
         return self
 
