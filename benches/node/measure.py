@@ -23,6 +23,7 @@ def arguments():
     length.add_argument("--short", action="store_true", help="about two minutes (the default)")
     length.add_argument("--long", action="store_true", help="about an hour and a half")
     parser.add_argument("--binary", type=Path, default=ROOT / "target/release/clearance", help="the program that is measured")
+    parser.add_argument("--robot", default="g1", help="whose joint states come at 1 kHz (the table is about g1)")
     parser.add_argument("--rows", default=",".join(ROWS), help=f"some of {','.join(ROWS)}")
     parser.add_argument("--out", type=Path, default=ROOT / "docs/node_benchmarks.md")
     options = parser.parse_args()
@@ -45,9 +46,9 @@ def measured(options):
     domain_ids = itertools.count(1)
     seconds = 120 if options.long else 12
     plan = {
-        "latency": lambda: [latency.measure(robot("g1"), seconds, next(domain_ids), 1.0, with_clients=False)],
-        "latency-with-clients": lambda: [latency.measure(robot("g1"), seconds, next(domain_ids), 2.0, with_clients=True)],
-        "memory": lambda: [memory.measure(robot("g1"), 3600 if options.long else 20, next(domain_ids))],
+        "latency": lambda: [latency.measure(robot(options.robot), seconds, next(domain_ids), 1.0, with_clients=False)],
+        "latency-with-clients": lambda: [latency.measure(robot(options.robot), seconds, next(domain_ids), 2.0, with_clients=True)],
+        "memory": lambda: [memory.measure(robot(options.robot), 3600 if options.long else 20, next(domain_ids))],
         "start": lambda: [
             start.measure(robot(name), 10 if options.long else 3, next(domain_ids), limit)
             for name, limit in (("ur5e", 1.0), ("g1", 2.0))

@@ -13,11 +13,12 @@ from clouds import cloud
 from joint_state_source import Source
 from node_process import NodeProcess
 from peer import Peer
-from reports import Reports
+from reports import Reports, came
 from rows import Row
 from scene import ball, move, pose, removal
 
 RATE = 1000.0  # [Hz]
+RATE_AT_LEAST = 0.99 * RATE  # slower, and it is not this that is measured
 PERIOD = 0.1  # [s] between two edits, and between two clouds
 POINTS = 5000
 SAMPLE = 0.5  # [s]
@@ -84,12 +85,12 @@ def row(robot, samples, before, after):
     slope = np.polyfit(times, memory, 1)[0] * 3600 if len(times) > 1 else 0.0
     allowed = max(MOST_GROWTH_MB, MOST_GROWTH * early)
     edits = after["world revision"] - before["world revision"]
-    rate = (after["joint states heard"] - before["joint states heard"]) / (after.at - before.at)
+    rate = came(before, after)
     return Row(
         f"memory at 1 kHz with scene edits and a cloud of {POINTS} points at 10 Hz, {robot.name}",
         f"flat: at most {allowed:.1f} MB more at the end",
         f"{late - early:+.1f} MB ({early:.0f} to {late:.0f} MB) in {times[-1] - times[0]:.0f} s",
-        late - early <= allowed and edits > 0,
-        f"a line through all of it rises by {slope:+.1f} MB an hour; {rate:.0f} joint states a second, {edits:.0f} changes of the world; "
+        late - early <= allowed and edits > 0 and rate >= RATE_AT_LEAST,
+        f"a line through all of it rises by {slope:+.1f} MB an hour; {rate:.0f} joint states sent a second, {edits:.0f} changes of the world; "
         "the first quarter (ten minutes at most) is warm-up",
     )

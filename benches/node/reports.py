@@ -21,6 +21,7 @@ class Told:
 class Reports:
     def __init__(self, peer, node):
         self._peer = peer
+        self._node = node
         self._name = f"{node.path[1:]}: collision monitor"
         self._recorder = peer.record(DiagnosticArray, "/diagnostics", 100)
 
@@ -36,7 +37,12 @@ class Reports:
     def wait_for(self, accept, what):
         """The first report that is accepted, of those that come from now on."""
         seen = len(self.all())
-        return self._peer.wait_for(lambda: next(filter(accept, self.all()[seen:]), None), what, PATIENCE)
+
+        def search():
+            assert self._node.exit_code is None, f"the node ended: {self._node.output()}"
+            return next(filter(accept, self.all()[seen:]), None)
+
+        return self._peer.wait_for(search, what, PATIENCE)
 
     def during(self, seconds):
         """All reports of so many seconds from now on: the first one says what was before."""
@@ -45,6 +51,12 @@ class Reports:
         self._peer.wait_for(lambda: time.monotonic() > end, "the end", seconds + PATIENCE)
         self.wait_for(lambda _: True, "a report")
         return [told for told in self.all() if told.at >= first.at]
+
+
+def came(first, last):
+    """How many joint states a second were sent between two reports: those that were heard, and those that got lost."""
+    sent = [told["joint states heard"] + told["joint states lost"] for told in (first, last)]
+    return (sent[1] - sent[0]) / (last.at - first.at)
 
 
 def _numbers(values):

@@ -88,7 +88,6 @@ const LONGEST: u64 = 60_000_000;
 
 impl Default for Latencies {
     /// Quantiles are told to two digits, never less than they were.
-    #[expect(clippy::missing_panics_doc, reason = "the bounds are constants that are tested")]
     fn default() -> Self {
         Self(Histogram::new_with_bounds(1, LONGEST, 2).expect("the bounds of the distribution are valid"))
     }
