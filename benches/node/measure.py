@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -37,29 +38,34 @@ def arguments():
 
 def measured(options):
     """All rows, one after the other."""
+    for name, measures in plan(options).items():
+        for measure in measures if name in options.rows else ():
+            print(f"measuring: {name}", file=sys.stderr)
+            row = attempt(name, measure)
+            print(f"  {row.measure}: {row.found} (at least {row.required}): {row.word} {row.note}", file=sys.stderr)
+            yield row
+
+
+def plan(options):
+    """What gives each row."""
     import latency
     import memory
     import recovery
     import start
     from robots import robot
 
-    domain_ids = itertools.count(1)
-    seconds = 120 if options.long else 12
-    plan = {
-        "latency": lambda: [latency.measure(robot(options.robot), seconds, next(domain_ids), 1.0, with_clients=False)],
-        "latency-with-clients": lambda: [latency.measure(robot(options.robot), seconds, next(domain_ids), 2.0, with_clients=True)],
-        "memory": lambda: [memory.measure(robot(options.robot), 3600 if options.long else 20, next(domain_ids))],
-        "start": lambda: [
-            start.measure(robot(name), 10 if options.long else 3, next(domain_ids), limit)
-            for name, limit in (("ur5e", 1.0), ("g1", 2.0))
+    fast, ids = options.robot, itertools.count(1)
+    seconds, watched, starts, restarts = (120, 3600, 10, 50) if options.long else (12, 20, 3, 5)
+    return {
+        "latency": [lambda: latency.measure(robot(fast), seconds, next(ids), 1.0, with_clients=False)],
+        "latency-with-clients": [lambda: latency.measure(robot(fast), seconds, next(ids), 2.0, with_clients=True)],
+        "memory": [lambda: memory.measure(robot(fast), watched, next(ids))],
+        "start": [
+            lambda: start.measure(robot("ur5e"), starts, next(ids), 1.0),
+            lambda: start.measure(robot("g1"), starts, next(ids), 2.0),
         ],
-        "restart": lambda: recovery.measure(50 if options.long else 5, domain_ids),
+        "restart": [partial(recovery.measure, restart, restarts, ids) for restart in recovery.ALL],
     }
-    for name in options.rows:
-        print(f"measuring: {name}", file=sys.stderr)
-        for row in attempt(name, plan[name]):
-            print(f"  {row.measure}: {row.found} (at least {row.required}): {row.word} {row.note}", file=sys.stderr)
-            yield row
 
 
 def attempt(name, measure):
@@ -70,9 +76,9 @@ def attempt(name, measure):
     try:
         return measure()
     except NotHere as missing:
-        return [Row(name, "", "", None, str(missing))]
+        return Row(name, "", "", None, str(missing))
     except AssertionError as error:
-        return [Row(name, "", "failed", False, " ".join(str(error).split())[:500])]
+        return Row(name, "", "failed", False, " ".join(str(error).split())[:500])
 
 
 def facts(options):
@@ -84,7 +90,7 @@ def facts(options):
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "machine": f"{names[0] if names else platform.machine()}, {os.cpu_count()} threads, Linux {platform.release()}",
-        "program": f"{tell(options.binary, '--version')}, commit {tell('git', 'rev-parse', '--short', 'HEAD')}{changed}",
+        "program": f"{tell(options.binary.resolve(), '--version')}; the tree is at {tell('git', 'rev-parse', '--short', 'HEAD')}{changed}",
         "peers": f"rclpy of {os.environ.get('CLEARANCE_ROS', 'kilted')}, Python {platform.python_version()}, on the same machine",
         "length": "long" if options.long else "short",
     }

@@ -5,14 +5,13 @@ from restarts import Restarts
 from rows import Row
 
 
-def measure(times, domain_ids):
-    return [measure_one(restart, times, next(domain_ids)) for restart in Restarts.ALL]
+ALL = Restarts.ALL
 
 
-def measure_one(restart, times, domain_id):
+def measure(restart, times, domain_ids):
     seconds, fault = [], ""
     try:
-        with Peer(domain_id) as peer, Restarts(peer) as restarts:
+        with Peer(next(domain_ids)) as peer, Restarts(peer) as restarts:
             for _ in range(times):
                 seconds.append(restart(restarts))
     except AssertionError as error:

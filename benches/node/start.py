@@ -10,6 +10,7 @@ from peer import Peer
 from rows import Row
 
 RATE = 100.0  # [Hz]
+PATIENCE = 60.0  # [s]
 
 
 def measure(robot, times, domain_id, limit):
@@ -29,6 +30,11 @@ def first_answer(robot, number, peer):
     name = f"clearance_{number}"
     states = peer.record(CollisionState, f"/{name}/state")
     start = time.monotonic()
-    with NodeProcess(*robot.arguments, domain_id=peer.domain_id, name=name):
-        peer.wait_for(lambda: any(state.status != CollisionState.UNKNOWN for state in states.messages), "an answer", 60.0)
+    with NodeProcess(*robot.arguments, domain_id=peer.domain_id, name=name) as node:
+
+        def answered():
+            assert node.exit_code is None, f"the node ended: {node.output()}"
+            return any(state.status != CollisionState.UNKNOWN for state in states.messages)
+
+        peer.wait_for(answered, "an answer", PATIENCE)
         return time.monotonic() - start

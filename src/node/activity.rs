@@ -95,7 +95,7 @@ impl Default for Latencies {
 
 impl Latencies {
     pub fn note(&mut self, latency: Duration) {
-        self.0.saturating_record(u64::try_from(latency.as_micros()).unwrap_or(LONGEST));
+        self.0.saturating_record(u64::try_from(latency.as_nanos().div_ceil(1000)).unwrap_or(LONGEST));
     }
 
     #[must_use]
