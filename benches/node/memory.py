@@ -82,6 +82,7 @@ def row(robot, samples, before, after):
     times, memory = samples[samples[:, 0] >= min(samples[-1, 0] / 4, 600)].T
     quarter = max(len(memory) // 4, 1)
     early, late = median(memory[:quarter]), median(memory[-quarter:])
+    course = ", ".join(f"{memory[at]:.0f}" for at in np.linspace(0, len(memory) - 1, 9).astype(int))
     slope = np.polyfit(times, memory, 1)[0] * 3600 if len(times) > 1 else 0.0
     allowed = max(MOST_GROWTH_MB, MOST_GROWTH * early)
     edits = after["world revision"] - before["world revision"]
@@ -91,6 +92,6 @@ def row(robot, samples, before, after):
         f"flat: at most {allowed:.1f} MB more at the end",
         f"{late - early:+.1f} MB ({early:.0f} to {late:.0f} MB) in {times[-1] - times[0]:.0f} s",
         late - early <= allowed and edits > 0 and rate >= RATE_AT_LEAST,
-        f"a line through all of it rises by {slope:+.1f} MB an hour; {rate:.0f} joint states sent a second, {edits:.0f} changes of the world; "
+        f"{course} MB at even times; a line through all of it rises by {slope:+.1f} MB an hour; {rate:.0f} joint states sent a second, {edits:.0f} changes of the world; "
         "the first quarter (ten minutes at most) is warm-up",
     )
