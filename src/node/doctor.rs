@@ -28,7 +28,9 @@ use super::run::{NODE_NAME, NodeError};
 use super::scene::note_transforms;
 use crate::checker::{CollisionChecker, Settings};
 use crate::monitor::scene::TransformTree;
-use crate::monitor::{Judgement, Monitor, MonitorSettings, Now, Revision, SourceId, Status, Time, quoted_list};
+use crate::monitor::{
+    Judgement, Monitor, MonitorSettings, Now, Revision, SourceId, Status, Time, quoted_list,
+};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
 use crate::world::World;
 
@@ -284,7 +286,8 @@ fn listen(
             loop {
                 let (state, origin) = states.next().await;
                 *joint_state_count = joint_state_count.saturating_add(1);
-                numbers += state.name.len() + state.position.len() + state.velocity.len() + state.effort.len();
+                numbers +=
+                    state.name.len() + state.position.len() + state.velocity.len() + state.effort.len();
                 if joint_states.is_empty() || (joint_states.len() < MOST && numbers < MOST_NUMBERS) {
                     joint_states.push((state, origin.publisher, clock.read()));
                 }
@@ -387,9 +390,7 @@ fn about_robot(robot: &RobotModel) -> Vec<Finding> {
 /// Whether there is the time that was asked for.
 fn about_clock(heard: &Heard, environment: Environment) -> Finding {
     match heard.simulated_time {
-        Some(time) => {
-            good("clock", format!("simulated time is told; the last: {:.3} s", seconds(time)))
-        }
+        Some(time) => good("clock", format!("simulated time is told; the last: {:.3} s", seconds(time))),
         None => wrong(
             "clock",
             format!(

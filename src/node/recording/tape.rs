@@ -229,9 +229,7 @@ fn of_collision_state(state: &CollisionState) -> usize {
     let colliding = state.colliding_pairs.iter().map(|pair| size_of_val(pair) + names(pair));
     let distances = state.pair_distances.iter().map(|pair| size_of_val(pair) + names(&pair.pair));
     let skipped = state.skipped.iter().map(|skipped| size_of_val(skipped) + skipped.reason.len());
-    state.reason.len()
-        + of_texts(&state.warnings)
-        + colliding.chain(distances).chain(skipped).sum::<usize>()
+    state.reason.len() + of_texts(&state.warnings) + colliding.chain(distances).chain(skipped).sum::<usize>()
 }
 
 fn of_objects(objects: &[CollisionObject]) -> usize {
