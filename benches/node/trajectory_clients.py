@@ -14,6 +14,7 @@ from rclpy.qos import QoSProfile
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 BURST = QoSProfile(depth=200)  # every client hears the answers to all others
+PATIENCE = 60.0  # [s]
 REACH = 0.2  # [rad, m] from zero
 VERDICTS = {0: "error", 1: "free", 2: "contact", 3: "undecided"}
 
@@ -41,7 +42,10 @@ def main(service, count, joints):
         client.call_async(request).add_done_callback(answered)
 
     clients = [node.create_client(CheckTrajectory, service, qos_profile=BURST) for _ in range(int(count))]
+    deadline = time.monotonic() + PATIENCE
     while not all(client.service_is_ready() for client in clients):
+        if time.monotonic() > deadline:
+            sys.exit(f"{service} was not met in {PATIENCE:g} s")
         rclpy.spin_once(node, timeout_sec=0.05)
     for number, client in enumerate(clients):
         ask(client, CheckTrajectory.Request(trajectory=trajectory(joints.split(","), number)))

@@ -49,9 +49,9 @@ def test_a_row_of_latency_is_missed(changed):
     assert latency_row(**changed).reached is False
 
 
-@pytest.mark.parametrize(("growth", "reached"), [(0.0, True), (0.01, True), (1.0, False)])
+@pytest.mark.parametrize(("growth", "reached"), [(0.0, True), (0.01, True), (0.1, False)])
 def test_memory_that_grows_is_missed(growth, reached):
-    samples = memory.np.array([(0.5 * number, 100.0 + growth * number) for number in range(200)])
+    samples = memory.np.array([(5.0 * number, 100.0 + growth * number) for number in range(200)])
     before, after = told(0.0, world_revision=1.0), told(100.0, world_revision=900.0, joint_states_heard=100_000.0)
     assert memory.row(ROBOT, samples, before, after).reached == reached
 
