@@ -3,7 +3,7 @@
 use super::Time;
 
 /// Who sent a message: unique for each publisher.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SourceId(pub [u8; 16]);
 
 /// A `sensor_msgs/JointState` as it came, unchecked.

@@ -5,35 +5,10 @@ use std::time::Duration;
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
+use super::activity::{Activity, Latencies};
 use super::messages::stamp_message;
 use super::scene::CloudReport;
 use crate::monitor::{Judgement, Reason, Status, Time};
-
-/// What happened since the last report.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Activity {
-    /// Joint states that came.
-    pub heard: u32,
-    /// Joint states that a newer one overtook before they could be judged.
-    pub passed_over: u32,
-    /// Messages that a subscriber's full window kept from being sent.
-    pub dropped: u32,
-    pub checks: u32,
-    pub compute_time: Duration,
-    pub longest_compute_time: Duration,
-}
-
-impl Activity {
-    /// A joint state was judged.
-    pub fn note_judged(&mut self, judgement: &Judgement) {
-        self.heard += 1;
-        if let Some(evidence) = &judgement.evidence {
-            self.checks += 1;
-            self.compute_time += evidence.compute_time;
-            self.longest_compute_time = self.longest_compute_time.max(evidence.compute_time);
-        }
-    }
-}
 
 /// A report: what is known, what happened in the last `interval`, what was wrong with the last model if it was refused, and what
 /// became of the last cloud of each topic.
@@ -139,14 +114,27 @@ fn values(
         tell("age of the joint state (s)", format!("{age:.3}"));
     }
     tell("least distance (m)", format!("{:.4}", judgement.distance()));
-    let rate = f64::from(activity.heard) / interval.as_secs_f64().max(1e-3);
-    tell("joint states per second", format!("{rate:.1}"));
-    let mean = activity.compute_time / activity.checks.max(1);
-    tell("mean compute time (ms)", milliseconds(mean));
-    tell("longest compute time (ms)", milliseconds(activity.longest_compute_time));
-    tell("joint states passed over", activity.passed_over.to_string());
     tell("speed scale", format!("{:.3}", judgement.speed_scale));
-    tell("messages dropped", activity.dropped.to_string());
+    let Activity { lately, ever } = activity;
+    #[expect(clippy::cast_precision_loss, reason = "nobody hears 2^52 in a second")]
+    let rate = lately.heard() as f64 / interval.as_secs_f64().max(1e-3);
+    tell("joint states per second", format!("{rate:.1}"));
+    let mean = lately.compute_time / lately.checks.max(1);
+    tell("mean compute time (ms)", milliseconds(mean));
+    tell("longest compute time (ms)", milliseconds(lately.longest_compute_time));
+    for (stretch, told) in [("", lately), (" since start", ever)] {
+        for (name, value) in latency_values(&told.latencies) {
+            tell(&format!("latency{stretch}: {name} (ms)"), milliseconds(value));
+        }
+    }
+    tell("seconds of this report", format!("{:.3}", interval.as_secs_f64()));
+    for (stretch, told) in [(" in this report", lately), ("", ever)] {
+        tell(&format!("joint states heard{stretch}"), told.heard().to_string());
+        tell(&format!("joint states judged{stretch}"), told.judged.to_string());
+        tell(&format!("joint states passed over{stretch}"), told.passed_over.to_string());
+        tell(&format!("joint states lost{stretch}"), told.lost.to_string());
+        tell(&format!("messages dropped{stretch}"), told.dropped.to_string());
+    }
     for warning in judgement.warnings.iter() {
         tell("warning", warning.clone());
     }
@@ -154,6 +142,14 @@ fn values(
         tell("model refused", fault.to_owned());
     }
     values
+}
+
+/// How long it took from a joint state to its answer, if any was given.
+fn latency_values(latencies: &Latencies) -> Vec<(&'static str, Duration)> {
+    if latencies.is_empty() {
+        return Vec::new();
+    }
+    vec![("median", latencies.quantile(0.5)), ("p99", latencies.quantile(0.99)), ("max", latencies.max())]
 }
 
 /// What became of the last cloud of a topic.

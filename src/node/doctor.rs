@@ -1,12 +1,14 @@
 //! `clearance doctor`: what keeps the node from working here, found by listening for a while.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use futures_lite::future;
 use log::Level;
+use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
@@ -17,8 +19,8 @@ use super::arguments::RosArguments;
 use super::clock::RosClock;
 use super::environment::{Environment, EnvironmentError, Reach};
 use super::logging;
-use super::messages::joint_state_input;
-use super::middleware::{MessageKind, Middleware, Origin, Quality, Subscription};
+use super::messages::{joint_state_input, time_of};
+use super::middleware::{MessageKind, Middleware, Quality, Subscription};
 use super::names::Names;
 use super::parameter_files;
 use super::parameters::Parameters;
@@ -26,7 +28,9 @@ use super::run::{NODE_NAME, NodeError};
 use super::scene::note_transforms;
 use crate::checker::{CollisionChecker, Settings};
 use crate::monitor::scene::TransformTree;
-use crate::monitor::{Judgement, Monitor, MonitorSettings, Revision, Status};
+use crate::monitor::{
+    Judgement, Monitor, MonitorSettings, Now, Revision, SourceId, Status, Time, quoted_list,
+};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
 use crate::world::World;
 
@@ -49,6 +53,16 @@ pub enum Verdict {
     Wrong,
 }
 
+impl Verdict {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Note => "note",
+            Self::Wrong => "wrong",
+        }
+    }
+}
+
 /// What is to be examined.
 #[derive(Debug)]
 pub struct Patient {
@@ -65,8 +79,13 @@ pub struct Patient {
 struct Heard {
     description: Option<String>,
     semantic: Option<String>,
-    joint_states: Vec<(JointState, Origin)>,
+    /// The first ones, and when they came.
+    joint_states: Vec<(JointState, SourceId, Now)>,
+    /// How many came.
+    joint_state_count: u32,
     transforms: TransformTree,
+    /// What simulated time there is, if it was asked for.
+    simulated_time: Option<Time>,
     /// What the middleware complained about.
     complaints: Vec<String>,
 }
@@ -87,7 +106,11 @@ pub fn examine(patient: Patient) -> Result<Vec<Finding>, NodeError> {
     let (parameters, _) =
         parameter_files::initial(Parameters::default(), &patient.arguments.parameters, &names)
             .map_err(|fault| NodeError::Input(fault.to_string()))?;
-    let heard = listen(environment, &names, patient.robot.is_none(), patient.patience)?;
+    let robot_is_wanted = patient.robot.is_none();
+    let heard = listen(environment, &names, (robot_is_wanted, parameters.use_sim_time), patient.patience)?;
+    if parameters.use_sim_time {
+        findings.push(about_clock(&heard, environment));
+    }
     findings.extend(heard.complaints.iter().map(|text| wrong("peers", text.clone())));
     let robot = match patient.robot {
         Some(robot) => Some(robot),
@@ -98,7 +121,39 @@ pub fn examine(patient: Patient) -> Result<Vec<Finding>, NodeError> {
         findings.extend(about_robot(robot));
     }
     findings.extend(about_joint_states(&heard, robot, &parameters, (environment, patient.patience)));
-    Ok(findings)
+    Ok(bounded(findings))
+}
+
+/// The same, of which no peer can make more than a person reads, or anything that a terminal obeys.
+fn bounded(findings: Vec<Finding>) -> Vec<Finding> {
+    const MOST: usize = 20;
+    const LONGEST: usize = 1000;
+    let readable = |text: &str| {
+        let mut readable: String = text
+            .chars()
+            .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
+            .take(LONGEST)
+            .collect();
+        if text.chars().nth(LONGEST).is_some() {
+            readable.push('…');
+        }
+        readable
+    };
+    let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
+    let mut told = Vec::new();
+    for Finding { verdict, about, text } in findings {
+        let count = counts.entry((about.clone(), verdict.word())).or_default();
+        *count += 1;
+        if *count <= MOST {
+            told.push(Finding { verdict, about, text: readable(&text) });
+        }
+    }
+    for ((about, word), count) in counts {
+        if count > MOST {
+            told.push(note(&about, format!("{} more of the kind '{word}' are not listed", count - MOST)));
+        }
+    }
+    told
 }
 
 fn good(about: &str, text: impl Into<String>) -> Finding {
@@ -191,10 +246,13 @@ fn heard_by_group(interface: Ipv4Addr) -> std::io::Result<bool> {
 fn listen(
     environment: Environment,
     names: &Names,
-    describe: bool,
+    (describe, use_sim_time): (bool, bool),
     patience: Duration,
 ) -> Result<Heard, NodeError> {
+    /// Joint states, and names and numbers in all of them, that are kept for the monitor.
     const MOST: usize = 10_000;
+    const MOST_NUMBERS: usize = 1_000_000;
+    const MOST_COMPLAINTS: usize = 100;
     let lines = logging::listen();
     let middleware = Middleware::join(environment, names.namespace(), &format!("{NODE_NAME}_doctor"))?;
     let text = MessageKind("std_msgs", "String");
@@ -214,16 +272,24 @@ fn listen(
             Ok::<_, NodeError>(middleware.subscription::<TFMessage>(&names.resolve(name)?, kind, quality)?)
         });
     let (moving, fixed) = (moving?, fixed?);
-    let clock = RosClock::new(false);
+    let clock = RosClock::new(use_sim_time);
+    let kind = MessageKind("rosgraph_msgs", "Clock");
+    let clock_topic = names.resolve("/clock")?;
+    let subscribe = || middleware.subscription::<Clock>(&clock_topic, kind, Quality::BestEffort);
+    let ticks = use_sim_time.then(subscribe).transpose()?;
     let tree = RefCell::new(TransformTree::default());
     let mut heard = Heard::default();
-    let Heard { description, semantic, joint_states, complaints, .. } = &mut heard;
+    let Heard { description, semantic, joint_states, joint_state_count, complaints, .. } = &mut heard;
+    let mut numbers = 0;
     smol::block_on(future::or(drop_after(patience), async {
         let hear_states = async {
             loop {
-                let state = states.next().await;
-                if joint_states.len() < MOST {
-                    joint_states.push(state);
+                let (state, origin) = states.next().await;
+                *joint_state_count = joint_state_count.saturating_add(1);
+                numbers +=
+                    state.name.len() + state.position.len() + state.velocity.len() + state.effort.len();
+                if joint_states.is_empty() || (joint_states.len() < MOST && numbers < MOST_NUMBERS) {
+                    joint_states.push((state, origin.publisher, clock.read()));
                 }
             }
         };
@@ -247,18 +313,27 @@ fn listen(
         };
         let hear_complaints = async {
             while let Ok(line) = lines.recv().await {
-                if line.level <= Level::Warn && !complaints.contains(&line.text) {
+                let is_new = complaints.len() < MOST_COMPLAINTS && !complaints.contains(&line.text);
+                if line.level <= Level::Warn && is_new {
                     complaints.push(line.text);
                 }
             }
         };
-        let robot = future::zip(hear_description, hear_semantic);
+        let follow_clock = async {
+            if let Some(ticks) = &ticks {
+                loop {
+                    clock.on_simulation_time(time_of(&ticks.next().await.0.clock));
+                }
+            }
+        };
+        let robot = future::zip(future::zip(hear_description, hear_semantic), follow_clock);
         let transforms = future::zip(hear_transforms(&moving, false), hear_transforms(&fixed, true));
         let topics = future::zip(hear_states, future::zip(robot, transforms));
         future::zip(topics, future::zip(hear_complaints, middleware.meet_peers())).await;
     }));
     heard.transforms = tree.into_inner();
-    drop((states, descriptions, semantics, moving, fixed));
+    heard.simulated_time = use_sim_time.then(|| clock.now()).flatten();
+    drop((states, descriptions, semantics, moving, fixed, ticks));
     middleware.leave();
     Ok(heard)
 }
@@ -312,6 +387,25 @@ fn about_robot(robot: &RobotModel) -> Vec<Finding> {
     findings
 }
 
+/// Whether there is the time that was asked for.
+fn about_clock(heard: &Heard, environment: Environment) -> Finding {
+    match heard.simulated_time {
+        Some(time) => good("clock", format!("simulated time is told; the last: {:.3} s", seconds(time))),
+        None => wrong(
+            "clock",
+            format!(
+                "use_sim_time is set, and nobody published /clock in domain {}: is the simulator running, or the bag played with --clock?",
+                environment.domain
+            ),
+        ),
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "it is told to a person")]
+fn seconds(time: Time) -> f64 {
+    1e-9 * time.nanoseconds() as f64
+}
+
 /// Whether what the drivers say is about this robot: the monitor itself judges.
 fn about_joint_states(
     heard: &Heard,
@@ -320,7 +414,7 @@ fn about_joint_states(
     (environment, patience): (Environment, Duration),
 ) -> Vec<Finding> {
     let about = "joint_states";
-    let Some((first, _)) = heard.joint_states.first() else {
+    let Some((first, ..)) = heard.joint_states.first() else {
         let (domain, seconds) = (environment.domain, patience.as_secs_f64());
         return vec![wrong(
             about,
@@ -330,9 +424,8 @@ fn about_joint_states(
             ),
         )];
     };
-    #[expect(clippy::cast_precision_loss, reason = "a few thousand")]
-    let rate = heard.joint_states.len() as f64 / patience.as_secs_f64();
-    let mut findings = vec![good(about, format!("{rate:.0} a second, of {}", first.name.join(", ")))];
+    let rate = f64::from(heard.joint_state_count) / patience.as_secs_f64();
+    let mut findings = vec![good(about, format!("{rate:.0} a second, of {}", quoted_list(&first.name)))];
     let Some(robot) = robot else {
         findings.push(note(about, "they are compared with no robot: there is none"));
         return findings;
@@ -369,18 +462,42 @@ fn judge(robot: RobotModel, heard: &Heard, parameters: &Parameters) -> Result<Ju
     let mut monitor = Monitor::new(settings, || Duration::ZERO);
     monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
     monitor.note_transforms(&heard.transforms);
-    let clock = RosClock::new(false);
-    let mut judgement = monitor.on_heartbeat(clock.read());
-    for (message, origin) in &heard.joint_states {
-        judgement =
-            monitor.on_joint_state(joint_state_input(message.clone(), origin.publisher), clock.read());
+    let mut judgement = None;
+    for (message, publisher, came) in &heard.joint_states {
+        judgement = Some(monitor.on_joint_state(joint_state_input(message.clone(), *publisher), *came));
     }
-    Ok(judgement)
+    judgement.ok_or_else(|| "no joint state came".to_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_peers_make_up_is_told_briefly_and_is_no_terminals_command() {
+        let many = (0..5000).map(|number| wrong("peers", format!("peer {number}")));
+        let long = good("joint_states", format!("\u{1b}[2J{}", "x".repeat(100_000)));
+        let told = bounded(many.chain([long, good("robot", "'ur5e'")]).collect());
+        assert_eq!(told.len(), 20 + 2 + 1);
+        assert!(told.last().unwrap().text.starts_with("4980 more of the kind 'wrong'"), "{told:?}");
+        let long = &told[20].text;
+        assert!(long.starts_with("\u{fffd}[2J") && long.ends_with('…') && long.chars().count() == 1001);
+        assert_eq!(told[21], good("robot", "'ur5e'"));
+        assert_eq!(bounded(told.clone())[..20], told[..20]);
+    }
+
+    #[test]
+    fn names_of_joints_are_listed_briefly() {
+        let name = (0..100_000).map(|number| format!("joint{number}")).collect();
+        let state = JointState { name, ..JointState::default() };
+        let came = RosClock::new(false).read();
+        let joint_states = vec![(state, SourceId([1; 16]), came)];
+        let heard = Heard { joint_states, joint_state_count: 1, ..Heard::default() };
+        let environment = Environment::read(|_| None).unwrap();
+        let patience = (environment, Duration::from_secs(1));
+        let findings = about_joint_states(&heard, None, &Parameters::default(), patience);
+        assert!(findings[0].text.contains("'joint0'") && findings[0].text.len() < 1000, "{findings:?}");
+    }
 
     #[test]
     fn variables_that_part_the_network_are_wrong() {

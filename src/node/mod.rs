@@ -17,7 +17,9 @@
 //!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
+mod activity;
 mod arguments;
+mod arrivals;
 pub mod clearance_msgs;
 pub mod clearance_srvs;
 mod clock;

@@ -1,15 +1,17 @@
 //! Joint states to the monitor, judgements to the topics: the thread that must never wait for anything else.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use smol::Timer;
 use smol::channel::{Receiver, Sender};
 
+use super::activity::Activity;
+use super::arrivals::Arrivals;
 use super::clock::RosClock;
-use super::diagnostics::{Activity, diagnostics};
+use super::diagnostics::diagnostics;
 use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
@@ -72,12 +74,21 @@ pub struct OwnMotion {
 #[derive(Default)]
 pub struct Report {
     activity: Activity,
+    arrivals: Arrivals,
     model_fault: Option<String>,
     clouds: CloudReports,
     /// Status and code of the reason that were logged last.
     logged: Option<(&'static str, Option<&'static str>)>,
     /// Status and steady time of the last diagnostics.
     last: Option<(&'static str, Duration)>,
+}
+
+impl Report {
+    fn note_arrival(&mut self, origin: &Origin) {
+        if let Some(number) = origin.number {
+            self.activity.note_lost(self.arrivals.missing_before(origin.publisher, number));
+        }
+    }
 }
 
 /// What woke the thread.
@@ -160,6 +171,7 @@ impl MonitorLoop {
         let now = self.clock.read();
         let judgement = self.monitor.on_heartbeat(now);
         self.say(&judgement, now, None);
+        self.say_diagnostics(&judgement);
     }
 
     fn look_at_transforms(&mut self) {
@@ -189,12 +201,14 @@ impl MonitorLoop {
     }
 
     fn judge(&mut self, mut message: JointState, mut origin: Origin) {
+        self.report.note_arrival(&origin);
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
                 if Some(newer.1.publisher) == self.own_motion.source {
                     continue;
                 }
-                self.report.activity.passed_over += 1;
+                self.report.note_arrival(&newer.1);
+                self.report.activity.note_passed_over();
                 // the newer one may be about other joints
                 self.hear(message, origin.publisher);
                 (message, origin) = newer;
@@ -205,8 +219,10 @@ impl MonitorLoop {
         let input = joint_state_input(message, origin.publisher);
         let now = self.clock.read();
         let judgement = self.monitor.on_joint_state(input, now);
-        self.report.activity.note_judged(&judgement);
-        self.say(&judgement, now, heard);
+        let said = self.say(&judgement, now, heard);
+        let latency = said.saturating_duration_since(origin.received);
+        self.report.activity.note_judged(&judgement, latency);
+        self.say_diagnostics(&judgement);
     }
 
     /// Takes note of a joint state that is not judged by itself.
@@ -216,20 +232,21 @@ impl MonitorLoop {
         self.monitor.hear(joint_state_input(message, source), now);
     }
 
-    /// Says what was judged at `now`, from a joint state if one was heard.
-    fn say(&mut self, judgement: &Judgement, now: Now, heard: Option<(JointState, SourceId)>) {
+    /// Says what was judged at `now`, from a joint state if one was heard; gives the moment at which `~/state` was said.
+    fn say(&mut self, judgement: &Judgement, now: Now, heard: Option<(JointState, SourceId)>) -> Instant {
         let steady = self.clock.steady();
         self.log_change(judgement);
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         *current = Some(judgement.clone());
         // a recording has it before whatever is made of it
-        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, judgement: judgement.clone() })));
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: judgement.into() })));
         drop(current);
-        self.report.activity.dropped += self.publishers.say(judgement, &self.parameters, steady);
+        let said = self.publishers.say(judgement, &self.parameters, steady);
+        self.report.activity.note_dropped(said.dropped);
         if let Some(observe) = &mut self.observer {
             observe(judgement, &self.parameters.monitor_settings());
         }
-        self.say_diagnostics(judgement, steady);
+        said.state_at
     }
 
     /// One line for every change of status or of the reason why it is unknown.
@@ -246,7 +263,8 @@ impl MonitorLoop {
     }
 
     /// Once a second, and at every change of status.
-    fn say_diagnostics(&mut self, judgement: &Judgement, steady: Duration) {
+    fn say_diagnostics(&mut self, judgement: &Judgement) {
+        let steady = self.clock.steady();
         let status = judgement.status.word();
         let since = |at: Duration| steady.saturating_sub(at);
         let report = &mut self.report;
@@ -256,9 +274,11 @@ impl MonitorLoop {
         let interval = report.last.map_or(steady, |(_, at)| since(at));
         report.last = Some((status, steady));
         let now = self.clock.now().unwrap_or_default();
-        let activity = std::mem::take(&mut report.activity);
         let fault = report.model_fault.as_deref();
-        let message = diagnostics(&self.node, now, judgement, &activity, interval, fault, &report.clouds);
-        self.publishers.say_diagnostics(message);
+        let message =
+            diagnostics(&self.node, now, judgement, &report.activity, interval, fault, &report.clouds);
+        report.activity.begin_anew();
+        let sent = self.publishers.say_diagnostics(message);
+        report.activity.note_dropped(u64::from(!sent));
     }
 }

@@ -1,6 +1,6 @@
 //! The topics on which judgements are said.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::DiagnosticArray;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64};
@@ -28,6 +28,14 @@ pub struct Publishers {
     display: Display,
     /// Status and steady time of the last markers.
     last_markers: Option<(&'static str, Duration)>,
+}
+
+/// What became of what was said.
+pub struct Said {
+    /// Messages that had to be dropped.
+    pub dropped: u64,
+    /// When `~/state` was handed to the middleware, which sends on a thread of its own.
+    pub state_at: Instant,
 }
 
 impl Publishers {
@@ -58,14 +66,15 @@ impl Publishers {
         })
     }
 
-    /// Says a judgement on all topics; gives the number of messages that had to be dropped.
-    pub fn say(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) -> u32 {
+    /// Says a judgement on all topics.
+    pub fn say(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) -> Said {
         let mut dropped = 0;
-        let mut note = |sent: bool| dropped += u32::from(!sent);
+        let mut note = |sent: bool| dropped += u64::from(!sent);
         // what stops a robot goes first
         note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
         note(self.speed_scale.publish(Float64 { data: judgement.speed_scale }));
         note(self.state.publish(collision_state(judgement)));
+        let state_at = Instant::now();
         note(self.distance.publish(Float64 { data: judgement.distance() }));
         let looks_ahead = parameters.look_ahead_horizon > 0.0;
         // once it is turned off, zero is said once more
@@ -77,7 +86,7 @@ impl Publishers {
         if let Some(markers) = self.due_markers(judgement, parameters, steady) {
             note(self.markers.publish(markers));
         }
-        dropped
+        Said { dropped, state_at }
     }
 
     pub fn say_diagnostics(&self, diagnostics: DiagnosticArray) -> bool {

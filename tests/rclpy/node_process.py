@@ -75,6 +75,10 @@ class NodeProcess:
         return f"{self.namespace}/{topic}"
 
     @property
+    def process_id(self):
+        return self._process.pid
+
+    @property
     def exit_code(self):
         """None while the process runs."""
         return self._process.poll()

@@ -5,6 +5,8 @@ import subprocess
 from math import nan
 
 import pytest
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 import two_link
@@ -31,7 +33,7 @@ def test_where_everything_runs_nothing_is_wrong(peer, domain_id):
     findings = doctor(domain_id, code=0)
     assert not wrong(findings)
     texts = " ".join(text for _, _, text in findings)
-    assert "'two_link'" in texts and "joint1, joint2" in texts and "free of itself" in texts and "comes back" in texts
+    assert "'two_link'" in texts and "'joint1' and 'joint2'" in texts and "free of itself" in texts and "comes back" in texts
 
 
 def test_topics_that_nobody_publishes_are_named(domain_id):
@@ -60,6 +62,32 @@ def test_parameters_that_say_which_joints_are_the_robots_are_heeded(peer, domain
     assert not wrong(doctor(domain_id, *given, code=0))
     rover = "--urdf", "tests/rclpy/rover.urdf", "--ros-args", "-p", "transform_joints:=[drive]", "--"
     assert "'drive'" in wrong(doctor(domain_id, *rover, code=1))["joint_states"]
+
+
+SIMULATED = "--urdf", two_link.URDF, "--ros-args", "-p", "use_sim_time:=true", "--"
+
+
+def test_simulated_time_that_nobody_tells_is_missed(peer, domain_id):
+    two_link.Driver(peer, "/joint_states")
+    findings = wrong(doctor(domain_id, *SIMULATED, code=1))
+    assert "use_sim_time" in findings["clock"] and "--clock" in findings["clock"]
+    assert "/clock" in findings["joint_states"]
+
+
+def test_stamps_of_a_played_bag_are_judged_by_its_clock(peer, domain_id):
+    """Joint states of 1970, as a simulator stamps them: stale by the system's time, fresh by theirs."""
+    driver = two_link.Driver(peer, "/joint_states", driving=False)
+    clock = peer.node.create_publisher(Clock, "/clock", 10)
+    start = peer.now()
+
+    def play():
+        now = Time(seconds=100) + (peer.now() - start)
+        clock.publish(Clock(clock=now.to_msg()))
+        driver.publish({"joint1": 0.0, "joint2": 0.0}, now)
+
+    peer.node.create_timer(0.02, play)
+    assert not wrong(doctor(domain_id, *SIMULATED, code=0))
+    assert "joint_states" in wrong(doctor(domain_id, "--urdf", two_link.URDF, code=1))
 
 
 def test_a_mesh_that_is_not_found_is_named(peer, domain_id, tmp_path):

@@ -8,7 +8,7 @@ mod server;
 
 use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use log::Level;
 use ros2_client::builtin_interfaces::Time as StampMessage;
@@ -294,21 +294,23 @@ impl<M: Message> Publisher<M> {
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
     pub publisher: SourceId,
-    /// When it was received, by the system's clock.
-    received: Option<SystemTime>,
+    /// When it was received.
+    pub received: Instant,
+    /// Its publisher counts its messages; none of a message that no network carried.
+    pub number: Option<i64>,
 }
 
 impl Origin {
     /// Of a message that comes from this very program, just now.
     #[must_use]
     pub fn here(publisher: SourceId) -> Self {
-        Self { publisher, received: None }
+        Self { publisher, received: Instant::now(), number: None }
     }
 
     /// How long it lay here before now.
     #[must_use]
     pub fn waited(&self) -> Duration {
-        (self.received.and_then(|received| received.elapsed().ok())).unwrap_or_default()
+        self.received.elapsed()
     }
 }
 
@@ -352,9 +354,14 @@ impl<M: Message + 'static> Subscription<M> {
 }
 
 fn origin(info: &ros2_client::MessageInfo) -> Origin {
+    // the middleware's thread notes the system's time when it has a message whole; earlier nobody knows of it
     let since_epoch = info.received_timestamp().and_then(|t| u64::try_from(t.to_nanos()).ok());
+    let received = since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds));
+    let waited = received.and_then(|received| received.elapsed().ok()).unwrap_or_default();
+    let now = Instant::now();
     Origin {
         publisher: SourceId(info.publisher_gid().to_bytes16()),
-        received: since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds)),
+        received: now.checked_sub(waited).unwrap_or(now),
+        number: Some(info.sequence_number()),
     }
 }

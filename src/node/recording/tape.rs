@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::TransformStamped;
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
 };
@@ -15,7 +16,9 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2};
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 
 use super::step::{OrderStep, Tidings};
-use crate::monitor::{Judgement, Now, SourceId, Time};
+use crate::monitor::{Judgement, LeftOut, Now, SourceId, Time};
+use crate::node::clearance_msgs::{BodyPair, CollisionState};
+use crate::node::messages::collision_state;
 use crate::node::parameters::Parameters;
 use crate::robot::{MeshLog, MeshUse};
 
@@ -74,12 +77,34 @@ pub enum Happening {
     Clock(Clock),
 }
 
-/// A judgement, and what it was made from: a joint state, or the time that passed.
+/// A judgement as it is said, and what it was made from: a joint state, or the time that passed.
 #[derive(Debug)]
 pub struct Judged {
     pub now: Now,
     pub heard: Option<(JointState, SourceId)>,
-    pub judgement: Judgement,
+    pub answer: Answer,
+}
+
+/// What is written of a judgement. It holds no checker: what waits for a slow disk must not keep robots and worlds of old.
+#[derive(Debug)]
+pub struct Answer {
+    pub state: CollisionState,
+    pub is_free: bool,
+    pub distance: f64,
+    pub speed_scale: f64,
+    pub left_out: LeftOut,
+}
+
+impl From<&Judgement> for Answer {
+    fn from(judgement: &Judgement) -> Self {
+        Self {
+            state: collision_state(judgement),
+            is_free: judgement.status.is_free(),
+            distance: judgement.distance(),
+            speed_scale: judgement.speed_scale,
+            left_out: judgement.left_out,
+        }
+    }
 }
 
 /// Something on its way to the recorder.
@@ -173,15 +198,95 @@ fn size(what: &Happening) -> usize {
             clouds
                 + orders.iter().filter_map(|(_, original)| original.as_ref()).map(of_original).sum::<usize>()
         }
-        Happening::Heard { message, .. } => 60 * message.name.len(),
-        Happening::Judged(judged) => 60 * judged.heard.as_ref().map_or(0, |(state, _)| state.name.len()),
-        Happening::Transforms { message, .. } => 200 * message.transforms.len(),
+        Happening::Heard { message, .. } => of_joint_state(message),
+        Happening::Judged(judged) => {
+            let heard = judged.heard.as_ref().map_or(0, |(state, _)| of_joint_state(state));
+            heard + of_collision_state(&judged.answer.state)
+        }
+        Happening::Transforms { message, .. } => {
+            let name = |transform: &TransformStamped| {
+                transform.child_frame_id.len() + transform.header.frame_id.len()
+            };
+            message.transforms.iter().map(|transform| 200 + name(transform)).sum()
+        }
+        Happening::Meshes(meshes) => ANY * meshes.len(),
+        Happening::Told(Tidings::ModelFault(fault)) => fault.len(),
         _ => 0,
     }
+}
+
+fn of_texts(texts: &[String]) -> usize {
+    texts.iter().map(|text| size_of::<String>() + text.len()).sum()
+}
+
+fn of_joint_state(state: &JointState) -> usize {
+    let numbers = state.position.len() + state.velocity.len() + state.effort.len();
+    of_texts(&state.name) + size_of::<f64>() * numbers
+}
+
+fn of_collision_state(state: &CollisionState) -> usize {
+    let names = |pair: &BodyPair| pair.body_a.len() + pair.body_b.len();
+    let colliding = state.colliding_pairs.iter().map(|pair| size_of_val(pair) + names(pair));
+    let distances = state.pair_distances.iter().map(|pair| size_of_val(pair) + names(&pair.pair));
+    let skipped = state.skipped.iter().map(|skipped| size_of_val(skipped) + skipped.reason.len());
+    state.reason.len() + of_texts(&state.warnings) + colliding.chain(distances).chain(skipped).sum::<usize>()
 }
 
 fn of_objects(objects: &[CollisionObject]) -> usize {
     let meshes = objects.iter().flat_map(|object| &object.meshes);
     let meshes: usize = meshes.map(|mesh| 24 * mesh.vertices.len() + 12 * mesh.triangles.len()).sum();
     500 * objects.len() + meshes
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use super::*;
+    use crate::monitor::{Reason, Status};
+    use crate::node::clearance_msgs::PairDistance;
+
+    fn judgement() -> Judgement {
+        Judgement {
+            status: Status::Unknown(Reason::NoJointState),
+            stamp: None,
+            age: None,
+            evidence: None,
+            placement: None,
+            speed_scale: 0.0,
+            left_out: LeftOut::Nothing,
+            stale_world: None,
+            revision: None,
+            warnings: Arc::from([]),
+        }
+    }
+
+    fn judged(pairs: usize, warning: usize) -> Happening {
+        let mut answer = Answer::from(&judgement());
+        answer.state.pair_distances = vec![PairDistance::default(); pairs];
+        answer.state.warnings = vec!["w".repeat(warning)];
+        let now = Now { ros: None, steady: std::time::Duration::ZERO };
+        Happening::Judged(Box::new(Judged { now, heard: None, answer }))
+    }
+
+    #[test]
+    fn an_answer_counts_with_all_that_it_holds() {
+        let (bare, full) = (size(&judged(0, 0)), size(&judged(1000, 5000)));
+        assert_eq!(full - bare, 1000 * size_of::<PairDistance>() + 5000);
+    }
+
+    #[test]
+    fn what_waits_has_a_bound_in_bytes() {
+        let (items, waiting) = mpsc::sync_channel(1000);
+        let backlog = Arc::new(Backlog::default());
+        let tape = Tape::to(items, Arc::clone(&backlog));
+        let large = LONGEST_QUEUE / 4;
+        for _ in 0..10 {
+            tape.note(|| judged(0, large));
+        }
+        let queued = waiting.try_iter().count() as u64;
+        assert!((4..=5).contains(&queued), "{queued}");
+        assert_eq!(backlog.lost.load(Ordering::Relaxed), 10 - queued);
+        assert!(backlog.bytes.load(Ordering::Relaxed) <= LONGEST_QUEUE + large + 2000);
+    }
 }

@@ -134,7 +134,7 @@ impl Cell {
     fn say(&mut self, judgement: Judgement, now: Now, heard: Option<JointState>) -> Judgement {
         self.judgement = Some(judgement.clone());
         let heard = heard.map(|message| (message, SOURCE));
-        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, judgement: judgement.clone() })));
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
         judgement
     }
 

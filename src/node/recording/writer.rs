@@ -21,7 +21,6 @@ use super::messages::schema;
 use super::step::{Clocks, CloudStep, OrderStep, Step, parameters_to_json};
 use super::tape::{Backlog, Given, Happening, Item, Judged, Original, Tape, system_time};
 use crate::monitor::{Now, SourceId};
-use crate::node::messages::collision_state;
 use crate::node::names::Names;
 use crate::node::parameters::Parameters;
 
@@ -298,8 +297,8 @@ impl Writer {
 
     /// What was heard, if it was a joint state, and what was said.
     fn judged(&mut self, judged: Judged, at: u64) -> Result<Step, String> {
-        let Judged { now, heard, judgement } = judged;
-        let (now, late) = (now.into(), judgement.left_out.into());
+        let Judged { now, heard, answer } = judged;
+        let (now, late) = (now.into(), answer.left_out.into());
         let step = match heard {
             Some((message, source)) => {
                 Step::JointState { now, source: self.joint_state(&message, source, at)?, late }
@@ -309,10 +308,10 @@ impl Writer {
         let [state, is_free, distance, speed_scale] =
             ["~/state", "~/is_free", "~/distance", "~/speed_scale"].map(|name| self.topics.named(name));
         let kind = "clearance_msgs/msg/CollisionState";
-        self.message(&state, kind, &collision_state(&judgement), at)?;
-        self.message(&is_free, "std_msgs/msg/Bool", &Bool { data: judgement.status.is_free() }, at)?;
-        self.message(&distance, "std_msgs/msg/Float64", &Float64 { data: judgement.distance() }, at)?;
-        self.message(&speed_scale, "std_msgs/msg/Float64", &Float64 { data: judgement.speed_scale }, at)?;
+        self.message(&state, kind, &answer.state, at)?;
+        self.message(&is_free, "std_msgs/msg/Bool", &Bool { data: answer.is_free }, at)?;
+        self.message(&distance, "std_msgs/msg/Float64", &Float64 { data: answer.distance }, at)?;
+        self.message(&speed_scale, "std_msgs/msg/Float64", &Float64 { data: answer.speed_scale }, at)?;
         Ok(step)
     }
 

@@ -240,8 +240,8 @@ impl SceneTopics {
     async fn clouds(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
         loop {
             let (cloud, origin) = clouds.next().await;
-            let since = Instant::now().checked_sub(origin.waited()).unwrap_or_else(Instant::now);
-            let message = CloudMessage { cloud: Arc::new(cloud), came: self.shared.clock.read(), since };
+            let (came, since) = (self.shared.clock.read(), origin.received);
+            let message = CloudMessage { cloud: Arc::new(cloud), came, since };
             self.shared.clouds.put(topic, message);
             if self.orders.send(Order::Clouds).await.is_err() {
                 return;

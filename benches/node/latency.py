@@ -1,0 +1,103 @@
+"""Joint states of a humanoid at 1 kHz: what is dropped, and how long answers take, from receipt to `~/state`."""
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+
+import rclpy
+from clearance_msgs.msg import CollisionState
+from rclpy.context import Context
+
+from joint_state_source import Source
+from node_process import NodeProcess
+from peer import Peer
+from reports import Reports, came
+from rows import Row
+
+RATE = 1000.0  # [Hz]
+RATE_AT_LEAST = 0.99 * RATE  # slower, and it is not this that is measured
+WARM_UP = 3  # reports
+ALL_PAIRS = {"influence_distance": 10.0}  # [m] the most it can be
+CLIENTS = 8
+COUNTS = ("joint states passed over", "joint states lost", "messages dropped")
+
+
+class Listener:
+    """A participant that takes in all of `~/state`, reliably, and never looks at it: looking would cost more than the node does."""
+
+    def __init__(self, topic, domain_id):
+        self._context = Context()
+        rclpy.init(context=self._context, domain_id=domain_id)
+        self._node = rclpy.create_node("listener", context=self._context, enable_rosout=False)
+        self._node.create_subscription(CollisionState, topic, lambda _: None, 10)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._node.destroy_node()
+        rclpy.shutdown(context=self._context)
+
+
+class Clients:
+    """A process of clients that check trajectories in a loop, each the next one as soon as the last is answered."""
+
+    def __init__(self, service, joints, domain_id):
+        script = Path(__file__).with_name("trajectory_clients.py")
+        command = [sys.executable, "-B", script, service, str(CLIENTS), ",".join(joints)]
+        environment = os.environ | {"ROS_DOMAIN_ID": str(domain_id)}
+        self._process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        assert self._process.stdout.readline() == "ready\n", "the clients did not meet the service"
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.kill()
+        self._process.wait()
+
+    def end(self):
+        """What they say of what was answered."""
+        self._process.send_signal(signal.SIGTERM)
+        return self._process.communicate(timeout=60)[0].strip()
+
+
+def measure(robot, seconds, domain_id, limit, with_clients):
+    with ExitStack() as stack:
+        enter = stack.enter_context
+        peer = enter(Peer(domain_id))
+        node = enter(NodeProcess(*robot.arguments, domain_id=domain_id, parameters=ALL_PAIRS))
+        reports = Reports(peer, node)
+        enter(Listener(node.private("state"), domain_id))
+        reports.wait_for(lambda _: True, "the node")
+        enter(Source(node.relative("joint_states"), RATE, robot.joints, domain_id))
+        clients = enter(Clients(node.private("check_trajectory"), robot.joints, domain_id)) if with_clients else None
+        reports.wait_for(lambda told: told["joint states judged in this report"] > 0, "a joint state")
+        for _ in range(WARM_UP):
+            reports.wait_for(lambda _: True, "a report")
+        told = reports.during(seconds)
+        note = f"clients: {clients.end()}" if clients else ""
+    return row(robot, told, limit, with_clients, note)
+
+
+def row(robot, told, limit, with_clients, note):
+    first, last = told[0], told[-1]
+    dropped = {name: round(last[name] - first[name]) for name in COUNTS}
+    rate = came(first, last)
+    worst = max(report.numbers.get("latency: p99 (ms)", 0.0) for report in told[1:])
+    p99, median, longest = (last[f"latency since start: {part} (ms)"] for part in ("p99", "median", "max"))
+    which = ", ".join(f"{count} {name}" for name, count in dropped.items() if count)
+    details = f"{rate:.0f} joint states sent a second for {last.at - first.at:.0f} s, {last['pairs checked']:.0f} pairs, median {median:.3f} ms, "
+    details += f"longest {longest:.3f} ms, p99 of the worst second {worst:.3f} ms, mean check {last['mean compute time (ms)']:.3f} ms"
+    return Row(
+        f"joint_states at 1 kHz, {robot.name}, least distance and all pairs published"
+        + (f", {CLIENTS} clients checking trajectories" if with_clients else "")
+        + ": drops / p99 from receipt to publish",
+        f"0 / {limit:g} ms",
+        f"{sum(dropped.values())}{f' ({which})' if which else ''} / {p99:.3f} ms",
+        not any(dropped.values()) and p99 <= limit and rate >= RATE_AT_LEAST,
+        "; ".join(filter(None, [details, note])),
+    )

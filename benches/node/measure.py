@@ -1,0 +1,113 @@
+"""Measures the node and writes docs/node_benchmarks.md; README.md says how. Called by run.sh."""
+
+import argparse
+import itertools
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path.insert(0, str(ROOT / "tests/rclpy"))  # nodes as processes, peers, clouds and scenes, as the tests have them
+
+ROWS = ("latency", "latency-with-clients", "memory", "start", "restart")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, prog="benches/node/run.sh")
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--short", action="store_true", help="about two minutes (the default)")
+    length.add_argument("--long", action="store_true", help="about an hour and a half")
+    parser.add_argument("--binary", type=Path, default=ROOT / "target/release/clearance", help="the program that is measured")
+    parser.add_argument("--robot", default="g1", help="whose joint states come at 1 kHz (the table is about g1)")
+    parser.add_argument("--rows", default=",".join(ROWS), help=f"some of {','.join(ROWS)}")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs/node_benchmarks.md")
+    options = parser.parse_args()
+    options.rows = options.rows.split(",")
+    if unknown := [row for row in options.rows if row not in ROWS]:
+        parser.error(f"--rows: there is no {', '.join(unknown)}")
+    if not os.access(options.binary, os.X_OK):
+        parser.error(f"no program at {options.binary}: cargo build --release, or give --binary PATH")
+    return options
+
+
+def measured(options):
+    """All rows, one after the other."""
+    for name, measures in plan(options).items():
+        for measure in measures if name in options.rows else ():
+            print(f"measuring: {name}", file=sys.stderr)
+            row = attempt(name, measure)
+            print(f"  {row.measure}: {row.found} (at least {row.required}): {row.word} {row.note}", file=sys.stderr)
+            yield row
+
+
+def plan(options):
+    """What gives each row."""
+    import latency
+    import memory
+    import recovery
+    import start
+    from robots import robot
+
+    fast, ids = options.robot, itertools.count(1)
+    seconds, watched, starts, restarts = (120, 3600, 10, 50) if options.long else (12, 20, 3, 5)
+    return {
+        "latency": [lambda: latency.measure(robot(fast), seconds, next(ids), 1.0, with_clients=False)],
+        "latency-with-clients": [lambda: latency.measure(robot(fast), seconds, next(ids), 2.0, with_clients=True)],
+        "memory": [lambda: memory.measure(robot(fast), watched, next(ids))],
+        "start": [
+            lambda: start.measure(robot("ur5e"), starts, next(ids), 1.0),
+            lambda: start.measure(robot("g1"), starts, next(ids), 2.0),
+        ],
+        "restart": [partial(recovery.measure, restart, restarts, ids) for restart in recovery.ALL],
+    }
+
+
+def attempt(name, measure):
+    """A robot that is not here is passed over, and says so; whatever else goes wrong is a row that is missed."""
+    from robots import NotHere
+    from rows import Row
+
+    try:
+        return measure()
+    except NotHere as missing:
+        return Row(name, "", "", None, str(missing))
+    except AssertionError as error:
+        return Row(name, "", "failed", False, " ".join(str(error).split())[:500])
+
+
+def facts(options):
+    """What the figures belong to."""
+    tell = lambda *command: subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+    with open("/proc/cpuinfo") as cpus:
+        names = [line.split(":")[1].strip() for line in cpus if line.startswith("model name")]
+    changed = " with changes" if tell("git", "status", "--porcelain", "--untracked-files=no") else ""
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
+        "machine": f"{names[0] if names else platform.machine()}, {os.cpu_count()} threads, Linux {platform.release()}",
+        "program": f"{tell(options.binary.resolve(), '--version')}; the tree is at {tell('git', 'rev-parse', '--short', 'HEAD')}{changed}",
+        "peers": f"rclpy of {os.environ.get('CLEARANCE_ROS', 'kilted')}, Python {platform.python_version()}, on the same machine",
+        "length": "long" if options.long else "short",
+    }
+
+
+def main():
+    options = arguments()
+    os.environ["CLEARANCE_BIN"] = str(options.binary.resolve())
+    from rows import markdown
+
+    with tempfile.TemporaryDirectory(prefix="clearance-bench-") as logs:
+        os.environ["ROS_LOG_DIR"] = logs
+        rows = list(measured(options))
+    options.out.write_text(markdown(rows, facts(options)))
+    print(f"wrote {options.out}", file=sys.stderr)
+    return int(any(row.reached is False for row in rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

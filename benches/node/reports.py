@@ -1,0 +1,67 @@
+"""What the node tells of itself on `/diagnostics`, as numbers."""
+
+import time
+from dataclasses import dataclass
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.time import Time
+
+PATIENCE = 60.0  # [s] between two reports, of which a second brings one
+
+
+@dataclass(frozen=True)
+class Told:
+    at: float  # [s]
+    numbers: dict
+
+    def __getitem__(self, key):
+        return self.numbers[key]
+
+
+class Reports:
+    def __init__(self, peer, node):
+        self._peer = peer
+        self._node = node
+        self._name = f"{node.path[1:]}: collision monitor"
+        self._recorder = peer.record(DiagnosticArray, "/diagnostics", 100)
+
+    def all(self):
+        told = []
+        for array in list(self._recorder.messages):
+            for status in array.status:
+                if status.name == self._name:
+                    at = Time.from_msg(array.header.stamp).nanoseconds * 1e-9
+                    told.append(Told(at, dict(_numbers(status.values))))
+        return told
+
+    def wait_for(self, accept, what):
+        """The first report that is accepted, of those that come from now on."""
+        seen = len(self.all())
+
+        def search():
+            assert self._node.exit_code is None, f"the node ended: {self._node.output()}"
+            return next(filter(accept, self.all()[seen:]), None)
+
+        return self._peer.wait_for(search, what, PATIENCE)
+
+    def during(self, seconds):
+        """All reports of so many seconds from now on: the first one says what was before."""
+        first = self.wait_for(lambda _: True, "a report")
+        end = time.monotonic() + seconds
+        self._peer.wait_for(lambda: time.monotonic() > end, "the end", seconds + PATIENCE)
+        self.wait_for(lambda _: True, "a report")
+        return [told for told in self.all() if told.at >= first.at]
+
+
+def came(first, last):
+    """How many joint states a second were sent between two reports: those that were heard, and those that got lost."""
+    sent = [told["joint states heard"] + told["joint states lost"] for told in (first, last)]
+    return (sent[1] - sent[0]) / (last.at - first.at)
+
+
+def _numbers(values):
+    for item in values:
+        try:
+            yield item.key, float(item.value)
+        except ValueError:
+            pass

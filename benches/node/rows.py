@@ -1,0 +1,26 @@
+"""What was measured: a line of the table each."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    measure: str
+    required: str
+    found: str
+    reached: bool | None  # None: not measured
+    note: str = ""
+
+    @property
+    def word(self):
+        return {True: "yes", False: "**no**", None: "not measured"}[self.reached]
+
+
+def markdown(rows, facts):
+    lines = ["# The node, measured", ""]
+    lines += ["Written by `benches/node/run.sh`, whose [README](../benches/node/README.md) says what is measured and how.", ""]
+    lines += [f"- {name}: {fact}" for name, fact in facts.items()] + [""]
+    lines += ["| measure | at least | found | reached |", "|---|---|---|---|"]
+    lines += [f"| {row.measure} | {row.required} | {row.found} | {row.word} |" for row in rows]
+    notes = [f"- {row.measure}: {row.note}" for row in rows if row.note]
+    return "\n".join(lines + ([""] + notes if notes else [])) + "\n"

@@ -1,0 +1,99 @@
+"""Whoever takes part is restarted, one at a time: after each restart everything has to be as before."""
+
+import time
+from contextlib import ExitStack
+from itertools import count
+
+from clearance_msgs.msg import CollisionState
+from clearance_msgs.srv import CheckMotion
+from std_msgs.msg import String
+
+import two_link
+from cell import Cell
+from joint_state_source import Source
+from motions import Motions
+from peer import Peer
+
+JOINTS = {"joint1": (-0.5, 0.5), "joint2": (-0.5, 0.5)}  # free wherever they are
+RATE = 50.0  # [Hz]
+
+
+class Restarts:
+    """A node, a driver and a publisher of the description, each a participant of its own, and `peer`, which hears what is said."""
+
+    def __init__(self, peer):
+        self._peer = peer
+        self._cell = Cell(peer, urdf=None, driving=False)
+        self._cubes = (0.4 + 0.001 * number for number in count(1))
+        self._stack = ExitStack()
+        self._describer = self._source = None
+
+    def __enter__(self):
+        with ExitStack() as stack:
+            stack.enter_context(self._cell)
+            stack.callback(lambda: self._describer and self._describer.__exit__(None, None, None))
+            stack.callback(lambda: self._source and self._source.kill())
+            self._describe()
+            self._drive()
+            self._free(self._peer.now())
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *error):
+        self._stack.__exit__(*error)
+
+    def joint_state_publisher(self):
+        """It crashes; that it is silent is noticed before the next one speaks."""
+        self._source.kill()
+        seen = len(self._cell.states.messages)
+        self._cell.unknown("stale", seen)
+        start, since = time.monotonic(), self._peer.now()
+        self._drive()
+        self._free(since)
+        return time.monotonic() - start
+
+    def node(self, crash=False):
+        """It is asked to end, or crashes; the next one has to meet everyone anew."""
+        self._cell.node.kill() if crash else self._cell.node.stop()
+        start, since = time.monotonic(), self._peer.now()
+        self._cell.restart_node()
+        self._free(since)
+        return time.monotonic() - start
+
+    def crashed_node(self):
+        return self.node(crash=True)
+
+    def client(self):
+        """Another one comes, asks, and goes."""
+        start = time.monotonic()
+        with Peer(self._peer.domain_id) as other:
+            answer = Motions(other, self._cell.node).check((0, 0), (0.1, 0))
+            assert answer.verdict == CheckMotion.Response.FREE, answer
+            return time.monotonic() - start
+
+    def description_publisher(self):
+        """Another one comes with another robot, which has to come into force."""
+        before = self._cell.states.next("a state").model_revision
+        self._describer.__exit__(None, None, None)
+        start = time.monotonic()
+        self._describe()
+        self._free(self._peer.now(), lambda state: state.model_revision > before)
+        return time.monotonic() - start
+
+    ALL = (joint_state_publisher, node, crashed_node, client, description_publisher)
+
+    def _describe(self):
+        self._describer = Peer(self._peer.domain_id).__enter__()
+        text = two_link.description_with_cube(next(self._cubes))
+        self._describer.latch(String(data=text), self._cell.node.relative("robot_description"))
+
+    def _drive(self):
+        self._source = Source(self._cell.node.relative("joint_states"), RATE, JOINTS, self._peer.domain_id)
+
+    def _free(self, since, accept=lambda state: True):
+        judged = two_link.judged_since(since)
+        self._cell.states.wait_for(
+            lambda state: state.status == CollisionState.FREE and judged(state) and accept(state),
+            f"FREE from a joint state after {since}",
+            max(len(self._cell.states.messages) - 1, 0),
+        )

@@ -1,0 +1,132 @@
+"""A played bag, or a simulator: joint states and `/clock` that run fast, stand still, and begin again."""
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock
+
+STALE_AFTER = 5.0  # [s]
+BEGIN, END = 1000.0, 1040.0  # [s] of the bag
+ZERO = {"joint1": 0.0, "joint2": 0.0}
+
+
+class Bag:
+    """Plays a hundred messages a second of wall time, each `step` seconds of simulated time after the last."""
+
+    def __init__(self, cell):
+        self._cell = cell
+        self._clock = cell.peer.node.create_publisher(Clock, "/clock", 10)
+        self.time = BEGIN
+        self.step = 0.01
+        self.drives = True  # whether the driver's joint states are in it, too
+        self.clock_first = True
+        self._timer = cell.peer.node.create_timer(0.01, self._tick, autostart=False)
+
+    def _tick(self):
+        self.time += self.step
+        stamp = Time(nanoseconds=round(self.time * 1e9))
+        tell = [lambda: self._clock.publish(Clock(clock=stamp.to_msg()))]
+        if self.drives:
+            tell.append(lambda: self._cell.driver.publish(ZERO, stamp))
+        for publish in tell if self.clock_first else reversed(tell):
+            publish()
+
+    def play(self):
+        self._timer.reset()
+
+    def stop(self):
+        self._timer.cancel()
+
+    def reaches(self, time):
+        self._cell.peer.wait_for(lambda: self.time >= time, f"{time} s of the bag")
+
+
+@pytest.fixture
+def bag(start):
+    """Is played, and judged FREE."""
+    cell = start(driving=False, parameters={"use_sim_time": True, "stale_after": STALE_AFTER})
+    bag = Bag(cell)
+    bag.cell = cell
+    bag.play()
+    free_after(cell, BEGIN)
+    return bag
+
+
+def seconds(state):
+    return Time.from_msg(state.header.stamp).nanoseconds * 1e-9
+
+
+def free_after(cell, time):
+    """The first FREE that belongs to a joint state after this moment of the bag, of those to come."""
+    return cell.states.wait_for(
+        lambda state: state.status == CollisionState.FREE and seconds(state) >= time,
+        f"FREE after {time} s",
+        after=len(cell.states.messages),
+    )
+
+
+def test_a_bag_that_is_played_twenty_times_as_fast_is_judged_all_the_time(bag):
+    bag.step = 0.2
+    seen = len(bag.cell.states.messages)
+    bag.reaches(END)
+    free_after(bag.cell, END - STALE_AFTER)
+    states = bag.cell.states.messages[seen:]
+    assert {state.status for state in states} == {CollisionState.FREE}
+    assert all(state.age < STALE_AFTER for state in states)
+
+
+def test_silence_counts_in_the_time_of_the_bag(bag):
+    bag.step = 0.2
+    bag.drives = False
+    last = bag.time
+    state = bag.cell.unknown("stale", len(bag.cell.states.messages))
+    assert state.age > STALE_AFTER
+    assert seconds(state) <= last + bag.step
+    bag.drives = True
+    free_after(bag.cell, bag.time)
+
+
+@pytest.mark.parametrize("clock", ["stands still", "falls silent"])
+def test_a_bag_that_is_paused_is_not_free_for_ever(bag, clock):
+    if clock == "falls silent":
+        bag.stop()
+    bag.step, bag.drives = 0.0, False
+    bag.cell.unknown("stale", len(bag.cell.states.messages))
+    seen = len(bag.cell.states.messages)
+    bag.cell.peer.wait_for(lambda: len(bag.cell.states.messages) > seen + 10, "ten heartbeats")
+    assert {state.reason_code for state in bag.cell.states.messages[seen:]} == {"stale"}
+
+    bag.step, bag.drives = 0.01, True
+    bag.play()
+    free_after(bag.cell, bag.time)
+
+
+@pytest.mark.parametrize("clock_first", [True, False], ids=["the clock first", "the joint states first"])
+def test_a_bag_that_begins_again_is_judged_again(bag, clock_first):
+    bag.clock_first = clock_first
+    bag.step = 0.2
+    for _ in range(3):
+        bag.reaches(END)
+        seen = len(bag.cell.states.messages)
+        bag.time = BEGIN
+        again = bag.cell.states.wait_for(
+            lambda state: state.status == CollisionState.FREE and seconds(state) < BEGIN + 20, "FREE from the beginning", seen
+        )
+        # once the new round is judged, nothing of the old one is free
+        after = bag.cell.states.messages.index(again)
+        bag.reaches(BEGIN + 20)
+        assert all(seconds(state) < END - 1 for state in bag.cell.states.messages[after:] if state.status == CollisionState.FREE)
+
+
+def test_what_was_free_before_the_clock_was_set_back_is_so_no_more(bag):
+    bag.step = 0.2
+    bag.reaches(END)
+    bag.drives = False
+    bag.time = BEGIN
+    first = bag.cell.unknown("clock_jump", len(bag.cell.states.messages))
+    seen = bag.cell.states.messages.index(first)
+    bag.reaches(BEGIN + 10)
+    assert {state.status for state in bag.cell.states.messages[seen:]} == {CollisionState.UNKNOWN}
+    assert not any(state.distance_known for state in bag.cell.states.messages[seen:])
+    bag.drives = True
+    free_after(bag.cell, BEGIN + 10)
