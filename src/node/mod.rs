@@ -7,6 +7,7 @@
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
+//! ~/check_states, ~/get_distances ──> services ──> states ──> services ──> answers
 //! ```
 //!
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
@@ -18,6 +19,7 @@
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
 
 mod arguments;
+mod cell;
 pub mod clearance_msgs;
 pub mod clearance_srvs;
 mod clock;
@@ -25,6 +27,7 @@ mod diagnostics;
 pub mod doctor;
 mod enable_service;
 mod environment;
+mod goals;
 #[cfg(test)]
 mod interface_text;
 mod link_volumes;
@@ -44,12 +47,16 @@ mod parameter_value;
 mod parameters;
 mod publishers;
 pub mod recording;
+mod refusal;
 mod run;
 mod scene;
 mod scene_keeper;
 mod simulation_clock;
+mod state_requests;
+mod state_services;
 mod swept_volume_markers;
 mod threads;
+mod trajectory_action;
 mod view;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
