@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::*;
 use crate::checker::Settings;
 use crate::geometry::{Primitive, Shape};
-use crate::math::{Pose, Vector};
+use crate::math::Pose;
 use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
 use crate::node::clearance_msgs::BodyPair;
 use crate::node::refusal::LONGEST_MESSAGE;
@@ -19,8 +19,9 @@ const JOINTS: [&str; 2] = ["joint1", "joint2"];
 /// Folded as far as is free (0.2 m), and onto the base.
 const NEAR: [f64; 2] = [0.0, 5.0 * PI / 6.0];
 const ONTO: [f64; 2] = [0.0, PI];
-const [FREE, COLLIDING, UNKNOWN]: [u8; 3] =
-    [CheckStatesResponse::FREE, CheckStatesResponse::COLLIDING, CheckStatesResponse::UNKNOWN];
+const FREE: u8 = CheckStatesResponse::FREE;
+const COLLIDING: u8 = CheckStatesResponse::COLLIDING;
+const UNKNOWN: u8 = CheckStatesResponse::UNKNOWN;
 
 fn names(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
@@ -30,7 +31,7 @@ fn names(names: &[&str]) -> Vec<String> {
 fn with_ball() -> World {
     let mut world = World::default();
     let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
-    world.add(Obstacle::new("ball", ball, Pose::translation(2.7, 0.0, 0.0))).unwrap();
+    world.add(Obstacle::of_shape("ball", Pose::translation(2.7, 0.0, 0.0), ball)).unwrap();
     world
 }
 
@@ -82,7 +83,8 @@ fn every_state_gets_its_answer() {
     assert_eq!((answer.verdict, answer.message.as_str(), answer.reason_code.as_str()), (COLLIDING, "", ""));
     assert!(answer.distances.is_empty());
     assert_eq!((answer.pair_a[0], answer.pair_b[0]), (NOBODY, NOBODY));
-    let pair = [answer.pair_a[1], answer.pair_b[1]].map(|i| answer.bodies[usize::try_from(i).unwrap()].as_str());
+    let pair =
+        [answer.pair_a[1], answer.pair_b[1]].map(|i| answer.bodies[usize::try_from(i).unwrap()].as_str());
     assert_eq!(pair, ["base", "tip"]);
     assert_eq!(answer.body_types, [BodyPair::LINK; 2]);
     assert_eq!((answer.model_revision, answer.world_revision), (3, 1));
@@ -126,7 +128,7 @@ fn a_batch_with_something_open_is_not_free() {
     let free = CollisionReport::default();
     let hit = CollisionReport {
         self_collision: true,
-        colliding_pairs: vec![checker.pairs().iter().next().unwrap()],
+        colliding_pairs: vec![checker.pairs().self_pairs()[0]],
         ..CollisionReport::default()
     };
     for (reports, wanted) in [
