@@ -1,6 +1,8 @@
 """`~/check_states` and `~/get_distances` against answers worked out by hand, and against `~/state`."""
 
-from math import inf, isnan, nan, pi
+import json
+import subprocess
+from math import cos, inf, isnan, nan, pi, sin
 
 import pytest
 from clearance_msgs.msg import BodyPair, CollisionState
@@ -9,7 +11,7 @@ from clearance_msgs.srv import CheckMotion, CheckStates, GetDistances
 import two_link
 from cell import STALE_AFTER, Cell
 from motions import Motions
-from scene import ball
+from scene import ball, diff, obstacle, pose, sphere
 from scene_client import SceneClient
 from states import States, pair_of
 
@@ -277,21 +279,66 @@ def test_eight_clients_in_a_loop_all_get_their_answers_while_states_go_on(peer, 
     assert all(state.status == CollisionState.FREE for state in cell.states.messages[-20:])
 
 
-def test_who_comes_when_too_many_wait_is_told_so_at_once_and_a_long_motion_holds_nobody_up(peer, start):
+def test_a_long_motion_holds_no_batch_up(peer, start):
     cell = start()
     questions, motions = States(peer, cell.node), Motions(peer, cell.node)
     cell.judged(joint1=0, joint2=0)
     # joint 1 turns round and round, and nothing ever touches
     motion = motions.ask((0, 0), (1e8, 0), timeout=5.0, certificate=True)
+
     assert questions.check([(0, 0)] * 100).verdict == FREE
     assert questions.distances().verdict == FREE
     assert not motion.done()
+    assert peer.result(motion).verdict == CheckMotion.Response.UNDECIDED
 
-    batch = [(0, 2.83)] * 3000
-    futures = [questions.ask(batch, with_distance=True) for _ in range(40)]
+
+def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
+    cell = start()
+    questions = States(peer, cell.node)
+    cell.judged(joint1=0, joint2=0)
+    ring = [pose(3 * cos(angle), 3 * sin(angle)) for angle in (2 * pi * i / 100 for i in range(100))]
+    SceneClient(cell).apply(diff(*(obstacle(f"ball {i}", sphere(0.1), at=at) for i, at in enumerate(ring))))
+    terms = {"joints": ["joint1"], "with_distance": True}
+
+    def batch(size):
+        return [(2 * pi * i / size,) for i in range(size)]
+
+    # batches that take longer than they take to come, however fast the machine is
+    per_state = questions.check(batch(100), **terms).compute_time / 100
+    size = min(max(int(0.3 / per_state), 1), 10_000)
+    heard = len(cell.states.messages)
+    futures = [questions.ask(batch(size), **terms) for _ in range(40)]
     answers = [peer.result(future) for future in futures]
+
     busy = [answer for answer in answers if answer.reason_code == "busy"]
     assert busy and len(answers) - len(busy) >= 16
     assert all(answer.verdict == ERROR and len(answer.verdicts) == 0 for answer in busy)
-    assert all(answer.verdict == FREE for answer in answers if answer.reason_code != "busy")
-    assert peer.result(motion).verdict == CheckMotion.Response.UNDECIDED
+    assert all(list(answer.verdicts) == [FREE] * size for answer in answers if answer.reason_code != "busy")
+    assert len(cell.states.messages) > heard, "the monitor went on"
+
+
+@pytest.fixture
+def ethernet():
+    """The loopback's datagrams are as small as those on Ethernet, until the test ends."""
+
+    def set_mtu(mtu):
+        subprocess.run(["ip", "link", "set", "lo", "mtu", str(mtu)], check=True)
+
+    told = subprocess.run(["ip", "-json", "link", "show", "lo"], check=True, stdout=subprocess.PIPE)
+    usual = json.loads(told.stdout)[0]["mtu"]
+    set_mtu(1500)
+    yield
+    set_mtu(usual)
+
+
+def test_large_answers_arrive_in_small_datagrams(ethernet, start):
+    cell = start()
+    questions, motions = States(cell.peer, cell.node), Motions(cell.peer, cell.node)
+    cell.judged(joint1=0, joint2=0)
+
+    answer = questions.check([(0, pi * i / 5000) for i in range(5000)], with_distance=True)
+    assert len(answer.distances) == 5000
+    assert answer.distances[0] == pytest.approx(0.7)
+    answer = motions.check((0, 0), (20, 2.0), certificate=True)
+    assert len(answer.certificate) > 1500
+    assert answer.certificate == motions.certificate(answer)

@@ -140,7 +140,9 @@ fn a_batch_with_something_open_is_not_free() {
     ] {
         let mut told = Told::new(checker, false);
         let open = reports.contains(&None);
-        reports.into_iter().for_each(|report| told.add(report));
+        for report in reports {
+            told.add(report);
+        }
         let response = told.response(None);
         assert_eq!((response.verdict, response.reason_code == "deadline"), (wanted, open));
     }
@@ -223,8 +225,12 @@ fn broken_requests_are_refused_by_name() {
         assert!(answer.message.contains(named), "'{named}' is not in: {}", answer.message);
         assert!(answer.message.len() <= LONGEST_MESSAGE && answer.verdicts.is_empty());
     }
-    type BreakOther = fn(&mut GetDistancesRequest);
-    let broken: [(BreakOther, &str); 5] = [
+}
+
+#[test]
+fn broken_questions_for_distances_are_refused_by_name() {
+    type Break = fn(&mut GetDistancesRequest);
+    let broken: [(Break, &str); 5] = [
         (|r| r.positions.truncate(1), "positions has 1 numbers, but joint_names has 2 names"),
         (|r| r.positions[1] = f64::INFINITY, "positions: joint 'joint2' has position inf"),
         (|r| r.bodies = names(&["base", "table"]), "no link, obstacle or attached object 'table'"),
