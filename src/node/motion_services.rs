@@ -1,5 +1,5 @@
-//! `~/check_motion` and `~/check_trajectory`, the latter also as an action: requests come and answers go on the thread of the services; checks are made one after the
-//! other on a thread of their own, so that no motion, however long, delays anything else.
+//! `~/check_motion` and `~/check_trajectory`, the latter also as an action: requests come and answers go on the thread of the services;
+//! checks are made one after the other on a thread of their own, so that no motion, however long, delays anything else.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};

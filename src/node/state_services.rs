@@ -1,5 +1,5 @@
-//! `~/check_states` and `~/get_distances`: requests come and answers go on the thread of the services; states are checked one request after
-//! the other on a thread of their own, so that neither a long batch delays anything else nor a long motion delays a batch.
+//! `~/check_states` and `~/get_distances`: requests come and answers go on the thread of the services; checks are made one request
+//! after the other on a thread of their own, so that neither a long batch delays anything else nor a long motion delays a batch.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::PoisonError;
