@@ -42,7 +42,7 @@ pub use fingerprint::{model_fingerprint, world_fingerprint};
 pub use mesh_lint::open_meshes;
 pub use motion::{
     LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
-    UndecidedReason,
+    UndecidedReason, Watch,
 };
 pub use pairs::{PairList, SkipReason};
 pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};

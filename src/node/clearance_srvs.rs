@@ -1,14 +1,15 @@
-//! The services of the ROS package `clearance_msgs`, as serde structs.
+//! The services and the action of the ROS package `clearance_msgs`, as serde structs.
 //!
-//! Fields stand in the order of `interfaces/clearance_msgs/srv/*.srv`, which also hold every field's unit, frame and meaning. What both
-//! services share is a struct of its own here: in CDR a struct within a struct is the same as its fields in its place.
+//! Fields stand in the order of `interfaces/clearance_msgs/srv/*.srv` and `action/*.action`, which also hold every field's unit, frame and meaning.
+//! What several share is a struct of its own here: in CDR a struct within a struct is the same as its fields in its place.
+//! A goal of the action is a request of the service of its name, a result is its response.
 
 use ros2_client::Message;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point;
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
-use super::clearance_msgs::BodyPair;
+use super::clearance_msgs::{BodyPair, PairDistance};
 
 /// Is the straight way in joint space free?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -73,10 +74,82 @@ pub struct CheckTrajectoryResponse {
     pub time_contact: f64,
 }
 
+/// How far a trajectory is proven free by now.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckTrajectoryFeedback {
+    pub segments_free: u32,
+    pub segments: u32,
+    pub t_free: f64,
+    pub time_free: f64,
+}
+
+/// Are these states free, how far are they from touching?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckStatesRequest {
+    pub joint_names: Vec<String>,
+    pub positions: Vec<f64>,
+    pub with_distance: bool,
+    pub distance_limit: f64,
+    pub timeout: f64,
+}
+
+/// What is known about states. The default says `ERROR`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckStatesResponse {
+    pub verdict: u8,
+    pub message: String,
+    pub reason_code: String,
+    pub verdicts: Vec<u8>,
+    pub distances: Vec<f64>,
+    pub pair_a: Vec<i32>,
+    pub pair_b: Vec<i32>,
+    pub bodies: Vec<String>,
+    pub body_types: Vec<u8>,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub compute_time: f64,
+}
+
+impl CheckStatesResponse {
+    pub const ERROR: u8 = 0;
+    pub const FREE: u8 = 1;
+    pub const COLLIDING: u8 = 2;
+    pub const UNKNOWN: u8 = 3;
+}
+
+/// How far apart are the bodies in one state?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GetDistancesRequest {
+    pub joint_names: Vec<String>,
+    pub positions: Vec<f64>,
+    pub max_distance: f64,
+    pub max_pairs: u32,
+    pub bodies: Vec<String>,
+    pub timeout: f64,
+}
+
+/// What is known about the distances of one state. The default says `ERROR`; verdicts are those of [`CheckStatesResponse`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GetDistancesResponse {
+    pub verdict: u8,
+    pub message: String,
+    pub reason_code: String,
+    pub pairs: Vec<PairDistance>,
+    pub pairs_found: u32,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub compute_time: f64,
+}
+
 impl Message for CheckMotionRequest {}
 impl Message for CheckTrajectoryRequest {}
 impl Message for CheckMotionResponse {}
 impl Message for CheckTrajectoryResponse {}
+impl Message for CheckTrajectoryFeedback {}
+impl Message for CheckStatesRequest {}
+impl Message for CheckStatesResponse {}
+impl Message for GetDistancesRequest {}
+impl Message for GetDistancesResponse {}
 
 #[cfg(test)]
 mod tests {
@@ -117,6 +190,25 @@ mod tests {
             unfolded(&fields_in_rust::<CheckTrajectoryResponse>(), "motion", &motion),
             fields_in_text(response)
         );
+
+        let (request, response) = srv!("CheckStates");
+        assert_eq!(fields_in_rust::<CheckStatesRequest>(), fields_in_text(request));
+        assert_eq!(fields_in_rust::<CheckStatesResponse>(), fields_in_text(response));
+        let (request, response) = srv!("GetDistances");
+        assert_eq!(fields_in_rust::<GetDistancesRequest>(), fields_in_text(request));
+        assert_eq!(fields_in_rust::<GetDistancesResponse>(), fields_in_text(response));
+    }
+
+    #[test]
+    fn the_action_is_the_service_with_progress() {
+        let text = include_str!("../../interfaces/clearance_msgs/action/CheckTrajectory.action");
+        let [goal, result, feedback]: [&str; 3] =
+            text.split("\n---\n").collect::<Vec<_>>().try_into().unwrap();
+        let (request, response) = srv!("CheckTrajectory");
+        assert_eq!(fields_in_text(goal), fields_in_text(request));
+        assert_eq!(fields_in_text(result), fields_in_text(response));
+        assert_eq!(constants_in_text(result), constants_in_text(response));
+        assert_eq!(fields_in_rust::<CheckTrajectoryFeedback>(), fields_in_text(feedback));
     }
 
     #[test]
@@ -128,6 +220,16 @@ mod tests {
             ("UNDECIDED", CheckMotionResponse::UNDECIDED),
         ];
         for (request, response) in [srv!("CheckMotion"), srv!("CheckTrajectory")] {
+            assert_eq!(constants_in_text(request), []);
+            assert_eq!(constants_in_text(response), expected);
+        }
+        let expected = [
+            ("ERROR", CheckStatesResponse::ERROR),
+            ("FREE", CheckStatesResponse::FREE),
+            ("COLLIDING", CheckStatesResponse::COLLIDING),
+            ("UNKNOWN", CheckStatesResponse::UNKNOWN),
+        ];
+        for (request, response) in [srv!("CheckStates"), srv!("GetDistances")] {
             assert_eq!(constants_in_text(request), []);
             assert_eq!(constants_in_text(response), expected);
         }

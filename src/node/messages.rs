@@ -126,22 +126,28 @@ fn add_findings(
     }
 }
 
+/// What a body is, as messages name it.
 #[must_use]
-pub fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
-    let kind = |body| match body {
+pub fn body_type(body: Body) -> u8 {
+    match body {
         Body::Link(_) => BodyPair::LINK,
         Body::Attached(_) => BodyPair::ATTACHED,
         Body::Obstacle(_) => BodyPair::OBSTACLE,
-    };
-    BodyPair {
-        body_a: checker.body_name(a).to_owned(),
-        type_a: kind(a),
-        body_b: checker.body_name(b).to_owned(),
-        type_b: kind(b),
     }
 }
 
-fn distance_message(checker: &CollisionChecker, pair: &PairDistance) -> clearance_msgs::PairDistance {
+#[must_use]
+pub fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
+    BodyPair {
+        body_a: checker.body_name(a).to_owned(),
+        type_a: body_type(a),
+        body_b: checker.body_name(b).to_owned(),
+        type_b: body_type(b),
+    }
+}
+
+#[must_use]
+pub fn distance_message(checker: &CollisionChecker, pair: &PairDistance) -> clearance_msgs::PairDistance {
     clearance_msgs::PairDistance {
         pair: pair_message(checker, pair.a, pair.b),
         distance: pair.distance,

@@ -7,6 +7,7 @@
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
+//! ~/check_states, ~/get_distances ──> services ──> states ──> services ──> answers
 //! ```
 //!
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
@@ -20,6 +21,7 @@
 mod activity;
 mod arguments;
 mod arrivals;
+mod cell;
 pub mod clearance_msgs;
 pub mod clearance_srvs;
 mod clock;
@@ -27,6 +29,7 @@ mod diagnostics;
 pub mod doctor;
 mod enable_service;
 mod environment;
+mod goals;
 #[cfg(test)]
 mod interface_text;
 mod link_volumes;
@@ -46,12 +49,16 @@ mod parameter_value;
 mod parameters;
 mod publishers;
 pub mod recording;
+mod refusal;
 mod run;
 mod scene;
 mod scene_keeper;
 mod simulation_clock;
+mod state_requests;
+mod state_services;
 mod swept_volume_markers;
 mod threads;
+mod trajectory_action;
 mod view;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};

@@ -1,91 +1,32 @@
 //! Requests about motions, answered: from names and numbers to ways, from verdicts to messages. No I/O.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 
+use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
 use super::clearance_srvs::{
     CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionTerms,
 };
 use super::messages::{pair_message, point_message};
+use super::refusal::{Refusal, bad, shortened};
 use super::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 use crate::checker::{
-    CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, Workspace,
+    CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, Watch, Workspace,
 };
-use crate::monitor::{Judgement, Reason, quoted_list};
+use crate::monitor::Judgement;
 use crate::motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
-use crate::robot::{Configuration, RobotModel};
+use crate::robot::RobotModel;
 
 /// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
 const LONGEST_CERTIFICATE: usize = 200_000;
-
-/// Bytes of message and certificate together in an answer. What does not fit into one datagram (1452 bytes on Ethernet, some 300 of
-/// which go to the rest) is cut into fragments, and `RustDDS` 0.15.1 puts a stray byte into every fragment of an answer, so that nobody
-/// can read it.
-const LONGEST_TEXTS: usize = 1000;
 
 /// No proof takes fewer bytes of a certificate: `[0,0.0,1.0,0.1,0.1],`.
 const SHORTEST_PROOF: usize = 20;
 
 /// Looks at a pair that one segment may take: some seconds, and memory that a machine has.
 const LOOKS: u64 = 2_000_000;
-
-/// Bytes of a message at most: it must not grow with hostile input, and the answer has to fit into a datagram.
-const LONGEST_MESSAGE: usize = 480;
-
-/// Why a motion is not checked.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
-    #[error("{0}")]
-    NoModel(String),
-    #[error("there is no joint state to start from: {0}")]
-    NoJointState(String),
-    /// The world is not known any more.
-    #[error("{0}")]
-    StaleWorld(String),
-    #[error("{0}")]
-    BadRequest(String),
-    #[error("{0} requests are waiting already: ask again later")]
-    Busy(usize),
-    #[error("checking it failed inside the program")]
-    Internal,
-}
-
-impl Refusal {
-    /// A word that programs may compare with; it never changes.
-    #[must_use]
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::NoModel(_) => "no_model",
-            Self::NoJointState(_) => "no_joint_state",
-            Self::StaleWorld(_) => "stale_world",
-            Self::BadRequest(_) => "bad_request",
-            Self::Busy(_) => "busy",
-            Self::Internal => "internal",
-        }
-    }
-
-    #[must_use]
-    pub fn response(&self) -> CheckTrajectoryResponse {
-        CheckTrajectoryResponse {
-            motion: CheckMotionResponse {
-                verdict: CheckMotionResponse::ERROR,
-                message: shortened(self.to_string()),
-                reason_code: self.code().to_owned(),
-                distance_upper: f64::INFINITY,
-                ..CheckMotionResponse::default()
-            },
-            segment: 0,
-            time_free: f64::NAN,
-            time_contact: f64::NAN,
-        }
-    }
-}
-
-fn bad(what: impl Into<String>) -> Refusal {
-    Refusal::BadRequest(what.into())
-}
 
 /// An answer, and what was asked for beside it.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +39,16 @@ pub struct Answered {
 
 impl From<&Refusal> for Answered {
     fn from(refusal: &Refusal) -> Self {
-        Self { response: refusal.response(), certificate: None, swept_volume: None }
+        let motion = CheckMotionResponse {
+            verdict: CheckMotionResponse::ERROR,
+            message: refusal.message(),
+            reason_code: refusal.code().to_owned(),
+            distance_upper: f64::INFINITY,
+            ..CheckMotionResponse::default()
+        };
+        let (time_free, time_contact) = (f64::NAN, f64::NAN);
+        let response = CheckTrajectoryResponse { motion, segment: 0, time_free, time_contact };
+        Self { response, certificate: None, swept_volume: None }
     }
 }
 
@@ -109,28 +59,30 @@ pub fn answer_motion(
     judgement: Option<&Judgement>,
     workspace: &mut Option<Workspace>,
 ) -> Answered {
-    answer(&request.terms, judgement, workspace, |cell| cell.straight(request))
+    answer(&request.terms, None, judgement, workspace, |cell| cell.straight(request))
 }
 
-/// Answers a request for a trajectory.
+/// Answers a request for a trajectory, watched by someone or not.
 #[must_use]
 pub fn answer_trajectory(
     request: &CheckTrajectoryRequest,
+    watch: Option<Watch>,
     judgement: Option<&Judgement>,
     workspace: &mut Option<Workspace>,
 ) -> Answered {
-    answer(&request.terms, judgement, workspace, |cell| cell.trajectory(request))
+    answer(&request.terms, watch, judgement, workspace, |cell| cell.trajectory(request))
 }
 
 fn answer(
     terms: &MotionTerms,
+    watch: Option<Watch>,
     judgement: Option<&Judgement>,
     workspace: &mut Option<Workspace>,
     way: impl FnOnce(&Cell) -> Result<Way, Refusal>,
 ) -> Answered {
     let started = Instant::now();
     let found = Cell::of(judgement).and_then(|cell| {
-        let options = options(terms, started)?;
+        let options = MotionOptions { watch, ..options(terms, started)? };
         let way = way(&cell)?;
         check_intervals(terms.swept_volume_intervals, &way.trajectory, cell.robot())?;
         let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
@@ -142,28 +94,20 @@ fn answer(
         answered.swept_volume.get_or_insert_with(no_markers);
     }
     let motion = &mut answered.response.motion;
-    if let Some(revision) = judgement.and_then(|judgement| judgement.revision.as_ref()) {
-        motion.model_revision = revision.model;
-        motion.world_revision = revision.world;
-    }
+    (motion.model_revision, motion.world_revision) = revisions(judgement);
     motion.compute_time = started.elapsed().as_secs_f64();
     answered
 }
 
 fn options(terms: &MotionTerms, started: Instant) -> Result<MotionOptions, Refusal> {
     let usual = MotionOptions::default();
-    for (name, unit, value) in [("tolerance", "m", terms.tolerance), ("timeout", "s", terms.timeout)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")));
-        }
-    }
-    // a timeout beyond all clocks is none; a tiny one is over at once
-    let timeout = (terms.timeout > 0.0).then(|| Duration::try_from_secs_f64(terms.timeout).ok()).flatten();
+    not_negative("tolerance", "m", terms.tolerance)?;
     Ok(MotionOptions {
         tolerance: if terms.tolerance > 0.0 { terms.tolerance } else { usual.tolerance },
         order: if terms.any_contact { MotionOrder::Any } else { MotionOrder::Earliest },
-        deadline: timeout.and_then(|timeout| started.checked_add(timeout)),
+        deadline: deadline(terms.timeout, started)?,
         budget: LOOKS,
+        watch: None,
     })
 }
 
@@ -174,31 +118,7 @@ struct Way {
     note: Option<String>,
 }
 
-/// The robot, its surroundings, and where it is now.
-struct Cell<'a> {
-    checker: &'a CollisionChecker,
-    /// Where the robot is, or why that is not known.
-    now: Result<&'a Configuration, String>,
-}
-
-impl<'a> Cell<'a> {
-    fn of(judgement: Option<&'a Judgement>) -> Result<Self, Refusal> {
-        let reason = judgement.and_then(|judgement| judgement.status.reason());
-        let why = reason.unwrap_or(&Reason::NoModel { fault: None });
-        let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
-        let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
-        if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
-            return Err(Refusal::StaleWorld(stale.to_string()));
-        }
-        let evidence = judgement.and_then(|judgement| judgement.evidence.as_ref());
-        let now = evidence.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
-        Ok(Self { checker: &revision.checker, now })
-    }
-
-    fn robot(&self) -> &'a RobotModel {
-        self.checker.robot()
-    }
-
+impl Cell<'_> {
     fn straight(&self, request: &CheckMotionRequest) -> Result<Way, Refusal> {
         let CheckMotionRequest { joint_names, start, goal, terms } = request;
         if joint_names.is_empty() {
@@ -241,21 +161,6 @@ impl<'a> Cell<'a> {
         Ok(Way { trajectory: self.loosened(trajectory, joints, &request.terms.joint_tolerances)?, note })
     }
 
-    /// Where joints are that are not named, and a word about it if nobody knows.
-    fn rest(&self, named: &[String]) -> (Configuration, Option<String>) {
-        let robot = self.robot();
-        let why = match &self.now {
-            Ok(now) => return ((*now).clone(), None),
-            Err(why) => why,
-        };
-        let others: Vec<String> =
-            robot.position_names().iter().filter(|name| !named.contains(name)).cloned().collect();
-        let note = (!others.is_empty()).then(|| {
-            format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
-        });
-        (robot.default_configuration(), note)
-    }
-
     /// With tolerances (rad, m), one for each of `joints`; none leaves the way exact.
     fn loosened(
         &self,
@@ -280,13 +185,6 @@ impl<'a> Cell<'a> {
             .map(|segment| segment.with_tube(self.robot(), tube.clone()))
             .map_err(|error| bad(format!("joint_tolerances: {error}")))
     }
-}
-
-fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Refusal> {
-    if numbers.len() == joints.len() {
-        return Ok(());
-    }
-    Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
 }
 
 /// Refuses more volumes than fit into one message.
@@ -343,9 +241,7 @@ fn verdict(
     motion.message = shortened(notes.join("; "));
     if let (Some(text), Some(proof)) = (&text, proof) {
         motion.certificate_digest = proof.digest;
-        if text.len() + motion.message.len() <= LONGEST_TEXTS {
-            motion.certificate.clone_from(text);
-        }
+        motion.certificate.clone_from(text);
     }
     Answered { response, certificate: text, swept_volume: swept_volume.flatten() }
 }
@@ -386,15 +282,6 @@ fn response(
     let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
     let segment = u32::try_from(report.segment).unwrap_or(u32::MAX);
     CheckTrajectoryResponse { motion, segment, time_free, time_contact }
-}
-
-fn shortened(mut text: String) -> String {
-    if text.len() > LONGEST_MESSAGE {
-        let room = 0..=LONGEST_MESSAGE - '…'.len_utf8();
-        text.truncate(room.rev().find(|&end| text.is_char_boundary(end)).unwrap_or_default());
-        text.push('…');
-    }
-    text
 }
 
 #[cfg(test)]

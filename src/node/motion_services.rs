@@ -1,8 +1,8 @@
-//! `~/check_motion` and `~/check_trajectory`: requests come and answers go on the thread of the services; checks are made one after the
-//! other on a thread of their own, so that no motion, however long, delays anything else.
+//! `~/check_motion` and `~/check_trajectory`, the latter also as an action: requests come and answers go on the thread of the services;
+//! checks are made one after the other on a thread of their own, so that no motion, however long, delays anything else.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::PoisonError;
+use std::sync::{Arc, PoisonError};
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
@@ -13,10 +13,15 @@ use smol::channel::{self, Receiver, Sender};
 use super::clearance_srvs::{
     CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
 };
-use super::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality, RequestId, Server};
+use super::clock::RosClock;
+use super::middleware::{
+    GoalId, MessageKind, Middleware, MiddlewareError, Publisher, Quality, RequestId, Server,
+};
 use super::monitor_loop::CurrentJudgement;
-use super::motion_requests::{Answered, Refusal, answer_motion, answer_trajectory};
+use super::motion_requests::{Answered, answer_motion, answer_trajectory};
 use super::names::Names;
+use super::refusal::Refusal;
+use super::trajectory_action::{Begun, Goal, TrajectoryAction};
 use crate::checker::Workspace;
 use crate::monitor::Judgement;
 
@@ -27,17 +32,22 @@ const WAITING: usize = 16;
 enum Request {
     Motion(RequestId, CheckMotionRequest),
     Trajectory(RequestId, CheckTrajectoryRequest),
+    Goal(Goal),
 }
 
 enum Answer {
     Motion(RequestId, Box<Answered>),
     Trajectory(RequestId, Box<Answered>),
+    /// A goal is worked on from now on.
+    Begun(Begun),
+    Goal(GoalId, Box<Answered>),
 }
 
 /// The side that speaks with clients.
 pub struct MotionServices {
     motions: Server<CheckMotionRequest, CheckMotionResponse>,
     trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
+    goals: TrajectoryAction,
     certificates: Publisher<StringMessage>,
     swept_volumes: Publisher<MarkerArray>,
     requests: Sender<Request>,
@@ -58,9 +68,10 @@ impl MotionServices {
         middleware: &Middleware,
         names: &Names,
         current: CurrentJudgement,
+        clock: Arc<RosClock>,
     ) -> Result<(Self, MotionDesk), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
-        // never more than requests that waited
+        // never more than two for each request that waited
         let (answers, answers_in) = channel::unbounded();
         let string = MessageKind("std_msgs", "String");
         let markers = MessageKind("visualization_msgs", "MarkerArray");
@@ -69,6 +80,7 @@ impl MotionServices {
                 .server(&names.resolve("~/check_motion")?, ("clearance_msgs", "CheckMotion"))?,
             trajectories: middleware
                 .server(&names.resolve("~/check_trajectory")?, ("clearance_msgs", "CheckTrajectory"))?,
+            goals: TrajectoryAction::offer(middleware, names, clock)?,
             certificates: middleware.publisher(
                 &names.resolve("~/certificates")?,
                 string,
@@ -107,7 +119,9 @@ impl MotionServices {
                 self.send(answer, &sending);
             }
         };
-        sending.run(future::zip(future::zip(motions, trajectories), answers)).await;
+        let goals = self.goals.serve(&sending, |goal| self.requests.try_send(Request::Goal(goal)).is_ok());
+        let services = future::zip(future::zip(motions, trajectories), answers);
+        sending.run(future::zip(services, goals)).await;
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
@@ -119,19 +133,21 @@ impl MotionServices {
     }
 
     fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
-        let send = async move {
-            match answer {
-                Answer::Motion(id, answered) => {
-                    let response = self.publish_more(*answered);
-                    self.motions.answer(id, response.motion).await;
-                }
-                Answer::Trajectory(id, answered) => {
-                    let response = self.publish_more(*answered);
-                    self.trajectories.answer(id, response).await;
-                }
+        match answer {
+            Answer::Motion(id, answered) => {
+                let response = self.publish_more(*answered);
+                sending.spawn(self.motions.answer(id, response.motion)).detach();
             }
-        };
-        sending.spawn(send).detach();
+            Answer::Trajectory(id, answered) => {
+                let response = self.publish_more(*answered);
+                sending.spawn(self.trajectories.answer(id, response)).detach();
+            }
+            Answer::Begun(begun) => self.goals.follow(begun, sending),
+            Answer::Goal(id, answered) => {
+                let response = self.publish_more(*answered);
+                self.goals.end(id, &response, sending);
+            }
+        }
     }
 
     /// Publishes what was asked for beside the answer, and gives the answer.
@@ -152,6 +168,11 @@ impl MotionDesk {
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
             let judgement = self.current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            if let Request::Goal(goal) = &request
+                && self.answers.send_blocking(Answer::Begun(Begun::of(goal))).is_err()
+            {
+                return;
+            }
             let answer = self.answer(request, judgement.as_ref());
             if self.answers.send_blocking(answer).is_err() {
                 return;
@@ -162,7 +183,10 @@ impl MotionDesk {
     fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
         let answered = self.guarded(|workspace| match &request {
             Request::Motion(_, request) => answer_motion(request, judgement, workspace),
-            Request::Trajectory(_, request) => answer_trajectory(request, judgement, workspace),
+            Request::Trajectory(_, request) => answer_trajectory(request, None, judgement, workspace),
+            Request::Goal(Goal { request, watch, .. }) => {
+                answer_trajectory(request, Some(watch.clone()), judgement, workspace)
+            }
         });
         request.answered(answered)
     }
@@ -182,6 +206,7 @@ impl Request {
         match self {
             Self::Motion(id, _) => Answer::Motion(id, Box::new(answered)),
             Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(answered)),
+            Self::Goal(goal) => Answer::Goal(goal.id, Box::new(answered)),
         }
     }
 }

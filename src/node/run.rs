@@ -28,6 +28,7 @@ use super::recording::{Given, Recorder, Tape};
 use super::scene::{Monitored, SceneServices, SceneTopics, Shared, Transforms};
 use super::scene_keeper::Glimpse;
 use super::simulation_clock;
+use super::state_services::StateServices;
 use super::threads::{End, Part, run_together, until};
 use crate::checker::MeshModel;
 use crate::monitor::Monitor;
@@ -156,8 +157,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (scenes, validity_desk) =
         SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
     let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
-    let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current)?;
-    let small = (motions, EnableService::offer(&middleware, &names, end.events.clone())?);
+    let (states, state_desk) = StateServices::offer(&middleware, &names, Arc::clone(&current))?;
+    let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current, Arc::clone(&clock))?;
+    let small = (motions, states, EnableService::offer(&middleware, &names, end.events.clone())?);
     let own = (store, tape, Arc::clone(&clock), small);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
@@ -171,21 +173,13 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             smol::block_on(until(&stopped, play));
         }));
     }
-    let motions_stopped = stopped.clone();
-    parts.push(Part::new("motions", move || {
-        // a motion that takes hours does not hold up the end
-        let work = smol::unblock(move || motion_desk.work());
-        smol::block_on(until(&motions_stopped, work));
-    }));
+    parts.push(desk("motions", &stopped, move || motion_desk.work()));
+    parts.push(desk("states", &stopped, move || state_desk.work()));
+    parts.push(desk("validity", &stopped, move || validity_desk.work()));
     let world_stopped = stopped.clone();
     parts.push(Part::new("world", move || {
         let work = async { future::zip(topics.listen(), scenes.serve(&topics)).await };
         smol::block_on(until(&world_stopped, work));
-    }));
-    let validity_stopped = stopped.clone();
-    parts.push(Part::new("validity", move || {
-        let work = smol::unblock(move || validity_desk.work());
-        smol::block_on(until(&validity_stopped, work));
     }));
     parts.push(Part::new("services", move || smol::block_on(until(&stopped, services.serve()))));
 
@@ -199,6 +193,12 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     middleware.leave();
     log::info!("{node} has ended");
     Ok(())
+}
+
+/// A part that checks what is asked; a check that takes hours does not hold up the end.
+fn desk(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
+    let stopped = stopped.clone();
+    Part::new(name, move || smol::block_on(until(&stopped, smol::unblock(work))))
 }
 
 /// A motion, and by what it is published.
@@ -246,6 +246,7 @@ struct Services {
     semantics: Subscription<StringMessage>,
     parameters: ParameterServices,
     motions: MotionServices,
+    states: StateServices,
     enable: EnableService,
     store: ParameterStore,
     tape: Tape,
@@ -262,11 +263,11 @@ impl Services {
     fn open(
         middleware: &Middleware,
         names: &Names,
-        (store, tape, clock, (motions, enable)): (
+        (store, tape, clock, (motions, states, enable)): (
             ParameterStore,
             Tape,
             Arc<RosClock>,
-            (MotionServices, EnableService),
+            (MotionServices, StateServices, EnableService),
         ),
         orders: Sender<Order>,
         changes: Receiver<()>,
@@ -279,6 +280,7 @@ impl Services {
             semantics: latched("robot_description_semantic")?,
             parameters: ParameterServices::offer(middleware, names, store.clone(), Arc::clone(&clock))?,
             motions,
+            states,
             enable,
             clock_topic: names.resolve("/clock")?,
             middleware: middleware.clone(),
@@ -308,7 +310,8 @@ impl Services {
                 self.middleware.tell(&self.logger, &line, self.clock.now().unwrap_or_default());
             }
         };
-        let serve = future::zip(self.parameters.serve(), self.motions.serve());
+        let checks = future::zip(self.motions.serve(), self.states.serve());
+        let serve = future::zip(self.parameters.serve(), checks);
         let serve = future::zip(future::zip(serve, self.enable.serve()), tell);
         future::zip(future::zip(listen, serve), self.middleware.meet_peers()).await;
     }

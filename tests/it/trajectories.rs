@@ -1,12 +1,13 @@
 //! What is asked about motions beyond straight edges, on robots whose answers can be worked out with pencil and paper.
 
+use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, Settings,
-    UndecidedReason,
+    UndecidedReason, Watch,
 };
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
@@ -244,6 +245,32 @@ fn who_runs_out_of_time_says_so() {
         let MotionVerdict::Undecided { reason, t, .. } = report.verdict else { panic!("{report:?}") };
         assert!(reason == wanted && t[0] < 1.0 && t[1] == 1.0, "{report:?}");
     }
+}
+
+#[test]
+fn who_is_watched_tells_how_far_it_has_come_and_ends_when_told_to() {
+    let robot = two_link();
+    let checker = alone(&robot);
+    let ends = [0.0, 1.0, 2.0, PI, 2.0].map(|joint2| at(&robot, 0.0, joint2));
+    let segments = ends.windows(2).map(|ends| MotionSegment::straight(&robot, &ends[0], &ends[1])).collect();
+    let trajectory = Trajectory::of_segments(segments).unwrap();
+    let watch = Watch::default();
+    let options = MotionOptions { watch: Some(watch.clone()), ..MotionOptions::default() };
+    let report = checker.check_trajectory(&trajectory, &options, &mut checker.workspace());
+    assert!(matches!(report.verdict, MotionVerdict::Contact { .. }), "{report:?}");
+    assert_eq!((report.segment, watch.segments_free()), (2, 2));
+
+    watch.stop();
+    let report = checker.check_trajectory(&trajectory, &options, &mut checker.workspace());
+    let MotionVerdict::Undecided { reason, t, .. } = report.verdict else { panic!("{report:?}") };
+    assert_eq!((reason, t, report.segment), (UndecidedReason::Canceled, [0.0, 1.0], 0));
+    let (report, certificate) = checker.certify_trajectory(&trajectory, &options, &mut checker.workspace());
+    assert!(!report.is_free() && certificate.is_none());
+    // also within a segment
+    let long = MotionSegment::straight(&robot, &ends[0], &at(&robot, 0.0, 2.83));
+    let report = checker.check_motion_with(&long, &options, &mut checker.workspace());
+    let MotionVerdict::Undecided { reason, .. } = report.verdict else { panic!("{report:?}") };
+    assert_eq!(reason, UndecidedReason::Canceled);
 }
 
 #[test]

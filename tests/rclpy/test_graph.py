@@ -28,6 +28,8 @@ SERVICES = {
     "~/enable": "std_srvs/srv/SetBool",
     "~/check_motion": "clearance_msgs/srv/CheckMotion",
     "~/check_trajectory": "clearance_msgs/srv/CheckTrajectory",
+    "~/check_states": "clearance_msgs/srv/CheckStates",
+    "~/get_distances": "clearance_msgs/srv/GetDistances",
     "~/describe_parameters": "rcl_interfaces/srv/DescribeParameters",
     "~/get_parameter_types": "rcl_interfaces/srv/GetParameterTypes",
     "~/get_parameters": "rcl_interfaces/srv/GetParameters",
@@ -71,13 +73,17 @@ def test_names_and_types_stand_in_the_graph(peer, start, namespace):
 def test_every_publisher_is_reliable_and_the_joint_states_match_both(peer, cell):
     cell.judged(joint1=0, joint2=0)
 
+    def only(infos, topic):
+        """The quality of service of the only endpoint, once it is known."""
+        (info,) = peer.wait_for(lambda: infos(topic), topic)
+        return info.qos_profile
+
     for topic in ("state", "is_free", "distance", "markers"):
-        (info,) = peer.node.get_publishers_info_by_topic(cell.node.private(topic))
-        assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
-    (info,) = peer.node.get_subscriptions_info_by_topic(cell.node.relative("joint_states"))
-    assert info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
-    (info,) = peer.node.get_subscriptions_info_by_topic(cell.node.relative("robot_description"))
-    assert info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        quality = only(peer.node.get_publishers_info_by_topic, cell.node.private(topic))
+        assert quality.reliability == ReliabilityPolicy.RELIABLE
+    subscribed = peer.node.get_subscriptions_info_by_topic
+    assert only(subscribed, cell.node.relative("joint_states")).reliability == ReliabilityPolicy.BEST_EFFORT
+    assert only(subscribed, cell.node.relative("robot_description")).durability == DurabilityPolicy.TRANSIENT_LOCAL
 
 
 def test_topics_can_be_remapped(peer, start):

@@ -32,7 +32,7 @@ impl CollisionChecker {
         workspace: &mut Workspace,
     ) -> (TrajectoryReport, Option<Certificate>) {
         let mut all = Vec::new();
-        let report = each_segment(trajectory, |segment| {
+        let report = each_segment(trajectory, options, |segment| {
             let (report, proofs) = self.prove(segment, options, workspace, true);
             all.push(SegmentProof { motion: segment.text(), proofs });
             self.sure_of_contact(report, segment, options, workspace)

@@ -12,6 +12,7 @@
 //! | what a look proves, what is found | `prover` |
 //! | what is proven, as a document | `certify` |
 //! | many motions; stretches one after the other | `edges`, `trajectory` |
+//! | how far a check has come, and its end before time | `watch` |
 //! | volumes around a motion | `swept_volume` |
 //! | until when nothing can touch | `look_ahead` |
 
@@ -25,6 +26,7 @@ mod prover;
 mod report;
 mod swept_volume;
 mod trajectory;
+mod watch;
 
 pub(super) use level_zero::{Ways, ways_of};
 pub use look_ahead::LookAhead;
@@ -32,3 +34,4 @@ pub(super) use prover::MotionScratch;
 pub use report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 pub use swept_volume::SweptVolume;
 pub use trajectory::TrajectoryReport;
+pub use watch::Watch;

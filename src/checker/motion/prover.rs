@@ -393,10 +393,12 @@ impl Prover<'_> {
         if self.stopped.is_none() {
             if self.looks > self.options.budget {
                 self.stopped = Some(UndecidedReason::Budget);
-            } else if self.looks % LOOKS_A_GLANCE == 1
-                && self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
-            {
-                self.stopped = Some(UndecidedReason::Deadline);
+            } else if self.looks % LOOKS_A_GLANCE == 1 {
+                if self.options.is_stopped() {
+                    self.stopped = Some(UndecidedReason::Canceled);
+                } else if self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                    self.stopped = Some(UndecidedReason::Deadline);
+                }
             }
         }
         self.stopped.is_some()

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::watch::Watch;
 use crate::checker::Body;
 use crate::math::Point;
 use crate::query::Work;
@@ -17,6 +18,8 @@ pub struct MotionOptions {
     pub deadline: Option<Instant>,
     /// After how many looks at a pair to stop; some microseconds each.
     pub budget: u64,
+    /// By which another thread sees how far the check has come, and may stop it.
+    pub watch: Option<Watch>,
 }
 
 /// Which contact is looked for.
@@ -29,9 +32,23 @@ pub enum MotionOrder {
     Any,
 }
 
+impl MotionOptions {
+    /// Whether whoever watches wants no more.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.watch.as_ref().is_some_and(Watch::is_stopped)
+    }
+}
+
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { tolerance: 5e-4, order: MotionOrder::Earliest, deadline: None, budget: 10_000_000 }
+        Self {
+            tolerance: 5e-4,
+            order: MotionOrder::Earliest,
+            deadline: None,
+            budget: 10_000_000,
+            watch: None,
+        }
     }
 }
 
@@ -68,6 +85,8 @@ pub enum UndecidedReason {
     /// Within the tracking tolerance a pair may touch.
     Tube,
     Deadline,
+    /// Whoever watches has stopped it.
+    Canceled,
     Budget,
     /// Numbers are too large to be computed with.
     Overflow,
@@ -83,6 +102,7 @@ impl UndecidedReason {
             Self::Tolerance => "tolerance",
             Self::Tube => "tube",
             Self::Deadline => "deadline",
+            Self::Canceled => "canceled",
             Self::Budget => "budget",
             Self::Overflow => "overflow",
             Self::Mismatch => "mismatch",
@@ -96,6 +116,7 @@ impl std::fmt::Display for UndecidedReason {
             Self::Tolerance => "nearer than the tolerance",
             Self::Tube => "may touch within the tracking tolerance",
             Self::Deadline => "deadline exceeded",
+            Self::Canceled => "canceled",
             Self::Budget => "budget used up",
             Self::Overflow => "numbers are too large to be computed with",
             Self::Mismatch => "the motion is not one of this robot in this world",

@@ -1,6 +1,6 @@
 //! Stretches one after the other.
 
-use super::report::{MotionOptions, MotionReport, MotionVerdict};
+use super::report::{MotionOptions, MotionReport, MotionVerdict, UndecidedReason};
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::workspace::Workspace;
 use crate::motion::{MotionSegment, Trajectory};
@@ -34,22 +34,28 @@ impl CollisionChecker {
         options: &MotionOptions,
         workspace: &mut Workspace,
     ) -> TrajectoryReport {
-        each_segment(trajectory, |segment| self.check_motion_with(segment, options, workspace))
+        each_segment(trajectory, options, |segment| self.check_motion_with(segment, options, workspace))
     }
 }
 
 /// Asks about one segment after the other until one is not free.
 pub(super) fn each_segment(
     trajectory: &Trajectory,
+    options: &MotionOptions,
     mut check: impl FnMut(&MotionSegment) -> MotionReport,
 ) -> TrajectoryReport {
     let (mut looks, mut work) = (0, Work::default());
     for (i, segment) in trajectory.segments().iter().enumerate() {
-        let report = check(segment);
+        let report = if options.is_stopped() { canceled() } else { check(segment) };
         looks += report.looks;
         work += report.work;
         let t = match report.verdict {
-            MotionVerdict::Free => continue,
+            MotionVerdict::Free => {
+                if let Some(watch) = &options.watch {
+                    watch.note_free(i + 1);
+                }
+                continue;
+            }
             MotionVerdict::Contact { t, .. } | MotionVerdict::Undecided { t, .. } => t,
         };
         let time = trajectory.time(i, t[0]).zip(trajectory.time(i, t[1])).map(|(lo, hi)| [lo, hi]);
@@ -57,4 +63,11 @@ pub(super) fn each_segment(
     }
     let segment = trajectory.segments().len().saturating_sub(1);
     TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
+}
+
+/// About a segment that is not looked at any more.
+fn canceled() -> MotionReport {
+    let (t, distance) = ([0.0, 1.0], [0.0, f64::INFINITY]);
+    let verdict = MotionVerdict::Undecided { t, pair: None, distance, reason: UndecidedReason::Canceled };
+    MotionReport { verdict, looks: 0, work: Work::default() }
 }

@@ -2,6 +2,7 @@
 //!
 //! Another release of ros2-client, or another middleware, is a change here.
 
+mod action_server;
 mod first_request;
 mod peers;
 mod server;
@@ -11,10 +12,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use log::Level;
+use ros2_client::action::ActionServerQosPolicies;
 use ros2_client::builtin_interfaces::Time as StampMessage;
 use ros2_client::log::Log as LogMessage;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
-use ros2_client::{Context, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping};
+use ros2_client::{
+    ActionTypeName, Context, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping,
+};
 use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
 use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, TopicKind};
@@ -25,6 +29,7 @@ use super::logging::Line;
 use super::names::{FullName, NameError};
 use crate::monitor::{SourceId, Time};
 
+pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
 
@@ -222,6 +227,34 @@ impl Middleware {
             .map_err(refused(format!("cannot serve {name}")))?;
         self.peers.note_reliably_read(format!("rq{name}Request"));
         Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers)))
+    }
+
+    /// Serves the action type `package/kind` under a full name.
+    pub fn action_server<Goal, Outcome, Progress>(
+        &self,
+        name: &FullName,
+        (package, kind): (&str, &str),
+    ) -> Result<ActionServer<Goal, Outcome, Progress>, MiddlewareError>
+    where
+        Goal: Message + Clone + 'static,
+        Outcome: Message + Clone + 'static,
+        Progress: Message + 'static,
+    {
+        let qualities = ActionServerQosPolicies {
+            goal_service: Quality::Reliable.profile(),
+            result_service: Quality::Reliable.profile(),
+            cancel_service: Quality::Reliable.profile(),
+            feedback_publisher: Quality::Reliable.profile(),
+            status_publisher: Quality::Latched.profile(),
+        };
+        let kind = ActionTypeName::new(package, kind);
+        let inner = lock(&self.node)
+            .create_action_server(ServiceMapping::Enhanced, &name_of(name)?, &kind, qualities)
+            .map_err(refused(format!("cannot serve {name}")))?;
+        for service in ["send_goal", "cancel_goal", "get_result"] {
+            self.peers.note_reliably_read(format!("rq{name}/_action/{service}Request"));
+        }
+        Ok(ActionServer::new(inner, name.clone(), Arc::clone(&self.peers)))
     }
 
     /// Tells a line of the log on `/rosout`, in the name of a logger.

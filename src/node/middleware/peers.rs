@@ -3,9 +3,11 @@
 use std::collections::{HashMap, HashSet};
 use std::net::SocketAddr;
 use std::sync::Mutex;
+use std::time::Duration;
 
 use futures_lite::StreamExt;
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
+use smol::Timer;
 
 use super::first_request::FirstRequest;
 use super::lock;
@@ -52,9 +54,21 @@ impl Peers {
         lock(&self.reliably_read).insert(dds_topic);
     }
 
-    /// Whether this reader of a peer hears us.
-    pub fn has_reader(&self, reader: GUID) -> bool {
-        lock(&self.readers).contains(&reader)
+    /// A client's reader of answers may become known here later than its first request; answers sent before are lost.
+    pub async fn await_reader(&self, client: GUID, service: &FullName) {
+        const PERIOD: Duration = Duration::from_millis(2);
+        const PERIODS: usize = 500;
+        // Fast DDS names the reader of the answer in its requests; others name the writer, which says nothing
+        if !is_reader(client) {
+            return;
+        }
+        for _ in 0..PERIODS {
+            if lock(&self.readers).contains(&client) {
+                return;
+            }
+            Timer::after(PERIOD).await;
+        }
+        log::warn!("a client of {service} does not listen to answers");
     }
 
     /// Meets peers for ever.
@@ -147,6 +161,11 @@ impl Peers {
             _ => None,
         }
     }
+}
+
+/// Whether an entity is a reader, by the last byte of its identifier (RTPS 9.3.1.2).
+fn is_reader(entity: GUID) -> bool {
+    matches!(entity.to_bytes()[15] & 0x3f, 0x04 | 0x07)
 }
 
 fn in_words(qos: &QosPolicies) -> String {

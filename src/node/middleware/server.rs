@@ -1,11 +1,9 @@
 //! Services: requests in, answers out.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use ros2_client::RmwRequestId;
 use rustdds::GUID;
-use smol::Timer;
 
 use super::Message;
 use super::peers::Peers;
@@ -19,7 +17,7 @@ pub struct Server<Request: Message, Response: Message> {
 }
 
 /// Names a request in its answer.
-pub struct RequestId(RmwRequestId);
+pub struct RequestId(pub(super) RmwRequestId);
 
 impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Response> {
     pub(super) fn new(
@@ -42,31 +40,9 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
 
     /// Answers a request, as soon as its client can hear it.
     pub async fn answer(&self, RequestId(id): RequestId, response: Response) {
-        self.await_reader(GUID::from(id.writer_gid)).await;
+        self.peers.await_reader(GUID::from(id.writer_gid), &self.name).await;
         if let Err(error) = self.inner.send_response(id, response) {
             log::warn!("an answer of {} was dropped: {error}", self.name);
         }
     }
-
-    /// A client's reader of answers may become known here later than its first request; answers sent before are lost.
-    async fn await_reader(&self, client: GUID) {
-        const PERIOD: Duration = Duration::from_millis(2);
-        const PERIODS: usize = 500;
-        // Fast DDS names the reader of the answer in its requests; others name the writer, which says nothing
-        if !is_reader(client) {
-            return;
-        }
-        for _ in 0..PERIODS {
-            if self.peers.has_reader(client) {
-                return;
-            }
-            Timer::after(PERIOD).await;
-        }
-        log::warn!("a client of {} does not listen to answers", self.name);
-    }
-}
-
-/// Whether an entity is a reader, by the last byte of its identifier (RTPS 9.3.1.2).
-fn is_reader(entity: GUID) -> bool {
-    matches!(entity.to_bytes()[15] & 0x3f, 0x04 | 0x07)
 }

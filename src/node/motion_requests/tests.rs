@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 use std::sync::Arc;
+use std::time::Duration;
 
 use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Duration as SpanMessage;
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::{JointTrajectory, JointTrajectoryPoint};
@@ -9,6 +10,7 @@ use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::{JointTrajectory, JointTr
 use super::*;
 use crate::checker::Settings;
 use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
+use crate::node::refusal::LONGEST_MESSAGE;
 use crate::robot::MeshFiles;
 use crate::world::World;
 
@@ -59,7 +61,7 @@ fn along(points: Vec<JointTrajectoryPoint>) -> CheckTrajectoryRequest {
 }
 
 fn ask_along(request: &CheckTrajectoryRequest) -> CheckTrajectoryResponse {
-    answer_trajectory(request, Some(&judgement(&[0.0, 0.0])), &mut None).response
+    answer_trajectory(request, None, Some(&judgement(&[0.0, 0.0])), &mut None).response
 }
 
 #[test]
@@ -76,8 +78,7 @@ fn a_free_way_is_free_with_its_certificate() {
     let certificate = Certificate::from_json(&text).unwrap();
     let motion = answered.response.motion;
     assert_eq!(motion.certificate_digest, certificate.digest);
-    let expected = if text.len() <= LONGEST_TEXTS { text.as_str() } else { "" };
-    assert_eq!(motion.certificate, expected);
+    assert_eq!(motion.certificate, text);
     assert_eq!(certificate.segments.len(), 1);
     assert_eq!(certificate.segments[0].motion.to, Some(vec![PI / 2.0, 0.0]));
 }
@@ -242,11 +243,12 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
     for (points, sent) in [(100, true), (1_000, false), (20_000, false)] {
         let mut request = along(zigzag(points));
         request.terms.certificate = true;
-        let answered = answer_trajectory(&request, Some(&judgement(&[0.0, 0.0])), &mut None);
+        let answered = answer_trajectory(&request, None, Some(&judgement(&[0.0, 0.0])), &mut None);
         let motion = answered.response.motion;
         assert_eq!(motion.verdict, CheckMotionResponse::FREE);
         assert_eq!(answered.certificate.is_some(), sent, "{points} points");
         assert_eq!(!motion.certificate_digest.is_empty(), sent);
+        assert_eq!(!motion.certificate.is_empty(), sent);
         assert_eq!(motion.message.contains("clearance motion --certificate"), !sent);
         assert!(answered.certificate.unwrap_or_default().len() <= LONGEST_CERTIFICATE);
     }

@@ -1,0 +1,42 @@
+//! A check that another thread watches, and may stop.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// How far a check has come; clones are about the same check.
+#[derive(Clone, Debug, Default)]
+pub struct Watch(Arc<Watched>);
+
+#[derive(Debug, Default)]
+struct Watched {
+    is_stopped: AtomicBool,
+    segments_free: AtomicUsize,
+}
+
+impl PartialEq for Watch {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Watch {
+    /// Has the check end soon, with what is known then.
+    pub fn stop(&self) {
+        self.0.is_stopped.store(true, Ordering::Relaxed);
+    }
+
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.0.is_stopped.load(Ordering::Relaxed)
+    }
+
+    /// So many segments of the trajectory are proven free, from the first on.
+    #[must_use]
+    pub fn segments_free(&self) -> usize {
+        self.0.segments_free.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn note_free(&self, segments: usize) {
+        self.0.segments_free.store(segments, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,79 @@
+//! What requests are about: the robot, its surroundings, and where it is now. No I/O.
+
+use std::time::{Duration, Instant};
+
+use super::refusal::{Refusal, bad};
+use crate::checker::CollisionChecker;
+use crate::monitor::{Judgement, Reason, quoted_list};
+use crate::robot::{Configuration, RobotModel};
+
+/// The robot, its surroundings, and where it is now.
+pub struct Cell<'a> {
+    pub checker: &'a CollisionChecker,
+    /// Where the robot is, or why that is not known.
+    pub now: Result<&'a Configuration, String>,
+}
+
+impl<'a> Cell<'a> {
+    pub fn of(judgement: Option<&'a Judgement>) -> Result<Self, Refusal> {
+        let reason = judgement.and_then(|judgement| judgement.status.reason());
+        let why = reason.unwrap_or(&Reason::NoModel { fault: None });
+        let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+        let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
+        if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
+            return Err(Refusal::StaleWorld(stale.to_string()));
+        }
+        let evidence = judgement.and_then(|judgement| judgement.evidence.as_ref());
+        let now = evidence.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
+        Ok(Self { checker: &revision.checker, now })
+    }
+
+    pub fn robot(&self) -> &'a RobotModel {
+        self.checker.robot()
+    }
+
+    /// Where joints are that are not named, and a word about it if nobody knows.
+    pub fn rest(&self, named: &[String]) -> (Configuration, Option<String>) {
+        let robot = self.robot();
+        let why = match &self.now {
+            Ok(now) => return ((*now).clone(), None),
+            Err(why) => why,
+        };
+        let others: Vec<String> =
+            robot.position_names().iter().filter(|name| !named.contains(name)).cloned().collect();
+        let note = (!others.is_empty()).then(|| {
+            format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
+        });
+        (robot.default_configuration(), note)
+    }
+}
+
+/// The revisions of the robot and of the world that a judgement is about.
+pub fn revisions(judgement: Option<&Judgement>) -> (u64, u64) {
+    let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+    revision.map_or((0, 0), |revision| (revision.model, revision.world))
+}
+
+/// Refuses numbers that are not one for each joint.
+pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Refusal> {
+    if numbers.len() == joints.len() {
+        return Ok(());
+    }
+    Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
+}
+
+/// Refuses a number of the given unit that is not finite or negative.
+pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")))
+}
+
+/// When a timeout (s) is over that began at `started`; a timeout of 0, or beyond all clocks, never is.
+pub fn deadline(timeout: f64, started: Instant) -> Result<Option<Instant>, Refusal> {
+    not_negative("timeout", "s", timeout)?;
+    // a tiny one is over at once
+    let timeout = (timeout > 0.0).then(|| Duration::try_from_secs_f64(timeout).ok()).flatten();
+    Ok(timeout.and_then(|timeout| started.checked_add(timeout)))
+}

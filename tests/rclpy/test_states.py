@@ -1,0 +1,344 @@
+"""`~/check_states` and `~/get_distances` against answers worked out by hand, and against `~/state`."""
+
+import json
+import subprocess
+from math import cos, inf, isnan, nan, pi, sin
+
+import pytest
+from clearance_msgs.msg import BodyPair, CollisionState
+from clearance_msgs.srv import CheckMotion, CheckStates, GetDistances
+
+import two_link
+from cell import STALE_AFTER, Cell
+from motions import Motions
+from scene import ball, diff, obstacle, pose, sphere
+from scene_client import SceneClient
+from states import States, pair_of
+
+ERROR, FREE, COLLIDING, UNKNOWN = (
+    CheckStates.Response.ERROR,
+    CheckStates.Response.FREE,
+    CheckStates.Response.COLLIDING,
+    CheckStates.Response.UNKNOWN,
+)
+ACCURACY = 1e-9  # [m]
+ONTO = (0, pi)
+
+
+@pytest.fixture(scope="module")
+def cell(module_peer):
+    """One node answers for the whole module: every question here leaves it as it was."""
+    with Cell(module_peer) as cell:
+        cell.questions = States(module_peer, cell.node)
+        cell.judged(joint1=0, joint2=0)
+        yield cell
+
+
+def test_every_state_of_a_batch_gets_the_answer_worked_out_by_hand(cell):
+    states = [(answer.joint1, answer.joint2) for answer in two_link.FREE] + two_link.COLLIDING
+    distances = [answer.distance for answer in two_link.FREE] + [0] * len(two_link.COLLIDING)
+    answer = cell.questions.check(states, with_distance=True)
+
+    assert (answer.verdict, answer.message, answer.reason_code) == (COLLIDING, "", "")
+    assert list(answer.verdicts) == [FREE] * len(two_link.FREE) + [COLLIDING] * len(two_link.COLLIDING)
+    assert list(answer.distances) == pytest.approx(distances, abs=ACCURACY)
+    assert all(pair_of(answer, i) == {"base", "tip"} for i in range(len(states)))
+    assert list(answer.body_types) == [BodyPair.LINK] * 2
+    assert (answer.model_revision, answer.world_revision) == (1, 0)
+    assert 0 < answer.compute_time < 1
+
+    without = cell.questions.check(states)
+    assert list(without.verdicts) == list(answer.verdicts)
+    assert len(without.distances) == 0
+    told = [bool(pair_of(without, i)) for i in range(len(states))]
+    assert told == [verdict == COLLIDING for verdict in without.verdicts]
+
+
+def test_only_free_states_together_are_free(cell):
+    assert cell.questions.check([(0, 0), (1, 1)]).verdict == FREE
+    assert cell.questions.check([(0, 0), ONTO, (1, 1)]).verdict == COLLIDING
+
+
+def test_beyond_the_limit_no_distance_is_told(cell):
+    answer = cell.questions.check([(0, 0), (0, 5 * pi / 6)], with_distance=True, distance_limit=0.3)
+
+    assert list(answer.verdicts) == [FREE, FREE]
+    assert list(answer.distances) == pytest.approx([inf, 0.2])
+    assert (pair_of(answer, 0), pair_of(answer, 1)) == (set(), {"base", "tip"})
+
+
+def test_a_timeout_leaves_states_unknown_and_never_free(cell):
+    for with_distance in (False, True):
+        answer = cell.questions.check([(0, 0), ONTO], timeout=1e-9, with_distance=with_distance)
+        assert (answer.verdict, answer.reason_code) == (UNKNOWN, "deadline")
+        assert list(answer.verdicts) == [UNKNOWN] * 2
+        assert all(isnan(distance) for distance in answer.distances)
+    answer = cell.questions.distances((0, 0), timeout=1e-9)
+    assert (answer.verdict, answer.reason_code, answer.pairs) == (UNKNOWN, "deadline", [])
+    assert cell.questions.check([(0, 0)], timeout=60.0).verdict == FREE
+
+
+def test_joints_that_are_not_named_stand_where_they_are(cell):
+    cell.judged(joint1=0, joint2=pi)
+    try:
+        assert list(cell.questions.check([(0,), (1,)], joints=["joint1"]).verdicts) == [COLLIDING] * 2
+        assert cell.questions.distances((1,), joints=["joint1"]).verdict == COLLIDING
+    finally:
+        cell.judged(joint1=0, joint2=0)
+    assert list(cell.questions.check([(0,), (1,)], joints=["joint1"]).verdicts) == [FREE] * 2
+
+
+def test_distances_of_the_current_state_are_those_of_the_state_topic(cell):
+    for positions in ((0, 0), (0, 5 * pi / 6), ONTO):
+        state = cell.judged(joint1=positions[0], joint2=positions[1])
+        answer = cell.questions.distances()
+        assert answer.verdict == (COLLIDING if state.status == CollisionState.COLLIDING else FREE)
+        assert answer.pairs_found == len(answer.pairs) == 1
+        assert answer.pairs[0] == state.nearest
+    cell.judged(joint1=0, joint2=0)
+
+
+@pytest.mark.parametrize("expected", two_link.FREE, ids=str)
+def test_nearest_points_are_where_they_were_worked_out(cell, expected):
+    answer = cell.questions.distances((expected.joint1, expected.joint2))
+
+    (pair,) = answer.pairs
+    points = {
+        pair.pair.body_a: pair.witness_points[0],
+        pair.pair.body_b: pair.witness_points[1],
+    }
+    assert pair.distance == pytest.approx(expected.distance, abs=ACCURACY)
+    assert (points["base"].x, points["base"].y) == pytest.approx(expected.on_base, abs=1e-6)
+    assert (points["tip"].x, points["tip"].y) == pytest.approx(expected.on_tip, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("states", "terms", "named"),
+    [
+        ([(0, 0)], {"joints": ["joint1", "wrist"]}, "'wrist'"),
+        ([(0, 0)], {"joints": ["joint1", "joint1"]}, "'joint1' is given twice"),
+        ([(0, 0)], {"joints": []}, "joint_names is empty"),
+        ([], {}, "positions has 0"),
+        ([(0, 0), (0,)], {}, "positions has 3"),
+        ([(0, 0), (0, nan)], {}, "state 1: joint 'joint2' has position NaN"),
+        ([(inf, 0)], {}, "state 0: joint 'joint1' has position inf"),
+        ([(1e300, 0)], {}, "'joint1' has position 1e300"),
+        ([(0, 0)] * 10_001, {}, "10001 states"),
+        ([(0, 0)] * 500_000, {}, "500000 states"),
+        ([(0, 0)], {"timeout": -1.0}, "timeout is -1"),
+        ([(0, 0)], {"distance_limit": nan}, "distance_limit is NaN"),
+        ([(0, 0)], {"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_bad_batch_is_refused_by_name(cell, states, terms, named):
+    answer = cell.questions.check(states, **terms)
+
+    assert (answer.verdict, answer.reason_code) == (ERROR, "bad_request")
+    assert named in answer.message
+    assert len(answer.message) < 500
+    assert len(answer.verdicts) == 0
+
+
+@pytest.mark.parametrize(
+    ("state", "terms", "named"),
+    [
+        ((0, 0), {"joints": ["joint1", "wrist"]}, "'wrist'"),
+        ((0,), {}, "positions has 1 numbers, but joint_names has 2"),
+        ((0, nan), {}, "'joint2' has position NaN"),
+        ((0, 0), {"bodies": ["base", "table"]}, "'table'"),
+        ((0, 0), {"max_distance": -1.0}, "max_distance is -1"),
+        ((0, 0), {"timeout": inf}, "timeout is inf"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_bad_question_for_distances_is_refused_by_name(cell, state, terms, named):
+    answer = cell.questions.distances(state, **terms)
+
+    assert (answer.verdict, answer.reason_code, answer.pairs) == (GetDistances.Response.ERROR, "bad_request", [])
+    assert named in answer.message
+
+
+def test_an_answer_far_larger_than_a_datagram_arrives_whole(cell):
+    states = [(0, pi * i / 10_000) for i in range(10_000)]
+    answer = cell.questions.check(states, with_distance=True)
+
+    assert answer.compute_time > 0
+    assert len(answer.verdicts) == len(answer.distances) == 10_000
+    free = [joint2 < two_link.FIRST_TOUCH for _, joint2 in states]
+    assert [verdict == FREE for verdict in answer.verdicts] == free
+    assert [distance > 0 for distance in answer.distances] == free
+    assert answer.distances[0] == pytest.approx(0.7)
+    assert set(answer.pair_a) | set(answer.pair_b) == {0, 1}
+
+
+def test_without_a_model_there_is_an_error(start):
+    cell = start(urdf=None)
+    questions = States(cell.peer, cell.node)
+
+    for answer in (questions.check([(0, 0)]), questions.distances((0, 0)), questions.distances()):
+        assert (answer.verdict, answer.reason_code, answer.model_revision) == (ERROR, "no_model", 0)
+        assert answer.message
+
+
+def test_without_a_joint_state_only_what_is_named_is_known(start):
+    cell = start(driving=False)
+    questions = States(cell.peer, cell.node)
+    cell.has_model()
+
+    answer = questions.distances()
+    assert (answer.verdict, answer.reason_code) == (ERROR, "no_joint_state")
+    answer = questions.check([(0,)], joints=["joint1"])
+    assert answer.verdict == FREE
+    assert "'joint2'" in answer.message
+
+    cell.driver.resume()
+    cell.judged(joint1=0, joint2=0)
+    assert questions.distances().verdict == FREE
+    cell.driver.pause()
+    cell.unknown("stale", after=len(cell.states.messages))
+    answer = questions.distances()
+    assert (answer.verdict, answer.reason_code) == (ERROR, "no_joint_state")
+    assert f"stale_after is {STALE_AFTER:g} s" in answer.message
+
+
+def test_a_world_that_is_not_known_is_an_error(start):
+    cell = start(parameters={"point_cloud_topics": ["points"]})
+    questions = States(cell.peer, cell.node)
+    cell.unknown("stale_world")
+
+    for answer in (questions.check([(0, 0)]), questions.distances((0, 0)), questions.distances()):
+        assert (answer.verdict, answer.reason_code) == (ERROR, "stale_world")
+        assert "is the sensor running?" in answer.message
+
+
+def test_pairs_come_nearest_first_and_only_those_that_are_wanted(start):
+    cell = start()
+    questions = States(cell.peer, cell.node)
+    cell.judged(joint1=0, joint2=0)
+    SceneClient(cell).change(ball("ball", 2.5))
+    answer = questions.distances((0, 0))
+
+    assert (answer.verdict, answer.message) == (FREE, "")
+    distances = [pair.distance for pair in answer.pairs]
+    assert distances == sorted(distances)
+    nearest = answer.pairs[0].pair
+    assert {(nearest.body_a, nearest.type_a), (nearest.body_b, nearest.type_b)} == {
+        ("tip", BodyPair.LINK),
+        ("ball", BodyPair.OBSTACLE),
+    }
+    assert distances[0] == pytest.approx(0.3)
+
+    def bodies(answer):
+        return [{pair.pair.body_a, pair.pair.body_b} for pair in answer.pairs]
+
+    assert bodies(questions.distances((0, 0), max_distance=0.5)) == [{"tip", "ball"}]
+    capped = questions.distances((0, 0), max_pairs=1)
+    assert (bodies(capped), capped.pairs_found) == ([{"tip", "ball"}], answer.pairs_found)
+    of_base = bodies(questions.distances((0, 0), bodies=["base"]))
+    assert of_base and all("base" in pair for pair in of_base)
+    # What is told does not change what is so.
+    assert questions.distances(ONTO, bodies=["ball"], max_distance=0.01).verdict == COLLIDING
+
+    batch = questions.check([(0, 0), (0.1, 0)], with_distance=True)
+    assert pair_of(batch, 0) == {"tip", "ball"}
+    assert batch.distances[0] == pytest.approx(0.3)
+    assert batch.world_revision > 0
+
+
+def longest_silence(cell, act):
+    """The longest time [s] between two messages on `~/state` while something is done, as the node made them."""
+    first = len(cell.states.messages)
+    act()
+    made = [
+        message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec + message.age
+        for message in cell.states.messages[first:]
+    ]
+    return max(b - a for a, b in zip(made, made[1:], strict=False))
+
+
+def test_eight_clients_in_a_loop_all_get_their_answers_while_states_go_on(peer, start):
+    cell = start()
+    clients = [States(peer, cell.node) for _ in range(8)]
+    cell.judged(joint1=0, joint2=0)
+    angles = [2.6 + 0.05 * i for i in range(8)]
+    batches = [[(0, angle)] * 20 + [(0, pi)] for angle in angles]
+
+    def ask():
+        for _ in range(10):
+            futures = [client.ask(batch) for client, batch in zip(clients, batches, strict=True)]
+            others = [client.ask_distances((0, angle)) for client, angle in zip(clients, angles, strict=True)]
+            for angle, future, other in zip(angles, futures, others, strict=True):
+                expected = FREE if angle < two_link.FIRST_TOUCH else COLLIDING
+                answer = peer.result(future)
+                assert list(answer.verdicts) == [expected] * 20 + [COLLIDING]
+                assert peer.result(other).verdict == expected
+
+    # ten heartbeats: whoever else works on this machine may hold the node up
+    assert longest_silence(cell, ask) < 0.5
+    assert all(state.status == CollisionState.FREE for state in cell.states.messages[-20:])
+
+
+def test_a_long_motion_holds_no_batch_up(peer, start):
+    cell = start()
+    questions, motions = States(peer, cell.node), Motions(peer, cell.node)
+    cell.judged(joint1=0, joint2=0)
+    # joint 1 turns round and round, and nothing ever touches
+    motion = motions.ask((0, 0), (1e8, 0), timeout=5.0, certificate=True)
+
+    assert questions.check([(0, 0)] * 100).verdict == FREE
+    assert questions.distances().verdict == FREE
+    assert not motion.done()
+    assert peer.result(motion).verdict == CheckMotion.Response.UNDECIDED
+
+
+def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
+    cell = start()
+    questions = States(peer, cell.node)
+    cell.judged(joint1=0, joint2=0)
+    ring = [pose(3 * cos(angle), 3 * sin(angle)) for angle in (2 * pi * i / 100 for i in range(100))]
+    SceneClient(cell).apply(diff(*(obstacle(f"ball {i}", sphere(0.1), at=at) for i, at in enumerate(ring))))
+    terms = {"joints": ["joint1"], "with_distance": True}
+
+    def batch(size):
+        return [(2 * pi * i / size,) for i in range(size)]
+
+    # batches that take longer than they take to come, however fast the machine is
+    per_state = questions.check(batch(100), **terms).compute_time / 100
+    size = min(max(int(0.3 / per_state), 1), 10_000)
+    heard = len(cell.states.messages)
+    futures = [questions.ask(batch(size), **terms) for _ in range(40)]
+    answers = [peer.result(future) for future in futures]
+
+    busy = [answer for answer in answers if answer.reason_code == "busy"]
+    assert busy and len(answers) - len(busy) >= 16
+    assert all(answer.verdict == ERROR and len(answer.verdicts) == 0 for answer in busy)
+    assert all(list(answer.verdicts) == [FREE] * size for answer in answers if answer.reason_code != "busy")
+    assert len(cell.states.messages) > heard, "the monitor went on"
+
+
+@pytest.fixture
+def ethernet():
+    """The loopback's datagrams are as small as those on Ethernet, until the test ends."""
+
+    def set_mtu(mtu):
+        subprocess.run(["ip", "link", "set", "lo", "mtu", str(mtu)], check=True)
+
+    told = subprocess.run(["ip", "-json", "link", "show", "lo"], check=True, stdout=subprocess.PIPE)
+    usual = json.loads(told.stdout)[0]["mtu"]
+    set_mtu(1500)
+    yield
+    set_mtu(usual)
+
+
+def test_large_answers_arrive_in_small_datagrams(ethernet, start):
+    cell = start()
+    questions, motions = States(cell.peer, cell.node), Motions(cell.peer, cell.node)
+    cell.judged(joint1=0, joint2=0)
+
+    answer = questions.check([(0, pi * i / 5000) for i in range(5000)], with_distance=True)
+    assert len(answer.distances) == 5000
+    assert answer.distances[0] == pytest.approx(0.7)
+    answer = motions.check((0, 0), (20, 2.0), certificate=True)
+    assert len(answer.certificate) > 1500
+    assert answer.certificate == motions.certificate(answer)
