@@ -46,7 +46,6 @@ def test_the_node_hears_a_driver_again_after_its_restart(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
 
 
-@pytest.mark.xfail(reason="RustDDS ends its event loops when a wait is interrupted", strict=False)
 def test_a_node_that_was_suspended_goes_on(cell):
     """As by Ctrl-Z and `fg`, a debugger, or a machine that sleeps."""
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE

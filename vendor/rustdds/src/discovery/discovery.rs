@@ -733,6 +733,7 @@ impl Discovery {
       );
       match self.poll.poll(&mut events, Some(poll_timeout)) {
         Ok(_) => (),
+        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => (),
         Err(e) => {
           error!("Failed in waiting of poll in discovery. {e:?}");
           return;
