@@ -5,6 +5,8 @@ use std::sync::{Mutex, PoisonError};
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use smol::channel::{self, Receiver, Sender};
 
+use super::middleware;
+
 /// Lines that wait for the network at most; later ones stand on stderr alone.
 const WAITING: usize = 1000;
 
@@ -34,7 +36,8 @@ pub fn start(level: LevelFilter) {
         .format_timestamp_millis()
         .format_target(false)
         .build();
-    let most = stderr.filter();
+    // what ends the network's threads is heeded even where nothing is printed
+    let most = stderr.filter().max(LevelFilter::Error);
     match log::set_boxed_logger(Box::new(Both { stderr })) {
         Ok(()) => log::set_max_level(most),
         Err(_) => log::debug!("the log was set up before"),
@@ -60,6 +63,7 @@ impl Log for Both {
 
     fn log(&self, record: &Record) {
         self.stderr.log(record);
+        middleware::heed(record);
         // what others log is about the network itself: telling it there could go on for ever
         if record.level() > Level::Info || !record.target().starts_with(env!("CARGO_CRATE_NAME")) {
             return;

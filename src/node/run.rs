@@ -15,7 +15,7 @@ use super::environment::Environment;
 use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Order, Outlook, Surroundings};
 use super::logging::{self, Line};
-use super::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription};
+use super::middleware::{self, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription};
 use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
 use super::motion_services::MotionServices;
@@ -95,6 +95,10 @@ impl From<NameError> for NodeError {
 
 const JOINT_STATE: MessageKind = MessageKind("sensor_msgs", "JointState");
 const STRING: MessageKind = MessageKind("std_msgs", "String");
+
+/// Why a node ends by itself.
+const DEAF: &str = "the network library has ended its threads, as it does when the process was suspended (Ctrl-Z and fg, a debugger): \
+                    start the node again";
 
 /// Runs a node until SIGINT or SIGTERM.
 pub fn run(options: NodeOptions) -> Result<(), NodeError> {
@@ -176,6 +180,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     parts.push(desk("motions", &stopped, move || motion_desk.work()));
     parts.push(desk("states", &stopped, move || state_desk.work()));
     parts.push(desk("validity", &stopped, move || validity_desk.work()));
+    let network_stopped = stopped.clone();
+    parts.push(Part::new("network", move || smol::block_on(until(&network_stopped, middleware::deafness()))));
     let world_stopped = stopped.clone();
     parts.push(Part::new("world", move || {
         let work = async { future::zip(topics.listen(), scenes.serve(&topics)).await };
@@ -190,6 +196,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         recorder.finish();
     }
     ended?;
+    if middleware::is_deaf() {
+        return Err(NodeError::Internal(DEAF.to_owned()));
+    }
     middleware.leave();
     log::info!("{node} has ended");
     Ok(())

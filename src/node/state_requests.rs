@@ -5,18 +5,25 @@ use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
+use super::clearance_msgs::PairDistance as PairDistanceMessage;
 use super::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
-use super::messages::{PAIRS_TOLD, body_type, distance_message};
+use super::messages::{body_type, distance_message};
 use super::refusal::{Refusal, bad, shortened};
-use crate::checker::{Body, CollisionChecker, CollisionReport, Question, Workspace};
+use crate::checker::{Body, CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
 use crate::monitor::{Judgement, quoted_list};
 use crate::query::Effort;
 use crate::robot::Configuration;
 
-/// States of one request at most: the answer about so many is a message of some 200 kB.
-const STATES: usize = 10_000;
+/// States of one request at most: the answer about so many takes some 50 kB, and has to fit into a datagram (decision 18).
+const STATES: usize = 3000;
+
+/// Bytes of pairs in an answer at most, for the same reason.
+const LONGEST_PAIRS: usize = 60_000;
+
+/// Bytes of a pair without the names of its bodies.
+const BYTES_OF_PAIR: usize = 96;
 
 /// The index of a body where none is told.
 const NOBODY: i32 = -1;
@@ -262,18 +269,29 @@ fn distances(
     pairs.retain(|pair| wanted.is_empty() || is_wanted(pair.a) || is_wanted(pair.b));
     // equally near ones stay in the order of the pair list
     pairs.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    let most = if max_pairs == 0 { PAIRS_TOLD } else { PAIRS_TOLD.min(max_pairs as usize) };
-    let cut = (pairs.len() > most && most == PAIRS_TOLD)
-        .then(|| format!("only {most} of {} pairs are told", pairs.len()));
+    let asked = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
+    let told = told_pairs(checker, &pairs[..asked]);
+    let cut = (told.len() < asked).then(|| format!("only {} of {} pairs are told", told.len(), pairs.len()));
     let left_out = (open > 0).then(|| format!("the timeout left {open} pairs open"));
     GetDistancesResponse {
         verdict,
         message: message(checker, [left_out, cut, note]),
         reason_code: if open > 0 { "deadline".to_owned() } else { String::new() },
         pairs_found: u32::try_from(pairs.len()).unwrap_or(u32::MAX),
-        pairs: pairs.iter().take(most).map(|pair| distance_message(checker, pair)).collect(),
+        pairs: told,
         ..GetDistancesResponse::default()
     }
+}
+
+/// As many of the first pairs as fit into an answer.
+fn told_pairs(checker: &CollisionChecker, pairs: &[PairDistance]) -> Vec<PairDistanceMessage> {
+    let mut bytes = 0;
+    let messages = pairs.iter().map(|pair| distance_message(checker, pair));
+    let fits = |message: &PairDistanceMessage| {
+        bytes += BYTES_OF_PAIR + message.pair.body_a.len() + message.pair.body_b.len();
+        bytes <= LONGEST_PAIRS
+    };
+    messages.take_while(fits).collect()
 }
 
 /// What should be known, in words.

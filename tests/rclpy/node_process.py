@@ -83,6 +83,11 @@ class NodeProcess:
         """None while the process runs."""
         return self._process.poll()
 
+    def ended(self):
+        """The exit code of a process that was to end by itself."""
+        self._asked_to_end = True
+        return self._process.wait(EXIT_DEADLINE)
+
     def stop(self, by=signal.SIGINT):
         """Asks the process to end and gives its exit code; one that does not end is killed and fails the test."""
         self._asked_to_end = True

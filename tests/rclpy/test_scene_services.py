@@ -9,7 +9,7 @@ import pytest
 from clearance_msgs.msg import CollisionState
 from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
 
-from scene import attached, ball, box, cube_mesh, cylinder, diff, matrix, mesh, obstacle, plane, pose, xyz
+from scene import attached, ball, box, cube_mesh, cylinder, diff, matrix, obstacle, plane, pose, xyz
 from scene_client import SceneClient, distance, distances
 from two_link import JOINTS
 
@@ -107,17 +107,6 @@ def test_without_components_everything_is_told(scene):
     assert [held.object.id for held in told.robot_state.attached_collision_objects] == ["part"]
     assert told.allowed_collision_matrix.entry_names
     assert list(told.robot_state.joint_state.name) == list(JOINTS)
-
-
-def test_a_scene_far_larger_than_a_datagram_arrives_whole(scene):
-    vertices = [(i / 4000, (i % 2) / 10, 5) for i in range(4002)]
-    triangles = [(i, i + 1, i + 2) for i in range(4000)]
-    assert scene.apply(diff(obstacle("ribbon", mesh(vertices, triangles))))
-    (told,) = scene.obstacles()["ribbon"].meshes
-
-    assert [tuple(triangle.vertex_indices) for triangle in told.triangles] == triangles
-    coordinates = [number for vertex in told.vertices for number in xyz(vertex)]
-    assert coordinates == pytest.approx([number for vertex in vertices for number in vertex])
 
 
 def test_what_was_told_can_be_applied_again(cell, scene):

@@ -3,6 +3,7 @@
 //! Another release of ros2-client, or another middleware, is a change here.
 
 mod action_server;
+mod deafness;
 mod first_request;
 mod peers;
 mod server;
@@ -30,6 +31,7 @@ use super::names::{FullName, NameError};
 use crate::monitor::{SourceId, Time};
 
 pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
+pub use self::deafness::{deafness, heed, is_deaf};
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
 
