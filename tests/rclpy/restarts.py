@@ -9,7 +9,7 @@ from clearance_msgs.srv import CheckMotion
 from std_msgs.msg import String
 
 import two_link
-from cell import Cell
+from cell import STALE_AFTER, Cell
 from joint_state_source import Source
 from motions import Motions
 from peer import Peer
@@ -23,7 +23,7 @@ class Restarts:
 
     def __init__(self, peer):
         self._peer = peer
-        self._cell = Cell(peer, urdf=None, driving=False)
+        self._cell = Cell(peer, urdf=None, driving=False, parameters={"stale_after": STALE_AFTER})
         self._cubes = (0.4 + 0.001 * number for number in count(1))
         self._stack = ExitStack()
         self._describer = self._source = None

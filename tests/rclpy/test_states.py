@@ -193,6 +193,7 @@ def test_without_a_joint_state_only_what_is_named_is_known(start):
     cell.driver.resume()
     cell.judged(joint1=0, joint2=0)
     assert questions.distances().verdict == FREE
+    cell.grows_old()
     cell.driver.pause()
     cell.unknown("stale", after=len(cell.states.messages))
     answer = questions.distances()
