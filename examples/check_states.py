@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Asks a running node about a state of its robot:  check_states.py [--node /clearance] [joint=position ...]
+"""Asks a running node about a state of its robot:  check_states.py [--node /clearance] joint=position ...
 
-Joints that are not named stand where the robot is. Exit code 0: free; 1: not; 2: no answer.
+Joints that are not named stand where the robot is; where that is not known, at their defaults, and the answer says so.
+Exit code 0: free; 1: not; 2: no answer.
 """
 
 import argparse
@@ -16,7 +17,7 @@ ANSWER_WITHIN = 10.0  # [s]
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--node", default="/clearance", help="the node's name with its namespace")
-    parser.add_argument("joints", nargs="*", metavar="joint=position", help="rad or m")
+    parser.add_argument("joints", nargs="+", metavar="joint=position", help="rad or m")
     arguments = parser.parse_args()
     request = CheckStates.Request(with_distance=True)
     for word in arguments.joints:
@@ -28,7 +29,8 @@ def main():
     node = rclpy.create_node("check_states_example")
     client = node.create_client(CheckStates, f"{arguments.node}/check_states")
     if not client.wait_for_service(ANSWER_WITHIN):
-        sys.exit(f"{arguments.node} is not there: is it running, with this ROS_DOMAIN_ID?")
+        print(f"{arguments.node} is not there: is it running, with this ROS_DOMAIN_ID?", file=sys.stderr)
+        return 2
     future = client.call_async(request)
     rclpy.spin_until_future_complete(node, future, timeout_sec=ANSWER_WITHIN)
     response = future.result()

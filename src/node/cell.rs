@@ -19,12 +19,14 @@ impl<'a> Cell<'a> {
         let reason = judgement.and_then(|judgement| judgement.status.reason());
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
         let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+        // while another robot is being built, none counts
+        let revision = revision.filter(|_| reason != Some(&Reason::ModelSwap));
         let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
         if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
             return Err(Refusal::StaleWorld(stale.to_string()));
         }
-        let evidence = judgement.and_then(|judgement| judgement.evidence.as_ref());
-        let now = evidence.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
+        let placement = judgement.and_then(|judgement| judgement.placement.as_ref());
+        let now = placement.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
         Ok(Self { checker: &revision.checker, now })
     }
 

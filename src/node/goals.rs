@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use ros2_client::builtin_interfaces::Time as Stamp;
-
-use super::middleware::{CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
+use super::middleware::{CancelCode, GoalId, GoalInfo, GoalStatus, Stamp, Standing};
 use crate::checker::Watch;
 
 /// Results that are kept for whoever asks for them, at most.

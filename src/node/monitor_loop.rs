@@ -81,6 +81,8 @@ pub struct Report {
     logged: Option<(&'static str, Option<&'static str>)>,
     /// Status and steady time of the last diagnostics.
     last: Option<(&'static str, Duration)>,
+    /// The next ones do not wait.
+    is_due: bool,
 }
 
 impl Report {
@@ -152,7 +154,7 @@ impl MonitorLoop {
             }
             Event::ModelFault(fault) => {
                 self.report.model_fault = Some(fault.clone());
-                self.report.last = None;
+                self.report.is_due = true;
                 self.monitor.note_model_fault(fault);
             }
             Event::World(clouds, faults) => {
@@ -268,7 +270,8 @@ impl MonitorLoop {
         let status = judgement.status.word();
         let since = |at: Duration| steady.saturating_sub(at);
         let report = &mut self.report;
-        if report.last.is_some_and(|(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD) {
+        let is_told = |(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD;
+        if !std::mem::take(&mut report.is_due) && report.last.is_some_and(is_told) {
             return;
         }
         let interval = report.last.map_or(steady, |(_, at)| since(at));

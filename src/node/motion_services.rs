@@ -168,6 +168,10 @@ impl MotionDesk {
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
             let judgement = self.current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            // a goal that was canceled while it waited has its result
+            if matches!(&request, Request::Goal(goal) if goal.watch.is_stopped()) {
+                continue;
+            }
             if let Request::Goal(goal) = &request
                 && self.answers.send_blocking(Answer::Begun(Begun::of(goal))).is_err()
             {

@@ -97,7 +97,7 @@ const JOINT_STATE: MessageKind = MessageKind("sensor_msgs", "JointState");
 const STRING: MessageKind = MessageKind("std_msgs", "String");
 
 /// Why a node ends by itself.
-const DEAF: &str = "the network library has ended its threads, as it does when the process was suspended (Ctrl-Z and fg, a debugger): \
+const DEAF: &str = "the threads of the network library have ended, as they do when the process was suspended (Ctrl-Z and fg, a debugger): \
                     start the node again";
 
 /// Runs a node until SIGINT or SIGTERM.
@@ -134,6 +134,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     outlook.note_meshes();
     let current_robot = loader.current_robot();
     end_on_signals(end.clone())?;
+    middleware::heed_panics();
     let middleware = Middleware::join(options.environment, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;

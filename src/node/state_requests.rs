@@ -2,7 +2,7 @@
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
 use super::clearance_msgs::PairDistance as PairDistanceMessage;
@@ -22,8 +22,20 @@ const STATES: usize = 3000;
 /// Bytes of pairs in an answer at most, for the same reason.
 const LONGEST_PAIRS: usize = 60_000;
 
+/// Bytes of bodies' names in the answer to a batch at most.
+const LONGEST_NAMES: usize = 10_000;
+
+/// Time that distances take at most where the request says nothing.
+const LONGEST_DISTANCES: Duration = Duration::from_secs(10);
+
+/// Memory for more pairs than these is given back.
+const MANY_PAIRS: usize = 100_000;
+
 /// Bytes of a pair without the names of its bodies.
 const BYTES_OF_PAIR: usize = 96;
+
+/// Bytes of a text beside its letters, and of what is told with a name.
+const BYTES_OF_TEXT: usize = 12;
 
 /// The index of a body where none is told.
 const NOBODY: i32 = -1;
@@ -66,13 +78,17 @@ pub fn answer_distances(
 ) -> GetDistancesResponse {
     let started = Instant::now();
     let found = Cell::of(judgement).and_then(|cell| {
-        let effort = Effort { deadline: deadline(request.timeout, started)?, ..Effort::default() };
+        let deadline = deadline(request.timeout, started)?.unwrap_or(started + LONGEST_DISTANCES);
+        let effort = Effort { deadline: Some(deadline), ..Effort::default() };
         let limit = limit("max_distance", request.max_distance)?;
         let wanted = cell.wanted(&request.bodies)?;
         let (state, note) = cell.state(request)?;
-        let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
+        let memory = workspace.get_or_insert_with(|| cell.checker.workspace());
         let question = Question::PairDistances { limit };
-        let report = cell.checker.check_with(&state, question, &effort, workspace);
+        let report = cell.checker.check_with(&state, question, &effort, memory);
+        if report.pair_distances.len() + report.undecided.len() > MANY_PAIRS {
+            *workspace = None;
+        }
         Ok(distances(cell.checker, report, &wanted, request.max_pairs, note))
     });
     let mut response = found.unwrap_or_else(|refusal| refused_distances(&refusal));
@@ -178,6 +194,8 @@ struct Told<'a> {
     checker: &'a CollisionChecker,
     with_distance: bool,
     indices: HashMap<Body, i32>,
+    /// Bytes of names that still fit into the answer.
+    room: usize,
     unknown: usize,
     response: CheckStatesResponse,
 }
@@ -185,7 +203,7 @@ struct Told<'a> {
 impl<'a> Told<'a> {
     fn new(checker: &'a CollisionChecker, with_distance: bool) -> Self {
         let response = CheckStatesResponse { verdict: CheckStatesResponse::FREE, ..Default::default() };
-        Self { checker, with_distance, indices: HashMap::new(), unknown: 0, response }
+        Self { checker, with_distance, indices: HashMap::new(), room: LONGEST_NAMES, unknown: 0, response }
     }
 
     /// Adds what is known about the next state; `None` is nothing at all.
@@ -221,14 +239,17 @@ impl<'a> Told<'a> {
         };
     }
 
-    /// The index of a body among those that are told of.
+    /// The index of a body among those that are told of; none where its name does not fit.
     fn index(&mut self, body: Body) -> i32 {
         let response = &mut self.response;
+        let name = self.checker.body_name(body);
         match self.indices.entry(body) {
             Entry::Occupied(entry) => *entry.get(),
+            Entry::Vacant(_) if name.len() + BYTES_OF_TEXT > self.room => NOBODY,
             Entry::Vacant(entry) => {
+                self.room -= name.len() + BYTES_OF_TEXT;
                 let next = i32::try_from(response.bodies.len()).unwrap_or(NOBODY);
-                response.bodies.push(self.checker.body_name(body).to_owned());
+                response.bodies.push(name.to_owned());
                 response.body_types.push(body_type(body));
                 *entry.insert(next)
             }
@@ -265,6 +286,8 @@ fn distances(
         CheckStatesResponse::UNKNOWN
     };
     let mut pairs = report.pair_distances;
+    // of those that the timeout cut short, points are known that are so far apart, but not whether others are nearer
+    pairs.retain(|pair| pair.lower >= pair.distance);
     let is_wanted = |body| wanted.contains(checker.body_name(body));
     pairs.retain(|pair| wanted.is_empty() || is_wanted(pair.a) || is_wanted(pair.b));
     // equally near ones stay in the order of the pair list

@@ -4,7 +4,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use futures_lite::future;
-use ros2_client::builtin_interfaces::Time as Stamp;
 use smol::{LocalExecutor, Timer};
 
 use super::clearance_srvs::{
@@ -12,7 +11,9 @@ use super::clearance_srvs::{
 };
 use super::clock::RosClock;
 use super::goals::{Asked, Canceled, Goals};
-use super::middleware::{ActionServer, GoalId, GoalInfo, Middleware, MiddlewareError, RequestId, Standing};
+use super::middleware::{
+    ActionServer, GoalId, GoalInfo, Middleware, MiddlewareError, RequestId, Stamp, Standing,
+};
 use super::names::Names;
 use crate::checker::{UndecidedReason, Watch};
 
@@ -98,14 +99,14 @@ impl TrajectoryAction {
         let stamp = Stamp::from_nanos(now.nanoseconds());
         let watch = Watch::default();
         if !self.goals().accept(id, stamp, watch.clone()) {
-            log::warn!("a goal of check_trajectory is rejected: its identifier is that of another");
+            log::debug!("a goal of check_trajectory is rejected: its identifier is that of another");
             return (false, stamp);
         }
         let accepted = enqueue(Goal { id, request, watch });
         if accepted {
             self.tell_standings();
         } else {
-            log::warn!("a goal of check_trajectory is rejected: too many requests are waiting already");
+            log::debug!("a goal of check_trajectory is rejected: too many requests are waiting already");
             self.goals().reject(id);
         }
         (accepted, stamp)

@@ -16,7 +16,10 @@ impl CollisionChecker {
             .with_min_len(4)
             .map_init(
                 || self.workspace(),
-                |workspace, segment| self.check_motion_with(segment, options, workspace),
+                |workspace, segment| match options.stopped_by() {
+                    Some(reason) => MotionReport::not_looked_at(reason),
+                    None => self.check_motion_with(segment, options, workspace),
+                },
             )
             .collect()
     }

@@ -5,8 +5,6 @@
 //! (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005 bisect). The distance is only asked of the hierarchies where capsules
 //! do not do, and only where the motion is small enough for an answer to be of use.
 
-use std::time::Instant;
-
 use super::level_zero::NearPair;
 use super::moment::{Moment, PlacedPair};
 use super::report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
@@ -394,11 +392,7 @@ impl Prover<'_> {
             if self.looks > self.options.budget {
                 self.stopped = Some(UndecidedReason::Budget);
             } else if self.looks % LOOKS_A_GLANCE == 1 {
-                if self.options.is_stopped() {
-                    self.stopped = Some(UndecidedReason::Canceled);
-                } else if self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                    self.stopped = Some(UndecidedReason::Deadline);
-                }
+                self.stopped = self.options.stopped_by();
             }
         }
         self.stopped.is_some()

@@ -33,10 +33,14 @@ pub enum MotionOrder {
 }
 
 impl MotionOptions {
-    /// Whether whoever watches wants no more.
+    /// Why nothing more is to be looked at, if whoever watches wants no more or the deadline has passed.
     #[must_use]
-    pub fn is_stopped(&self) -> bool {
-        self.watch.as_ref().is_some_and(Watch::is_stopped)
+    pub fn stopped_by(&self) -> Option<UndecidedReason> {
+        if self.watch.as_ref().is_some_and(Watch::is_stopped) {
+            return Some(UndecidedReason::Canceled);
+        }
+        let is_over = self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        is_over.then_some(UndecidedReason::Deadline)
     }
 }
 
@@ -135,6 +139,13 @@ pub struct MotionReport {
 }
 
 impl MotionReport {
+    /// About a motion that is not looked at any more.
+    pub(super) fn not_looked_at(reason: UndecidedReason) -> Self {
+        let (t, distance) = ([0.0, 1.0], [0.0, f64::INFINITY]);
+        let verdict = MotionVerdict::Undecided { t, pair: None, distance, reason };
+        Self { verdict, looks: 0, work: Work::default() }
+    }
+
     #[must_use]
     pub fn is_free(&self) -> bool {
         self.verdict == MotionVerdict::Free

@@ -1,6 +1,6 @@
 //! Stretches one after the other.
 
-use super::report::{MotionOptions, MotionReport, MotionVerdict, UndecidedReason};
+use super::report::{MotionOptions, MotionReport, MotionVerdict};
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::workspace::Workspace;
 use crate::motion::{MotionSegment, Trajectory};
@@ -46,7 +46,7 @@ pub(super) fn each_segment(
 ) -> TrajectoryReport {
     let (mut looks, mut work) = (0, Work::default());
     for (i, segment) in trajectory.segments().iter().enumerate() {
-        let report = if options.is_stopped() { canceled() } else { check(segment) };
+        let report = options.stopped_by().map_or_else(|| check(segment), MotionReport::not_looked_at);
         looks += report.looks;
         work += report.work;
         let t = match report.verdict {
@@ -63,11 +63,4 @@ pub(super) fn each_segment(
     }
     let segment = trajectory.segments().len().saturating_sub(1);
     TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
-}
-
-/// About a segment that is not looked at any more.
-fn canceled() -> MotionReport {
-    let (t, distance) = ([0.0, 1.0], [0.0, f64::INFINITY]);
-    let verdict = MotionVerdict::Undecided { t, pair: None, distance, reason: UndecidedReason::Canceled };
-    MotionReport { verdict, looks: 0, work: Work::default() }
 }

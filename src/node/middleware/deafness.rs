@@ -1,10 +1,11 @@
 //! When the network is heard no more.
 //!
 //! `RustDDS` 0.15.1 ends its threads when a wait of theirs is interrupted, as it is when the process was stopped and goes on (Ctrl-Z
-//! and `fg`, a debugger), and tells its log alone. A node that went on would neither hear nor say anything, and look alive.
+//! and `fg`, a debugger), and tells its log alone; or they panic. A node that went on would neither hear nor say anything, and look alive.
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::{panic, thread};
 
 use log::{Level, Record};
 use smol::channel::{self, Receiver, Sender};
@@ -18,12 +19,30 @@ const LAST_WORDS: [(&str, &str); 2] = [
 static IS_DEAF: AtomicBool = AtomicBool::new(false);
 static NEWS: LazyLock<(Sender<()>, Receiver<()>)> = LazyLock::new(|| channel::bounded(1));
 
+/// What the names of the threads begin with.
+const THREADS: &str = "RustDDS";
+
 /// Heeds a line of the log.
 pub fn heed(record: &Record) {
     if are_last_words(record) {
-        IS_DEAF.store(true, Ordering::Release);
-        let _ = NEWS.0.try_send(());
+        note();
     }
+}
+
+/// From now on panics of the threads are heeded too.
+pub fn heed_panics() {
+    let before = panic::take_hook();
+    panic::set_hook(Box::new(move |what| {
+        before(what);
+        if thread::current().name().is_some_and(|name| name.starts_with(THREADS)) {
+            note();
+        }
+    }));
+}
+
+fn note() {
+    IS_DEAF.store(true, Ordering::Release);
+    let _ = NEWS.0.try_send(());
 }
 
 /// Waits until nothing is heard any more.

@@ -31,9 +31,10 @@ use super::names::{FullName, NameError};
 use crate::monitor::{SourceId, Time};
 
 pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
-pub use self::deafness::{deafness, heed, is_deaf};
+pub use self::deafness::{deafness, heed, heed_panics, is_deaf};
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
+pub use ros2_client::builtin_interfaces::Time as Stamp;
 
 /// Something that the middleware refused, in words.
 #[derive(Debug, thiserror::Error)]

@@ -78,7 +78,8 @@ fn a_free_way_is_free_with_its_certificate() {
     let certificate = Certificate::from_json(&text).unwrap();
     let motion = answered.response.motion;
     assert_eq!(motion.certificate_digest, certificate.digest);
-    assert_eq!(motion.certificate, text);
+    let expected = if text.len() <= LONGEST_TEXTS { text.as_str() } else { "" };
+    assert_eq!(motion.certificate, expected);
     assert_eq!(certificate.segments.len(), 1);
     assert_eq!(certificate.segments[0].motion.to, Some(vec![PI / 2.0, 0.0]));
 }
@@ -248,7 +249,6 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
         assert_eq!(motion.verdict, CheckMotionResponse::FREE);
         assert_eq!(answered.certificate.is_some(), sent, "{points} points");
         assert_eq!(!motion.certificate_digest.is_empty(), sent);
-        assert_eq!(!motion.certificate.is_empty(), sent);
         assert_eq!(motion.message.contains("clearance motion --certificate"), !sent);
         assert!(answered.certificate.unwrap_or_default().len() <= LONGEST_CERTIFICATE);
     }

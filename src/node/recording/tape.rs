@@ -179,17 +179,33 @@ pub(super) fn system_time() -> u64 {
     u64::try_from(since_epoch.as_nanos()).unwrap_or(u64::MAX)
 }
 
+/// Bytes that go to a name.
+const NAME: usize = 100;
+
+fn of_attached(attached: &[AttachedCollisionObject]) -> usize {
+    let of_one = |attached: &AttachedCollisionObject| {
+        of_objects(std::slice::from_ref(&attached.object)) + NAME * attached.touch_links.len()
+    };
+    attached.iter().map(of_one).sum()
+}
+
 /// Roughly, the bytes that something takes.
 fn size(what: &Happening) -> usize {
     const ANY: usize = 1000;
     let of_original = |original: &Original| match original {
         Original::Text(text) => text.len(),
         Original::Scene(scene) => {
-            of_objects(&scene.world.collision_objects) + scene.world.octomap.octomap.data.len()
+            let matrix = &scene.allowed_collision_matrix;
+            let names = scene.link_padding.len() + scene.link_scale.len() + scene.object_colors.len();
+            of_objects(&scene.world.collision_objects)
+                + scene.world.octomap.octomap.data.len()
+                + of_attached(&scene.robot_state.attached_collision_objects)
+                + matrix.entry_values.iter().map(|row| NAME + row.enabled.len()).sum::<usize>()
+                + NAME * (names + matrix.default_entry_names.len())
         }
         Original::World(world) => of_objects(&world.collision_objects) + world.octomap.octomap.data.len(),
         Original::Object(object) => of_objects(std::slice::from_ref(object)),
-        Original::Attached(attached) => of_objects(std::slice::from_ref(&attached.object)),
+        Original::Attached(attached) => of_attached(std::slice::from_ref(attached)),
         Original::Octomap(octomap) => octomap.data.len(),
     };
     ANY + match what {

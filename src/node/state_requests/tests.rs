@@ -8,7 +8,7 @@ use super::*;
 use crate::checker::Settings;
 use crate::geometry::{Primitive, Shape};
 use crate::math::Pose;
-use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
+use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Reason, Revision, Time};
 use crate::node::clearance_msgs::BodyPair;
 use crate::node::refusal::LONGEST_MESSAGE;
 use crate::robot::{MeshFiles, RobotModel};
@@ -35,12 +35,16 @@ fn with_ball() -> World {
     world
 }
 
-/// What the monitor says about the robot at these positions; about no joint state without any.
-fn judgement(world: &World, positions: &[f64]) -> Judgement {
+fn monitor(world: &World, settings: MonitorSettings) -> Monitor {
     let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), world, Settings::default()).unwrap();
-    let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
+    let mut monitor = Monitor::new(settings, || Duration::ZERO);
     monitor.set_checker(Arc::new(Revision::new(checker, 3, 1)));
+    monitor
+}
+
+/// What a monitor says about the robot at these positions; about no joint state without any.
+fn judged(monitor: &mut Monitor, positions: &[f64]) -> Judgement {
     let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
     let names = names(&JOINTS[..positions.len()]);
     if positions.is_empty() {
@@ -48,6 +52,10 @@ fn judgement(world: &World, positions: &[f64]) -> Judgement {
     }
     let positions = positions.to_vec();
     monitor.on_joint_state(JointStateInput { names, positions, ..JointStateInput::default() }, now)
+}
+
+fn judgement(world: &World, positions: &[f64]) -> Judgement {
+    judged(&mut monitor(world, MonitorSettings::default()), positions)
 }
 
 fn batch(states: &[[f64; 2]]) -> CheckStatesRequest {
@@ -103,6 +111,44 @@ fn every_state_gets_its_answer() {
     assert_eq!((answer.distances[0], answer.pair_a[0]), (f64::INFINITY, NOBODY));
     assert_eq!(answer.verdicts, [FREE, COLLIDING, FREE]);
     assert_eq!(ask(&batch(&[NEAR])).verdict, FREE);
+}
+
+#[test]
+fn while_another_robot_is_built_nothing_is_checked() {
+    let mut monitor = monitor(&World::default(), MonitorSettings::default());
+    judged(&mut monitor, &[0.0, 0.0]);
+    monitor.note_model_swap();
+    let judgement = judged(&mut monitor, &[]);
+    let answer = answer_states(&batch(&[NEAR]), Some(&judgement), &mut None);
+    assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
+    assert!(answer.message.contains("still being built"), "{}", answer.message);
+}
+
+#[test]
+fn where_only_the_check_was_late_the_robot_stands_where_it_is() {
+    let settings = MonitorSettings { check_deadline: 1e-9, ..MonitorSettings::default() };
+    let judgement = judged(&mut monitor(&World::default(), settings), &[0.0, PI]);
+    assert_eq!(judgement.status.reason().map(Reason::code), Some("deadline"));
+    let request = CheckStatesRequest {
+        joint_names: names(&["joint1"]),
+        positions: vec![0.5],
+        ..CheckStatesRequest::default()
+    };
+    let answer = answer_states(&request, Some(&judgement), &mut None);
+    assert_eq!((answer.verdict, answer.message.as_str()), (COLLIDING, ""));
+}
+
+#[test]
+fn names_that_do_not_fit_are_left_out() {
+    let mut world = World::default();
+    let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    world.add(Obstacle::of_shape("x".repeat(LONGEST_NAMES), Pose::translation(2.3, 0.0, 0.0), ball)).unwrap();
+    let mut request = batch(&[[0.0, 0.0]]);
+    request.with_distance = true;
+    let answer = answer_states(&request, Some(&judgement(&world, &[0.0, 0.0])), &mut None);
+    assert!((answer.distances[0] - 0.1).abs() < 1e-9, "{answer:?}");
+    assert_eq!(answer.bodies, ["tip"]);
+    assert!([answer.pair_a[0], answer.pair_b[0]].contains(&NOBODY), "{answer:?}");
 }
 
 #[test]
