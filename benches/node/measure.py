@@ -56,9 +56,13 @@ def plan(options):
 
     fast, ids = options.robot, itertools.count(1)
     seconds, watched, starts, restarts = (120, 3600, 10, 50) if options.long else (12, 20, 3, 5)
+
+    def rate(limit, with_clients, published):
+        return latency.measure(robot(fast), seconds, next(ids), limit, with_clients, published)
+
     return {
-        "latency": [lambda: latency.measure(robot(fast), seconds, next(ids), 1.0, with_clients=False)],
-        "latency-with-clients": [lambda: latency.measure(robot(fast), seconds, next(ids), 2.0, with_clients=True)],
+        "latency": [partial(rate, 1.0, False, what) for what in (latency.ALL_PAIRS, latency.NEAR_PAIRS)],
+        "latency-with-clients": [partial(rate, 2.0, True, what) for what in (latency.ALL_PAIRS, latency.NEAR_PAIRS)],
         "memory": [lambda: memory.measure(robot(fast), watched, next(ids))],
         "start": [
             lambda: start.measure(robot("ur5e"), starts, next(ids), 1.0),
