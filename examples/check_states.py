@@ -22,8 +22,11 @@ def main():
     request = CheckStates.Request(with_distance=True)
     for word in arguments.joints:
         name, _, position = word.partition("=")
+        try:
+            request.positions.append(float(position))
+        except ValueError:
+            parser.error(f"'{word}' is not joint=position")
         request.joint_names.append(name)
-        request.positions.append(float(position))
 
     rclpy.init()
     node = rclpy.create_node("check_states_example")

@@ -26,8 +26,9 @@ def test_a_state_is_asked_about(cell, joint2, code, said):
     assert done.stdout.strip() == said
 
 
-def test_what_is_wrong_is_told(cell):
+@pytest.mark.parametrize(("word", "said"), [("elbow=1", "'elbow'"), ("joint2", "'joint2'"), ("joint2=abc", "'joint2=abc'")])
+def test_what_is_wrong_is_told(cell, word, said):
     cell.judged(joint1=0, joint2=0)
-    done = example(cell, "elbow=1")
+    done = example(cell, word)
     assert done.returncode == 2
-    assert "'elbow'" in done.stderr
+    assert said in done.stderr
