@@ -90,7 +90,7 @@ fn tell(file: &Path, outcome: &Outcome) -> Result<(), Failure> {
         print_line(&format!("the recorder lost {steps} steps here: what follows can not be run again"))?;
     }
     if outcome.cut_off {
-        print_line("the file ends in the middle: what it holds was run")?;
+        print_line("the file was not finished: what it holds was run")?;
     }
     if outcome.late > 0 {
         print_line(&format!(

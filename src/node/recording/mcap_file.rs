@@ -78,6 +78,8 @@ pub struct RecordingFile {
     messages: Vec<RawMessage>,
     bytes: usize,
     at_end: bool,
+    /// Whether it was finished, as every complete one is.
+    has_footer: bool,
     is_cut_off: bool,
 }
 
@@ -101,11 +103,12 @@ impl RecordingFile {
             messages: Vec::new(),
             bytes: 0,
             at_end: false,
+            has_footer: false,
             is_cut_off: false,
         })
     }
 
-    /// Whether the file ended in the middle of something.
+    /// Whether the file ended before it was finished.
     #[must_use]
     pub fn is_cut_off(&self) -> bool {
         self.is_cut_off
@@ -118,7 +121,11 @@ impl RecordingFile {
     /// The next entry; `None` at the end, also of a file that was cut off.
     pub fn next(&mut self) -> Result<Option<Entry>, ReadError> {
         loop {
-            let Some(record) = self.next_record()? else { return Ok(None) };
+            let Some(record) = self.next_record()? else {
+                self.is_cut_off |= !self.has_footer;
+                return Ok(None);
+            };
+            self.has_footer |= matches!(record, Record::Footer(_));
             if let Some(entry) = self.note(record)? {
                 return Ok(Some(entry));
             }

@@ -63,7 +63,7 @@ pub struct Outcome {
     pub difference: Option<Difference>,
     /// Steps that the recorder lost; nothing behind them was run, since nobody knows what they were.
     pub lost: Option<u64>,
-    /// Whether the file ends in the middle of something.
+    /// Whether the file ended before it was finished.
     pub cut_off: bool,
     /// The version that recorded it.
     pub version: String,
