@@ -19,8 +19,8 @@ FREE, CONTACT, UNDECIDED, ERROR = (
     CheckTrajectory.Result.UNDECIDED,
     CheckTrajectory.Result.ERROR,
 )
-TURNS = 500  # of joint 1 in a segment, which takes some time to be proven
-SEGMENTS = 2000  # far more than are checked in a test
+TURNS = 5000  # of joint 1 in a segment, which takes some time to be proven
+SEGMENTS = 400  # far more than are checked in a test
 
 
 def trajectory(*states, joints=two_link.JOINTS):
