@@ -15,6 +15,7 @@ use ros2_client::builtin_interfaces::Time as Stamp;
 use rustdds::GUID;
 use serde::{Deserialize, Serialize};
 
+use super::complaints::Complaints;
 use super::peers::Peers;
 use super::{Message, RequestId, lock};
 use crate::node::names::FullName;
@@ -36,6 +37,7 @@ where
     inner: Mutex<ros2_client::ActionServer<Goal, Outcome, Progress>>,
     name: FullName,
     peers: Arc<Peers>,
+    complaints: Complaints,
 }
 
 /// `action_msgs/srv/CancelGoal`, whose fields the library keeps to itself.
@@ -55,7 +57,11 @@ macro_rules! next_request {
             });
             match taken.await {
                 Ok((id, request)) => break (RequestId(id), request),
-                Err(error) => log::warn!("a request to {} could not be read: {error}", $self.name),
+                Err(error) => {
+                    $self
+                        .complaints
+                        .warn(|| format!("a request to {} could not be read: {error}", $self.name));
+                }
             }
         }
     };
@@ -72,7 +78,7 @@ where
         name: FullName,
         peers: Arc<Peers>,
     ) -> Self {
-        Self { inner: Mutex::new(inner), name, peers }
+        Self { inner: Mutex::new(inner), name, peers, complaints: Complaints::default() }
     }
 
     pub async fn next_goal(&self) -> (RequestId, GoalId, Goal) {
@@ -87,7 +93,10 @@ where
             let read = serde_json::to_value(&request).and_then(serde_json::from_value);
             match read {
                 Ok(Cancellation { goal_info }) => return (id, goal_info),
-                Err(error) => log::warn!("a cancellation of {} could not be read: {error}", self.name),
+                Err(error) => {
+                    self.complaints
+                        .warn(|| format!("a cancellation of {} could not be read: {error}", self.name));
+                }
             }
         }
     }

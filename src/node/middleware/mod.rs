@@ -3,6 +3,7 @@
 //! Another release of ros2-client, or another middleware, is a change here.
 
 mod action_server;
+mod complaints;
 mod deafness;
 mod first_request;
 mod peers;
@@ -24,6 +25,7 @@ use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
 use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, TopicKind};
 
+use self::complaints::Complaints;
 use self::peers::Peers;
 use super::environment::{Environment, Reach};
 use super::logging::Line;
@@ -205,7 +207,7 @@ impl Middleware {
         if !matches!(quality, Quality::BestEffort | Quality::Bulk) {
             self.peers.note_reliably_read(format!("rt{name}"));
         }
-        Ok(Subscription { inner, name: name.clone(), last_complaint: Mutex::default() })
+        Ok(Subscription { inner, name: name.clone(), complaints: Complaints::default() })
     }
 
     /// Serves requests of the service type `package/kind` under a full name.
@@ -354,7 +356,7 @@ impl Origin {
 pub struct Subscription<M> {
     inner: ros2_client::Subscription<M>,
     name: FullName,
-    last_complaint: Mutex<Option<Instant>>,
+    complaints: Complaints,
 }
 
 impl<M: Message + 'static> Subscription<M> {
@@ -378,14 +380,8 @@ impl<M: Message + 'static> Subscription<M> {
         }
     }
 
-    /// Says what is wrong, but not for every message of a flood.
     fn complain(&self, error: &ros2_client::ReadError) {
-        const PAUSE: Duration = Duration::from_secs(1);
-        let mut last = lock(&self.last_complaint);
-        if last.is_none_or(|at| at.elapsed() > PAUSE) {
-            *last = Some(Instant::now());
-            log::warn!("a message on {} could not be read: {error}", self.name);
-        }
+        self.complaints.warn(|| format!("a message on {} could not be read: {error}", self.name));
     }
 }
 

@@ -6,6 +6,7 @@ use ros2_client::RmwRequestId;
 use rustdds::GUID;
 
 use super::Message;
+use super::complaints::Complaints;
 use super::peers::Peers;
 use crate::node::names::FullName;
 
@@ -14,6 +15,7 @@ pub struct Server<Request: Message, Response: Message> {
     inner: ros2_client::Server<Request, Response>,
     name: FullName,
     peers: Arc<Peers>,
+    complaints: Complaints,
 }
 
 /// Names a request in its answer.
@@ -25,7 +27,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         name: FullName,
         peers: Arc<Peers>,
     ) -> Self {
-        Self { inner, name, peers }
+        Self { inner, name, peers, complaints: Complaints::default() }
     }
 
     /// The next request, waiting for it. What can not be decoded is logged and passed over.
@@ -33,7 +35,9 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         loop {
             match self.inner.async_receive_request().await {
                 Ok((id, request)) => return (RequestId(id), request),
-                Err(error) => log::warn!("a request to {} could not be read: {error}", self.name),
+                Err(error) => {
+                    self.complaints.warn(|| format!("a request to {} could not be read: {error}", self.name));
+                }
             }
         }
     }
