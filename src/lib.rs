@@ -15,6 +15,9 @@
 //!
 //! Units everywhere: metres, radians, seconds.
 
+// minima of floating-point numbers, see `math/extremes.rs`
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod constants;
 pub mod math;
 pub mod simd;

@@ -3,6 +3,10 @@
 //! A pose of frame B in frame A is `pose_ab`; a point with coordinates in A is `point_a`; inner letters cancel:
 //! `point_a = pose_ab * point_b`, `pose_ac = pose_ab * pose_bc`. The world is `w`, the robot's root `r`, an obstacle `o`.
 
+mod extremes;
+
+pub(crate) use extremes::Extremes;
+
 use crate::constants::LARGEST_COORDINATE;
 
 /// A position, in metres.

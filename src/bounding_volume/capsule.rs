@@ -1,7 +1,7 @@
 //! Capsules, or line swept spheres: all points within a radius of a segment (Larsen, Gottschalk, Lin & Manocha 1999).
 
 use super::{BoundingVolume, Relative, lanes, principal_axes, round, round_up};
-use crate::math::{RotationMatrix, Vector};
+use crate::math::{Extremes, RotationMatrix, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, Vectors, f32x8};
 
@@ -49,22 +49,22 @@ impl BoundingVolume for Capsule {
         let local: Vec<Vector> = points.iter().map(|p| axes.tr_mul(p)).collect();
         let middle = |i: usize| {
             let (lo, hi) = (local.iter())
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.lesser(p[i]), hi.greater(p[i])));
             0.5 * (lo + hi)
         };
         let (y, z) = (middle(1), middle(2));
         let off = |p: &Vector| (p.y - y).hypot(p.z - z);
-        let radius = local.iter().map(off).fold(0.0, f64::max);
-        let cap = |p: &Vector| (radius * radius - off(p).powi(2)).max(0.0).sqrt();
-        let from = local.iter().map(|p| p.x + cap(p)).fold(f64::INFINITY, f64::min);
-        let to = local.iter().map(|p| p.x - cap(p)).fold(f64::NEG_INFINITY, f64::max);
+        let radius = local.iter().map(off).fold(0.0, f64::greater);
+        let cap = |p: &Vector| (radius * radius - off(p).powi(2)).greater(0.0).sqrt();
+        let from = local.iter().map(|p| p.x + cap(p)).fold(f64::INFINITY, f64::lesser);
+        let to = local.iter().map(|p| p.x - cap(p)).fold(f64::NEG_INFINITY, f64::greater);
         let (from, to) = if from <= to { (from, to) } else { (0.5 * (from + to), 0.5 * (from + to)) };
         let ends = [from, to].map(|x| {
             let end = axes * Vector::new(x, y, z);
             std::array::from_fn(|i| round(end[i]))
         });
         let [p, q] = ends.map(|end: [f32; 3]| Vector::from(end.map(f64::from)));
-        let radius = points.iter().map(|x| distance_from_segment(x, &p, &q)).fold(0.0, f64::max);
+        let radius = points.iter().map(|x| distance_from_segment(x, &p, &q)).fold(0.0, f64::greater);
         Self { ends, radius: round_up(radius) }
     }
 

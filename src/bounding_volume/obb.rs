@@ -2,7 +2,7 @@
 //! 1996, *OBBTree*, section 5).
 
 use super::{BoundingVolume, Relative, lanes, principal_axes, round, round_up};
-use crate::math::{RotationMatrix, Vector};
+use crate::math::{Extremes, RotationMatrix, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, Vectors, f32x8};
 
@@ -65,7 +65,7 @@ impl BoundingVolume for Obb {
             hi = hi.sup(p);
         }
         let centre: [f32; 3] = std::array::from_fn(|i| round(0.5 * (lo[i] + hi[i])));
-        let half = |i: usize| (hi[i] - f64::from(centre[i])).max(f64::from(centre[i]) - lo[i]);
+        let half = |i: usize| (hi[i] - f64::from(centre[i])).greater(f64::from(centre[i]) - lo[i]);
         Self { centre, half_extents: std::array::from_fn(|i| round_up(half(i))) }
     }
 

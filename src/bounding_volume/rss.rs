@@ -5,7 +5,7 @@
 
 use super::obb::{FacingObbs, ObbPack, SeenObbs};
 use super::{BoundingVolume, Obb, Relative, lanes, principal_axes, round, round_up};
-use crate::math::{RotationMatrix, Vector};
+use crate::math::{Extremes, RotationMatrix, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, f32x8};
 
@@ -52,14 +52,14 @@ impl BoundingVolume for Rss {
     fn fit(points: &[Vector]) -> Self {
         let (lo, hi) = range(points.iter().map(|p| (p.z, p.z)));
         let (middle, thickness) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-        let cap = |p: &Vector| (thickness * thickness - (p.z - middle).powi(2)).max(0.0).sqrt();
+        let cap = |p: &Vector| (thickness * thickness - (p.z - middle).powi(2)).greater(0.0).sqrt();
         let span = |i: usize| range(points.iter().map(|p| (p[i] + cap(p), p[i] - cap(p))));
         let spans = [span(0), span(1)];
         let centre =
             [round(0.5 * (spans[0].0 + spans[0].1)), round(0.5 * (spans[1].0 + spans[1].1)), round(middle)];
-        let half = spans.map(|(lo, hi)| round((0.5 * (hi - lo)).max(0.0)));
+        let half = spans.map(|(lo, hi)| round((0.5 * (hi - lo)).greater(0.0)));
         let rectangle = Obb { centre, half_extents: [half[0], half[1], 0.0] };
-        let radius = points.iter().map(|p| distance_from(&rectangle, p)).fold(0.0, f64::max);
+        let radius = points.iter().map(|p| distance_from(&rectangle, p)).fold(0.0, f64::greater);
         Self { rectangle, radius: round_up(radius) }
     }
 
@@ -112,13 +112,13 @@ impl BoundingVolume for Rss {
 
 /// The largest first and the smallest second number, in rising order if they do not cross.
 fn range(numbers: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
-    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), (a, b)| (lo.lesser(a), hi.greater(b)))
 }
 
 fn distance_from(rectangle: &Obb, p: &Vector) -> f64 {
     let beyond = |i: usize| {
         let from_centre = (p[i] - f64::from(rectangle.centre[i])).abs();
-        (from_centre - f64::from(rectangle.half_extents[i])).max(0.0)
+        (from_centre - f64::from(rectangle.half_extents[i])).greater(0.0)
     };
     Vector::new(beyond(0), beyond(1), beyond(2)).norm()
 }

@@ -1,7 +1,7 @@
 //! Bounding spheres, or point swept spheres (Ritter 1990, *An efficient bounding sphere*).
 
 use super::{BoundingVolume, Relative, lanes, round, round_up};
-use crate::math::{RotationMatrix, Vector};
+use crate::math::{Extremes, RotationMatrix, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, Vectors, f32x8};
 
@@ -47,7 +47,7 @@ impl BoundingVolume for Sphere {
         let centre = ritter(points);
         let centre: [f32; 3] = std::array::from_fn(|i| round(centre[i]));
         let rounded = Vector::from(centre.map(f64::from));
-        let radius = points.iter().map(|p| (p - rounded).norm()).fold(0.0, f64::max);
+        let radius = points.iter().map(|p| (p - rounded).norm()).fold(0.0, f64::greater);
         Self { centre, radius: round_up(radius) }
     }
 

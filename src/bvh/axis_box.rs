@@ -1,6 +1,6 @@
 //! Boxes along the axes of one common frame.
 
-use crate::math::Point;
+use crate::math::{Extremes, Point};
 
 /// A box along the axes (m), rounded outward; lower corner above the upper one: nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,8 @@ impl AxisBox {
         let mut found = Self::EMPTY;
         for p in points {
             for i in 0..3 {
-                found.lo[i] = found.lo[i].min(down(p[i] - radius));
-                found.hi[i] = found.hi[i].max(-down(-p[i] - radius));
+                found.lo[i] = found.lo[i].lesser(down(p[i] - radius));
+                found.hi[i] = found.hi[i].greater(-down(-p[i] - radius));
             }
         }
         found
@@ -37,8 +37,8 @@ impl AxisBox {
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self {
-            lo: std::array::from_fn(|i| self.lo[i].min(other.lo[i])),
-            hi: std::array::from_fn(|i| self.hi[i].max(other.hi[i])),
+            lo: std::array::from_fn(|i| self.lo[i].lesser(other.lo[i])),
+            hi: std::array::from_fn(|i| self.hi[i].greater(other.hi[i])),
         }
     }
 

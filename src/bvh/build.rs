@@ -3,7 +3,7 @@
 use super::cut::{Extent, best_cut};
 use super::tree::{Content, Leaf, Node, NodeRef, Tree};
 use crate::bounding_volume::{Axes, BoundingVolume, principal_axes};
-use crate::math::{Point, RotationMatrix, Vector};
+use crate::math::{Extremes, Point, RotationMatrix, Vector};
 use crate::simd::LANES;
 
 impl<B: BoundingVolume, L: Content> Tree<B, L> {
@@ -36,7 +36,7 @@ impl<B: BoundingVolume, L: Content> Tree<B, L> {
         };
         let mut order: Vec<u32> = (0..count).collect();
         let root = builder.subtree(&mut order, 0);
-        let reach = builder.corners.iter().map(|p| p.abs().sum()).fold(0.0, f64::max);
+        let reach = builder.corners.iter().map(|p| p.abs().sum()).fold(0.0, f64::greater);
         builder.nodes.shrink_to_fit();
         builder.leaves.shrink_to_fit();
         (Self { anchor, reach, root, nodes: builder.nodes, leaves: builder.leaves }, order)

@@ -3,7 +3,7 @@
 //! The surface area heuristic (Goldsmith & Salmon 1987, *Automatic creation of object hierarchies for ray tracing*; Wald
 //! 2007, *On fast construction of SAH-based bounding volume hierarchies*, for the bins), along the principal axes.
 
-use crate::math::Vector;
+use crate::math::{Extremes, Vector};
 
 /// Cuts that are compared along an axis, and one.
 const BINS: usize = 32;
@@ -67,8 +67,8 @@ impl Bins {
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn new(items: &[Extent], axis: usize) -> Option<Self> {
         let place = |item: &Extent| item.centre[axis];
-        let low = items.iter().map(place).fold(f64::INFINITY, f64::min);
-        let high = items.iter().map(place).fold(f64::NEG_INFINITY, f64::max);
+        let low = items.iter().map(place).fold(f64::INFINITY, f64::lesser);
+        let high = items.iter().map(place).fold(f64::NEG_INFINITY, f64::greater);
         let scale = BINS as f64 / (high - low);
         if !scale.is_finite() {
             return None;

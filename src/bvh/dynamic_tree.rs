@@ -4,8 +4,9 @@
 //! as there are items the tree is built anew.
 
 use super::axis_box::AxisBox;
+use crate::math::Extremes;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8, mask32x8};
+use crate::simd::{LANES, Level, Simd, dispatch, f32x8, mask32x8};
 
 /// Changes after which even a small tree is not yet built anew.
 const FEW_CHANGES: usize = 64;
@@ -108,7 +109,7 @@ impl DynamicTree {
         from: &AxisBox,
     ) -> impl Iterator<Item = (f32, Child)> + use<> {
         let node = &self.nodes[node as usize];
-        let gaps = dispatch_lean!(level, simd => node.gaps(simd, from));
+        let gaps = dispatch!(level, simd => node.gaps(simd, from));
         let children = node.children;
         gaps.into_iter().zip(children).filter(|(_, child)| *child != Child::Nothing)
     }
@@ -121,7 +122,7 @@ impl DynamicTree {
         stack: &mut Vec<u32>,
         found: &mut Vec<u32>,
     ) -> u64 {
-        dispatch_lean!(level, simd => self.find_overlapping(simd, with, stack, found))
+        dispatch!(level, simd => self.find_overlapping(simd, with, stack, found))
     }
 
     /// As [`Self::overlapping`], for a caller that is compiled for its level.
@@ -300,8 +301,8 @@ fn split(items: &mut [(u32, AxisBox)]) -> Option<usize> {
         return None;
     }
     let centres = || items.iter().map(|(_, bounds)| bounds.doubled_centre());
-    let lo = centres().fold([f32::INFINITY; 3], |lo, c| std::array::from_fn(|i| lo[i].min(c[i])));
-    let hi = centres().fold([f32::NEG_INFINITY; 3], |hi, c| std::array::from_fn(|i| hi[i].max(c[i])));
+    let lo = centres().fold([f32::INFINITY; 3], |lo, c| std::array::from_fn(|i| lo[i].lesser(c[i])));
+    let hi = centres().fold([f32::NEG_INFINITY; 3], |hi, c| std::array::from_fn(|i| hi[i].greater(c[i])));
     let axis = (0..3).max_by(|&i, &j| (hi[i] - lo[i]).total_cmp(&(hi[j] - lo[j]))).unwrap_or(0);
     let half = items.len() / 2;
     let key = |entry: &(u32, AxisBox)| entry.1.doubled_centre()[axis];

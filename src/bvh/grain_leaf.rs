@@ -1,6 +1,6 @@
 //! Eight points or cubes or fewer, in f32.
 
-use crate::math::{Point, Vector};
+use crate::math::{Extremes, Point, Vector};
 use crate::simd::LANES;
 
 /// A cube along the axes of its tree, or a point: a cube without edges.
@@ -37,11 +37,11 @@ impl GrainLeaf {
             half_edge: std::array::from_fn(|lane| grain(lane).half_edge),
             low: std::array::from_fn(|i| {
                 let lowest = |lane: usize| centre[i][lane] - grain(lane).half_edge;
-                (0..LANES).map(lowest).fold(f32::INFINITY, f32::min)
+                (0..LANES).map(lowest).fold(f32::INFINITY, f32::lesser)
             }),
             high: std::array::from_fn(|i| {
                 let highest = |lane: usize| centre[i][lane] + grain(lane).half_edge;
-                (0..LANES).map(highest).fold(f32::NEG_INFINITY, f32::max)
+                (0..LANES).map(highest).fold(f32::NEG_INFINITY, f32::greater)
             }),
             centre,
             first,

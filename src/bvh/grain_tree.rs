@@ -7,7 +7,7 @@
 use super::grain_leaf::{Grain, GrainLeaf};
 use super::tree::{Leaf, Node, NodeRef, Tree};
 use crate::bounding_volume::{Axes, BoundingVolume};
-use crate::math::{Point, Vector};
+use crate::math::{Extremes, Point, Vector};
 use crate::simd::LANES;
 
 impl<B: BoundingVolume> Tree<B, GrainLeaf> {
@@ -50,8 +50,8 @@ impl Cuboid {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for seed in seeds {
             for i in 0..3 {
-                low[i] = low[i].min(seed.grain.centre[i]);
-                high[i] = high[i].max(seed.grain.centre[i]);
+                low[i] = low[i].lesser(seed.grain.centre[i]);
+                high[i] = high[i].greater(seed.grain.centre[i]);
             }
         }
         Self { low, high }
@@ -111,7 +111,7 @@ impl<B: BoundingVolume> Builder<B> {
             let [low, high] = grain.corners(&self.anchor);
             corners = [corners[0].inf(&low), corners[1].sup(&high)];
         }
-        self.reach = self.reach.max(corners[0].abs().sup(&corners[1].abs()).sum());
+        self.reach = self.reach.greater(corners[0].abs().sup(&corners[1].abs()).sum());
         self.leaves.push(Leaf {
             axes: Axes::IDENTITY,
             volume: around(&corners),

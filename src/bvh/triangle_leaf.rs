@@ -1,7 +1,7 @@
 //! Eight triangles or fewer, in f32.
 
 use super::tree::Content;
-use crate::math::{Point, RotationMatrix};
+use crate::math::{Extremes, Point, RotationMatrix};
 use crate::simd::LANES;
 
 /// Triangles of a surface by their corners, structure of arrays, from the anchor of their tree. Lanes beyond the last
@@ -43,8 +43,8 @@ impl Content for TriangleLeaf {
         });
         let along = |i: usize| corners.iter().flat_map(move |c: &[[f32; LANES]; 3]| c[i]);
         Self {
-            low: std::array::from_fn(|i| along(i).fold(f32::INFINITY, f32::min)),
-            high: std::array::from_fn(|i| along(i).fold(f32::NEG_INFINITY, f32::max)),
+            low: std::array::from_fn(|i| along(i).fold(f32::INFINITY, f32::lesser)),
+            high: std::array::from_fn(|i| along(i).fold(f32::NEG_INFINITY, f32::greater)),
             corners,
             first,
             count: triangles.len() as u32,

@@ -7,6 +7,7 @@ use super::nearby::Near;
 use super::report::{Body, CollisionReport, PairDistance, Question};
 use super::workspace::{QueuedNear, QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
+use crate::math::Extremes;
 use crate::query::{Effort, Piece, Scratch};
 use crate::robot::Configuration;
 use crate::simd::LANES;
@@ -36,7 +37,7 @@ impl Asked<'_> {
             Question::PairDistances { limit } => self.distances(limit),
             Question::Survey { influence_distance, limit } => {
                 self.distances(influence_distance);
-                if self.report.nearest.is_none() && limit > influence_distance.max(0.0) {
+                if self.report.nearest.is_none() && limit > influence_distance.greater(0.0) {
                     self.report.undecided.clear();
                     self.least_distance(limit);
                     self.report.believe_contact();
@@ -77,7 +78,7 @@ impl Asked<'_> {
 
     /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
     fn least_distance(&mut self, limit: f64) {
-        let limit = limit.max(CONTACT_DISTANCE);
+        let limit = limit.greater(CONTACT_DISTANCE);
         let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.nearest_first));
         heap.clear();
         if self.checker.self_candidates(self.q, limit, self.workspace) {
@@ -121,7 +122,7 @@ impl Asked<'_> {
                 None => self.distance(QueuedPair { lower, index }, bound),
             };
             let Some(found) = found else { continue };
-            least_lower = found.lower.min(least_lower);
+            least_lower = found.lower.lesser(least_lower);
             if nearest.is_none_or(|(other, n)| (found.distance, index) < (n.distance, other)) {
                 nearest = Some((index, found));
             }
@@ -129,7 +130,7 @@ impl Asked<'_> {
         self.workspace.nearest_first = heap.into_vec();
         self.report.nearest = nearest.map(|(_, found)| PairDistance {
             // of others it is only known that they are not nearer than the tolerance allows
-            lower: least_lower.min(self.effort.lower(found.distance).max(0.0)),
+            lower: least_lower.lesser(self.effort.lower(found.distance).greater(0.0)),
             ..found
         });
     }
@@ -179,7 +180,7 @@ impl Asked<'_> {
         scratch.work.volume_tests += 1;
         let capsule = self.checker.capsule_of(part, &frames[self.checker.riders[part].body]);
         let looked_at = self.checker.looked_at(part, piece, &capsule);
-        looked_at.map(|(lower, near)| QueuedNear { lower: lower.max(known), near }).into_iter()
+        looked_at.map(|(lower, near)| QueuedNear { lower: lower.greater(known), near }).into_iter()
     }
 
     /// What a node of the tree of pieces holds.
@@ -188,13 +189,13 @@ impl Asked<'_> {
         scratch.work.volume_tests += LANES as u64;
         let capsule = self.checker.capsule_of(part, &frames[self.checker.riders[part].body]);
         let opened = self.checker.opened(part, node, (&capsule, scratch.level()));
-        opened.map(|(lower, near)| QueuedNear { lower: lower.max(0.0), near })
+        opened.map(|(lower, near)| QueuedNear { lower: lower.greater(0.0), near })
     }
 
     /// Every pair's distance up to `limit`.
     fn distances(&mut self, limit: f64) {
         // what touches is within any limit
-        let limit = limit.max(0.0);
+        let limit = limit.greater(0.0);
         self.queue(limit);
         for k in 0..self.workspace.queue.len() {
             let pair = self.workspace.queue[k];
@@ -276,7 +277,7 @@ impl Asked<'_> {
             self.report.undecided.push(pair.undecided(found.lower, found.upper.map(|upper| upper.distance)));
         }
         let upper = found.upper?;
-        Some(PairDistance { lower: (found.lower - pair.info.padding).max(0.0), ..pair.padded(&upper) })
+        Some(PairDistance { lower: (found.lower - pair.info.padding).greater(0.0), ..pair.padded(&upper) })
     }
 }
 

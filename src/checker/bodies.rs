@@ -12,7 +12,7 @@ use super::report::Body;
 use super::settings::{MeshModel, Settings};
 use super::{PairList, SettingsError};
 use crate::geometry::{ScaleError, Shape};
-use crate::math::{MatrixPose, Pose};
+use crate::math::{Extremes, MatrixPose, Pose};
 use crate::query::CollisionBody;
 use crate::robot::{Between, Chain, Frame, LinkId, RobotModel, Seat, TravelRates};
 use crate::world::{AttachedObject, ObstacleShape, World};
@@ -185,7 +185,7 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Rider]) 
     let mut reach = vec![0.0_f64; chain.body_count()];
     for Rider { body, capsule, .. } in riders {
         let ends = [capsule.a, capsule.b].map(|p| p.coords.norm());
-        reach[*body] = reach[*body].max(ends[0].max(ends[1]) + capsule.radius);
+        reach[*body] = reach[*body].greater(ends[0].greater(ends[1]) + capsule.radius);
     }
     let limited = robot.joint_ids().filter_map(|j| {
         let limits = robot.joint(j).limits?;

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::capsules::LinkCapsule;
 use crate::geometry::{Primitive, Shape};
-use crate::math::{Point, Pose, RotationMatrix, UnitVector, Vector};
+use crate::math::{Extremes, Point, Pose, RotationMatrix, UnitVector, Vector};
 
 /// A capsule around shapes; a single round one is its own. What has a plane has one of infinite radius: level 0 tells nothing
 /// of it. `None` without shapes.
@@ -76,9 +76,9 @@ pub fn fit_capsule(points: &[Point]) -> Option<LinkCapsule> {
             _ => turn *= 0.5,
         }
     }
-    let farthest = points.iter().map(|p| best.capsule.axis_distance(p)).fold(0.0, f64::max);
+    let farthest = points.iter().map(|p| best.capsule.axis_distance(p)).fold(0.0, f64::greater);
     // distances round by a few units in the last place of the coordinates
-    let rounding = 8.0 * f64::EPSILON * points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let rounding = 8.0 * f64::EPSILON * points.iter().map(|p| p.coords.amax()).fold(0.0, f64::greater);
     Some(LinkCapsule { radius: farthest + rounding, ..best.capsule })
 }
 
@@ -106,10 +106,10 @@ fn along(points: &[Point], mean: Vector, axis: &UnitVector) -> Fit {
     let circle = smallest_circle(&points.iter().map(seen).collect::<Vec<_>>());
     // a cap's centre may lie this far behind a point and still reach it
     let depth =
-        |p: &Point| (circle.radius.powi(2) - (seen(p) - circle.centre).norm_squared()).max(0.0).sqrt();
+        |p: &Point| (circle.radius.powi(2) - (seen(p) - circle.centre).norm_squared()).greater(0.0).sqrt();
     let height = |p: &Point| axis.dot(&(p.coords - mean));
-    let low = points.iter().map(|p| height(p) + depth(p)).fold(f64::INFINITY, f64::min);
-    let high = points.iter().map(|p| height(p) - depth(p)).fold(f64::NEG_INFINITY, f64::max);
+    let low = points.iter().map(|p| height(p) + depth(p)).fold(f64::INFINITY, f64::lesser);
+    let high = points.iter().map(|p| height(p) - depth(p)).fold(f64::NEG_INFINITY, f64::greater);
     // where a single ball reaches all, low lies above high
     let (low, high) = if low < high { (low, high) } else { (low.midpoint(high), low.midpoint(high)) };
     let at = |h: f64| Point::from(mean + x * circle.centre.x + y * circle.centre.y + axis.into_inner() * h);

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference};
 use crate::constants::MOTION_SLACK;
-use crate::math::{MatrixPose, Point};
+use crate::math::{Extremes, MatrixPose, Point};
 use crate::robot::{Frame, Reach};
 use crate::simd::prelude::*;
 use crate::simd::{Real, Simd, f32x8};
@@ -98,7 +98,7 @@ impl CapsulePairs {
                 );
                 // what is infinitely large is never proven apart, whatever rounding is granted
                 if group.reach[lane].is_finite() {
-                    size = size.max(group.reach[lane]);
+                    size = size.greater(group.reach[lane]);
                 }
             }
             groups.push(group);

@@ -17,6 +17,7 @@ use super::settings::Settings;
 use super::stream::Stream;
 use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::geometry::ScaleError;
+use crate::math::Extremes;
 use crate::query::Scratch;
 use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
 use crate::simd::LANES;
@@ -142,7 +143,7 @@ impl CollisionChecker {
         let infos = pair_infos(&pairs, &riders, &settings);
         let capsules = capsule_pairs(&riders, &infos);
         let padded_radii = riders.iter().map(|rider| up(rider.capsule.radius + rider.padding)).collect();
-        let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::max);
+        let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::greater);
         let obstacles = Obstacles::new(world, &settings, known_obstacles)?;
         let rates = travel_rates(&robot, &chain, &riders);
         let between = joints_between(&chain, &riders, &infos);

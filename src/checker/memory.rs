@@ -11,7 +11,7 @@
 use super::pair::Pair;
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::PointPair;
-use crate::math::MatrixPose;
+use crate::math::{Extremes, MatrixPose};
 use crate::query::{Effort, Front, Scratch, Separation};
 
 /// How far (m) beyond what was asked a pair's distance is looked for, to know it for some states to come.
@@ -75,7 +75,7 @@ impl Memory {
         let (from, to) = (&self.pose_ab, &pair.pose_ab);
         let of_b = pair.bodies.1.bounding_sphere().displacement(from, to);
         let of_a = pair.bodies.0.bounding_sphere().displacement(&from.inverse(), &to.inverse());
-        self.lower - of_a.min(of_b) - CONTACT_DISTANCE
+        self.lower - of_a.lesser(of_b) - CONTACT_DISTANCE
     }
 
     /// Whether the nearest points were found.
@@ -121,7 +121,7 @@ impl Pair<'_> {
         memory: &mut Option<Memory>,
         scratch: &mut Scratch,
     ) -> Option<Separation> {
-        let limit = limit.max(CONTACT_DISTANCE);
+        let limit = limit.greater(CONTACT_DISTANCE);
         let Some(known) = memory else {
             let found = self.separation(limit, scratch);
             *memory = Some(Memory::new(self, limit, found));
@@ -152,7 +152,7 @@ impl Pair<'_> {
                 known.near_points = far.upper.map(|upper| upper.witness_points);
                 return None;
             }
-            tight = far.upper.map_or(farther, |upper| upper.distance).min(tight);
+            tight = far.upper.map_or(farther, |upper| upper.distance).lesser(tight);
         }
         let found = self.separation(tight, scratch).or_else(|| self.separation(limit, scratch));
         known.renew(self, limit, found);

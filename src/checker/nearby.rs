@@ -6,10 +6,10 @@ use super::root_volume::RootCapsule;
 use super::workspace::{QueuedPair, Workspace};
 use crate::bvh::{AxisBox, Child};
 use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
-use crate::math::MatrixPose;
+use crate::math::{Extremes, MatrixPose};
 use crate::query::{Piece, Scratch, Work};
 use crate::robot::{Configuration, Frame, Reach};
-use crate::simd::{LANES, Level, Simd, dispatch_lean};
+use crate::simd::{LANES, Level, Simd, dispatch};
 use crate::world::ObstacleId;
 
 /// Scratch memory of a search.
@@ -92,9 +92,9 @@ impl CollisionChecker {
         if self.pairs().world_len() == 0 {
             return;
         }
-        dispatch_lean!(level, simd => self.find_near(simd, part, capsule, up(limit), scratch, work));
+        dispatch!(level, simd => self.find_near(simd, part, capsule, up(limit), scratch, work));
         for pieces in scratch.near.chunk_by(|a, b| a.place == b.place) {
-            let lower = pieces.iter().map(|piece| piece.lower).fold(f32::INFINITY, f32::min);
+            let lower = pieces.iter().map(|piece| piece.lower).fold(f32::INFINITY, f32::lesser);
             let index = self.world_pair(part, pieces[0].place as usize);
             near.push(QueuedPair { lower: f64::from(lower), index });
         }
@@ -122,7 +122,11 @@ impl CollisionChecker {
             if self.pairs().checks(part, ObstacleId(placed.place)) {
                 let lower = placed.lower_bound(capsule);
                 if lower <= limit {
-                    near.push(NearPiece { place: placed.place, piece: placed.piece, lower: lower.max(0.0) });
+                    near.push(NearPiece {
+                        place: placed.place,
+                        piece: placed.piece,
+                        lower: lower.greater(0.0),
+                    });
                 }
             }
         }
@@ -138,7 +142,7 @@ impl CollisionChecker {
         (scratch, nearby): (&mut Scratch, &mut NearbyScratch),
     ) {
         let (level, work) = (scratch.level(), &mut scratch.work);
-        dispatch_lean!(level, simd => self.find_near(simd, part, capsule, up(limit), nearby, work));
+        dispatch!(level, simd => self.find_near(simd, part, capsule, up(limit), nearby, work));
         nearby.pieces.clear();
         let of_place = nearby.near.iter().filter(|near| near.place as usize == place);
         nearby.pieces.extend(of_place.map(|near| near.piece));
@@ -227,7 +231,7 @@ impl CollisionChecker {
             Piece::Whole | Piece::Solids => Near::Pair(self.world_pair(part, placed.place as usize)),
             Piece::Surface(_) | Piece::Grains { .. } => Near::Piece { part, piece },
         };
-        Some((f64::from(placed.lower_bound(capsule).max(0.0)), near))
+        Some((f64::from(placed.lower_bound(capsule).greater(0.0)), near))
     }
 }
 

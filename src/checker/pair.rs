@@ -1,7 +1,7 @@
 //! One pair of bodies at their poses, ready to be asked about.
 
 use super::report::{Body, PairDistance, UndecidedPair};
-use crate::math::MatrixPose;
+use crate::math::{Extremes, MatrixPose};
 use crate::query::{self, CollisionBody, DistanceBounds, Effort, Piece, Scratch, Separation};
 
 /// What never changes about a pair.
@@ -68,7 +68,7 @@ impl Pair<'_> {
     /// The pair with what is certain about its padded distance.
     pub fn undecided(&self, lower: f64, upper: Option<f64>) -> UndecidedPair {
         let (a, b) = self.info.ids;
-        let padded = |raw: f64| (raw - self.info.padding).max(0.0);
+        let padded = |raw: f64| (raw - self.info.padding).greater(0.0);
         UndecidedPair { a, b, lower: padded(lower), upper: upper.map_or(f64::INFINITY, padded) }
     }
 
@@ -78,8 +78,8 @@ impl Pair<'_> {
         PairDistance {
             a,
             b,
-            distance: (raw.distance - self.info.padding).max(0.0),
-            lower: (raw.distance - self.info.padding).max(0.0),
+            distance: (raw.distance - self.info.padding).greater(0.0),
+            lower: (raw.distance - self.info.padding).greater(0.0),
             witness_points: raw.witness_points.map(|p| &self.pose_ra * p),
         }
     }

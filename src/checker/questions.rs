@@ -9,9 +9,10 @@ use super::report::{CollisionReport, Question};
 use super::root_volume::RootCapsule;
 use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
+use crate::math::Extremes;
 use crate::query::{Effort, Scratch, Work};
 use crate::robot::{Configuration, Frame};
-use crate::simd::{LANES, Simd, dispatch_lean};
+use crate::simd::{LANES, Simd, dispatch};
 
 /// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
 const WORLD_LOOK_AHEAD: f64 = 0.05;
@@ -51,7 +52,7 @@ impl CollisionChecker {
             return true;
         }
         let origin = self.capsules.origin(|body| frames[body]);
-        dispatch_lean!(scratch.level(), simd => {
+        dispatch!(scratch.level(), simd => {
             let capsule = |part: usize| self.capsule_at(part, segments[part], origin);
             self.hits_obstacle(simd, capsule, &|body| frames[body], (scratch, nearby, part_order))
         })
@@ -127,7 +128,7 @@ impl CollisionChecker {
     /// Queues the pairs that may be within `limit` (m), in their order, with numbers (m) never larger than their distances;
     /// if there are any, all bodies are placed.
     pub(super) fn candidates(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) {
-        let limit = limit.max(CONTACT_DISTANCE);
+        let limit = limit.greater(CONTACT_DISTANCE);
         if !self.self_candidates(q, limit, workspace) {
             return;
         }
@@ -192,7 +193,7 @@ impl CollisionChecker {
             }
             let lower = stream.lower(index);
             if lower <= limit {
-                queue.push(QueuedPair { lower: lower.max(0.0), index });
+                queue.push(QueuedPair { lower: lower.greater(0.0), index });
             }
         }
         true
@@ -208,7 +209,7 @@ impl CollisionChecker {
     /// Places all bodies.
     pub(super) fn place(&self, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, scratch, .. } = workspace;
-        dispatch_lean!(scratch.level(), simd => self.chain.frames_of_one(simd, q.positions(), frames));
+        dispatch!(scratch.level(), simd => self.chain.frames_of_one(simd, q.positions(), frames));
     }
 
     /// Places all bodies, and finds the pairs whose capsules do not prove them apart.
@@ -216,7 +217,7 @@ impl CollisionChecker {
         let Workspace { frames, segments, near, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
         let margin = [up(self.largest_padding + CONTACT_DISTANCE); LANES];
-        dispatch_lean!(scratch.level(), simd => {
+        dispatch!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, q.positions(), frames);
             self.capsules.place(frames, segments);
             self.capsules.near_one(
@@ -233,7 +234,7 @@ impl CollisionChecker {
     fn bound(&self, workspace: &mut Workspace) {
         let Workspace { frames, segments, bounds, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
-        dispatch_lean!(scratch.level(), simd => {
+        dispatch!(scratch.level(), simd => {
             self.capsules.place(frames, segments);
             self.capsules.lower_bounds_one(simd, segments, bounds);
         });
@@ -259,5 +260,5 @@ pub(super) fn near_pairs(near: &[u8]) -> impl Iterator<Item = usize> {
 
 /// The bound of a pair's padded distance.
 fn lower_bound(bounds: &[[f32; LANES]], index: usize, info: &PairInfo) -> f64 {
-    (f64::from(bounds[index / LANES][index % LANES]) - info.padding).max(0.0)
+    (f64::from(bounds[index / LANES][index % LANES]) - info.padding).greater(0.0)
 }

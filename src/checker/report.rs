@@ -1,7 +1,7 @@
 //! What is asked of a state, and what is answered.
 
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::Point;
+use crate::math::{Extremes, Point};
 use crate::query::Work;
 use crate::robot::LinkId;
 use crate::world::{AttachedId, ObstacleId};
@@ -84,6 +84,6 @@ impl CollisionReport {
     pub fn least_distance_lower(&self) -> f64 {
         let of_undecided = self.undecided.iter().map(|pair| pair.lower);
         let of_decided = self.nearest.iter().chain(&self.pair_distances).map(|pair| pair.lower);
-        of_undecided.chain(of_decided).fold(f64::INFINITY, f64::min)
+        of_undecided.chain(of_decided).fold(f64::INFINITY, f64::lesser)
     }
 }

@@ -14,7 +14,7 @@
 use super::capsule_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 use super::capsules::{Segment, up};
 use crate::bvh::AxisBox;
-use crate::math::{MatrixPose, Point};
+use crate::math::{Extremes, MatrixPose, Point};
 use crate::query::PieceVolume;
 use crate::robot::Reach;
 use crate::simd::Real;
@@ -66,9 +66,9 @@ impl RootCapsule {
     #[must_use]
     pub fn new(Segment { centre: [x, y, z], half }: Segment<f32>, origin: [f32; 3], radius: f32) -> Self {
         let [p, q, r] = origin;
-        let extent = (x.abs() + p.abs()).max(y.abs() + q.abs()).max(z.abs() + r.abs());
+        let extent = (x.abs() + p.abs()).greater(y.abs() + q.abs()).greater(z.abs() + r.abs());
         let reach = half[0].abs() + half[1].abs() + half[2].abs() + radius;
-        let over_square = 1.0 / dot(half, half).max(LEAST_SQUARE);
+        let over_square = 1.0 / dot(half, half).greater(LEAST_SQUARE);
         Self {
             segment: Segment { centre: [x + p, y + q, z + r], half },
             over_square,
@@ -93,7 +93,7 @@ impl RootCapsule {
         let (u, v) = (self.segment.half, other.segment.half);
         let w = minus(other.segment.centre, self.segment.centre);
         let (uu, vv, uv, uw, vw) = (dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w));
-        let determinant = (uu * vv - uv * uv).max(PARALLEL * uu * vv).max(LEAST_SQUARE);
+        let determinant = (uu * vv - uv * uv).greater(PARALLEL * uu * vv).greater(LEAST_SQUARE);
         let s = share((uw * vv - uv * vw) / determinant);
         let t = share((uv * s - vw) * other.over_square);
         let s = share((uv * t + uw) * self.over_square);
@@ -126,7 +126,7 @@ impl RootBox {
     #[inline(always)]
     fn nearest(&self, p: [f32; 3]) -> [f32; 3] {
         let [a, b, c] = self.half_extents;
-        [p[0].max(-a).min(a), p[1].max(-b).min(b), p[2].max(-c).min(c)]
+        [p[0].greater(-a).lesser(a), p[1].greater(-b).lesser(b), p[2].greater(-c).lesser(c)]
     }
 
     fn axis_box(&self) -> AxisBox {

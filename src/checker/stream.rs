@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use super::memory::Memory;
 use super::pair::Pair;
 use super::workspace::QueuedPair;
+use crate::math::Extremes;
 use crate::robot::TravelRates;
 
 /// Travel (m) after which counting begins anew: sums are rounded outward, and large ones coarsely.
@@ -104,10 +105,10 @@ impl Stream {
     pub fn learn(&mut self, index: usize, lower: f64) {
         let horizon = (lower + self.travelled).next_down();
         match self.horizons.get_mut(index) {
-            Some(known) => *known = known.max(horizon),
+            Some(known) => *known = (*known).greater(horizon),
             None => {
                 if let Some((_, _, known)) = self.seen.iter_mut().find(|(_, pair, _)| *pair == index) {
-                    *known = known.max(horizon);
+                    *known = (*known).greater(horizon);
                 }
             }
         }
@@ -134,10 +135,10 @@ impl Stream {
     /// Notes what was learned.
     pub fn settle(&mut self) {
         for (part, _, horizon) in self.seen.drain(..) {
-            self.world_horizons[part] = self.world_horizons[part].min(horizon);
+            self.world_horizons[part] = self.world_horizons[part].lesser(horizon);
         }
         let all = self.horizons.iter().chain(&self.world_horizons);
-        self.nearest_horizon = all.copied().fold(f64::INFINITY, f64::min);
+        self.nearest_horizon = all.copied().fold(f64::INFINITY, f64::lesser);
     }
 
     pub fn memory(&mut self, index: usize) -> &mut Option<Memory> {

@@ -1,7 +1,7 @@
 //! Planes: infinite surfaces without thickness.
 
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::{Point, Pose, UnitVector, Vector};
+use crate::math::{Extremes, Point, Pose, UnitVector, Vector};
 
 /// All points p with `normal · p = offset` (m). It has two sides and no inside: what lies wholly on either side does not
 /// touch it.
@@ -30,7 +30,7 @@ impl Plane {
             return Err(PlaneError::NotFinite(coefficients));
         }
         // squares of very large or very small numbers are no numbers
-        let scale = a.abs().max(b.abs()).max(c.abs());
+        let scale = a.abs().greater(b.abs()).greater(c.abs());
         let normal = Vector::new(a / scale, b / scale, c / scale);
         let Some(normal) = UnitVector::try_new(normal, 0.5) else {
             return Err(PlaneError::NoNormal(coefficients));

@@ -1,7 +1,7 @@
 //! Clouds of points, as depth cameras and laser scanners see the world.
 
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::Point;
+use crate::math::{Extremes, Point};
 
 /// Points in the cloud's frame (m), each a solid ball. Never empty.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,8 +52,8 @@ impl PointCloud {
         let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for p in &self.points {
             for i in 0..3 {
-                lo[i] = lo[i].min(p[i]);
-                hi[i] = hi[i].max(p[i]);
+                lo[i] = lo[i].lesser(p[i]);
+                hi[i] = hi[i].greater(p[i]);
             }
         }
         let corner = |p: [f32; 3], radius: f64| Point::from(p.map(|c| f64::from(c) + radius));

@@ -5,7 +5,7 @@
 //! Manocha 1999, *Fast proximity queries with swept sphere volumes*, 4.2).
 
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::{Point, Pose, Vector};
+use crate::math::{Extremes, Point, Pose, Vector};
 
 /// Three corners; it may be degenerate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl Triangle {
         }
         let foot = p - normal * (normal.dot(&(p - on_edge)) / n2);
         // inside, the nearest edge is no farther than the triangle is high; a normal that is noise claims more
-        let longest = edges.iter().map(|[from, to]| (to - from).norm_squared()).fold(0.0, f64::max);
+        let longest = edges.iter().map(|[from, to]| (to - from).norm_squared()).fold(0.0, f64::greater);
         let inside = (foot - on_edge).norm_squared() * longest <= 4.0 * n2;
         if inside { foot } else { on_edge }
     }
@@ -96,7 +96,7 @@ impl Triangle {
         let normal = (self.b - self.a).cross(&(self.c - self.a));
         let offsets = other.corners().map(|p| p - self.a);
         let heights = offsets.map(|o| normal.dot(&o));
-        let reach = offsets.iter().fold(0.0, |m: f64, o| m.max(o.abs().sum()));
+        let reach = offsets.iter().fold(0.0, |m: f64, o| m.greater(o.abs().sum()));
         let needed = normal.norm() * (clear + 1e-15 * reach) + self.normal_error() * reach;
         heights.iter().all(|h| *h > needed) || heights.iter().all(|h| *h < -needed)
     }
@@ -117,7 +117,7 @@ impl Triangle {
     fn common_point(&self, other: &Self) -> Point {
         let on_both = |p: &Point| {
             let off = |t: &Self| nalgebra::distance(p, &t.nearest_point(p));
-            off(self).max(off(other)) <= CONTACT_DISTANCE
+            off(self).greater(off(other)) <= CONTACT_DISTANCE
         };
         let pierced = |t: &Self, by: &Self| by.edges().iter().filter_map(|e| t.pierced_by(e)).find(on_both);
         (pierced(self, other).or_else(|| pierced(other, self)))

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::{MonitorSettings, Now, Reason, Time};
+use crate::math::Extremes;
 
 /// A message that was the last to name some joints of the robot.
 #[derive(Clone, Debug)]
@@ -43,10 +44,10 @@ impl Contributions {
         let mut joints = Vec::new();
         let (mut oldest, mut ahead, mut all) = (0.0_f64, 0.0_f64, true);
         for (contribution, age) in ages {
-            let older = age.max(contribution.silence(now));
-            ahead = ahead.max(-age);
+            let older = age.greater(contribution.silence(now));
+            ahead = ahead.greater(-age);
             if older > stale_after {
-                oldest = oldest.max(older);
+                oldest = oldest.greater(older);
                 joints.extend(contribution.positions.iter().map(|&index| names[index].clone()));
             } else {
                 all = false;
@@ -64,8 +65,8 @@ impl Contributions {
     /// How long all stay fresh, if they are.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
         let ros = now.ros?;
-        let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).max(c.silence(now)));
-        let left = settings.stale_after - oldest.fold(0.0, f64::max);
+        let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).greater(c.silence(now)));
+        let left = settings.stale_after - oldest.fold(0.0, f64::greater);
         // a little later, so that it is stale then whatever way rounding goes
         Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::{Now, Reason, Status, Time, WorldSource};
 use crate::checker::{CollisionChecker, CollisionReport, LookAhead};
+use crate::math::Extremes;
 use crate::robot::{Configuration, LinkPoses};
 
 /// A checker, and which one it is.
@@ -109,6 +110,8 @@ impl Judgement {
     pub fn time_to_contact(&self) -> f64 {
         let look_ahead = self.evidence.as_ref().and_then(|evidence| evidence.look_ahead);
         // a stamp in the future gives no time on top
-        look_ahead.map_or(0.0, |ahead| (ahead.free_for - self.age.unwrap_or(f64::INFINITY).max(0.0)).max(0.0))
+        look_ahead.map_or(0.0, |ahead| {
+            (ahead.free_for - self.age.unwrap_or(f64::INFINITY).greater(0.0)).greater(0.0)
+        })
     }
 }

@@ -15,6 +15,7 @@ use super::{
     Evidence, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
+use crate::math::Extremes;
 use crate::query::Effort;
 use crate::robot::LinkPoses;
 
@@ -350,7 +351,7 @@ impl Subject {
         let checker = &self.revision.checker;
         let started = stopwatch();
         let survey = Question::Survey {
-            influence_distance: settings.influence_distance.max(settings.speed.reach()),
+            influence_distance: settings.influence_distance.greater(settings.speed.reach()),
             limit: settings.distance_limit,
         };
         let effort = if fixed.is_some() { Effort::default() } else { settings.effort() };

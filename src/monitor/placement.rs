@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::scene::TransformTree;
 use super::{MonitorSettings, Now, Reason, Time};
-use crate::math::Pose;
+use crate::math::{Extremes, Pose};
 use crate::robot::{JointId, RobotModel};
 
 /// How far (m, rad) a transform may leave the plane of a planar joint: that much of the base's place is not checked.
@@ -108,8 +108,9 @@ impl Placements {
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
         let age =
             now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
-        let silence = self.placements.iter().filter_map(|p| p.silence(now)).fold(f64::NEG_INFINITY, f64::max);
-        settings.transform_ttl - age.max(silence)
+        let silence =
+            self.placements.iter().filter_map(|p| p.silence(now)).fold(f64::NEG_INFINITY, f64::greater);
+        settings.transform_ttl - age.greater(silence)
     }
 }
 
@@ -132,7 +133,7 @@ impl Placement {
             self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
         let ros = now.ros.ok_or(Reason::NoClock)?;
         let by_stamp = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
-        let age = by_stamp.max(self.silence(now).unwrap_or(f64::NEG_INFINITY));
+        let age = by_stamp.greater(self.silence(now).unwrap_or(f64::NEG_INFINITY));
         let ttl = settings.transform_ttl;
         if age > ttl {
             return Err(unknown(format!("it is {age:.3} s old, and transform_ttl is {ttl} s")));

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use super::approach::{OtherTime, a_moment_later, approach_rate};
 use super::{Evidence, Status, Time};
 use crate::checker::{Body, CollisionChecker, PairDistance};
+use crate::math::Extremes;
 
 /// Slower than this (m/s) is at rest: velocities are noisy.
 const REST: f64 = 1e-3;
@@ -56,14 +57,14 @@ impl SpeedSettings {
     /// The distance (m) up to which pairs have to be known.
     #[must_use]
     pub(super) fn reach(&self) -> f64 {
-        self.own.reach().max(self.world.reach())
+        self.own.reach().greater(self.world.reach())
     }
 }
 
 impl SpeedDistances {
     /// The distance (m) beyond which nothing is slowed.
     fn reach(self) -> f64 {
-        self.slowdown.max(self.stop)
+        self.slowdown.greater(self.stop)
     }
 
     /// The share that a pair asks for which approaches by `rate` (m/s), if that is known.
@@ -72,7 +73,7 @@ impl SpeedDistances {
         if distance > self.reach() || rate < -REST {
             return 1.0;
         }
-        let left = distance - rate.max(0.0) * reaction_time;
+        let left = distance - rate.greater(0.0) * reaction_time;
         if left <= self.stop {
             0.0
         } else if left >= self.slowdown {
@@ -134,7 +135,7 @@ impl SpeedGovernor {
             let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, &evidence.poses, other));
             are_known &= rate.is_some();
             asked =
-                asked.min(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
+                asked.lesser(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
         }
         let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
         // what is judged once more, or approaches nobody knows how fast, is no reason to be faster; a first state has but distances
@@ -164,8 +165,8 @@ impl SpeedGovernor {
         }
         let latest =
             |count: usize| (self.asked.len() >= count).then(|| self.asked.iter().rev().take(count).copied());
-        let most = latest(trigger).map(|asked| asked.fold(0.0, f64::max));
-        let least = latest(release).map(|asked| asked.fold(1.0, f64::min));
+        let most = latest(trigger).map(|asked| asked.fold(0.0, f64::greater));
+        let least = latest(release).map(|asked| asked.fold(1.0, f64::lesser));
         self.share = match (most, least) {
             (Some(most), _) if most < self.share => most,
             (_, Some(least)) if least > self.share => least,
@@ -280,7 +281,7 @@ mod tests {
             asked in prop::collection::vec(0.0..1.0f64, 1..40), last in 0.0..1.0f64,
             trigger in 1..6u32, release in 1..6u32,
         ) {
-            let most = asked.iter().copied().fold(0.0, f64::max);
+            let most = asked.iter().copied().fold(0.0, f64::greater);
             let mut asked = asked;
             let begun = following(trigger, release, &asked);
             prop_assert!(begun.iter().all(|share| (0.0..=most).contains(share)));

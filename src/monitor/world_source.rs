@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::{Now, Reason, Time};
+use crate::math::Extremes;
 
 /// Something that tells what is around the robot again and again: a point cloud's topic, or the octomap.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +30,7 @@ impl WorldSource {
     pub fn age(&self, now: Now) -> Option<f64> {
         let seen = self.seen?;
         let silence = now.steady.saturating_sub(seen.at).as_secs_f64();
-        Some(now.ros.map_or(silence, |ros| ros.seconds_since(seen.stamp).max(silence)))
+        Some(now.ros.map_or(silence, |ros| ros.seconds_since(seen.stamp).greater(silence)))
     }
 
     /// Why the world is not known any more, if it is not.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::{MatrixPose, Point, Pose, Rotation, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Pose, Rotation, Vector};
 
 /// How an obstacle moves while t goes from 0 to 1: its pose is displaced by a shift of `linear` and a turn about `centre`, which
 /// shifts with it. At t = 0 it stands where the world has it. All in the robot's root frame.
@@ -83,7 +83,7 @@ impl MovingObstacle {
     pub fn size(&self) -> f64 {
         let start = self.start.map_or([0.0; 3], |(xyz, _)| xyz);
         let all = [self.centre, self.linear, self.angular, start];
-        all.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max)
+        all.iter().flatten().map(|x| x.abs()).fold(0.0, f64::greater)
     }
 
     /// Whether all numbers can be computed with and the start is a pose.

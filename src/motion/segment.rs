@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::MovingObstacle;
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::{Rotation, UnitVector, Vector};
+use crate::math::{Extremes, Rotation, UnitVector, Vector};
 use crate::robot::{Configuration, ConfigurationError, Deviation, JointKind, RobotModel};
 use crate::world::World;
 
@@ -104,7 +104,7 @@ impl MotionSegment {
             let p = &positions[robot.first_position(mimic.joint)?];
             Some(mimic.multiplier.abs() * most(p) + mimic.offset.abs())
         });
-        let size = positions.iter().map(most).chain(following).fold(0.0, f64::max);
+        let size = positions.iter().map(most).chain(following).fold(0.0, f64::greater);
         let (obstacles, tube, spread) = (Vec::new(), Vec::new(), Vec::new());
         Self { positions, turns, obstacles, tube, spread, is_straight, size }
     }
@@ -157,7 +157,7 @@ impl MotionSegment {
             return Err(SegmentError::Obstacle(bad.name.clone()));
         }
         let largest = obstacles.iter().map(MovingObstacle::size);
-        self.size = largest.fold(self.size, f64::max);
+        self.size = largest.fold(self.size, f64::greater);
         self.obstacles = obstacles;
         Ok(self)
     }
@@ -369,7 +369,7 @@ fn largest_slope(p: &Polynomial) -> f64 {
     let coefficient =
         |shares: &[f64; 5]| shares.iter().zip(&derivative).map(|(s, d)| s * d).sum::<f64>().abs();
     let size: f64 = derivative.iter().map(|d| d.abs()).sum();
-    SHARES.iter().map(coefficient).fold(0.0, f64::max) + 1e-14 * size
+    SHARES.iter().map(coefficient).fold(0.0, f64::greater) + 1e-14 * size
 }
 
 /// Names of floating joints and where their positions begin.

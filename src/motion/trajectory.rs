@@ -2,6 +2,7 @@
 
 use super::obstacle_trajectory::jumping_obstacle;
 use super::{MotionSegment, SegmentError};
+use crate::math::Extremes;
 use crate::robot::{Configuration, ConfigurationError, RobotModel};
 
 /// Segments, and the seconds at which they begin and end.
@@ -74,7 +75,7 @@ impl Trajectory {
         for (i, two) in segments.windows(2).enumerate() {
             let (end, start) = (two[0].at(1.0), two[1].at(0.0));
             let off = |(a, b): (&f64, &f64)| (a - b).abs();
-            let jump = end.positions().iter().zip(start.positions()).map(off).fold(0.0, f64::max);
+            let jump = end.positions().iter().zip(start.positions()).map(off).fold(0.0, f64::greater);
             if jump > JOINED || end.positions().len() != start.positions().len() {
                 return Err(TrajectoryError::Jump { segment: i + 1, jump });
             }

@@ -8,6 +8,7 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use super::activity::{Activity, Latencies};
 use super::messages::stamp_message;
 use super::scene::CloudReport;
+use crate::math::Extremes;
 use crate::monitor::{Judgement, Reason, Status, Time};
 
 /// A report: what is known, what happened in the last `interval`, what was wrong with the last model if it was refused, and what
@@ -117,7 +118,7 @@ fn values(
     tell("speed scale", format!("{:.3}", judgement.speed_scale));
     let Activity { lately, ever } = activity;
     #[expect(clippy::cast_precision_loss, reason = "nobody hears 2^52 in a second")]
-    let rate = lately.heard() as f64 / interval.as_secs_f64().max(1e-3);
+    let rate = lately.heard() as f64 / interval.as_secs_f64().greater(1e-3);
     tell("joint states per second", format!("{rate:.1}"));
     let mean = lately.compute_time / lately.checks.max(1);
     tell("mean compute time (ms)", milliseconds(mean));

@@ -13,7 +13,7 @@ use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
 use super::messages::{header, point_message};
 use crate::checker::{Body, PairDistance};
 use crate::geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
-use crate::math::{Point, Pose, Vector};
+use crate::math::{Extremes, Point, Pose, Vector};
 use crate::monitor::{Evidence, Judgement, Revision};
 use crate::robot::{LinkId, MeshSource};
 use crate::world::AttachedId;
@@ -233,7 +233,7 @@ impl Scene {
         self.add(self.geometry, id, Marker::SPHERE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
             // what has no size is not seen
-            marker.scale = vector_message(&Vector::repeat((2.0 * cloud.radius()).max(LINE_WIDTH)));
+            marker.scale = vector_message(&Vector::repeat((2.0 * cloud.radius()).greater(LINE_WIDTH)));
             marker.points = points;
         });
     }

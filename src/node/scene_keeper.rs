@@ -12,6 +12,7 @@ use super::parameters::Parameters;
 use super::recording::{OrderStep, Original};
 use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
 use crate::checker::MeshModel;
+use crate::math::Extremes;
 use crate::monitor::cloud::{SelfFilter, Sieve};
 use crate::monitor::scene::{
     OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, TransformTree,
@@ -363,8 +364,8 @@ impl SceneKeeper {
             return None;
         }
         let waiting = self.watched(parameters).into_iter().filter(|s| !self.dropped.contains(&s.name));
-        let left = waiting.filter_map(|source| Some((source.ttl - source.age(now)?).max(0.0)));
-        let left = left.fold(f64::INFINITY, f64::min);
+        let left = waiting.filter_map(|source| Some((source.ttl - source.age(now)?).greater(0.0)));
+        let left = left.fold(f64::INFINITY, f64::lesser);
         Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
     }
 

@@ -11,7 +11,7 @@ use super::surface::Surface;
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::Tree;
 use crate::geometry::{Plane, Shape};
-use crate::math::{MatrixPose, Point, Pose};
+use crate::math::{Extremes, MatrixPose, Point, Pose};
 
 /// One body in its own frame, with hierarchies of volumes `B`.
 #[derive(Clone, Debug)]
@@ -99,7 +99,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
         if !self.has_planes() && !other.has_planes() {
             return of_spheres;
         }
-        of_spheres.min(planes_bound((self, other), pose_ab))
+        of_spheres.lesser(planes_bound((self, other), pose_ab))
     }
 
     /// One of the elements.

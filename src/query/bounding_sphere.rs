@@ -4,7 +4,7 @@ use super::grains::Grains;
 use super::solid::Solid;
 use crate::bounding_volume::BoundingVolume;
 use crate::constants::FIT_SLACK;
-use crate::math::{MatrixPose, Point};
+use crate::math::{Extremes, MatrixPose, Point};
 
 /// All points of a body lie within `radius` (m) of `centre`, in its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ impl BoundingSphere {
         }
         let centre = nalgebra::center(&lo, &hi);
         let reach = |(p, radius): (Point, f64)| nalgebra::distance(&centre, &p) + radius;
-        let radius = corners().map(|p| (p, 0.0)).chain(balls()).map(reach).fold(0.0, f64::max);
+        let radius = corners().map(|p| (p, 0.0)).chain(balls()).map(reach).fold(0.0, f64::greater);
         Some(Self { centre, radius: radius + FIT_SLACK * (radius + centre.coords.amax()) })
     }
 }

@@ -3,7 +3,7 @@
 
 use super::element::Element;
 use crate::geometry::{Primitive, Triangle};
-use crate::math::{MatrixPose, Point, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Vector};
 
 /// A convex solid in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +62,10 @@ impl RoundedCore {
         let to = |p: Point| nalgebra::distance(&(&self.pose * p), point);
         let of_core = match self.core {
             Core::Point => to(Point::origin()),
-            Core::Segment(half_length) => Core::segment(half_length).map(to).into_iter().fold(0.0, f64::max),
-            Core::Triangle(t) => t.corners().map(to).into_iter().fold(0.0, f64::max),
+            Core::Segment(half_length) => {
+                Core::segment(half_length).map(to).into_iter().fold(0.0, f64::greater)
+            }
+            Core::Triangle(t) => t.corners().map(to).into_iter().fold(0.0, f64::greater),
             Core::Cuboid(half) => to(Point::origin()) + half.norm(),
             Core::Cylinder { radius, half_length } | Core::Cone { radius, half_length } => {
                 to(Point::origin()) + radius.hypot(half_length)
@@ -196,7 +198,7 @@ fn nearest_in_section(radius: f64, half_length: f64, [r, z]: [f64; 2]) -> [f64; 
     // below the side, measured from the rim; without a radius all of the axis is on the side
     let inside = up <= length && length * (r - radius) + radius * up <= 0.0;
     if up <= 0.0 {
-        return [r.min(radius), -half_length];
+        return [r.lesser(radius), -half_length];
     }
     if inside {
         return [r, z];

@@ -8,7 +8,7 @@ use super::piece::Piece;
 use super::scratch::Scratch;
 use super::search::{Goal, Pieces, search, search_pieces};
 use crate::bounding_volume::{BoundingVolume, Obb};
-use crate::math::MatrixPose;
+use crate::math::{Extremes, MatrixPose};
 
 /// Least distance of two bodies and their nearest points, or `None` if it was proven larger than `limit` (m).
 ///
@@ -50,8 +50,12 @@ pub fn distance_bounds<B: BoundingVolume>(
 ) -> DistanceBounds {
     let goal = Goal { limit, effort: *effort, ..Goal::EXACT };
     let found = search::<B, false>((a, b), &pose_ab.into(), goal, scratch);
-    let seen = found.best.map_or(limit, |best| effort.lower(best.distance).max(0.0));
-    DistanceBounds { lower: seen.min(found.unseen), upper: found.best, interrupted: found.unseen.is_finite() }
+    let seen = found.best.map_or(limit, |best| effort.lower(best.distance).greater(0.0));
+    DistanceBounds {
+        lower: seen.lesser(found.unseen),
+        upper: found.best,
+        interrupted: found.unseen.is_finite(),
+    }
 }
 
 /// How exact a distance has to be, and for how long it may be looked for.
@@ -81,7 +85,7 @@ impl Effort {
     /// What a distance may really be when it is told as `upper`; tolerances below zero count as zero.
     #[must_use]
     pub fn lower(&self, upper: f64) -> f64 {
-        upper - self.absolute_tolerance.max(self.relative_tolerance * upper).max(0.0)
+        upper - self.absolute_tolerance.greater(self.relative_tolerance * upper).greater(0.0)
     }
 }
 

@@ -5,7 +5,7 @@ use super::element::Element;
 use super::gjk::{self, ACCURACY, CorePair, Nearest};
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::{PointPair, Triangle, nearest_on_segments, nearest_pair};
-use crate::math::{MatrixPose, Point, Pose, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Pose, Vector};
 
 /// How far two things are apart (m), and where they are nearest. Touching things have distance 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,7 @@ pub(super) fn separation_within(
     let apart = nalgebra::distance(&p, &q);
     let [p, q] = [p, q].map(|p| &a.pose * p);
     if apart <= radii + CONTACT_DISTANCE {
-        let share = if apart > 0.0 { (a.radius / apart).min(1.0) } else { 0.0 };
+        let share = if apart > 0.0 { (a.radius / apart).lesser(1.0) } else { 0.0 };
         return Some(Separation::touching_at(p + (q - p) * share));
     }
     let out = (q - p) / apart;
@@ -156,7 +156,7 @@ fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
         nearest_pair(pairs)
     };
     (pair.a.faces().zip(pair.b.faces()))
-        .map_or_else(|| drawn_together([p, q], proven.max(0.0) / apart), of_faces)
+        .map_or_else(|| drawn_together([p, q], proven.greater(0.0) / apart), of_faces)
 }
 
 /// Two points that are as far apart as a share of their distance; each goes half the way.

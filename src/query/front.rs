@@ -26,9 +26,9 @@ use super::search::Goal;
 use super::surface_surface::{Candidates, SurfaceSurface, triangle_slack};
 use crate::bounding_volume::Obb;
 use crate::bvh::Visitor;
-use crate::math::{MatrixPose, Point, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Vector};
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Level, Simd, dispatch_lean, f32x8, not_beyond};
+use crate::simd::{LANES, Level, Simd, dispatch, f32x8, not_beyond};
 use bounds::Bounds;
 use collector::collect;
 use eight_pairs::EightPairs;
@@ -111,7 +111,7 @@ impl Front {
             return None;
         }
         let level = scratch.level();
-        let goal = Goal { limit: limit.min(certain), ..Goal::EXACT };
+        let goal = Goal { limit: limit.lesser(certain), ..Goal::EXACT };
         let Scratch { work, candidates, .. } = scratch;
         let incumbent = &mut Incumbent::new(goal, work);
         let look = Look { bodies, pose_ab, level };
@@ -201,7 +201,7 @@ impl Look<'_> {
         candidates.begin(None);
         let surfaces = &mut SurfaceSurface { a, b, pose_ab: self.pose_ab, relative, incumbent, candidates };
         surfaces.measure(first.a.index(), first.b.index());
-        let unclear = dispatch_lean!(self.level, simd => screen_unclear(simd, group, surfaces));
+        let unclear = dispatch!(self.level, simd => screen_unclear(simd, group, surfaces));
         surfaces.measure_candidates();
         unclear
     }

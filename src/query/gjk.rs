@@ -7,7 +7,7 @@
 use super::core::Core;
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::PointPair;
-use crate::math::{MatrixPose, Point, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Vector};
 
 /// Accuracy (m) at which the search ends: a tenth of the contact distance.
 pub(super) const ACCURACY: f64 = 1e-10;
@@ -125,7 +125,7 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
         if gap - vertex.rounding() > limit {
             return None;
         }
-        proven = proven.max(gap);
+        proven = proven.greater(gap);
         if apart - proven <= ACCURACY || simplex.has(&vertex) {
             break;
         }
@@ -145,7 +145,7 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
             return Some(Nearest { points: [on_a, on_a], proven: 0.0 });
         }
     }
-    Some(Nearest { points, proven: proven.min(apart) })
+    Some(Nearest { points, proven: proven.lesser(apart) })
 }
 
 impl Vertex {

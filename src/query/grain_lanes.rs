@@ -1,6 +1,7 @@
 //! A triangle against eight points or cubes, in f32.
 
 use crate::bvh::GrainLeaf;
+use crate::math::Extremes;
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, Vectors, f32x8};
 
@@ -29,10 +30,10 @@ impl OneTriangle {
         let [p, q, r] = corners;
         let edges = [minus(q, p), minus(r, q), minus(p, r)];
         let normal = cross(edges[0], edges[1]);
-        let over = |v: [f32; 3]| 1.0 / dot(v, v).max(1e-36);
+        let over = |v: [f32; 3]| 1.0 / dot(v, v).greater(1e-36);
         let one_norm = |v: [f32; 3]| v[0].abs() + v[1].abs() + v[2].abs();
-        let least = |i: usize| p[i].min(q[i]).min(r[i]);
-        let most = |i: usize| p[i].max(q[i]).max(r[i]);
+        let least = |i: usize| p[i].lesser(q[i]).lesser(r[i]);
+        let most = |i: usize| p[i].greater(q[i]).greater(r[i]);
         Self {
             corners,
             edges,

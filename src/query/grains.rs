@@ -9,7 +9,7 @@ use super::incumbent::Incumbent;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Grain, GrainLeaf, Tree};
 use crate::geometry::{Cube, PointCloud, Voxels};
-use crate::math::{MatrixPose, Point, Pose, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Pose, Vector};
 
 /// Points or cubes of one frame, each with a ball of one radius around it.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ impl<B: BoundingVolume> Grains<B> {
             nalgebra::distance(anchor, &Point::from(grain.centre.map(f64::from))) + diagonal
         };
         let all = 0..u32::try_from(self.order.len()).expect("grain count fits 31 bits");
-        let reach = all.map(|i| reach(self.grain(i))).fold(0.0, f64::max);
+        let reach = all.map(|i| reach(self.grain(i))).fold(0.0, f64::greater);
         (&self.pose_bg * *anchor, reach + self.radius)
     }
 

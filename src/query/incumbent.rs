@@ -7,6 +7,7 @@ use super::element_pair::Separation;
 use super::search::Goal;
 use super::work::Work;
 use crate::constants::CONTACT_DISTANCE;
+use crate::math::Extremes;
 
 /// Volume tests between two looks at the clock.
 const TESTS_A_LOOK: u64 = 256;
@@ -26,7 +27,7 @@ pub(super) struct Incumbent<'w> {
 impl<'w> Incumbent<'w> {
     /// What touches is within any limit.
     pub fn new(goal: Goal, work: &'w mut Work) -> Self {
-        let goal = Goal { limit: goal.limit.max(CONTACT_DISTANCE), ..goal };
+        let goal = Goal { limit: goal.limit.greater(CONTACT_DISTANCE), ..goal };
         Self { goal, best: None, numbers: None, next_look: work.volume_tests, work }
     }
 

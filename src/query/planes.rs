@@ -15,7 +15,7 @@ use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{GrainLeaf, PlaneVisitor, TreePlane, TriangleLeaf};
 use crate::constants::{CONTACT_DISTANCE, FIT_SLACK};
 use crate::geometry::{Plane, PointPair};
-use crate::math::{MatrixPose, Pose, UnitVector};
+use crate::math::{Extremes, MatrixPose, Pose, UnitVector};
 
 /// Sine of an angle that counts as none: rounding turns normals by less, and planes a metre apart that are farther from
 /// parallel meet within 10¹⁴ m.
@@ -55,7 +55,7 @@ pub(super) fn planes_bound<B: BoundingVolume>(
     }
     let least = |planes: &[Plane], body: &CollisionBody<B>, pose: &MatrixPose| {
         let bound = |plane: &Plane| body.bounded().map(|sphere| sphere_bound(&placed(plane, pose), sphere));
-        planes.iter().filter_map(bound).fold(f64::INFINITY, f64::min)
+        planes.iter().filter_map(bound).fold(f64::INFINITY, f64::lesser)
     };
     if a.has_planes() { least(&a.planes, b, &pose_ab.inverse()) } else { least(&b.planes, a, pose_ab) }
 }

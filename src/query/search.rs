@@ -18,8 +18,8 @@ use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Entry, NodeRef, PlaneVisitor, Tree, TreePlane, Visitor, descend_from, descend_to_plane};
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::{MatrixPose, Pose};
-use crate::simd::{Level, dispatch_lean};
+use crate::math::{Extremes, MatrixPose, Pose};
+use crate::simd::{Level, dispatch};
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -115,7 +115,7 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         other => other,
     };
     // spheres cost a tenth of what it takes to begin
-    if a.sphere_bound(b, pose_ab) > goal.limit.max(CONTACT_DISTANCE) {
+    if a.sphere_bound(b, pose_ab) > goal.limit.greater(CONTACT_DISTANCE) {
         scratch.work.volume_tests += 1;
         return Found { best: None, unseen: f64::INFINITY };
     }
@@ -274,7 +274,7 @@ impl Descent<'_> {
             return;
         }
         let (stack, starts) = (&mut *self.stack, &*self.starts);
-        dispatch_lean!(self.level, simd => descend_from(simd, trees, starts, relative, stack, visitor));
+        dispatch!(self.level, simd => descend_from(simd, trees, starts, relative, stack, visitor));
         self.note_unseen(radius);
     }
 
@@ -290,14 +290,14 @@ impl Descent<'_> {
             return;
         }
         let stack = &mut *self.stack;
-        dispatch_lean!(self.level, simd => descend_to_plane(simd, tree, plane, stack, visitor));
+        dispatch!(self.level, simd => descend_to_plane(simd, tree, plane, stack, visitor));
         self.note_unseen(radius);
     }
 
     /// What an interrupted search has left may be as near as its volumes, less the balls around what they hold.
     fn note_unseen(&mut self, radius: f64) {
         for left in self.stack.iter() {
-            self.unseen = self.unseen.min((f64::from(left.lower) - radius).max(0.0));
+            self.unseen = self.unseen.lesser((f64::from(left.lower) - radius).greater(0.0));
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{TriangleLeaf, Visitor};
 use crate::constants::{CONTACT_DISTANCE, TRIANGLE_SHARE};
 use crate::geometry::Triangle;
-use crate::math::MatrixPose;
+use crate::math::{Extremes, MatrixPose};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Simd, f32x8, not_beyond};
 
@@ -140,7 +140,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
     const SEPARATE: bool = SEPARATE;
 
     fn threshold(&self) -> f32 {
-        self.incumbent.threshold().min(self.candidates.upper)
+        self.incumbent.threshold().lesser(self.candidates.upper)
     }
 
     fn direction(&self) -> [f32; 3] {

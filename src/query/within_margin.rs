@@ -11,7 +11,7 @@ use super::scratch::Scratch;
 use super::search::{Goal, Pieces, search, search_pieces};
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::MatrixPose;
+use crate::math::{Extremes, MatrixPose};
 
 /// A separation of at most `margin` (m, not negative), not always the least; or `None` if the bodies were proven farther
 /// apart.
@@ -58,11 +58,11 @@ pub fn margin_bounds<B: BoundingVolume>(
     deadline: Option<Instant>,
     scratch: &mut Scratch,
 ) -> DistanceBounds {
-    let margin = margin.max(CONTACT_DISTANCE);
+    let margin = margin.greater(CONTACT_DISTANCE);
     let effort = Effort { deadline, ..Effort::default() };
     let found =
         search::<B, false>((a, b), &pose_ab.into(), Goal { limit: margin, enough: margin, effort }, scratch);
-    let lower = if found.best.is_some() { 0.0 } else { margin.min(found.unseen) };
+    let lower = if found.best.is_some() { 0.0 } else { margin.lesser(found.unseen) };
     let interrupted = found.best.is_none() && found.unseen.is_finite();
     DistanceBounds { lower, upper: found.best, interrupted }
 }

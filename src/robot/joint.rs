@@ -1,7 +1,7 @@
 //! One joint: what moves, about which axis, within which limits.
 
 use super::{JointId, LinkId};
-use crate::math::{Pose, Rotation, RotationMatrix, UnitVector, Vector};
+use crate::math::{Extremes, Pose, Rotation, RotationMatrix, UnitVector, Vector};
 
 /// A joint between two links.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ impl JointKind {
                 let theta = 2.0 * (half - std::f64::consts::PI * (half / std::f64::consts::PI).round());
                 let tilt = turn.angle_to(&Rotation::from_axis_angle(axis, theta));
                 let off = shift.dot(axis).abs();
-                Some((vec![shift.dot(&u), shift.dot(&v), theta], off.max(tilt)))
+                Some((vec![shift.dot(&u), shift.dot(&v), theta], off.greater(tilt)))
             }
             _ => None,
         }

@@ -12,7 +12,7 @@ use super::mesh_formats;
 use super::numbers::shortened;
 use crate::constants::{SUSPICIOUS_DISTANCE, SUSPICIOUS_EXTENT};
 use crate::geometry::TriangleMesh;
-use crate::math::Vector;
+use crate::math::{Extremes, Vector};
 
 /// Largest mesh file (bytes) that is read: ten million triangles of binary STL.
 const LARGEST_FILE: u64 = 512 << 20;
@@ -118,7 +118,7 @@ fn oddities(mesh: &TriangleMesh) -> Vec<String> {
             "is {extent} m long; probably it is in millimetres and lacks scale=\"0.001 0.001 0.001\""
         ));
     }
-    let distance = lo.coords.amax().max(hi.coords.amax());
+    let distance = lo.coords.amax().greater(hi.coords.amax());
     if distance > SUSPICIOUS_DISTANCE {
         oddities.push(format!(
             "lies up to {distance} m from its origin, where 32-bit floats round to {:.1e} m",

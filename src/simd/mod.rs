@@ -6,7 +6,7 @@
 
 mod real;
 
-pub use fearless_simd::{Level, Simd, dispatch, f32x8, f64x8, mask32x8, prelude};
+pub use fearless_simd::{Level, Simd, f32x8, f64x8, mask32x8, prelude};
 pub use real::{Real, sin_cos};
 
 use prelude::*;
@@ -20,9 +20,9 @@ pub fn baseline() -> Level {
     Level::baseline()
 }
 
-/// As [`dispatch`], but compiled for AVX2 and the baseline only. AVX-512 gains little for vectors of eight f32 and slows the
-/// scalar code between them; every level more is compile time and code.
-macro_rules! dispatch_lean {
+/// An expression compiled for AVX2 and for the baseline of the machine, run at the level that there is. AVX-512 gains little for
+/// vectors of eight f32, slows the scalar code between them, and has compilers that are not ready for it (`math/extremes.rs`).
+macro_rules! dispatch {
     ($level:expr, $simd:ident => $body:expr) => {{
         #[cfg(target_arch = "x86_64")]
         {
@@ -35,11 +35,11 @@ macro_rules! dispatch_lean {
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
-        $crate::simd::dispatch!($level, $simd => $body)
+        ::fearless_simd::dispatch!($level, $simd => $body)
     }};
 }
 
-pub(crate) use dispatch_lean;
+pub(crate) use dispatch;
 
 /// A bit for each lane that is not proven to lie beyond `limit`; what is no number proves nothing.
 #[inline(always)]

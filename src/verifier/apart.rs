@@ -4,7 +4,7 @@ use super::body::{Body, Content, Node};
 use super::direction;
 use super::element::{gap, gap_of_supports};
 use crate::geometry::Plane;
-use crate::math::{MatrixPose, UnitVector, Vector};
+use crate::math::{Extremes, MatrixPose, UnitVector, Vector};
 
 /// Most steps of the search for a direction between two nodes: if it takes longer, their children are easier.
 const MOST_STEPS: usize = 30;
@@ -95,7 +95,7 @@ impl<'b> Apart<'b> {
             return true;
         }
         // the box around the other box, along one's own axes
-        let squared = |gap: Vector| gap.map(|g| g.max(0.0)).norm_squared();
+        let squared = |gap: Vector| gap.map(|g| g.greater(0.0)).norm_squared();
         let enough = self.target * self.target;
         squared(between.abs() - x.half - self.spread * y.half) >= enough || {
             let between_b = self.pose_ab.rotation.tr_mul(&between);

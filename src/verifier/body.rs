@@ -3,7 +3,7 @@
 use super::element::Element;
 use super::interior::Interior;
 use crate::geometry::{Plane, Primitive, Shape};
-use crate::math::{Point, Pose, Vector};
+use crate::math::{Extremes, Point, Pose, Vector};
 
 type Translation = nalgebra::Translation3<f64>;
 
@@ -170,7 +170,9 @@ impl Body {
                 continue;
             }
             match self.nodes[index].content {
-                Content::Element(e) => greatest = self.elements[e].greatest(slope, &function).max(greatest),
+                Content::Element(e) => {
+                    greatest = self.elements[e].greatest(slope, &function).greater(greatest);
+                }
                 Content::Children(children) => {
                     let mut pair = children.map(|c| (c, most(&self.nodes[c])));
                     if pair[0].1 > pair[1].1 {
@@ -219,7 +221,7 @@ impl Builder<'_> {
         let far = |e: &usize| self.elements[*e].greatest(1.0, |p| nalgebra::distance(p, &centre));
         // the ball around the box may be smaller than one around corners of what is round
         let half = (high - low) * 0.5;
-        let radius = order.iter().map(far).fold(0.0, f64::max).min(half.norm());
+        let radius = order.iter().map(far).fold(0.0, f64::greater).lesser(half.norm());
         Node { centre, half, radius, content: Content::Children([0; 2]) }
     }
 

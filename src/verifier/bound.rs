@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::course::Rate;
 use super::moment::{Line, Placed};
-use crate::math::{Point, Vector};
+use crate::math::{Extremes, Point, Vector};
 
 /// Steps between the lowest common ancestor of a pair and one of the two, the ancestor's first, and what the body reaches from the line
 /// of each.
@@ -44,7 +44,7 @@ impl Twist {
             return f64::INFINITY;
         }
         if !exact {
-            return placed.corners.iter().map(|p| self.speed(p)).fold(0.0, f64::max);
+            return placed.corners.iter().map(|p| self.speed(p)).fold(0.0, f64::greater);
         }
         // seen in the body's frame
         let pose = &placed.pose_rb;
@@ -121,7 +121,7 @@ impl Approach<'_> {
         let relative =
             Twist { angular: b.twist.angular - a.twist.angular, linear: b.twist.linear - a.twist.linear };
         let speed = |i: usize| relative.most(self.bodies[i], self.placed[i], exact);
-        let first = half_width * speed(0).min(speed(1)) + a.beyond + b.beyond;
-        (a.most + b.most).min(first)
+        let first = half_width * speed(0).lesser(speed(1)) + a.beyond + b.beyond;
+        (a.most + b.most).lesser(first)
     }
 }

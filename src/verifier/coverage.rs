@@ -2,6 +2,7 @@
 
 use super::Refusal;
 use super::subjects::Pair;
+use crate::math::Extremes;
 use crate::motion::Proof;
 
 /// Refuses proofs that are malformed, and pairs of which some part of the segment has no proof. Comparisons are exact.
@@ -20,7 +21,7 @@ pub(super) fn check(segment: usize, proofs: &[Proof], pairs: &[Pair]) -> Result<
             if *from > reached {
                 return Err(gap(reached, *from));
             }
-            reached = to.max(reached);
+            reached = reached.greater(*to);
         }
         if reached < 1.0 {
             return Err(gap(reached, 1.0));

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::geometry::{Primitive, Triangle};
-use crate::math::{MatrixPose, Point, Pose, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Pose, Vector};
 
 /// A triangle of a mesh, or a convex solid, in the frame of its body.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ impl Element {
     pub fn support(&self, n: &Vector) -> f64 {
         match self {
             Self::Triangle(Triangle { a, b, c }) => {
-                n.dot(&a.coords).max(n.dot(&b.coords)).max(n.dot(&c.coords))
+                n.dot(&a.coords).greater(n.dot(&b.coords)).greater(n.dot(&c.coords))
             }
             Self::Solid(solid) => {
                 let segments: f64 = solid.halves.iter().map(|half| n.dot(half).abs()).sum();
@@ -88,7 +88,7 @@ impl Element {
             }
             Self::Cone(cone) => {
                 let disc = n.dot(&cone.disc[0]).hypot(n.dot(&cone.disc[1]));
-                n.dot(&cone.apex.coords).max(n.dot(&cone.centre.coords) + disc)
+                n.dot(&cone.apex.coords).greater(n.dot(&cone.centre.coords) + disc)
             }
         }
     }
@@ -124,9 +124,11 @@ impl Element {
     /// The largest value of a convex function that changes by no more than `slope` a metre, or more.
     pub fn greatest(&self, slope: f64, function: impl Fn(&Point) -> f64) -> f64 {
         match self {
-            Self::Triangle(Triangle { a, b, c }) => function(a).max(function(b)).max(function(c)),
-            Self::Solid(solid) => solid.corners.iter().map(function).fold(0.0, f64::max) + slope * solid.ball,
-            Self::Cone(cone) => cone.corners.iter().map(function).fold(0.0, f64::max),
+            Self::Triangle(Triangle { a, b, c }) => function(a).greater(function(b)).greater(function(c)),
+            Self::Solid(solid) => {
+                solid.corners.iter().map(function).fold(0.0, f64::greater) + slope * solid.ball
+            }
+            Self::Cone(cone) => cone.corners.iter().map(function).fold(0.0, f64::greater),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::course::{Carrier, Course};
-use crate::math::{MatrixPose, Point, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Vector};
 use crate::robot::{LinkId, LinkPoses, RobotModel};
 
 /// The rounding (m) of kinematics and of distances, for every metre of the coordinates that enter and every radian.
@@ -58,7 +58,7 @@ impl Line {
             return 1.0;
         }
         let squared = corners.iter().map(|p| self.axis.cross(&(p - self.origin)).norm_squared());
-        squared.fold(0.0, f64::max).sqrt()
+        squared.fold(0.0, f64::greater).sqrt()
     }
 }
 
@@ -95,9 +95,9 @@ impl Moment {
         }));
         let origins = self.lines.iter().map(|line| line.origin.coords.amax());
         let links = robot.link_ids().map(|link| poses.pose(link).translation.vector.amax());
-        self.farthest = origins.chain(links).fold(0.0, f64::max);
+        self.farthest = origins.chain(links).fold(0.0, f64::greater);
         let angles = course.steps.iter().filter(|step| step.turns).map(|step| step.value(t).abs());
-        self.radians = angles.fold(0.0, f64::max);
+        self.radians = angles.fold(0.0, f64::greater);
     }
 
     /// Finds where a body is and what its box reaches, if that is not known yet: it rides on a link, or is an obstacle.
@@ -146,7 +146,7 @@ impl Moment {
     /// What f64 may be off by (m) in the distance of two placed bodies.
     pub fn rounding(&self, bodies: [usize; 2]) -> f64 {
         let extent =
-            |index: usize| self.placed(index).corners.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+            |index: usize| self.placed(index).corners.iter().map(|p| p.coords.amax()).fold(0.0, f64::greater);
         ROUNDING * (10.0 + self.radians) * (self.farthest + extent(bodies[0]) + extent(bodies[1]))
     }
 }

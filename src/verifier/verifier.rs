@@ -8,6 +8,7 @@ use super::documents::{self, Subject};
 use super::moment::{Moment, Ride};
 use super::{Refusal, Verified, coverage, subjects};
 use crate::checker::{AllowedCollisionMatrix, Settings, model_fingerprint, world_fingerprint};
+use crate::math::Extremes;
 use crate::motion::{Certificate, Proof};
 use crate::robot::{LinkId, RobotModel};
 use crate::world::World;
@@ -105,7 +106,7 @@ pub(super) struct Interval {
 impl Interval {
     pub fn new(from: f64, to: f64) -> Self {
         let middle = 0.5 * (from + to);
-        Self { middle, half_width: (to - middle).max(middle - from) }
+        Self { middle, half_width: (to - middle).greater(middle - from) }
     }
 }
 
@@ -180,7 +181,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         let mut found = self.bound(pair, interval, false);
         if !(keeps(found) && leaves(found)) {
             self.verified.exact_bounds += 1;
-            found = self.bound(pair, interval, true).min(found);
+            found = self.bound(pair, interval, true).lesser(found);
         }
         if !keeps(found) {
             return Err(Refusal::Bound { segment, proof, bound, found });
@@ -189,7 +190,7 @@ impl<'p, 'r> Pass<'p, 'r> {
             return Err(Refusal::Margin { segment, proof, lower, found, padding });
         }
         let needed = found + padding + self.moment.rounding(subject.bodies);
-        if self.apart(pair, needed.max(lower - CLAIM_SLACK)) {
+        if self.apart(pair, needed.greater(lower - CLAIM_SLACK)) {
             return Ok(());
         }
         let (pair, at) = (subject.names.clone(), interval.middle);

@@ -5,7 +5,8 @@ use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
 use clearance::query::{CollisionBody, Effort, Scratch};
 use clearance::query::{collide, distance, distance_bounds, signed_distance, within_margin};
-use clearance::simd::{Level, baseline, dispatch};
+use clearance::simd::{Level, baseline};
+use fearless_simd::dispatch;
 
 use crate::random::Random;
 use crate::reference::{self, ReferenceBody};

@@ -13,7 +13,7 @@ use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
 use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
-use crate::simd::{LANES, dispatch, dispatch_lean};
+use crate::simd::{LANES, dispatch};
 
 /// Where each part's ways stand in a list of all.
 #[derive(Clone, Debug)]
@@ -212,7 +212,7 @@ impl CollisionChecker {
             |group: usize| std::array::from_fn(|lane| motion((LANES * group + lane).min(last)) + padding);
         let Workspace { frames, segments, near, scratch, .. } = &mut *workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
-        dispatch_lean!(scratch.level(), simd => {
+        dispatch!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, positions, frames);
             self.capsules.place(frames, segments);
             self.capsules.near_one(simd, segments, margins, near);
@@ -241,7 +241,7 @@ impl CollisionChecker {
         }
         segment.positions_at(0.5 * (from + to), positions);
         let mut frames = std::mem::take(&mut workspace.frames);
-        dispatch_lean!(workspace.scratch.level(), simd => {
+        dispatch!(workspace.scratch.level(), simd => {
             self.chain.frames_of_one(simd, positions, &mut frames);
         });
         let whole = of_whole_interval(segment, [from, to]);

@@ -7,11 +7,11 @@ use crate::checker::nearby::capsule_bound;
 use crate::checker::numbers::PairNumber;
 use crate::checker::pair::Pair;
 use crate::constants::MOTION_SLACK;
-use crate::math::{MatrixPose, UnitVector, Vector};
+use crate::math::{Extremes, MatrixPose, UnitVector, Vector};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::query::Scratch;
 use crate::robot::{Approach, Deviation, Deviations, Frame, Reach, SideMotion};
-use crate::simd::dispatch_lean;
+use crate::simd::dispatch;
 
 /// The positions of a segment around a moment.
 struct Around<'s> {
@@ -67,7 +67,7 @@ impl CollisionChecker {
     ) -> PlacedPair<'c> {
         let (info, between) = (self.info(index), self.between(index));
         segment.positions_at(t, positions);
-        dispatch_lean!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
+        dispatch!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
         let a = &self.riders[info.bodies.0];
         let pose_ra = MatrixPose::from(&frames[a.body]);
         let (solid, pose_rb, reach) = if let Body::Obstacle(_) = info.ids.1 {
@@ -176,6 +176,6 @@ impl Rider {
     /// How far (m) it reaches from its body's origin.
     pub fn reach(&self) -> f64 {
         let ends = [self.capsule.a, self.capsule.b].map(|p| p.coords.norm());
-        (ends[0].max(ends[1]) + self.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK
+        (ends[0].greater(ends[1]) + self.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK
     }
 }

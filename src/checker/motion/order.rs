@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::level_zero::NearPair;
 use super::prover::{Piece, Prover};
 use super::report::{MotionOrder, UndecidedReason};
+use crate::math::Extremes;
 use crate::simd::LANES;
 
 /// The motion (m) in an interval at level 0 that is aimed at.
@@ -42,7 +43,7 @@ impl Prover<'_> {
         }
         self.checker.approach_speeds(self.segment, &mut self.motion.ways, &mut self.motion.speeds);
         self.checker.tolerated(self.segment, &mut self.motion.ways, &mut self.motion.off);
-        let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::max);
+        let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::greater);
         let blocks = blocks(fastest);
         match self.options.order {
             MotionOrder::Earliest if 0.5 * fastest <= SHORT_MOTION => self.short(),
@@ -187,8 +188,8 @@ impl Prover<'_> {
 /// How many blocks of eight intervals make motions at level 0 small.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
 fn blocks(fastest: f32) -> usize {
-    let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).min(MOST_INTERVALS as f32);
-    (intervals.max(1.0) as usize).div_ceil(LANES)
+    let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).lesser(MOST_INTERVALS as f32);
+    (intervals.greater(1.0) as usize).div_ceil(LANES)
 }
 
 /// Where the run of set bits that begins at a lane ends; `None` if none begins there.

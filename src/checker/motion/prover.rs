@@ -12,7 +12,7 @@ use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::pair::Pair;
 use crate::checker::workspace::Workspace;
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::{MatrixPose, Point, Pose};
+use crate::math::{Extremes, MatrixPose, Point, Pose};
 use crate::motion::{MotionSegment, Proof};
 use crate::query::{self, Effort, Work};
 use crate::robot::{Configuration, LinkPoses};
@@ -172,7 +172,7 @@ impl CollisionChecker {
         let looks = report.looks + nominal.looks;
         match nominal.verdict {
             MotionVerdict::Contact { t: [lo, hi], pair, witness } => {
-                let verdict = MotionVerdict::Contact { t: [lo.min(open), hi], pair, witness };
+                let verdict = MotionVerdict::Contact { t: [lo.lesser(open), hi], pair, witness };
                 MotionReport { verdict, looks, ..report }
             }
             _ => MotionReport { looks, ..report },
@@ -262,7 +262,7 @@ impl Prover<'_> {
             if piece.from >= self.cutoff {
                 continue;
             }
-            piece.to = piece.to.min(self.cutoff);
+            piece.to = piece.to.lesser(self.cutoff);
             if self.stopped.is_some() {
                 self.leave_open(piece, [0.0, f64::INFINITY], self.stopped.unwrap_or(UndecidedReason::Budget));
                 continue;
@@ -312,7 +312,7 @@ impl Prover<'_> {
         if motion <= self.tolerance() || cannot_be_cut || known_well {
             if self.segment.is_loose() {
                 self.leave_open(piece, distance, UndecidedReason::Tube);
-                self.cutoff = self.cutoff.min(from);
+                self.cutoff = self.cutoff.lesser(from);
                 return;
             }
             if to >= self.cutoff || motion <= FLOOR || self.patience == 0 || cannot_be_cut {
@@ -326,11 +326,11 @@ impl Prover<'_> {
 
     /// The motion (m) in an interval that may stay open.
     fn tolerance(&self) -> f64 {
-        self.options.tolerance.max(FLOOR)
+        self.options.tolerance.greater(FLOOR)
     }
 
     pub(super) fn leave_open(&mut self, piece: Piece, distance: [f64; 2], reason: UndecidedReason) {
-        self.open_until = self.open_until.max(piece.to);
+        self.open_until = self.open_until.greater(piece.to);
         if self.open.is_none_or(|open| piece.from < open.piece.from) {
             self.open = Some(Open { piece, distance, reason });
         }
@@ -365,7 +365,7 @@ impl Prover<'_> {
         if lower - padding > bound {
             return Look::Proven { share: 1.0, lower: *lower, bound };
         }
-        let unknown = [(lower - padding).max(0.0), f64::INFINITY];
+        let unknown = [(lower - padding).greater(0.0), f64::INFINITY];
         if motion > WORTH_ASKING {
             return moment.proven(*lower).unwrap_or(Look::Open { distance: unknown, motion });
         }
@@ -378,11 +378,11 @@ impl Prover<'_> {
         let limit = bound + padding + CONTACT_DISTANCE;
         let found = pair.separation_bounds(limit, &effort, &mut self.workspace.scratch);
         let Some(near) = found.upper else { return Look::Proven { share: 1.0, lower: limit, bound } };
-        if near.distance <= padding.max(CONTACT_DISTANCE) {
+        if near.distance <= padding.greater(CONTACT_DISTANCE) {
             let point = self.checker.in_root(pair, &near.witness_points[0], self.segment, middle);
             return Look::Hit(point, motion);
         }
-        let distance = [(found.lower - padding).max(0.0), near.distance - padding];
+        let distance = [(found.lower - padding).greater(0.0), near.distance - padding];
         moment.proven(found.lower).unwrap_or(Look::Open { distance, motion })
     }
 
@@ -403,14 +403,14 @@ impl Prover<'_> {
         let open = self.open.filter(|open| open.piece.from <= self.cutoff);
         let free_until = open.map_or(self.cutoff, |open| open.piece.from);
         // who stops early has not looked at everything before that
-        let free_until = if self.stopped.is_some() { free_until.min(self.seen_until) } else { free_until };
+        let free_until = if self.stopped.is_some() { free_until.lesser(self.seen_until) } else { free_until };
         if let Some(Hit { pair, t, point }) = self.hit {
-            return MotionVerdict::Contact { t: [free_until.min(t), t], pair: ids(pair), witness: point };
+            return MotionVerdict::Contact { t: [free_until.lesser(t), t], pair: ids(pair), witness: point };
         }
         match (open, self.stopped) {
             (None, None) => MotionVerdict::Free,
             (open, Some(reason)) => MotionVerdict::Undecided {
-                t: [free_until.min(1.0), 1.0],
+                t: [free_until.lesser(1.0), 1.0],
                 pair: open.map(|open| ids(open.piece.pair)),
                 distance: open.map_or([0.0, f64::INFINITY], |open| open.distance),
                 reason,

@@ -6,7 +6,7 @@ use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::workspace::Workspace;
 use crate::math::Point;
 use crate::motion::MotionSegment;
-use crate::simd::dispatch_lean;
+use crate::simd::dispatch;
 
 /// All that a link or an attached object touches from one t to another lies within `radius` of the line from `a` to `b` (root frame, metres): its
 /// capsule in the middle of the interval, grown by the farthest that any of it moves on the way to either end.
@@ -39,7 +39,7 @@ impl CollisionChecker {
             segment.positions_at(0.5 * (t[0] + t[1]), &mut positions);
             for (rider, between) in self.riders.iter().zip(&self.to_root) {
                 let frames = &mut workspace.frames;
-                dispatch_lean!(workspace.scratch.level(), simd => {
+                dispatch!(workspace.scratch.level(), simd => {
                     self.chain.frames_between(simd, between, &positions, frames);
                 });
                 let reach = rider.reach_at(&(&frames[rider.body]).into());

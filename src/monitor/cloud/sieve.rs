@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::SelfFilter;
 use crate::constants::LARGEST_COORDINATE;
 use crate::geometry::PointCloud;
-use crate::math::{Point, Pose};
+use crate::math::{Extremes, Point, Pose};
 use crate::robot::LinkPoses;
 
 /// What is kept of clouds, and how large their points are. Lengths in metres, corners in the root frame.
@@ -97,8 +97,8 @@ fn cloud(points: &[Point], radius: f64) -> Result<Option<Arc<PointCloud>>, Strin
         }
         #[expect(clippy::cast_possible_truncation, reason = "what is lost is added to the radius")]
         let near = p.coords.map(|c| c as f32);
-        moved = moved.max((near.map(f64::from) - p.coords).norm_squared());
-        reach = reach.max(p.coords.amax());
+        moved = moved.greater((near.map(f64::from) - p.coords).norm_squared());
+        reach = reach.greater(p.coords.amax());
         rounded.push(near.into());
     }
     if rounded.is_empty() {

@@ -9,7 +9,7 @@ use crate::query::core::RoundedCore;
 use crate::query::element_pair::{gap_along, separation_within};
 use crate::query::surface_surface::triangle_slack;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Level, Simd, Vectors, dispatch_lean, f32x8};
+use crate::simd::{LANES, Level, Simd, Vectors, dispatch, f32x8};
 
 /// When so many pairs may be nearest, new bounds are worth their price.
 const UNCLEAR: usize = 8 * LANES;
@@ -76,7 +76,7 @@ impl Bounds {
             turn: round_up(turn),
             rounding: round_up(F64_ROUNDING * entered) + F32_ROUNDING * round_up(shift.abs().sum()),
         };
-        dispatch_lean!(level, simd => follow(simd, &self.eights, &motion, &mut self.now))
+        dispatch!(level, simd => follow(simd, &self.eights, &motion, &mut self.now))
     }
 
     /// Whether more pairs than usual are unclear, so that new bounds would help.
@@ -153,7 +153,7 @@ impl Eight {
             let relative = &a.tree.relative(&b.tree, pose_ab);
             let corners = EightPairs::new(a, b, pairs);
             let centre = EightPairs::point_in_b(a, relative, centre);
-            dispatch_lean!(level, simd => self.take_gaps_of_triangles(simd, &corners, relative, &centre));
+            dispatch!(level, simd => self.take_gaps_of_triangles(simd, &corners, relative, &centre));
             self.gap[pairs.len()..].fill(FAR);
             return;
         }

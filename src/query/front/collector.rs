@@ -4,7 +4,7 @@ use super::bounds::round_up;
 use super::{Listed, MOST};
 use crate::bounding_volume::{Obb, Relative};
 use crate::bvh::{TriangleLeaf, Visitor, descend};
-use crate::math::{MatrixPose, Vector};
+use crate::math::{Extremes, MatrixPose, Vector};
 use crate::query::body::CollisionBody;
 use crate::query::core::RoundedCore;
 use crate::query::element::ElementNumber;
@@ -15,7 +15,7 @@ use crate::query::surface::Surface;
 use crate::query::surface_surface::triangle_slack;
 use crate::query::triangle_lanes::{LaneTriangles, MovedTriangles};
 use crate::query::work::Work;
-use crate::simd::{LANES, Simd, dispatch_lean, not_beyond};
+use crate::simd::{LANES, Simd, dispatch, not_beyond};
 
 /// Lists all pairs of elements that may be within `beyond` (m), or the nearest of these; what is not listed is farther apart
 /// than is answered. `direction` (frame of a) is the one in which the nearest are apart.
@@ -32,17 +32,17 @@ pub(super) fn collect(
     let mut near = Near { beyond: round_up(beyond), pose_ab, work, listed: with_solids };
     if let (Some(a), Some(b)) = (&a.solids, &b.solids) {
         let relative = &a.relative(b, pose_ab);
-        dispatch_lean!(level, simd => descend(simd, (a, b), relative, stack, &mut SolidsAndSolids(&mut near)));
+        dispatch!(level, simd => descend(simd, (a, b), relative, stack, &mut SolidsAndSolids(&mut near)));
     }
     if let (Some(solids), Some(surface)) = (&a.solids, &b.surface) {
         let relative = &solids.relative(&surface.tree, pose_ab);
         let visitor = &mut SolidsAndSurface { near: &mut near, surface, solid_is_a: true };
-        dispatch_lean!(level, simd => descend(simd, (solids, &surface.tree), relative, stack, visitor));
+        dispatch!(level, simd => descend(simd, (solids, &surface.tree), relative, stack, visitor));
     }
     if let (Some(surface), Some(solids)) = (&a.surface, &b.solids) {
         let relative = &solids.relative(&surface.tree, &pose_ab.inverse());
         let visitor = &mut SolidsAndSurface { near: &mut near, surface, solid_is_a: false };
-        dispatch_lean!(level, simd => descend(simd, (solids, &surface.tree), relative, stack, visitor));
+        dispatch!(level, simd => descend(simd, (solids, &surface.tree), relative, stack, visitor));
     }
     near.keep_nearest(MOST);
     near.listed = of_triangles;
@@ -53,10 +53,10 @@ pub(super) fn collect(
             relative,
             direction: shortened(&pose_ab.rotation.tr_mul(&direction)),
         };
-        dispatch_lean!(level, simd => descend(simd, (&a.tree, &b.tree), relative, stack, visitor));
+        dispatch!(level, simd => descend(simd, (&a.tree, &b.tree), relative, stack, visitor));
     }
     near.keep_nearest(MOST);
-    f64::from(near.beyond).min(beyond)
+    f64::from(near.beyond).lesser(beyond)
 }
 
 /// A unit vector in f32, not longer than one.
@@ -79,7 +79,7 @@ impl Near<'_> {
     fn keep_nearest(&mut self, most: usize) {
         if self.listed.len() > most {
             let (_, farthest, _) = self.listed.select_nth_unstable_by(most, Listed::by_distance);
-            self.beyond = self.beyond.min(farthest.lower);
+            self.beyond = self.beyond.lesser(farthest.lower);
             self.listed.truncate(most);
         }
     }

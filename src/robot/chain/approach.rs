@@ -2,6 +2,7 @@
 
 use super::{Reach, SideMotion};
 use crate::constants::{KINEMATICS_ROUNDING, MOTION_SLACK};
+use crate::math::Extremes;
 
 /// How much nearer a pair can come within an interval, and parts of it around its middle.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +29,7 @@ impl Approach {
         let [a, b] = sides;
         let (velocity, angular) = (b.velocity - a.velocity, b.angular - a.angular);
         let speed =
-            reaches.iter().map(|reach| reach.speed(&velocity, &angular)).fold(f64::INFINITY, f64::min);
+            reaches.iter().map(|reach| reach.speed(&velocity, &angular)).fold(f64::INFINITY, f64::lesser);
         let off = a.off + b.off;
         let remainder = a.remainder + b.remainder;
         let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
@@ -54,13 +55,13 @@ impl Approach {
     #[must_use]
     pub fn within(&self, share: f64) -> f64 {
         let first = share * (self.speed + share * self.bent) + self.stiff;
-        ((share * self.way).min(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK + self.rounding
+        ((share * self.way).lesser(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK + self.rounding
     }
 
     /// What of that (m) shrinks with the interval.
     #[must_use]
     pub fn motion(&self) -> f64 {
-        self.way.min(self.speed + self.bent)
+        self.way.lesser(self.speed + self.bent)
     }
 
     /// The share of the interval in which the pair comes nearer by less than `room` (m).
@@ -77,7 +78,7 @@ impl Approach {
         let root = (self.speed * self.speed + 4.0 * self.bent * rest).sqrt();
         let of_first = if rest > 0.0 { 2.0 * rest / (self.speed + root) } else { 0.0 };
         // where nothing moves, all of it
-        if self.way == 0.0 { 1.0 } else { of_way.max(of_first).clamp(0.0, 1.0) }
+        if self.way == 0.0 { 1.0 } else { of_way.greater(of_first).clamp(0.0, 1.0) }
     }
 }
 
@@ -174,7 +175,7 @@ mod tests {
         let between = chain.between(bodies[0], bodies[1]);
         let mut seen = vec![Frame::IDENTITY; chain.body_count()];
         let level = crate::simd::Level::new();
-        crate::simd::dispatch_lean!(level, simd => {
+        crate::simd::dispatch!(level, simd => {
             chain.frames_between(simd, &between, &wave.middle, &mut seen);
         });
         let reaches = [0, 1].map(|i| Reach {
@@ -224,7 +225,7 @@ mod tests {
                 let nearer = apart(&middle) - apart(&there);
                 let bound = approach.within(share.abs());
                 assert!(nearer <= bound + 1e-12, "{nearer} > {bound} at {share}");
-                tightest = tightest.max(nearer / bound);
+                tightest = tightest.greater(nearer / bound);
                 let part = approach.share(bound);
                 assert!(part >= 1.0 || approach.within(part) <= bound, "a share is proven by what it needs");
             }

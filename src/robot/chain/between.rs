@@ -4,7 +4,7 @@
 //! `docs/derivations/motion-bound.md`, whose symbols are used here.
 
 use super::{Body, Chain, Frame, Step};
-use crate::math::{UnitVector, Vector};
+use crate::math::{Extremes, UnitVector, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{Simd, f64x8, sin_cos};
 
@@ -213,7 +213,7 @@ impl Body {
         frames: &[Frame<f64>],
         deviations: &impl Deviations,
     ) {
-        motion.extent = motion.extent.max(Vector::from(frame.t).abs().sum());
+        motion.extent = motion.extent.greater(Vector::from(frame.t).abs().sum());
         match &self.step {
             Step::Turn(_, source) => {
                 let deviation = deviations.of(source.index).times(source.multiplier);
@@ -264,13 +264,13 @@ impl Reach {
     #[inline]
     fn farthest_from(&self, axis: &Vector, origin: &Vector) -> f64 {
         let [p, q] = [axis.cross(&(self.ends[0] - origin)), axis.cross(&(self.ends[1] - origin))];
-        p.norm_squared().max(q.norm_squared()).sqrt() + self.radius
+        p.norm_squared().greater(q.norm_squared()).sqrt() + self.radius
     }
 
     /// How far any of its points is from the origin, at most, in the 1-norm.
     #[must_use]
     pub fn extent(&self) -> f64 {
-        self.ends.iter().map(|p| p.abs().sum()).fold(0.0, f64::max) + 2.0 * self.radius
+        self.ends.iter().map(|p| p.abs().sum()).fold(0.0, f64::greater) + 2.0 * self.radius
     }
 
     /// The most that any of its points moves a unit of t.
@@ -278,7 +278,7 @@ impl Reach {
     #[must_use]
     pub fn speed(&self, velocity: &Vector, angular: &Vector) -> f64 {
         let [p, q] = [velocity + angular.cross(&self.ends[0]), velocity + angular.cross(&self.ends[1])];
-        p.norm_squared().max(q.norm_squared()).sqrt() + angular.norm() * self.radius
+        p.norm_squared().greater(q.norm_squared()).sqrt() + angular.norm() * self.radius
     }
 }
 

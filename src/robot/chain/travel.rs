@@ -7,6 +7,7 @@
 //! with reaches that hold for all positions.)
 
 use super::{Chain, Source, Step};
+use crate::math::Extremes;
 
 /// For each position of a robot, by how much (m) any distance changes while it changes by one.
 #[derive(Clone, Debug, Default)]
@@ -62,7 +63,7 @@ impl Chain {
                 }
             }
             let offset = body.origin.iter().map(|c| c * c).sum::<f64>().sqrt();
-            extent[body.parent] = extent[body.parent].max(offset + stretch + below);
+            extent[body.parent] = extent[body.parent].greater(offset + stretch + below);
         }
         travel
     }
@@ -79,7 +80,7 @@ impl TravelRates {
 
 /// The farthest that a position in `range` shifts.
 fn farthest(source: &Source, range: [f64; 2]) -> f64 {
-    range.iter().map(|q| (q * source.multiplier + source.offset).abs()).fold(0.0, f64::max)
+    range.iter().map(|q| (q * source.multiplier + source.offset).abs()).fold(0.0, f64::greater)
 }
 
 #[cfg(test)]
@@ -111,7 +112,7 @@ mod tests {
                         |f: &[Frame<f64>]| (Vector::from(f[a].point(p)) - Vector::from(f[b].point(q))).norm();
                     let change = (apart(&after) - apart(&before)).abs();
                     assert!(change <= bound + 1e-12, "{change} > {bound}");
-                    tightest = tightest.min((bound + 1e-12) / (change + 1e-12));
+                    tightest = tightest.lesser((bound + 1e-12) / (change + 1e-12));
                 }
             }
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::constants::LARGEST_COORDINATE;
 use crate::geometry::{PointCloud, PointCloudError};
+use crate::math::Extremes;
 
 /// Points as they were read, before they have a size.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -134,7 +135,7 @@ impl CloudPoints {
         let rounded = point.map(|c| c as f32);
         let lost = [0, 1, 2].map(|k| point[k] - f64::from(rounded[k]));
         if lost != [0.0; 3] {
-            self.rounding = self.rounding.max(lost.iter().map(|l| l * l).sum::<f64>().sqrt());
+            self.rounding = self.rounding.greater(lost.iter().map(|l| l * l).sum::<f64>().sqrt());
         }
         self.points.push(rounded);
         Ok(())

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Cell, ORIGIN, Octomap, Space};
 use crate::geometry::{Cube, Voxels, VoxelsError};
+use crate::math::Extremes;
 
 impl Octomap {
     /// The occupied cells, and if asked those of unknown space (see [`Self::unknown_cells`]), as solid cubes in the frame
@@ -29,8 +30,8 @@ impl Octomap {
     fn cube(&self, cell: Cell) -> Cube {
         let [lo, hi] = self.corners(cell);
         let centre = [0, 1, 2].map(|k| lo[k].midpoint(hi[k]) as f32);
-        let reach = |k: usize| (hi[k] - f64::from(centre[k])).max(f64::from(centre[k]) - lo[k]);
-        Cube { centre, half_edge: rounded_up(reach(0).max(reach(1)).max(reach(2))) }
+        let reach = |k: usize| (hi[k] - f64::from(centre[k])).greater(f64::from(centre[k]) - lo[k]);
+        Cube { centre, half_edge: rounded_up(reach(0).greater(reach(1)).greater(reach(2))) }
     }
 }
 
