@@ -73,3 +73,6 @@ fn down(x: f64) -> f32 {
         nearest.next_down()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -121,6 +121,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every state counts as free");
     }
+    if let Some(note) = robot.limits_note("state", states.iter().map(|q| [q])) {
+        log::warn!("{note}");
+    }
     let question = args.question();
     let reports = check_all(&checker, &states, question, &args.run)?;
     let timing = time_passes(&checker, &states, question, args.run.repeat);

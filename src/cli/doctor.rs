@@ -39,9 +39,10 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         .filter(|wait| (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(wait))
         .ok_or_else(|| Failure::Input(format!("--wait: must be from 0.1 to 3600 s, but is {}", args.wait)))?;
     clearance::node::logging::start(level);
-    let robot = args.model.urdf.as_ref().map(|_| args.model.load()).transpose()?;
+    let mesh_files = args.model.mesh_files();
+    let robot = args.model.urdf.as_ref().map(|_| args.model.load_quietly(&mesh_files)).transpose()?;
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
-    let patient = Patient { arguments, robot, mesh_files: args.model.mesh_files(), patience };
+    let patient = Patient { arguments, robot, mesh_files, patience };
     let findings = doctor::examine(patient).map_err(failure)?;
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,

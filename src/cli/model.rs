@@ -99,11 +99,16 @@ impl ModelArgs {
         self.load_with(&self.mesh_files())
     }
 
-    /// As [`Self::load`], with meshes looked up as `files` says.
-    pub fn load_with(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
+    /// Loads the robot; its warnings are the caller's to tell.
+    pub fn load_quietly(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
         let urdf =
             (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
-        let robot = RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(Failure::input)?;
+        RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(Failure::input)
+    }
+
+    /// As [`Self::load`], with meshes looked up as `files` says.
+    pub fn load_with(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
+        let robot = self.load_quietly(files)?;
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
@@ -163,7 +168,11 @@ impl WorldArgs {
             }
             let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
             let had_matrix = scene.allowed.is_some();
-            scene.read_file(&bytes, path, self.point_radius, robot, &files).map_err(Failure::input)?;
+            let is_named_otherwise = kind == WorldFileKind::Yaml && !is_yaml(path);
+            scene.read_file(&bytes, path, self.point_radius, robot, &files).map_err(|error| {
+                let hint = if is_named_otherwise { WORLDS } else { "" };
+                Failure::Input(format!("{error}{hint}"))
+            })?;
             for warning in scene.warnings.drain(..) {
                 log::warn!("{warning}");
             }
@@ -181,6 +190,14 @@ impl WorldArgs {
     fn files(&self) -> String {
         self.world.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// What a file has to hold, for those that hold something else.
+const WORLDS: &str = "\n  (a world is the YAML of a MoveIt planning scene, MoveIt's .scene text, an octomap in .bt or .ot, or a PCD or PLY)";
+
+fn is_yaml(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    ["yaml", "yml", "json"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 /// A file's bytes, which may also come out of a pipe.

@@ -160,6 +160,11 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every motion counts as free");
     }
+    let ends = |way: &Trajectory| way.segments().iter().flat_map(MotionSegment::ends).collect();
+    let ends: Vec<Vec<Configuration>> = robots_ways.iter().map(ends).collect();
+    if let Some(note) = robot.limits_note("way", &ends) {
+        log::warn!("{note}");
+    }
     let reports = check_all(&checker, &ways, &options, args)?;
     if let Some(path) = &args.certificate {
         write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
@@ -259,7 +264,10 @@ fn trajectory(path: &Path, robot: &RobotModel) -> Result<Trajectory, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
-    Trajectory::from_yaml(robot, &text, &robot.default_configuration()).map_err(|e| bad(&e))
+    let way = Trajectory::from_yaml(robot, &text, &robot.default_configuration());
+    way.map_err(|e| {
+        bad(&format!("{e}\n  (a trajectory is the YAML or JSON of a trajectory_msgs/JointTrajectory)"))
+    })
 }
 
 /// One report a way, in the ways' order, for any number of threads.

@@ -7,6 +7,10 @@ use serde::Deserialize;
 
 use super::failure::Failure;
 
+/// What a file has to hold, for those that hold something else.
+const STATES: &str = r#"states are JSON {"joints": [...], "states": [[...], ...]}, or CSV with a header of joint names in FILE.csv"#;
+const EDGES: &str = r#"edges are JSON {"joints": [...], "edges": [[[...], [...]], ...]}"#;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StatesText {
@@ -32,7 +36,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     let StatesText { joints, states } = if is_csv {
         from_csv(&text).map_err(|e| bad(&e))?
     } else {
-        serde_json::from_str(&text).map_err(|e| bad(&e))?
+        serde_json::from_str(&text).map_err(|e| bad(&format!("{e}; {STATES}")))?
     };
     if states.is_empty() {
         return Err(bad(&"there are no states"));
@@ -105,7 +109,8 @@ pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configura
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
-    let EdgesText { joints, edges } = serde_json::from_str(&text).map_err(|e| bad(&e))?;
+    let EdgesText { joints, edges } =
+        serde_json::from_str(&text).map_err(|e| bad(&format!("{e}; {EDGES}")))?;
     if edges.is_empty() {
         return Err(bad(&"there are no edges"));
     }

@@ -105,6 +105,23 @@ impl Judgement {
         }
     }
 
+    /// The first pair that touches, or else the nearest with its distance, in words; `None` if nothing is known, or nothing near.
+    #[must_use]
+    pub fn foremost(&self) -> Option<String> {
+        let report = &self.evidence.as_ref()?.report;
+        let checker = &self.revision.as_ref()?.checker;
+        let names = |a, b| format!("{} and {}", checker.body_name(a), checker.body_name(b));
+        if let Some(&(a, b)) = report.colliding_pairs.first() {
+            let others = match report.colliding_pairs.len() - 1 {
+                0 => String::new(),
+                others => format!(", and {others} more"),
+            };
+            return Some(format!("{} touch{others}", names(a, b)));
+        }
+        let nearest = report.nearest.as_ref()?;
+        Some(format!("nearest: {}, {:.4} m", names(nearest.a, nearest.b), nearest.distance))
+    }
+
     /// How long from now on (s) it is certain that nothing touches: 0 when something does, or nothing is known.
     #[must_use]
     pub fn time_to_contact(&self) -> f64 {

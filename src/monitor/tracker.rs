@@ -10,9 +10,6 @@ use super::{JointStateInput, Reason, Time};
 use crate::constants::LARGEST_COORDINATE;
 use crate::robot::{Configuration, JointId, RobotModel};
 
-/// How far (rad, m) a joint may be beyond its limits without a word: encoders are noisy and brakes give.
-const LIMIT_SLACK: f64 = 1e-3;
-
 /// How far (rad, m) a joint that follows others may be reported from where it should be without a word: gears have play.
 const MIMIC_SLACK: f64 = 0.02;
 
@@ -38,8 +35,8 @@ const BY_TF: usize = usize::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct Tracker {
     slots: HashMap<String, Slot>,
-    /// By position: the joint and its limits, where it has some.
-    limits: Vec<Option<(JointId, f64, f64)>>,
+    /// How many positions the robot has.
+    count: usize,
 }
 
 /// A configuration, and what was odd about its messages.
@@ -61,16 +58,7 @@ impl Tracker {
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
-        let mut limits = vec![None; robot.position_names().len()];
-        for id in robot.joint_ids() {
-            let joint = robot.joint(id);
-            // joints with several positions have no limits of their own
-            let single = joint.kind.position_suffixes().len() == 1;
-            if let (true, Some(index), Some(l)) = (single, robot.first_position(id), joint.limits) {
-                limits[index] = Some((id, l.lower, l.upper));
-            }
-        }
-        Self { slots, limits }
+        Self { slots, count: robot.position_names().len() }
     }
 
     /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
@@ -90,19 +78,6 @@ impl Tracker {
         }
         let contributions = std::mem::take(&mut merge.contributions);
         (merge.finish(robot, unplaced, contributions.spread()), contributions)
-    }
-
-    fn limit_warnings(&self, robot: &RobotModel, configuration: &Configuration) -> Vec<String> {
-        (self.limits.iter().zip(configuration.positions()))
-            .filter_map(|(limits, &value)| {
-                let (joint, lower, upper) = (*limits)?;
-                let inside = (lower - LIMIT_SLACK..=upper + LIMIT_SLACK).contains(&value);
-                (!inside).then(|| {
-                    let name = &robot.joint(joint).name;
-                    format!("joint '{name}' is at {value}, outside its limits [{lower}, {upper}]")
-                })
-            })
-            .collect()
     }
 }
 
@@ -125,7 +100,7 @@ struct Merge<'t> {
 
 impl<'t> Merge<'t> {
     fn new(tracker: &'t Tracker, prefix: &'t str) -> Self {
-        let count = tracker.limits.len();
+        let count = tracker.count;
         Self {
             tracker,
             prefix,
@@ -234,7 +209,7 @@ impl<'t> Merge<'t> {
         }
         let configuration =
             (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
-        self.warnings.extend(self.tracker.limit_warnings(robot, &configuration));
+        self.warnings.extend(robot.outside_limits(configuration.positions()).map(|joint| joint.to_string()));
         if !self.strangers.is_empty() {
             self.strangers.sort_unstable();
             self.strangers.dedup();

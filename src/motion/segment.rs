@@ -295,6 +295,12 @@ impl MotionSegment {
         }
     }
 
+    /// Where it begins and where it ends.
+    #[must_use]
+    pub fn ends(&self) -> [Configuration; 2] {
+        [self.at(0.0), self.at(1.0)]
+    }
+
     /// The configuration at t.
     #[must_use]
     pub fn at(&self, t: f64) -> Configuration {

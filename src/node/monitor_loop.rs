@@ -260,7 +260,10 @@ impl MonitorLoop {
         }
         match (judgement.status.word(), reason) {
             (status, Some(reason)) => log::warn!("{status}: {reason}"),
-            (status, None) => log::info!("{status}"),
+            (status, None) => match judgement.foremost() {
+                Some(foremost) => log::info!("{status}: {foremost}"),
+                None => log::info!("{status}"),
+            },
         }
     }
 

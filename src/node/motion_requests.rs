@@ -17,7 +17,7 @@ use crate::checker::{
 };
 use crate::monitor::Judgement;
 use crate::motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
-use crate::robot::RobotModel;
+use crate::robot::{Configuration, RobotModel};
 
 /// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
 const LONGEST_CERTIFICATE: usize = 200_000;
@@ -213,7 +213,9 @@ fn verdict(
     workspace: &mut Workspace,
 ) -> Answered {
     let (trajectory, certificate) = (&trajectory, terms.certificate);
-    let mut notes: Vec<String> = note.into_iter().collect();
+    let ends: Vec<Configuration> = trajectory.segments().iter().flat_map(MotionSegment::ends).collect();
+    let limits = checker.robot().limits_note("way", [&ends]);
+    let mut notes: Vec<String> = limits.into_iter().chain(note).collect();
     let segments = trajectory.segments().len();
     let hopeless = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
     let (report, proof) = if certificate && !hopeless {

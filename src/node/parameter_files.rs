@@ -7,7 +7,7 @@ use serde_json::{Map, Value as Yaml};
 use super::arguments::ParameterSource;
 use super::names::Names;
 use super::parameter_value::{self, Value};
-use super::parameters::{Parameters, declaration};
+use super::parameters::{Parameters, declaration, similar};
 
 /// A parameter that can not be taken at the start.
 #[derive(Debug, thiserror::Error)]
@@ -69,7 +69,9 @@ fn apply_text(
     for section in sections {
         for (name, value) in &section.values {
             if section.is_wildcard() && declaration(name).is_none() {
-                passed_over.push(format!("{name} of {} in {}", section.pattern, file.display()));
+                let meant =
+                    similar(name).map_or_else(String::new, |known| format!(" (did you mean '{known}'?)"));
+                passed_over.push(format!("{name}{meant} of {} in {}", section.pattern, file.display()));
                 continue;
             }
             (parameters.set(name, value)).map_err(|why| format!("{}: {why}", section.pattern))?;
@@ -191,6 +193,8 @@ mod tests {
     fn unknown_parameters_are_refused_by_name_but_may_be_meant_for_others() {
         let error = apply("clearance: {ros__parameters: {a: {b: 1}}}", "/").unwrap_err();
         assert!(error.contains("'a.b'"), "{error}");
+        let error = apply("clearance: {ros__parameters: {stale_aftr: 1}}", "/").unwrap_err();
+        assert!(error.contains("did you mean 'stale_after'?"), "{error}");
         let (_, passed_over) = apply("/**: {ros__parameters: {speed: 1}}", "/").unwrap();
         assert!(passed_over[0].contains("speed"), "{passed_over:?}");
     }

@@ -53,6 +53,7 @@ pub fn answer_states(
         let limit = limit("distance_limit", request.distance_limit)?;
         let question = if request.with_distance { Question::Distance { limit } } else { Question::Free };
         let (states, note) = cell.states(request)?;
+        let limits = cell.robot().limits_note("state", states.iter().map(|q| [q]));
         let mut told = Told::new(cell.checker, request.with_distance);
         let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
         for state in &states {
@@ -61,7 +62,7 @@ pub fn answer_states(
                 (!effort.is_over()).then(|| cell.checker.check_with(state, question, &effort, workspace));
             told.add(report.as_ref());
         }
-        Ok(told.response(note))
+        Ok(told.response([limits, note]))
     });
     let mut response = found.unwrap_or_else(|refusal| refused_states(&refusal));
     (response.model_revision, response.world_revision) = revisions(judgement);
@@ -89,7 +90,8 @@ pub fn answer_distances(
         if report.pair_distances.len() + report.undecided.len() > MANY_PAIRS {
             *workspace = None;
         }
-        Ok(distances(cell.checker, report, &wanted, request.max_pairs, note))
+        let limits = cell.robot().limits_note("state", [[&state]]);
+        Ok(distances(cell.checker, report, &wanted, request.max_pairs, [limits, note]))
     });
     let mut response = found.unwrap_or_else(|refusal| refused_distances(&refusal));
     (response.model_revision, response.world_revision) = revisions(judgement);
@@ -256,12 +258,12 @@ impl<'a> Told<'a> {
         }
     }
 
-    fn response(mut self, note: Option<String>) -> CheckStatesResponse {
+    fn response(mut self, notes: [Option<String>; 2]) -> CheckStatesResponse {
         let of = self.response.verdicts.len();
         let open = (self.unknown > 0).then(|| {
             format!("the timeout left {} of {of} states open: ask about fewer at a time", self.unknown)
         });
-        self.response.message = message(self.checker, [open, note]);
+        self.response.message = message(self.checker, [open].into_iter().chain(notes));
         if self.unknown > 0 {
             "deadline".clone_into(&mut self.response.reason_code);
         }
@@ -275,7 +277,7 @@ fn distances(
     report: CollisionReport,
     wanted: &HashSet<&str>,
     max_pairs: u32,
-    note: Option<String>,
+    notes: [Option<String>; 2],
 ) -> GetDistancesResponse {
     let open = report.undecided.len();
     let verdict = if report.self_collision || report.world_collision {
@@ -298,7 +300,7 @@ fn distances(
     let left_out = (open > 0).then(|| format!("the timeout left {open} pairs open"));
     GetDistancesResponse {
         verdict,
-        message: message(checker, [left_out, cut, note]),
+        message: message(checker, [left_out, cut].into_iter().chain(notes)),
         reason_code: if open > 0 { "deadline".to_owned() } else { String::new() },
         pairs_found: u32::try_from(pairs.len()).unwrap_or(u32::MAX),
         pairs: told,

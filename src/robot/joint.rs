@@ -62,6 +62,12 @@ impl JointKind {
         }
     }
 
+    /// Whether its only position is an angle.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        matches!(self, Self::Revolute(_) | Self::Continuous(_))
+    }
+
     /// How many degrees of freedom the joint has; a floating joint's seven positions have six.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {

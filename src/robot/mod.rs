@@ -4,6 +4,7 @@ mod chain;
 mod configuration;
 mod ids;
 mod joint;
+mod joint_limits;
 mod kinematics;
 mod loaded_mesh;
 mod mesh_files;
@@ -30,6 +31,7 @@ pub use chain::{
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};
+pub use joint_limits::OutsideLimits;
 pub use kinematics::LinkPoses;
 pub use loaded_mesh::LoadedMesh;
 pub use mesh_files::{MeshFileError, MeshFiles};

@@ -44,6 +44,29 @@ fn exit_codes_say_free_or_not() {
 }
 
 #[test]
+fn joints_beyond_their_limits_are_warned_of() {
+    let warning = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let degrees = check(&TWO_LINK, &["--state", "joint1=90"]);
+    assert_eq!(degrees.status.code(), Some(0), "{degrees:?}");
+    let words = warning(&degrees);
+    assert!(words.contains("'joint1' is at 90, outside its limits") && words.contains("degrees?"), "{words}");
+    let way = ["motion", TWO_LINK[0], TWO_LINK[1], "--from", "joint1=0", "--to", "joint1=90"];
+    assert!(warning(&clearance(&way)).contains("'joint1' is at 90, outside its limits"));
+    assert_eq!(warning(&check(&TWO_LINK, &["--state", "joint1=3"])), "");
+}
+
+#[test]
+fn files_of_another_kind_are_told_what_is_expected() {
+    let given = |option: &str| check(&TWO_LINK, &[option, "Cargo.toml"]);
+    assert_bad_input(&given("--states"), &["Cargo.toml", r#""states": [["#, "CSV"]);
+    let world = check(&TWO_LINK, &["--state", "", "--world", "Cargo.toml"]);
+    assert_bad_input(&world, &["Cargo.toml", "planning scene", ".bt"]);
+    let motion = |option: &str| clearance(&["motion", TWO_LINK[0], TWO_LINK[1], option, "Cargo.toml"]);
+    assert_bad_input(&motion("--edges"), &["Cargo.toml", r#""edges": [["#]);
+    assert_bad_input(&motion("--trajectory"), &["Cargo.toml", "JointTrajectory"]);
+}
+
+#[test]
 fn json_of_every_query() {
     let folded = ["--state", "joint2=3.141592653589793", "--format", "json", "--query"];
     let answer = json(&check(&TWO_LINK, &[&folded[..], &["pairs"]].concat()));

@@ -22,7 +22,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 24] = [
+const HOMES: [(&str, &str); 25] = [
     ("fearless_simd", "src/simd/"),
     ("parry3d_f64", "src/query/narrow_phase.rs"),
     ("urdf_rs", "src/robot/"),
@@ -41,6 +41,7 @@ const HOMES: [(&str, &str); 24] = [
     ("arc_swap", "src/node/view/"),
     ("mcap", "src/node/recording/"),
     ("hdrhistogram", "src/node/activity.rs"),
+    ("strsim", "src/node/parameters/"),
     ("cdr_encoding", "src/node/recording/"),
     ("byteorder", "src/node/recording/"),
     ("clap", "src/cli/"),

@@ -36,6 +36,27 @@ def test_where_everything_runs_nothing_is_wrong(peer, domain_id):
     assert "'two_link'" in texts and "'joint1' and 'joint2'" in texts and "free of itself" in texts and "comes back" in texts
 
 
+def test_nodes_of_one_name_are_counted(peer, start, domain_id):
+    two_link.Driver(peer, "/twins/joint_states")
+    given = "--urdf", two_link.URDF, "--ros-args", "-r", "__ns:=/twins", "--"
+    for expected, words in ("note", "no node is named"), ("good", "/twins/clearance is there"), ("wrong", "2 nodes are named"):
+        findings = doctor(domain_id, *given, code=int(expected == "wrong"))
+        verdict, text = next((verdict, text) for verdict, about, text in findings if about == "node")
+        assert (verdict, words in text) == (expected, True), text
+        if expected != "wrong":
+            start(name="clearance", namespace="/twins", driving=False)
+
+
+def test_the_srdf_of_another_robot_is_wrong_and_told_once(peer, domain_id, tmp_path):
+    two_link.Driver(peer, "/joint_states")
+    srdf = tmp_path / "other.srdf"
+    srdf.write_text('<robot name="other"><disable_collisions link1="a" link2="b" reason="Never"/></robot>')
+    given = "--urdf", two_link.URDF, "--srdf", srdf
+    findings = doctor(domain_id, *given, code=1)
+    assert "right file?" in wrong(findings)["robot"]
+    assert sum("the SRDF is of robot 'other'" in text for _, _, text in findings) == 1
+
+
 def test_topics_that_nobody_publishes_are_named(domain_id):
     findings = wrong(doctor(domain_id, code=1, wait=0.5))
     assert findings.keys() == {"robot_description", "joint_states"}

@@ -47,6 +47,21 @@ def test_the_node_hears_a_driver_again_after_its_restart(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
 
 
+def test_two_nodes_of_one_name_say_so(start):
+    first = start(name="twin", namespace="/twins")
+    second = start(name="twin", namespace="/twins")
+    for cell in first, second:
+        cell.peer.wait_for(lambda cell=cell: "another node is named /twins/twin" in cell.node.output(), "a word of the other")
+
+
+def test_a_change_of_status_is_logged_with_the_pair(cell):
+    cell.judged(joint1=0, joint2=0)
+    cell.judged(joint1=0, joint2=3.14)
+    said = cell.node.output
+    cell.peer.wait_for(lambda: "COLLIDING: base and tip touch" in said(), "the line about the collision")
+    assert "FREE: nearest: base and tip, " in said()
+
+
 def test_a_node_that_was_suspended_ends_and_says_why(peer):
     """As by Ctrl-Z and `fg`, or a debugger: RustDDS hears no more then, and a node that looks alive would mislead."""
     with Cell(peer) as cell:

@@ -52,6 +52,13 @@ def test_every_state_of_a_batch_gets_the_answer_worked_out_by_hand(cell):
     assert told == [verdict == COLLIDING for verdict in without.verdicts]
 
 
+def test_joints_beyond_their_limits_are_told_and_checked_all_the_same(cell):
+    answer = cell.questions.check([(0, 0), (90, 0), (0, 4)])
+    assert answer.verdict in (FREE, COLLIDING) and ERROR not in answer.verdicts
+    assert "state 1: joint 'joint1' is at 90, outside its limits [-3.14" in answer.message
+    assert "degrees?" in answer.message and "1 more" in answer.message
+
+
 def test_only_free_states_together_are_free(cell):
     assert cell.questions.check([(0, 0), (1, 1)]).verdict == FREE
     assert cell.questions.check([(0, 0), ONTO, (1, 1)]).verdict == COLLIDING

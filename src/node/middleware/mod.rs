@@ -23,7 +23,7 @@ use ros2_client::{
 };
 use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
-use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, TopicKind};
+use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, RTPSEntity, TopicKind};
 
 use self::complaints::Complaints;
 use self::peers::Peers;
@@ -129,8 +129,8 @@ impl Middleware {
             .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
         // the library's own parameter services know no descriptions or ranges; see `parameter_services`
         let options = NodeOptions::new().start_parameter_services(false);
+        let peers = Arc::new(Peers::new(environment.reach, namespace, node));
         let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
-        let peers = Arc::new(Peers::new(environment.reach));
         Ok(Self { node: Arc::new(Mutex::new(node)), context, peers })
     }
 
@@ -281,6 +281,17 @@ impl Middleware {
             function: String::new(),
             line: line.line,
         });
+    }
+
+    /// How many others publish on a topic, as far as they are known.
+    pub fn publishers_elsewhere(&self, topic: &FullName) -> usize {
+        let dds_topic = format!("rt{topic}");
+        let participant = self.context.domain_participant();
+        let own = participant.guid().prefix;
+        (participant.discovered_writers().iter())
+            .filter(|writer| writer.publication_topic_data.topic_name == dds_topic)
+            .filter(|writer| writer.writer_proxy.remote_writer_guid.prefix != own)
+            .count()
     }
 
     /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.

@@ -19,6 +19,8 @@ const COMPLAINTS: usize = 1000;
 
 /// What is ours, to be compared with what others offer and request.
 pub struct Peers {
+    /// The full name of the node.
+    node: String,
     endpoints: Mutex<HashMap<GUID, Endpoint>>,
     /// DDS topics of which nothing may be lost here.
     reliably_read: Mutex<HashSet<String>>,
@@ -34,8 +36,9 @@ struct Endpoint {
 }
 
 impl Peers {
-    pub fn new(reach: Reach) -> Self {
+    pub fn new(reach: Reach, namespace: &str, node: &str) -> Self {
         Self {
+            node: format!("{}/{node}", namespace.trim_end_matches('/')),
             endpoints: Mutex::default(),
             reliably_read: Mutex::default(),
             readers: Mutex::default(),
@@ -78,8 +81,8 @@ impl Peers {
         let mut told = HashSet::new();
         while let Some(event) = events.next().await {
             self.note_event(participant, &event);
-            // DDS itself keeps quiet about mismatches
-            if let Some(complaint) = self.mismatch(&event)
+            // DDS itself keeps quiet about both
+            if let Some(complaint) = self.mismatch(&event).or_else(|| self.namesake(&event))
                 && told.len() < COMPLAINTS
                 && told.insert(complaint.clone())
             {
@@ -119,6 +122,23 @@ impl Peers {
                 .filter(SocketAddr::is_ipv4);
             first_request.send(reader, writer, addresses);
         }
+    }
+
+    /// Whoever publishes on a private topic of this node bears its name.
+    fn namesake(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
+        let DomainParticipantStatusEvent::WriterDetected { writer } = event else { return None };
+        let name = writer.topic_name.strip_prefix("rt")?;
+        name.strip_prefix(&self.node)?.strip_prefix('/')?;
+        let endpoints = lock(&self.endpoints);
+        let mut ours = endpoints.iter().filter(|(_, endpoint)| endpoint.name == name).map(|(guid, _)| guid);
+        let another = ours.next().is_some_and(|guid| guid.prefix != writer.guid.prefix);
+        another.then(|| {
+            format!(
+                "another node is named {} too: both publish on the same topics and answer the same requests; give one of them another \
+                 namespace (--ros-args -r __ns:=/NAME) or name (-r __node:=NAME)",
+                self.node
+            )
+        })
     }
 
     fn mismatch(&self, event: &DomainParticipantStatusEvent) -> Option<String> {

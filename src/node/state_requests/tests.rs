@@ -189,7 +189,7 @@ fn a_batch_with_something_open_is_not_free() {
         for report in reports {
             told.add(report);
         }
-        let response = told.response(None);
+        let response = told.response([None, None]);
         assert_eq!((response.verdict, response.reason_code == "deadline"), (wanted, open));
     }
 }
