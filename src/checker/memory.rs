@@ -21,10 +21,10 @@ const LOOK_AHEAD: f64 = 0.03;
 const FRONT: f64 = 0.015;
 
 /// States for which a front must be enough to have been worth collecting.
-const COLLECTING: i32 = 8;
+const WORTH: u32 = 8;
 
-/// No front is worth more than this many states.
-const MOST_WORTH: i32 = 16;
+/// States after which collecting is tried once more where it was never worth it.
+const LONGEST_PAUSE: u32 = 1024;
 
 /// Rounding (relative to the coordinates that enter) granted to remembered points.
 const ROUNDING: f64 = 1e-13;
@@ -40,8 +40,11 @@ pub(super) struct Memory {
     /// Points of the bodies that were near each other at that pose.
     near_points: Option<PointPair>,
     front: Front,
-    /// States for which the front has been enough, less those that collecting it was for nothing.
-    worth: i32,
+    /// States for which the front has been enough.
+    served: u32,
+    /// States until the next front is collected, and how many they were the last time.
+    pause: u32,
+    last_pause: u32,
 }
 
 impl Memory {
@@ -49,7 +52,8 @@ impl Memory {
     fn new(pair: &Pair, limit: f64, found: Option<Separation>) -> Self {
         let lower = found.map_or(limit, |f| f.distance);
         let near_points = found.map(|f| f.witness_points);
-        Self { pose_ab: pair.pose_ab, lower, found, near_points, front: Front::default(), worth: 0 }
+        let (front, last_pause) = (Front::default(), WORTH);
+        Self { pose_ab: pair.pose_ab, lower, found, near_points, front, served: 0, pause: 0, last_pause }
     }
 
     /// As [`Self::new`], but keeps the front.
@@ -60,13 +64,24 @@ impl Memory {
         self.near_points = found.map(|f| f.witness_points);
     }
 
-    /// Collects a front if the last ones lasted; where bodies move too fast for that, it is tried again after a while.
-    fn collect_if_worth(&mut self, pair: &Pair, found: &Separation, scratch: &mut Scratch) {
-        if self.worth < 0 {
-            self.worth += 1;
+    /// Lets a front go that was not enough. If it was for few states, others would be too: where bodies move fast, or much of them
+    /// is about equally near. The next one is collected after a pause, each twice as long as the last.
+    fn drop_front(&mut self) {
+        if !self.front.is_collected() {
             return;
         }
-        self.worth -= COLLECTING;
+        self.front.clear();
+        self.last_pause = if self.served < WORTH { (2 * self.last_pause).min(LONGEST_PAUSE) } else { WORTH };
+        self.pause = if self.served < WORTH { self.last_pause } else { 0 };
+    }
+
+    /// Collects a front, unless the last ones were for nothing.
+    fn collect_if_worth(&mut self, pair: &Pair, found: &Separation, scratch: &mut Scratch) {
+        if self.pause > 0 {
+            self.pause -= 1;
+            return;
+        }
+        self.served = 0;
         self.front.collect(pair.bodies, &pair.pose_ab, found, found.distance + FRONT, scratch);
     }
 
@@ -137,10 +152,10 @@ impl Pair<'_> {
         }
         if let Some(found) = known.front.distance(self.bodies, &self.pose_ab, limit, scratch) {
             known.renew(self, limit, found);
-            known.worth = (known.worth + 1).min(MOST_WORTH);
+            known.served = known.served.saturating_add(1);
             return found;
         }
-        known.front.clear();
+        known.drop_front();
         let mut tight = known.upper_at(&self.pose_ab);
         if tight > limit {
             // a bound that is no more than was asked would run out in the next state

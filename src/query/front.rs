@@ -63,6 +63,12 @@ struct Group {
 }
 
 impl Front {
+    /// Whether there is anything in it.
+    #[must_use]
+    pub fn is_collected(&self) -> bool {
+        self.listed_at.is_some()
+    }
+
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.listed_at = None;

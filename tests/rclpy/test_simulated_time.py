@@ -1,5 +1,7 @@
 """A played bag, or a simulator: joint states and `/clock` that run fast, stand still, and begin again."""
 
+import threading
+
 import pytest
 from clearance_msgs.msg import CollisionState
 from rclpy.time import Time
@@ -16,15 +18,26 @@ class Bag:
     def __init__(self, cell):
         self._cell = cell
         self._clock = cell.peer.node.create_publisher(Clock, "/clock", 10)
-        self.time = BEGIN
+        self._lock = threading.Lock()
+        self._time = BEGIN
         self.step = 0.01
         self.drives = True  # whether the driver's joint states are in it, too
         self.clock_first = True
         self._timer = cell.peer.node.create_timer(0.01, self._tick, autostart=False)
 
+    @property
+    def time(self):
+        return self._time
+
+    @time.setter
+    def time(self, time):
+        with self._lock:
+            self._time = time
+
     def _tick(self):
-        self.time += self.step
-        stamp = Time(nanoseconds=round(self.time * 1e9))
+        with self._lock:
+            self._time += self.step
+            stamp = Time(nanoseconds=round(self._time * 1e9))
         tell = [lambda: self._clock.publish(Clock(clock=stamp.to_msg()))]
         if self.drives:
             tell.append(lambda: self._cell.driver.publish(ZERO, stamp))
