@@ -37,6 +37,8 @@ pub enum MeshFileError {
         "mesh '{uri}' was not found; looked for {tried}; give the folder that holds it with --package-path DIR"
     )]
     NotFound { uri: String, tried: String },
+    #[error("mesh '{uri}' is not in the recording: it ends before its meshes, or was altered")]
+    NotRecorded { uri: String },
     #[error(
         "mesh '{uri}' is {}, outside every folder that may be opened ({allowed}); allow its folder with --package-path",
         file.display()
@@ -143,10 +145,8 @@ impl MeshFiles {
         }
         let folder = self.folder.as_deref();
         if let Some(recorded) = &self.recorded {
-            let (file, bytes) = recorded.find(folder, uri).ok_or_else(|| MeshFileError::NotFound {
-                uri: shortened(uri),
-                tried: "it in the recording".to_owned(),
-            })?;
+            let found = recorded.find(folder, uri);
+            let (file, bytes) = found.ok_or_else(|| MeshFileError::NotRecorded { uri: shortened(uri) })?;
             return Ok(Found::Recorded(file.clone(), Arc::clone(bytes)));
         }
         let file = self.find_file(uri)?;

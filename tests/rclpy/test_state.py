@@ -120,6 +120,7 @@ def test_every_joint_state_is_judged_that_comes_when_the_last_one_is(cell):
         stamp = cell.peer.now()
         cell.driver.publish({"joint1": 0, "joint2": 0.01 * number}, stamp)
         cell.states.wait_for(lambda state: stamp_of(state) == stamp.nanoseconds, f"a judgement of joint state {number}")
+    cell.driver.resume()
 
 
 def test_the_standard_types_say_the_same(cell):
