@@ -1,4 +1,4 @@
-"""Two robots in two namespaces: each node hears, judges and answers for its own."""
+"""Several robots: each node hears, judges and answers for its own."""
 
 from math import pi
 
@@ -108,3 +108,9 @@ def test_a_prefix_that_changes_makes_another_robot(twins):
     left.parameters.succeed(joint_prefix="right_")
     left.has_model(2)
     settles(left, COLLIDING)
+
+
+def test_nodes_that_start_at_once_are_all_met(start):
+    cells = [start() for _ in range(4)]
+    for cell in cells:
+        assert cell.judged(joint1=0, joint2=0).status == FREE

@@ -102,6 +102,9 @@ impl Quality {
     }
 }
 
+/// From the announcement of the participant to that of its endpoints.
+const INTRODUCTION: Duration = Duration::from_millis(200);
+
 /// One ROS node on the network.
 #[derive(Clone)]
 pub struct Middleware {
@@ -117,12 +120,17 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Middleware {
     /// Joins the network under a node name.
+    ///
+    /// A participant that hears of endpoints before it knows their owner has to ask for them again. Fast DDS then forgets some of them
+    /// when two such owners come at once on a busy machine, and those topics are never matched (seen in captures: all of discovery
+    /// acknowledged, one early endpoint ignored). So the participant is announced first, and its endpoints a little later.
     pub fn join(environment: Environment, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
         let mut participant = DomainParticipantBuilder::new(environment.domain);
         if environment.reach == Reach::Localhost {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
         let participant = participant.build().map_err(refused("cannot join the ROS network"))?;
+        std::thread::sleep(INTRODUCTION);
         let context =
             Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
         let name = NodeName::new(namespace, node)
