@@ -13,6 +13,7 @@ use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
+use futures_lite::future;
 use log::Level;
 use ros2_client::action::ActionServerQosPolicies;
 use ros2_client::builtin_interfaces::Time as StampMessage;
@@ -382,6 +383,8 @@ impl<M: Message + 'static> Subscription<M> {
     /// The next message, waiting for it. What can not be decoded is logged and passed over.
     pub async fn next(&self) -> (M, Origin) {
         loop {
+            // a topic that is never silent must not starve what waits beside it, such as the order to end
+            future::yield_now().await;
             match self.inner.async_take().await {
                 Ok((message, info)) => return (message, origin(&info)),
                 Err(error) => self.complain(&error),

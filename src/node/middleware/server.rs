@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use futures_lite::future;
 use ros2_client::RmwRequestId;
 use rustdds::GUID;
 
@@ -33,6 +34,8 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
     /// The next request, waiting for it. What can not be decoded is logged and passed over.
     pub async fn next(&self) -> (RequestId, Request) {
         loop {
+            // as of topics: a client that never rests must not starve what waits beside it
+            future::yield_now().await;
             match self.inner.async_receive_request().await {
                 Ok((id, request)) => return (RequestId(id), request),
                 Err(error) => {
