@@ -15,7 +15,7 @@ use log::LevelFilter;
 
 use super::demo_table::{Latest, Table};
 use super::failure::Failure;
-use super::node::failure;
+use super::node::{announce, failure};
 use super::view::ViewArgs;
 
 const URDF: &str = include_str!("../../urdf/demo_arm/demo_arm.urdf");
@@ -40,6 +40,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     // a demo must not be seen, or disturb anything, on other machines
     let environment =
         Environment { reach: Reach::Localhost, ..Environment::of_process().map_err(Failure::input)? };
+    let announcement = announce(environment)?;
     let robot = robot().map_err(Failure::Internal)?;
     let motion = Trajectory::from_yaml(MOTION)
         .map_err(|e| Failure::Internal(format!("config/demo_motion.yaml: {e}")))?;
@@ -48,9 +49,9 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let mut show = view.as_ref().map(View::observer);
     let latest = Latest::default();
     let ended = Arc::new(AtomicBool::new(false));
-    let table = Table::start(latest.clone(), Arc::clone(&ended), environment.domain);
+    let table = Table::start(latest.clone(), Arc::clone(&ended), announcement.environment().domain);
     let result = node::run(NodeOptions {
-        environment,
+        announcement,
         arguments: RosArguments::default(),
         parameters: Parameters::default(),
         robot: Some(robot),

@@ -7,8 +7,8 @@ use clap::Args;
 use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
 use clearance::node::{
-    self, Environment, Motion, NodeError, NodeOptions, ParameterSource, Parameters, RosArguments,
-    Surroundings, Value, View,
+    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, Parameters,
+    RosArguments, Surroundings, Value, View,
 };
 use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
@@ -51,6 +51,7 @@ pub struct NodeArgs {
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
     node::logging::start(arguments.log_level.unwrap_or(level));
+    let announcement = announce(Environment::of_process().map_err(Failure::input)?)?;
     let meshes = MeshLog::default();
     let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
     let robot = match args.model.urdf {
@@ -61,7 +62,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let files = GivenFiles::new(&args.model, &args.world);
     let given = Given { arguments: files.to_json(), files: files.all(), meshes };
     node::run(NodeOptions {
-        environment: Environment::of_process().map_err(Failure::input)?,
+        announcement,
         arguments,
         parameters: Parameters::default(),
         robot,
@@ -74,6 +75,11 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     })
     .map_err(failure)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Announces the node, before anything that takes time.
+pub fn announce(environment: Environment) -> Result<Announcement, Failure> {
+    Announcement::make(environment).map_err(|error| failure(error.into()))
 }
 
 /// Which exit code a failed node means.

@@ -64,6 +64,7 @@ mod view;
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
 pub use environment::{Environment, EnvironmentError, Reach};
 pub use loader::Surroundings;
+pub use middleware::{Announcement, MiddlewareError};
 pub use monitor_loop::Observer;
 pub use motion::{Motion, Trajectory};
 pub use parameter_value::Value;

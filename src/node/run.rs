@@ -11,11 +11,12 @@ use smol::channel::{self, Receiver, Sender};
 use super::arguments::RosArguments;
 use super::clock::RosClock;
 use super::enable_service::EnableService;
-use super::environment::Environment;
 use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Order, Outlook, Surroundings};
 use super::logging::{self, Line};
-use super::middleware::{self, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription};
+use super::middleware::{
+    self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
+};
 use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
 use super::motion_services::MotionServices;
@@ -39,7 +40,8 @@ pub const NODE_NAME: &str = "clearance";
 
 /// Everything that is decided before a node starts.
 pub struct NodeOptions {
-    pub environment: Environment,
+    /// The participant that the node's endpoints will belong to.
+    pub announcement: Announcement,
     pub arguments: RosArguments,
     /// The parameters before files and `-p` change them.
     pub parameters: Parameters,
@@ -59,7 +61,7 @@ pub struct NodeOptions {
 impl std::fmt::Debug for NodeOptions {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("NodeOptions")
-            .field("environment", &self.environment)
+            .field("announcement", &self.announcement)
             .field("arguments", &self.arguments)
             .field("parameters", &self.parameters)
             .finish_non_exhaustive()
@@ -134,8 +136,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     outlook.note_meshes();
     let current_robot = loader.current_robot();
     end_on_signals(end.clone())?;
-    middleware::heed_panics();
-    let middleware = Middleware::join(options.environment, names.namespace(), names.node())?;
+    let domain = options.announcement.environment().domain;
+    let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
     let (own_states, own_states_in) = channel::bounded(1);
@@ -191,7 +193,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     parts.push(Part::new("services", move || smol::block_on(until(&stopped, services.serve()))));
 
     let node = names.full_node_name();
-    log::info!("{node} listens to {joint_states} in domain {}", options.environment.domain);
+    log::info!("{node} listens to {joint_states} in domain {domain}");
     let ended = run_together(parts, &end).map_err(NodeError::Internal);
     if let Some(recorder) = recorder {
         recorder.finish();

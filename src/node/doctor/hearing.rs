@@ -17,7 +17,7 @@ use crate::node::clock::RosClock;
 use crate::node::environment::Environment;
 use crate::node::logging;
 use crate::node::messages::time_of;
-use crate::node::middleware::{MessageKind, Middleware, Quality, Subscription};
+use crate::node::middleware::{Announcement, MessageKind, Middleware, Quality, Subscription};
 use crate::node::names::Names;
 use crate::node::run::{NODE_NAME, NodeError};
 use crate::node::scene::note_transforms;
@@ -52,7 +52,11 @@ pub fn listen(
     const MOST_NUMBERS: usize = 1_000_000;
     const MOST_COMPLAINTS: usize = 100;
     let lines = logging::listen();
-    let middleware = Middleware::join(environment, names.namespace(), &format!("{NODE_NAME}_doctor"))?;
+    let middleware = Middleware::join(
+        Announcement::make(environment)?,
+        names.namespace(),
+        &format!("{NODE_NAME}_doctor"),
+    )?;
     let text = MessageKind("std_msgs", "String");
     let states = middleware.subscription::<JointState>(
         &names.resolve("joint_states")?,

@@ -3,13 +3,13 @@
 //! Another release of ros2-client, or another middleware, is a change here.
 
 mod action_server;
+mod announcement;
 mod complaints;
 mod deafness;
 mod first_request;
 mod peers;
 mod server;
 
-use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
@@ -24,17 +24,17 @@ use ros2_client::{
 };
 use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
-use rustdds::{DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, RTPSEntity, TopicKind};
+use rustdds::{QosPolicies, QosPolicyBuilder, RTPSEntity, TopicKind};
 
 use self::complaints::Complaints;
 use self::peers::Peers;
-use super::environment::{Environment, Reach};
 use super::logging::Line;
 use super::names::{FullName, NameError};
 use crate::monitor::{SourceId, Time};
 
 pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
-pub use self::deafness::{deafness, heed, heed_panics, is_deaf};
+pub use self::announcement::Announcement;
+pub use self::deafness::{deafness, heed, is_deaf};
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
 pub use ros2_client::builtin_interfaces::Time as Stamp;
@@ -103,9 +103,6 @@ impl Quality {
     }
 }
 
-/// From the announcement of the participant to that of its endpoints.
-const INTRODUCTION: Duration = Duration::from_millis(200);
-
 /// One ROS node on the network.
 #[derive(Clone)]
 pub struct Middleware {
@@ -121,24 +118,16 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Middleware {
     /// Joins the network under a node name.
-    ///
-    /// A participant that hears of endpoints before it knows their owner has to ask for them again. Fast DDS then forgets some of them
-    /// when two such owners come at once on a busy machine, and those topics are never matched (seen in captures: all of discovery
-    /// acknowledged, one early endpoint ignored). So the participant is announced first, and its endpoints a little later.
-    pub fn join(environment: Environment, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
-        let mut participant = DomainParticipantBuilder::new(environment.domain);
-        if environment.reach == Reach::Localhost {
-            participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
-        }
-        let participant = participant.build().map_err(refused("cannot join the ROS network"))?;
-        std::thread::sleep(INTRODUCTION);
+    pub fn join(announcement: Announcement, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
+        let reach = announcement.environment().reach;
+        let participant = announcement.heard();
         let context =
             Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
         let name = NodeName::new(namespace, node)
             .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
         // the library's own parameter services know no descriptions or ranges; see `parameter_services`
         let options = NodeOptions::new().start_parameter_services(false);
-        let peers = Arc::new(Peers::new(environment.reach, namespace, node));
+        let peers = Arc::new(Peers::new(reach, namespace, node));
         let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
         Ok(Self { node: Arc::new(Mutex::new(node)), context, peers })
     }

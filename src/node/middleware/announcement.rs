@@ -1,0 +1,57 @@
+//! A participant that peers come to know before its endpoints.
+
+use std::fmt;
+use std::net::Ipv4Addr;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustdds::{DomainParticipant, DomainParticipantBuilder};
+
+use super::deafness::heed_panics;
+use super::{MiddlewareError, refused};
+use crate::node::environment::{Environment, Reach};
+
+/// From the announcement of the participant to that of its endpoints.
+const INTRODUCTION: Duration = Duration::from_millis(200);
+
+/// A participant that is on the network and has no endpoints yet.
+///
+/// A peer that hears of endpoints before it knows their owner has to ask for them again. Fast DDS then forgets some of them when two
+/// such owners come at once, and those topics are never matched (seen in captures: all of discovery acknowledged, one early endpoint
+/// ignored). So the participant is announced as early as can be, and its endpoints a little later.
+pub struct Announcement {
+    environment: Environment,
+    participant: DomainParticipant,
+    since: Instant,
+}
+
+impl fmt::Debug for Announcement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Announcement").field("environment", &self.environment).finish_non_exhaustive()
+    }
+}
+
+impl Announcement {
+    /// Announces a participant; files can be read while peers come to know it.
+    pub fn make(environment: Environment) -> Result<Self, MiddlewareError> {
+        heed_panics();
+        let mut participant = DomainParticipantBuilder::new(environment.domain);
+        if environment.reach == Reach::Localhost {
+            participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
+        }
+        let participant = participant.build().map_err(refused("cannot join the ROS network"))?;
+        Ok(Self { environment, participant, since: Instant::now() })
+    }
+
+    /// Where it was announced.
+    #[must_use]
+    pub fn environment(&self) -> Environment {
+        self.environment
+    }
+
+    /// The participant, after peers have had the time to know it.
+    pub(super) fn heard(self) -> DomainParticipant {
+        thread::sleep(INTRODUCTION.saturating_sub(self.since.elapsed()));
+        self.participant
+    }
+}
