@@ -281,8 +281,9 @@ def test_eight_clients_in_a_loop_all_get_their_answers_while_states_go_on(peer, 
                 assert peer.result(other).verdict == expected
 
     # ten heartbeats: whoever else works on this machine may hold the node up
+    judged = len(cell.states.messages)
     assert longest_silence(cell, ask) < 0.5
-    assert all(state.status == CollisionState.FREE for state in cell.states.messages[-20:])
+    assert {state.status for state in cell.states.messages[judged:]} == {CollisionState.FREE}
 
 
 def test_a_long_motion_holds_no_batch_up(peer, start):

@@ -1,0 +1,105 @@
+//! Joint states of several publishers make one state.
+
+use super::*;
+
+/// A message of publisher `from` about some joints, stamped `seconds` after the start.
+fn part(from: u8, seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
+    JointStateInput { source: SourceId([from; 16]), ..input(seconds, joints) }
+}
+
+#[test]
+fn what_several_publishers_say_is_one_state_with_an_age_for_each_joint() {
+    let mut monitor = monitor();
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0))), "partial");
+    let whole = monitor.on_joint_state(part(2, 0.1, &[("elbow", COLLIDING[1])]), at(0.1));
+    assert_eq!((code(&whole), whole.stamp), ("COLLIDING", Some(time(START))));
+    assert!((whole.age.unwrap() - 0.1).abs() < 1e-9, "the oldest joint's");
+    let moved = monitor.on_joint_state(part(2, 0.2, &[("elbow", 0.0)]), at(0.2));
+    assert_eq!((code(&moved), moved.stamp), ("FREE", Some(time(START))));
+
+    // one of the publishers falls silent
+    let due = monitor.time_to_heartbeat(at(0.2));
+    assert_eq!(due, Duration::from_millis(100));
+    monitor.on_heartbeat(at(0.45));
+    let due = monitor.time_to_heartbeat(at(0.45)).as_secs_f64();
+    assert!((0.05..0.06).contains(&due), "{due}");
+    let judgement = monitor.on_joint_state(part(2, 0.6, &[("elbow", 0.0)]), at(0.6));
+    let reason = judgement.status.reason().unwrap().to_string();
+    assert_eq!(code(&judgement), "stale");
+    assert!(reason.contains("'shoulder' is 0.600 s old") && !reason.contains("elbow"), "{reason}");
+    let judgement = monitor.on_joint_state(part(3, 0.6, &[("shoulder", 0.0)]), at(0.6));
+    assert_eq!(code(&judgement), "FREE", "another takes its place");
+    let reason = monitor.on_heartbeat(at(2.0)).status.reason().unwrap().to_string();
+    assert!(reason.starts_with("the last joint state is 1.400 s old"), "{reason}");
+}
+
+#[test]
+fn what_others_publish_on_the_topic_takes_nothing_from_the_robot() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    let gripper = monitor.on_joint_state(part(2, 0.1, &[("gripper", 0.0)]), at(0.1));
+    assert_eq!((code(&gripper), gripper.stamp), ("FREE", Some(time(START))));
+    assert!(gripper.warnings[0].contains("'gripper'"), "{:?}", gripper.warnings);
+    let broken = JointStateInput { positions: Vec::new(), ..part(2, 0.2, &[("gripper", 0.0)]) };
+    let broken = monitor.on_joint_state(broken, at(0.2));
+    assert_eq!(code(&broken), "FREE");
+    assert!(broken.warnings.iter().any(|w| w.contains("1 names and 0 positions")), "{:?}", broken.warnings);
+    // the robot itself is heard no more
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.6, &[("gripper", 0.0)]), at(0.6))), "stale");
+    // the gripper is forgotten when it falls silent
+    assert!(monitor.on_joint_state(state(1.2, FREE), at(1.2)).warnings.is_empty());
+}
+
+#[test]
+fn of_each_joint_the_last_word_counts() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(part(1, 0.0, &[("shoulder", 0.0), ("elbow", f64::NAN)]), at(0.0));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "non_finite");
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.1, &[("elbow", 0.0)]), at(0.1))), "FREE");
+    // what is malformed speaks for all joints that it names
+    let cut = JointStateInput { positions: vec![0.0], ..part(1, 0.2, &[("shoulder", 0.0), ("other", 0.0)]) };
+    assert_eq!(code(&monitor.on_joint_state(cut, at(0.2))), "malformed");
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.3, &[("elbow", 0.0)]), at(0.3))), "malformed");
+    assert_eq!(code(&monitor.on_joint_state(part(3, 0.4, &[("shoulder", 0.0)]), at(0.4))), "FREE");
+}
+
+#[test]
+fn a_played_bag_is_one_publisher_that_says_what_several_said() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(part(1, 0.10, &[("shoulder", 0.0)]), at(0.1));
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.09, &[("elbow", 0.0)]), at(0.1))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.11, &[("shoulder", 0.0)]), at(0.11))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.10, &[("elbow", 0.0)]), at(0.11))), "FREE");
+    assert_eq!(code(&monitor.on_joint_state(part(1, 0.08, &[("elbow", 0.0)]), at(0.11))), "out_of_order");
+}
+
+#[test]
+fn what_is_only_heard_is_judged_with_the_next() {
+    let mut monitor = monitor();
+    monitor.hear(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0));
+    assert_eq!(code(&monitor.on_joint_state(part(2, 0.0, &[("elbow", 0.0)]), at(0.0))), "FREE");
+}
+
+#[test]
+fn velocities_of_several_publishers_are_those_of_one_robot() {
+    let mut monitor = lookout();
+    let with = |from, name, velocity| JointStateInput {
+        velocities: vec![velocity],
+        ..part(from, 0.0, &[(name, 0.0)])
+    };
+    monitor.hear(with(1, "shoulder", 0.0), at(0.0));
+    assert_eq!(monitor.on_joint_state(with(2, "elbow", 0.0), at(0.0)).time_to_contact(), 0.5);
+    assert_eq!(monitor.on_joint_state(with(2, "elbow", f64::NAN), at(0.0)).time_to_contact(), 0.0);
+}
+
+#[test]
+fn more_publishers_than_are_remembered_do_no_harm() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    for from in 2..200 {
+        monitor.on_joint_state(part(from, 0.1, &[("gripper", 0.0)]), at(0.1));
+    }
+    // the robot was forgotten: that is not taken for free
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "partial");
+    assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.2))), "FREE");
+}

@@ -1,0 +1,92 @@
+//! The speed scale.
+
+use proptest::prelude::*;
+
+use super::*;
+
+const SPEED: SpeedSettings = SpeedSettings {
+    own: SpeedDistances { slowdown: 0.5, stop: 0.1 },
+    world: SpeedDistances { slowdown: 0.0, stop: 0.0 },
+    reaction_time: 0.1,
+    trigger_count: 1,
+    release_count: 1,
+};
+
+/// A monitor that slows down; stale after half a second.
+fn governed(speed: SpeedSettings) -> Monitor {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings { speed, ..MonitorSettings::default() });
+    monitor
+}
+
+/// The distance with this elbow.
+fn distance_at(elbow: f64) -> f64 {
+    governed(SPEED).on_joint_state(state(0.0, [0.0, elbow]), at(0.0)).distance()
+}
+
+#[test]
+fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
+    let (near, distance) = ([0.0, 2.6], distance_at(2.6));
+    assert!((0.1..0.5).contains(&distance), "{distance}");
+    let share = |velocities: &[f64]| {
+        governed(SPEED).on_joint_state(moving(0.0, near, velocities), at(0.0)).speed_scale
+    };
+    let at_rest = (distance - 0.1) / 0.4;
+    assert!((share(&[0.0, 0.0]) - at_rest).abs() < 1e-9);
+    assert_eq!(share(&[]), share(&[0.0, 0.0]), "where nothing is known of velocities, the distance counts");
+    // the ball is above the base, a little to the right: the shoulder lifts it, or lowers it
+    assert_eq!(share(&[1.0, 0.0]), 1.0);
+    assert!(share(&[-1.0, 0.0]) < at_rest);
+    assert!(share(&[0.0, 0.3]) < at_rest);
+    assert_eq!(share(&[0.0, 3.0]), 0.0);
+    assert_eq!(share(&[0.0, -0.3]), 1.0);
+    assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
+}
+
+#[test]
+fn without_velocities_the_last_state_tells_the_way() {
+    let mut monitor = governed(SPEED);
+    let speeds: Vec<f64> = [(0.0, 2.6), (0.1, 2.61), (0.2, 2.6), (0.3, 2.6)]
+        .map(|(t, elbow)| monitor.on_joint_state(state(t, [0.0, elbow]), at(t)).speed_scale)
+        .into();
+    let [resting, folding, opening, held] = speeds[..] else { panic!() };
+    let by_velocity = |elbow, velocity| {
+        governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0)).speed_scale
+    };
+    assert_eq!((resting, opening, held), (by_velocity(2.6, 0.0), 1.0, resting));
+    assert!((folding - by_velocity(2.61, 0.1)).abs() < 1e-3, "{folding}");
+}
+
+#[test]
+fn what_is_not_free_has_no_speed() {
+    let mut monitor = governed(SpeedSettings { release_count: 2, ..SpeedSettings::default() });
+    let mut speed = |input, seconds| monitor.on_joint_state(input, at(seconds)).speed_scale;
+    assert_eq!([speed(state(0.0, FREE), 0.0), speed(state(0.1, FREE), 0.1)], [0.0, 1.0]);
+    assert_eq!(speed(state(0.2, COLLIDING), 0.2), 0.0);
+    assert_eq!([speed(state(0.3, FREE), 0.3), speed(state(0.4, FREE), 0.4)], [0.0, 1.0]);
+    assert_eq!(speed(state(0.5, [0.0, f64::NAN]), 0.5), 0.0);
+    assert_eq!([speed(state(0.6, FREE), 0.6), speed(state(0.7, FREE), 0.7)], [0.0, 1.0]);
+    // a heartbeat is no state; what grows stale stops
+    assert_eq!(monitor.on_heartbeat(at(1.0)).speed_scale, 1.0);
+    assert_eq!(monitor.on_heartbeat(at(1.3)).speed_scale, 0.0);
+    assert_eq!(monitor.on_joint_state(state(1.4, FREE), at(1.4)).speed_scale, 0.0);
+    // a change of the world is none of the states in a row either way
+    monitor.on_joint_state(state(1.5, FREE), at(1.5));
+    monitor.set_checker(revision(2));
+    assert_eq!(monitor.on_joint_state(state(1.6, FREE), at(1.6)).speed_scale, 1.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn the_speed_is_that_of_the_change_of_the_distance(elbow in 2.4..2.8f64, velocity in -2.0..2.0f64) {
+        const STEP: f64 = 1e-4;
+        let distance = distance_at(elbow);
+        let rate = (distance_at(elbow - STEP * velocity) - distance_at(elbow + STEP * velocity)) / (2.0 * STEP);
+        prop_assume!(rate.abs() > 0.01 && distance > 0.0 && distance < 0.5);
+        let judgement = governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0));
+        let expected = if rate < 0.0 { 1.0 } else { ((distance - 0.1 * rate - 0.1) / 0.4).clamp(0.0, 1.0) };
+        prop_assert!((judgement.speed_scale - expected).abs() < 1e-3, "{} but {expected}", judgement.speed_scale);
+    }
+}
