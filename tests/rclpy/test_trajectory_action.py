@@ -43,7 +43,9 @@ class Goals:
 
     def __init__(self, peer, node):
         self._peer = peer
-        self._client = ActionClient(peer.node, CheckTrajectory, node.private("check_trajectory"))
+        name = node.private("check_trajectory")
+        # a client of an action is among the node's entities before it has its lock
+        self._client = peer.between_callbacks(lambda: ActionClient(peer.node, CheckTrajectory, name))
         peer.wait_for(self._client.server_is_ready, "the action")
 
     def send(self, trajectory, **terms):
