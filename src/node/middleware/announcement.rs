@@ -39,7 +39,8 @@ impl Announcement {
         if environment.reach == Reach::Localhost {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
-        let participant = participant.build().map_err(refused("cannot join the ROS network"))?;
+        let participant =
+            without_signals(|| participant.build()).map_err(refused("cannot join the ROS network"))?;
         Ok(Self { environment, participant, since: Instant::now() })
     }
 
@@ -54,4 +55,22 @@ impl Announcement {
         thread::sleep(INTRODUCTION.saturating_sub(self.since.elapsed()));
         self.participant
     }
+}
+
+/// What this starts hears no signals: a thread of `RustDDS` ends when one interrupts its wait (see `deafness`), and the system gives a
+/// signal to any thread that takes it while the main thread does not, as when it starts another.
+#[cfg(unix)]
+fn without_signals<T>(start: impl FnOnce() -> T) -> T {
+    use nix::sys::signal::{SigSet, SigmaskHow};
+    let before = SigSet::all().thread_swap_mask(SigmaskHow::SIG_SETMASK);
+    let started = start();
+    if let Err(error) = before.and_then(|mask| mask.thread_set_mask()) {
+        log::error!("signals may not end this node: {error}");
+    }
+    started
+}
+
+#[cfg(not(unix))]
+fn without_signals<T>(start: impl FnOnce() -> T) -> T {
+    start()
 }
