@@ -15,6 +15,7 @@ from rclpy.context import Context
 from joint_state_source import Source
 from node_process import NodeProcess
 from peer import Peer
+from realtime import may_be_realtime
 from reports import Reports, came
 from rows import Row
 
@@ -22,6 +23,7 @@ RATE = 1000.0  # [Hz]
 RATE_AT_LEAST = 0.99 * RATE  # slower, and it is not this that is measured
 WARM_UP = 3  # reports
 CLIENTS = 8
+REALTIME = "use_realtime_priority"
 COUNTS = ("joint states passed over", "joint states lost", "messages dropped")
 
 
@@ -36,6 +38,14 @@ class Published:
 # [m] the most it can be
 ALL_PAIRS = Published("least distance and all pairs published", {"influence_distance": 10.0})
 NEAR_PAIRS = Published("least distance and pairs within 5 cm published", {"influence_distance": 0.05})
+TOLERANCES = {"distance_relative_tolerance": 0.1, "distance_absolute_tolerance": 0.001}
+
+
+def within_a_tenth(exact):
+    return Published(f"{exact.words} within a tenth or 1 mm", exact.parameters | TOLERANCES)
+
+
+PUBLISHED = [ALL_PAIRS, within_a_tenth(ALL_PAIRS), NEAR_PAIRS, within_a_tenth(NEAR_PAIRS)]
 
 
 class Listener:
@@ -82,7 +92,8 @@ def measure(robot, seconds, domain_id, limit, with_clients, published=ALL_PAIRS)
     with ExitStack() as stack:
         enter = stack.enter_context
         peer = enter(Peer(domain_id))
-        node = enter(NodeProcess(*robot.arguments, domain_id=domain_id, parameters=published.parameters))
+        parameters = published.parameters | {REALTIME: may_be_realtime()}
+        node = enter(NodeProcess(*robot.arguments, domain_id=domain_id, parameters=parameters))
         reports = Reports(peer, node)
         enter(Listener(node.private("state"), domain_id))
         reports.wait_for(lambda _: True, "the node")

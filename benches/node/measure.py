@@ -21,8 +21,8 @@ ROWS = ("latency", "latency-with-clients", "memory", "start", "restart")
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, prog="benches/node/run.sh")
     length = parser.add_mutually_exclusive_group()
-    length.add_argument("--short", action="store_true", help="about two minutes (the default)")
-    length.add_argument("--long", action="store_true", help="about an hour and a half")
+    length.add_argument("--short", action="store_true", help="about five minutes (the default)")
+    length.add_argument("--long", action="store_true", help="about an hour and three quarters")
     parser.add_argument("--binary", type=Path, default=ROOT / "target/release/clearance", help="the program that is measured")
     parser.add_argument("--robot", default="g1", help="whose joint states come at 1 kHz (the table is about g1)")
     parser.add_argument("--rows", default=",".join(ROWS), help=f"some of {','.join(ROWS)}")
@@ -61,8 +61,8 @@ def plan(options):
         return latency.measure(robot(fast), seconds, next(ids), limit, with_clients, published)
 
     return {
-        "latency": [partial(rate, 1.0, False, what) for what in (latency.ALL_PAIRS, latency.NEAR_PAIRS)],
-        "latency-with-clients": [partial(rate, 2.0, True, what) for what in (latency.ALL_PAIRS, latency.NEAR_PAIRS)],
+        "latency": [partial(rate, 1.0, False, what) for what in latency.PUBLISHED],
+        "latency-with-clients": [partial(rate, 2.0, True, what) for what in latency.PUBLISHED],
         "memory": [lambda: memory.measure(robot(fast), watched, next(ids))],
         "start": [
             lambda: start.measure(robot("ur5e"), starts, next(ids), 1.0),
@@ -87,6 +87,9 @@ def attempt(name, measure):
 
 def facts(options):
     """What the figures belong to."""
+    from latency import REALTIME
+    from realtime import may_be_realtime
+
     tell = lambda *command: subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     with open("/proc/cpuinfo") as cpus:
         names = [line.split(":")[1].strip() for line in cpus if line.startswith("model name")]
@@ -96,6 +99,7 @@ def facts(options):
         "machine": f"{names[0] if names else platform.machine()}, {os.cpu_count()} threads, Linux {platform.release()}",
         "program": f"{tell(options.binary.resolve(), '--version')}; the tree is at {tell('git', 'rev-parse', '--short', 'HEAD')}{changed}",
         "peers": f"rclpy of {os.environ.get('CLEARANCE_ROS', 'kilted')}, Python {platform.python_version()}, on the same machine",
+        "latency": f"with {REALTIME}: {str(may_be_realtime()).lower()}",
         "length": "long" if options.long else "short",
     }
 

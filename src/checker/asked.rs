@@ -38,9 +38,14 @@ impl Asked<'_> {
             Question::Survey { influence_distance, limit } => {
                 self.distances(influence_distance);
                 if self.report.nearest.is_none() && limit > influence_distance.greater(0.0) {
+                    let are_beyond = self.report.undecided.is_empty();
                     self.report.undecided.clear();
                     self.least_distance(limit);
                     self.report.believe_contact();
+                    if let Some(nearest) = self.report.nearest.as_mut().filter(|_| are_beyond) {
+                        let beyond = influence_distance.greater(CONTACT_DISTANCE);
+                        nearest.lower = nearest.lower.greater(beyond.lesser(nearest.distance));
+                    }
                 }
             }
         }
@@ -200,14 +205,31 @@ impl Asked<'_> {
         for k in 0..self.workspace.queue.len() {
             let pair = self.workspace.queue[k];
             let Some(found) = self.distance(pair, limit) else { continue };
-            let may_touch = found.lower < found.distance && found.lower <= CONTACT_DISTANCE;
-            if found.distance == 0.0 || (may_touch && self.touches(pair)) {
+            let found = self.decided(pair, found);
+            if found.distance == 0.0 {
                 self.report.add_hit(self.checker.info(pair.index).ids);
             }
             if self.report.nearest.is_none_or(|n| found.distance < n.distance) {
                 self.report.nearest = Some(found);
             }
             self.report.pair_distances.push(found);
+        }
+    }
+
+    /// What was found of a pair, with contact decided where a tolerance left it open.
+    fn decided(&mut self, pair: QueuedPair, found: PairDistance) -> PairDistance {
+        if found.lower == found.distance || found.lower > CONTACT_DISTANCE {
+            return found;
+        }
+        let open = self.report.undecided.len();
+        if self.touches(pair) {
+            let exact = if self.effort.deadline.is_none() { self.exact_distance(pair, 0.0) } else { None };
+            let witness_points = exact.map_or(found.witness_points, |exact| exact.witness_points);
+            PairDistance { distance: 0.0, lower: 0.0, witness_points, ..found }
+        } else if self.report.undecided.len() == open {
+            PairDistance { lower: CONTACT_DISTANCE.lesser(found.distance), ..found }
+        } else {
+            found
         }
     }
 
@@ -237,9 +259,22 @@ impl Asked<'_> {
 
     /// The padded distance of a pair of the queue, unless it is proven larger than `limit`.
     fn distance(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
-        if !self.effort.is_exact() {
+        let QueuedPair { lower, index } = queued;
+        if self.effort.is_exact() {
+            return self.exact_distance(queued, limit);
+        }
+        let exact_within = self.effort.exact_within;
+        if exact_within <= 0.0 || lower > exact_within || self.effort.deadline.is_some() {
             return self.distance_with_effort(queued, limit);
         }
+        let near = self.exact_distance(queued, exact_within.lesser(limit));
+        if near.is_some() || limit <= exact_within {
+            return near;
+        }
+        self.distance_with_effort(QueuedPair { lower: exact_within, index }, limit)
+    }
+
+    fn exact_distance(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
         let index = queued.index;
         let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
         let pair = self.checker.pair(index, frames);
@@ -271,13 +306,32 @@ impl Asked<'_> {
             self.report.undecided.push(pair.undecided(lower + pair.info.padding, None));
             return None;
         }
-        let scratch = &mut self.workspace.scratch;
-        let found = pair.separation_bounds(limit + pair.info.padding, self.effort, scratch);
+        let effort = &self.raw_effort(pair.info.padding);
+        let Workspace { scratch, stream, .. } = &mut *self.workspace;
+        let limit = (limit + pair.info.padding).greater(CONTACT_DISTANCE);
+        let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
+            Some(stream) => {
+                let memory = stream.memory(index);
+                // bounds below zero were cut off there
+                let certain =
+                    if lower > 0.0 { (lower + pair.info.padding).next_down() } else { f64::NEG_INFINITY };
+                let found = pair.separation_bounds_remembering((certain, limit), effort, memory, scratch);
+                stream.learn(index, found.lower - pair.info.padding);
+                found
+            }
+            None => pair.separation_bounds(limit, effort, scratch),
+        };
         if found.interrupted {
             self.report.undecided.push(pair.undecided(found.lower, found.upper.map(|upper| upper.distance)));
         }
-        let upper = found.upper?;
+        let upper = found.upper.filter(|_| found.lower <= limit)?;
         Some(PairDistance { lower: (found.lower - pair.info.padding).greater(0.0), ..pair.padded(&upper) })
+    }
+
+    /// The effort for bodies without the padding that their distance is told without.
+    fn raw_effort(&self, padding: f64) -> Effort {
+        let exact_within = self.effort.exact_within;
+        Effort { exact_within: if exact_within > 0.0 { exact_within + padding } else { 0.0 }, ..*self.effort }
     }
 }
 

@@ -216,7 +216,8 @@ impl CollisionChecker {
     }
 
     /// As [`Self::workspace`], for states that follow each other closely: what was found about one is used for the next, and
-    /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took.
+    /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took; those within a
+    /// tolerance ([`Self::check_with`]) are bounds, which depend on what was asked before, for a fraction of the work.
     #[must_use]
     pub fn streaming_workspace(&self) -> Workspace {
         let stream = Stream::new(self.revision, self.infos.len(), self.riders.len());

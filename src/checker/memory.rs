@@ -4,9 +4,11 @@
 //! of the other, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
 //! distance from above, and of a pair that stays near, the elements that may be nearest are kept.
 //!
-//! None of this changes an answer: a distance that is found depends neither on the limit of the search, as long as that is not
+//! None of this changes an exact answer: a distance that is found depends neither on the limit of the search, as long as that is not
 //! below it, nor on the order in which elements are met. (Which common point of touching bodies is found does; reports have
 //! that of a search of its own.)
+
+mod tolerant;
 
 use super::pair::Pair;
 use crate::constants::CONTACT_DISTANCE;

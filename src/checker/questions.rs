@@ -96,7 +96,8 @@ impl CollisionChecker {
     }
 
     /// As [`Self::check`], with tolerances for distances, or until a deadline: what is then open is among the report's
-    /// undecided pairs, and the robot is not free. Only exact answers make use of a stream's memory.
+    /// undecided pairs, and the robot is not free. Answers until a deadline make no use of a stream's memory; those of a stream
+    /// within a tolerance depend on what it was asked before, and may tell pairs whose lower bound alone is within the limit.
     #[must_use]
     pub fn check_with(
         &self,
@@ -108,7 +109,7 @@ impl CollisionChecker {
         self.suit(workspace);
         let mut report = CollisionReport::default();
         workspace.scratch.work = Work::default();
-        let stream = if effort.is_exact() { None } else { workspace.stream.take() };
+        let stream = if effort.deadline.is_none() { None } else { workspace.stream.take() };
         Asked { checker: self, q, effort, workspace, report: &mut report }.answer(question);
         self.settle(workspace);
         workspace.stream = stream.or(workspace.stream.take());

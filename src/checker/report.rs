@@ -79,6 +79,19 @@ impl CollisionReport {
         !self.self_collision && !self.world_collision && apart
     }
 
+    /// Tells of every pair that was decided the distance that is certain, in place of that of its witness points: what
+    /// tolerances left open makes distances smaller then, and never larger than they are.
+    pub fn tell_certain_distances(&mut self) {
+        if !self.undecided.is_empty() {
+            return;
+        }
+        for pair in self.pair_distances.iter_mut().chain(&mut self.nearest) {
+            pair.distance = pair.lower;
+        }
+        let nearest = self.pair_distances.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
+        self.nearest = nearest.copied().or(self.nearest);
+    }
+
     /// A number (m) that no pair's distance is below, of those within the question's limit; infinite if there are none.
     #[must_use]
     pub fn least_distance_lower(&self) -> f64 {

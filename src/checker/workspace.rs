@@ -11,7 +11,7 @@ use crate::query::Scratch;
 use crate::robot::Frame;
 use crate::simd::LANES;
 
-/// Scratch memory of one thread's queries. Its contents save the next query work, and change no answer; given to another
+/// Scratch memory of one thread's queries. Its contents save the next query work, and change no exact answer; given to another
 /// checker than it was made by, it becomes that one's.
 #[derive(Clone, Debug)]
 pub struct Workspace {

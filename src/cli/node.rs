@@ -7,8 +7,8 @@ use clap::Args;
 use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
 use clearance::node::{
-    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, Parameters,
-    RosArguments, Surroundings, Value, View,
+    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments,
+    Surroundings, Urgency, Value, View,
 };
 use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
@@ -51,7 +51,9 @@ pub struct NodeArgs {
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
     node::logging::start(arguments.log_level.unwrap_or(level));
-    let announcement = announce(Environment::of_process().map_err(Failure::input)?)?;
+    let parameters = node::initial_parameters(&arguments).map_err(failure)?;
+    let urgency = Urgency::allowed(parameters.use_realtime_priority).map_err(failure)?;
+    let announcement = announce(Environment::of_process().map_err(Failure::input)?, urgency)?;
     let meshes = MeshLog::default();
     let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
     let robot = match args.model.urdf {
@@ -64,7 +66,8 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     node::run(NodeOptions {
         announcement,
         arguments,
-        parameters: Parameters::default(),
+        parameters,
+        urgency,
         robot,
         surroundings: args.surroundings(mesh_files.clone()),
         mesh_files,
@@ -78,8 +81,8 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
 }
 
 /// Announces the node, before anything that takes time.
-pub fn announce(environment: Environment) -> Result<Announcement, Failure> {
-    Announcement::make(environment).map_err(|error| failure(error.into()))
+pub fn announce(environment: Environment, urgency: Urgency) -> Result<Announcement, Failure> {
+    Announcement::make(environment, urgency).map_err(|error| failure(error.into()))
 }
 
 /// Which exit code a failed node means.

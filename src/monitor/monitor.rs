@@ -16,7 +16,6 @@ use super::{
 };
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use crate::math::Extremes;
-use crate::query::Effort;
 use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -354,8 +353,9 @@ impl Subject {
             influence_distance: settings.influence_distance.greater(settings.speed.reach()),
             limit: settings.distance_limit,
         };
-        let effort = if fixed.is_some() { Effort::default() } else { settings.effort() };
-        let report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
+        let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        report.tell_certain_distances();
         let mut left_out = fixed.unwrap_or_default();
         if !report.undecided.is_empty() {
             left_out = LeftOut::Pairs;

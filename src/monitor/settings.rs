@@ -5,6 +5,9 @@ use std::time::{Duration, Instant};
 use super::SpeedSettings;
 use crate::query::Effort;
 
+/// Longer than any check.
+const UNHURRIED: Duration = Duration::from_secs(86_400);
+
 /// Choices that may change at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonitorSettings {
@@ -24,6 +27,10 @@ pub struct MonitorSettings {
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
     pub distance_limit: f64,
+    /// By how much (m) a distance may be told too small, in place of exactly.
+    pub distance_absolute_tolerance: f64,
+    /// The same as a share of the distance, in [0, 1); the larger of the two counts.
+    pub distance_relative_tolerance: f64,
     /// When the robot is to be slower.
     pub speed: SpeedSettings,
     /// How far ahead (s) it is looked for contacts; 0: not at all.
@@ -43,6 +50,8 @@ impl Default for MonitorSettings {
             transform_ttl: 1.0,
             influence_distance: 0.1,
             distance_limit: 1.0,
+            distance_absolute_tolerance: 0.0,
+            distance_relative_tolerance: 0.0,
             speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,
@@ -55,7 +64,24 @@ impl MonitorSettings {
     #[must_use]
     pub(super) fn effort(&self) -> Effort {
         let time = Duration::try_from_secs_f64(self.check_deadline).ok().filter(|time| !time.is_zero());
-        Effort { deadline: time.and_then(|time| Instant::now().checked_add(time)), ..Effort::default() }
+        self.effort_until(time.and_then(|time| Instant::now().checked_add(time)))
+    }
+
+    /// The same for a check that may take as long as it does, done in the same way.
+    #[must_use]
+    pub(super) fn unhurried_effort(&self) -> Effort {
+        let hurried = self.effort().deadline.is_some();
+        self.effort_until(Instant::now().checked_add(UNHURRIED).filter(|_| hurried))
+    }
+
+    fn effort_until(&self, deadline: Option<Instant>) -> Effort {
+        Effort {
+            relative_tolerance: self.distance_relative_tolerance,
+            absolute_tolerance: self.distance_absolute_tolerance,
+            // how fast two bodies approach is how fast their nearest points do
+            exact_within: self.speed.reach(),
+            deadline,
+        }
     }
 
     /// Longest silence allowed between two judgements.

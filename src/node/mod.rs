@@ -59,6 +59,7 @@ mod state_services;
 mod swept_volume_markers;
 mod threads;
 mod trajectory_action;
+mod urgency;
 mod view;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
@@ -69,5 +70,6 @@ pub use monitor_loop::Observer;
 pub use motion::{Motion, Trajectory};
 pub use parameter_value::Value;
 pub use parameters::Parameters;
-pub use run::{NODE_NAME, NodeError, NodeOptions, run};
+pub use run::{NODE_NAME, NodeError, NodeOptions, initial_parameters, run};
+pub use urgency::Urgency;
 pub use view::{View, ViewAddress, ViewAddressError, ViewError};

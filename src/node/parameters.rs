@@ -19,6 +19,8 @@ pub struct Parameters {
     pub check_deadline: f64,
     pub influence_distance: f64,
     pub distance_limit: f64,
+    pub distance_absolute_tolerance: f64,
+    pub distance_relative_tolerance: f64,
     pub slowdown_distance_self: f64,
     pub slowdown_distance_world: f64,
     pub stop_distance_self: f64,
@@ -50,6 +52,7 @@ pub struct Parameters {
     pub record_file: String,
     pub record_max_size: f64,
     pub record_max_duration: f64,
+    pub use_realtime_priority: bool,
     pub use_sim_time: bool,
 }
 
@@ -65,6 +68,8 @@ impl Default for Parameters {
             check_deadline: monitor.check_deadline,
             influence_distance: monitor.influence_distance,
             distance_limit: monitor.distance_limit,
+            distance_absolute_tolerance: monitor.distance_absolute_tolerance,
+            distance_relative_tolerance: monitor.distance_relative_tolerance,
             slowdown_distance_self: monitor.speed.own.slowdown,
             slowdown_distance_world: monitor.speed.world.slowdown,
             stop_distance_self: monitor.speed.own.stop,
@@ -96,6 +101,7 @@ impl Default for Parameters {
             record_file: String::new(),
             record_max_size: 4000.0,
             record_max_duration: 0.0,
+            use_realtime_priority: false,
             use_sim_time: false,
         }
     }
@@ -113,6 +119,8 @@ impl Parameters {
             transform_ttl: self.transform_ttl,
             influence_distance: self.influence_distance,
             distance_limit: self.distance_limit,
+            distance_absolute_tolerance: self.distance_absolute_tolerance,
+            distance_relative_tolerance: self.distance_relative_tolerance,
             speed: self.speed_settings(),
             look_ahead_horizon: self.look_ahead_horizon,
             look_ahead_acceleration: self.look_ahead_acceleration,

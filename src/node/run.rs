@@ -31,6 +31,7 @@ use super::scene_keeper::Glimpse;
 use super::simulation_clock;
 use super::state_services::StateServices;
 use super::threads::{End, Part, run_together, until};
+use super::urgency::Urgency;
 use crate::checker::MeshModel;
 use crate::monitor::Monitor;
 use crate::robot::{MeshFiles, RobotModel};
@@ -43,8 +44,10 @@ pub struct NodeOptions {
     /// The participant that the node's endpoints will belong to.
     pub announcement: Announcement,
     pub arguments: RosArguments,
-    /// The parameters before files and `-p` change them.
+    /// The parameters in force at the start.
     pub parameters: Parameters,
+    /// That of the threads between joint states and answers, as of the participant's.
+    pub urgency: Urgency,
     /// Without a robot it is awaited on `robot_description`.
     pub robot: Option<RobotModel>,
     /// Where meshes of a described robot are looked up.
@@ -105,7 +108,7 @@ const DEAF: &str = "the threads of the network library have ended, as they do wh
 /// Runs a node until SIGINT or SIGTERM.
 pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let names = Names::new(NODE_NAME, &options.arguments.remaps)?;
-    let parameters = initial_parameters(&options, &names)?;
+    let NodeOptions { parameters, urgency, .. } = options;
     let clock = Arc::new(RosClock::new(parameters.use_sim_time));
     let (events, events_in) = channel::unbounded();
     let (orders, orders_in) = channel::unbounded();
@@ -170,7 +173,12 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let own = (store, tape, Arc::clone(&clock), small);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
-        Part::new("monitor", move || smol::block_on(monitor_loop.run())),
+        Part::new("monitor", move || {
+            if let Err(why) = urgency.take() {
+                log::error!("the monitor's thread is as urgent as any other: {why}");
+            }
+            smol::block_on(monitor_loop.run());
+        }),
         Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
     ];
     if let Some((motion, publisher)) = motion {
@@ -237,14 +245,17 @@ fn record(
     Ok((tape, Some(recorder)))
 }
 
-fn initial_parameters(options: &NodeOptions, names: &Names) -> Result<Parameters, NodeError> {
-    let arguments = &options.arguments;
+/// The parameters that files and `-p` ask for.
+///
+/// # Errors
+/// When a file can not be read, or a value is none that the parameter can have.
+pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeError> {
     for ignored in &arguments.ignored {
         log::warn!("{ignored} has no effect here");
     }
-    let defaults = options.parameters.clone();
+    let names = Names::new(NODE_NAME, &arguments.remaps)?;
     let (parameters, passed_over) =
-        parameter_files::initial(defaults, &arguments.parameters, names).map_err(input)?;
+        parameter_files::initial(Parameters::default(), &arguments.parameters, &names).map_err(input)?;
     for parameter in passed_over {
         log::info!("this node has no parameter {parameter}");
     }

@@ -65,6 +65,8 @@ pub struct Effort {
     pub relative_tolerance: f64,
     /// Or by this much (m).
     pub absolute_tolerance: f64,
+    /// Distances up to this (m) are told exactly all the same.
+    pub exact_within: f64,
     /// When to stop with what is known so far.
     pub deadline: Option<Instant>,
 }
@@ -73,7 +75,8 @@ impl Effort {
     /// Whether nothing less than the exact answer is asked for, however long it takes.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        *self == Self::default()
+        let is_tolerant = self.relative_tolerance > 0.0 || self.absolute_tolerance > 0.0;
+        !is_tolerant && self.deadline.is_none()
     }
 
     /// Whether the deadline has passed.
@@ -85,7 +88,8 @@ impl Effort {
     /// What a distance may really be when it is told as `upper`; tolerances below zero count as zero.
     #[must_use]
     pub fn lower(&self, upper: f64) -> f64 {
-        upper - self.absolute_tolerance.greater(self.relative_tolerance * upper).greater(0.0)
+        let within = upper - self.absolute_tolerance.greater(self.relative_tolerance * upper).greater(0.0);
+        if self.exact_within > 0.0 { within.greater(self.exact_within.lesser(upper)) } else { within }
     }
 }
 

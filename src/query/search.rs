@@ -36,7 +36,12 @@ impl Goal {
     pub const EXACT: Self = Self {
         limit: f64::INFINITY,
         enough: 0.0,
-        effort: Effort { relative_tolerance: 0.0, absolute_tolerance: 0.0, deadline: None },
+        effort: Effort {
+            relative_tolerance: 0.0,
+            absolute_tolerance: 0.0,
+            exact_within: 0.0,
+            deadline: None,
+        },
     };
 
     /// Anything that touches.

@@ -301,7 +301,7 @@ fn bounds_of_a_distance_hold() {
         let pose_ab = random.pose(1.2);
         let truth = least(&a, &b, &pose_ab);
         let mut scratch = Scratch::default();
-        let rough = Effort { relative_tolerance: 0.25, absolute_tolerance: 0.01, deadline: None };
+        let rough = Effort { relative_tolerance: 0.25, absolute_tolerance: 0.01, ..Effort::default() };
         let found = distance_bounds(&a, &b, &pose_ab, f64::INFINITY, &rough, &mut scratch);
         let upper = found.upper.unwrap().distance;
         assert!(!found.interrupted && found.lower <= truth && truth <= upper);

@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use clearance::checker::{CollisionChecker, CollisionReport, Question, Settings, UndecidedPair};
+use clearance::checker::{Body, CollisionChecker, CollisionReport, Question, Settings, UndecidedPair};
 use clearance::query::Effort;
 use clearance::robot::Configuration;
 
 use crate::random::Random;
-use crate::streams::{checkers, random_state};
+use crate::streams::{checkers, random_state, walk};
 
 const ALL: Question = Question::PairDistances { limit: f64::INFINITY };
 
@@ -29,7 +29,7 @@ fn tolerances_are_kept() {
         for _ in 0..60 {
             let q = random_state(&checker, &mut random);
             let truth = exact(&checker, &q);
-            let effort = Effort { relative_tolerance: 0.2, absolute_tolerance: 0.01, deadline: None };
+            let effort = Effort { relative_tolerance: 0.2, absolute_tolerance: 0.01, ..Effort::default() };
             let limit = f64::INFINITY;
             let nearest = checker.check(&q, Question::Distance { limit }, &mut workspace);
             full += nearest.work.screened_pairs;
@@ -50,6 +50,104 @@ fn tolerances_are_kept() {
         }
     }
     assert!(saved < full, "{saved} triangles screened instead of {full}");
+}
+
+/// A stream within a tolerance tells bounds of the truth no farther apart than that, every pair within the limit, and contact
+/// exactly; and what is asked exactly in between stays exact.
+#[test]
+fn tolerant_streams_tell_the_truth_for_less() {
+    let small = Effort { relative_tolerance: 0.1, absolute_tolerance: 0.002, ..Effort::default() };
+    let large =
+        Effort { relative_tolerance: 0.6, absolute_tolerance: 0.1, exact_within: 0.04, deadline: None };
+    let questions = [
+        Question::PairDistances { limit: 0.05 },
+        ALL,
+        Question::Survey { influence_distance: 0.05, limit: 1.0 },
+        Question::Survey { influence_distance: 0.0, limit: f64::INFINITY },
+        Question::PairDistances { limit: -1.0 },
+        Question::PairDistances { limit: f64::NAN },
+        Question::Distance { limit: f64::INFINITY },
+        Question::Pairs,
+        Question::Free,
+    ];
+    let mut random = Random::new(74);
+    let mut hits = 0;
+    for checker in checkers() {
+        let streams = || questions.map(|_| checker.streaming_workspace());
+        let (mut tolerant, mut loose, mut exactly) = (streams(), streams(), streams());
+        let mut costs = [[0.0; 2]; 3];
+        for (i, q) in walk(&checker, &mut random, 3, 25).iter().enumerate() {
+            let truth = exact(&checker, q);
+            hits += u32::from(!truth.is_free());
+            for (k, question) in questions.into_iter().enumerate() {
+                for (effort, stream) in [(&small, &mut tolerant[k]), (&large, &mut loose[k])] {
+                    let told = checker.check_with(q, question, effort, stream);
+                    assert_eq!(told.is_free(), truth.is_free(), "{question:?}, {effort:?}");
+                    are_bounds(&checker, (&told, &truth), question, effort);
+                    if effort == &small && k < costs.len() {
+                        costs[k][0] += told.work.volume_tests as f64;
+                    }
+                }
+                let exact = checker.check(q, question, &mut exactly[k]);
+                if k < costs.len() {
+                    costs[k][1] += exact.work.volume_tests as f64;
+                }
+                if i % 19 == 0 {
+                    let between = checker.check(q, question, &mut tolerant[k]);
+                    assert_eq!(
+                        (between.nearest, between.pair_distances),
+                        (exact.nearest, exact.pair_distances)
+                    );
+                }
+            }
+        }
+        let shares = costs.map(|[tolerant, exact]| tolerant / exact);
+        eprintln!("volume tests of tolerant streams, as shares of those of exact ones: {shares:?}");
+        assert!(shares[0] < 0.8 && shares[1] < 0.5 && shares[2] < 0.8, "{shares:?}");
+    }
+    assert!(hits > 5, "{hits} states collide");
+}
+
+/// That what was told within a tolerance is true of every pair.
+fn are_bounds(
+    checker: &CollisionChecker,
+    (told, truth): (&CollisionReport, &CollisionReport),
+    question: Question,
+    effort: &Effort,
+) {
+    let padding = |bodies: [Body; 2]| {
+        let links = bodies.iter().filter(|body| matches!(body, Body::Link(_))).count();
+        checker.settings().padding * links as f64
+    };
+    for pair in &told.pair_distances {
+        let padding = padding([pair.a, pair.b]);
+        let truth = truth.pair_distances.iter().find(|p| (p.a, p.b) == (pair.a, pair.b)).unwrap().distance;
+        assert!(pair.lower <= truth && truth <= pair.distance + 1e-12, "{pair:?}, not {truth} m");
+        assert!(pair.lower >= effort.lower(pair.distance + padding) - padding - 1e-9, "{pair:?}");
+        assert!(pair.distance > effort.exact_within || (pair.lower - truth).abs() < 1e-12, "{pair:?}");
+        let [p, q] = pair.witness_points;
+        let apart = nalgebra::distance(&p, &q) - padding;
+        assert!(pair.distance == 0.0 || (apart - pair.distance).abs() < 1e-9, "{pair:?}: {apart} m");
+    }
+    let (all_within, least_within) = match question {
+        Question::PairDistances { limit } => (limit, limit),
+        Question::Survey { influence_distance, limit } => (influence_distance, limit),
+        Question::Distance { limit } => (f64::NEG_INFINITY, limit),
+        Question::Pairs | Question::Free => return,
+    };
+    for pair in truth.pair_distances.iter().filter(|pair| pair.distance <= all_within) {
+        assert!(told.pair_distances.iter().any(|p| (p.a, p.b) == (pair.a, pair.b)), "{pair:?} is not told");
+    }
+    let least = truth.nearest.unwrap().distance;
+    let Some(nearest) = told.nearest else {
+        assert!(least > least_within.max(0.0));
+        return;
+    };
+    assert!(told.least_distance_lower() <= least && least <= nearest.distance + 1e-12);
+    let mut certain = told.clone();
+    certain.tell_certain_distances();
+    let certain = certain.nearest.unwrap().distance;
+    assert!(certain <= least && (certain > 0.0 || !truth.is_free()), "{certain} m, not {least} m");
 }
 
 /// However early a deadline comes, what is told is true, what is not known is told as open, and no proof is claimed.

@@ -49,7 +49,12 @@ pub fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configur
 }
 
 /// Small steps from random states, and a jump now and then.
-fn walk(checker: &CollisionChecker, random: &mut Random, jumps: usize, steps: usize) -> Vec<Configuration> {
+pub fn walk(
+    checker: &CollisionChecker,
+    random: &mut Random,
+    jumps: usize,
+    steps: usize,
+) -> Vec<Configuration> {
     let mut states = Vec::new();
     for _ in 0..jumps {
         let mut state = random_state(checker, random);

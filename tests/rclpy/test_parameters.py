@@ -61,6 +61,17 @@ def test_the_distance_limit_changes_live(start):
     distance.wait_for(lambda message: message.data == pytest.approx(0.7), "the distance")
 
 
+def test_a_tolerance_tells_distances_too_small_if_anything(start):
+    cell = start(parameters={"distance_limit": 1.0, "distance_relative_tolerance": 0.5})
+    for folded in (0, 5 * pi / 6):
+        tolerant = cell.judged(joint1=0, joint2=folded)
+        cell.parameters.succeed(distance_relative_tolerance=0.0)
+        exact = cell.judged(joint1=0, joint2=folded)
+        assert tolerant.status == exact.status == CollisionState.FREE
+        assert 0.5 * exact.nearest.distance <= tolerant.nearest.distance < exact.nearest.distance
+        cell.parameters.succeed(distance_relative_tolerance=0.5)
+
+
 def test_staleness_changes_live(cell):
     cell.judged(joint1=0, joint2=0)
     cell.driver.pause()

@@ -321,6 +321,34 @@ fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
     assert!(code(&free) == "FREE" && (free.distance() - 1.7).abs() < 1e-9, "{}", free.distance());
 }
 
+/// With a tolerance, what is told is never more than what is true, and what is free stays free.
+#[test]
+fn distances_within_a_tolerance_are_told_too_small_if_anything() {
+    let mut exact = monitor();
+    let mut tolerant = monitor();
+    let allowed = |settings: &mut MonitorSettings| {
+        settings.distance_absolute_tolerance = 0.01;
+        settings.distance_relative_tolerance = 0.2;
+        settings.influence_distance = 1.0;
+        settings.clone()
+    };
+    tolerant
+        .set_settings(allowed(&mut MonitorSettings { distance_limit: 5.0, ..MonitorSettings::default() }));
+    let mut smaller = 0;
+    for i in 0..200 {
+        let seconds = f64::from(i) * 0.01;
+        let folding = [0.1 * seconds, 1.65 * seconds];
+        let [exact, tolerant] = [&mut exact, &mut tolerant]
+            .map(|monitor| monitor.on_joint_state(state(seconds, folding), at(seconds)));
+        assert_eq!(tolerant.status, exact.status);
+        let (told, truth) = (tolerant.distance(), exact.distance());
+        assert!(told <= truth && told >= 0.8 * truth - 0.01, "{told} m instead of {truth} m");
+        assert_eq!(told == 0.0, tolerant.status == Status::Colliding);
+        smaller += u32::from(told < truth);
+    }
+    assert!(smaller > 100, "only {smaller} distances made use of the tolerance");
+}
+
 #[test]
 fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
     let mut monitor = monitor();

@@ -43,6 +43,30 @@ fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
     assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
 }
 
+/// Where the robot is slowed down, tolerances do not count: of points that are only near, nobody knows where they move.
+#[test]
+fn tolerances_leave_the_speed_as_it_is() {
+    let mut exact = governed(SPEED);
+    let mut tolerant = governed(SPEED);
+    tolerant.set_settings(MonitorSettings {
+        speed: SPEED,
+        distance_absolute_tolerance: 0.3,
+        distance_relative_tolerance: 0.5,
+        ..MonitorSettings::default()
+    });
+    let mut slowed = 0;
+    for i in 0..100 {
+        let seconds = f64::from(i) * 0.01;
+        let (positions, velocities) = ([0.2 * (9.0 * seconds).sin(), 2.2 + 0.9 * seconds], [0.3, 0.9]);
+        let [exact, tolerant] = [&mut exact, &mut tolerant].map(|monitor| {
+            monitor.on_joint_state(moving(seconds, positions, &velocities), at(seconds)).speed_scale
+        });
+        assert_eq!(exact, tolerant, "after {seconds} s");
+        slowed += u32::from(exact < 1.0);
+    }
+    assert!(slowed > 30, "{slowed} states were slowed down");
+}
+
 #[test]
 fn without_velocities_the_last_state_tells_the_way() {
     let mut monitor = governed(SPEED);

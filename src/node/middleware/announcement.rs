@@ -10,6 +10,7 @@ use rustdds::{DomainParticipant, DomainParticipantBuilder};
 use super::deafness::heed_panics;
 use super::{MiddlewareError, refused};
 use crate::node::environment::{Environment, Reach};
+use crate::node::urgency::Urgency;
 
 /// From the announcement of the participant to that of its endpoints.
 const INTRODUCTION: Duration = Duration::from_millis(200);
@@ -32,15 +33,16 @@ impl fmt::Debug for Announcement {
 }
 
 impl Announcement {
-    /// Announces a participant; files can be read while peers come to know it.
-    pub fn make(environment: Environment) -> Result<Self, MiddlewareError> {
+    /// Announces a participant, whose threads are as urgent as told; files can be read while peers come to know it.
+    pub fn make(environment: Environment, urgency: Urgency) -> Result<Self, MiddlewareError> {
         heed_panics();
         let mut participant = DomainParticipantBuilder::new(environment.domain);
         if environment.reach == Reach::Localhost {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
-        let participant =
-            without_signals(|| participant.build()).map_err(refused("cannot join the ROS network"))?;
+        let participant = (urgency.starting(|| without_signals(|| participant.build())))
+            .map_err(refused("cannot start urgent threads"))?
+            .map_err(refused("cannot join the ROS network"))?;
         Ok(Self { environment, participant, since: Instant::now() })
     }
 

@@ -56,11 +56,25 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Edge of the cubes to which clouds are thinned out; 0 turns it off.",
         ),
         double(
+            "distance_absolute_tolerance",
+            "m",
+            (0.0, 1.0),
+            |p| &mut p.distance_absolute_tolerance,
+            "By how much distances may be told too small, for answers in a fraction of the time; 0 means exactly. The larger of this and distance_relative_tolerance counts.",
+        ),
+        double(
             "distance_limit",
             "m",
             (0.0, 100.0),
             |p| &mut p.distance_limit,
             "Distance beyond which the least distance is not looked for; it is then reported as infinite.",
+        ),
+        double(
+            "distance_relative_tolerance",
+            "m/m",
+            (0.0, 0.9),
+            |p| &mut p.distance_relative_tolerance,
+            "By which share of themselves distances may be told too small; the larger of this and distance_absolute_tolerance counts.",
         ),
         double(
             "heartbeat_rate",
@@ -274,6 +288,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             access: Access::Word(|p| &mut p.unknown_space),
             ..described("unknown_space", "", "What the space that an octomap does not know counts as.")
         },
+        boolean(
+            "use_realtime_priority",
+            |p| &mut p.use_realtime_priority,
+            "Whether the threads from joint states to answers run before all others of the machine; counts at the start only.",
+        ),
         boolean(
             "use_sim_time",
             |p| &mut p.use_sim_time,

@@ -314,6 +314,23 @@ fn a_recorded_run_is_the_same_run_bit_for_bit_without_its_files() {
 }
 
 #[test]
+fn tolerances_give_the_same_answers_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    cell.change(|p| (p.distance_relative_tolerance, p.distance_absolute_tolerance) = (0.3, 0.05));
+    run(&mut cell);
+    // until a deadline that does not come, and one that does
+    for deadline in [10.0, 1e-9, 0.0] {
+        cell.change(|p| p.check_deadline = deadline);
+        cell.turn(0.84);
+        cell.turn(0.85);
+    }
+    cell.end();
+    let outcome = again(&folder.path().join("record.mcap")).unwrap();
+    assert_eq!((outcome.same, outcome.late, outcome.difference), (ANSWERS + 6, 2, None));
+}
+
+#[test]
 fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
