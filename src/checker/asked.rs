@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 use super::collision_checker::CollisionChecker;
 use super::nearby::Near;
 use super::report::{Body, CollisionReport, PairDistance, Question};
+use super::stream::Due;
 use super::workspace::{QueuedNear, QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
@@ -317,6 +318,7 @@ impl Asked<'_> {
                     if lower > 0.0 { (lower + pair.info.padding).next_down() } else { f64::NEG_INFINITY };
                 let found = pair.separation_bounds_remembering((certain, limit), effort, memory, scratch);
                 stream.learn(index, found.lower - pair.info.padding);
+                stream.note_due(Due { index, limit, effort: *effort });
                 found
             }
             None => pair.separation_bounds(limit, effort, scratch),

@@ -41,6 +41,9 @@ pub(super) struct Memory {
     found: Option<Separation>,
     /// Points of the bodies that were near each other at that pose.
     near_points: Option<PointPair>,
+    /// How much (m) of a tolerance was left at the last state, and whether that hardly lasts for the next.
+    left: f64,
+    is_due: bool,
     front: Front,
     /// States for which the front has been enough.
     served: u32,
@@ -54,8 +57,18 @@ impl Memory {
     fn new(pair: &Pair, limit: f64, found: Option<Separation>) -> Self {
         let lower = found.map_or(limit, |f| f.distance);
         let near_points = found.map(|f| f.witness_points);
-        let (front, last_pause) = (Front::default(), WORTH);
-        Self { pose_ab: pair.pose_ab, lower, found, near_points, front, served: 0, pause: 0, last_pause }
+        Self {
+            pose_ab: pair.pose_ab,
+            lower,
+            found,
+            near_points,
+            left: f64::INFINITY,
+            is_due: false,
+            front: Front::default(),
+            served: 0,
+            pause: 0,
+            last_pause: WORTH,
+        }
     }
 
     /// As [`Self::new`], but keeps the front.

@@ -10,6 +10,7 @@ use super::memory::Memory;
 use super::pair::Pair;
 use super::workspace::QueuedPair;
 use crate::math::Extremes;
+use crate::query::Effort;
 use crate::robot::TravelRates;
 
 /// Travel (m) after which counting begins anew: sums are rounded outward, and large ones coarsely.
@@ -38,6 +39,17 @@ pub(super) struct Stream {
     memories: Vec<Option<Memory>>,
     /// Of pairs with obstacles.
     world_memories: HashMap<usize, Option<Memory>>,
+    /// Pairs of the last state that the next one will probably have to search, and what was asked of them.
+    due: Vec<Due>,
+}
+
+/// A pair whose bounds hardly last.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Due {
+    pub index: usize,
+    /// How far (m) it is looked at, padding included.
+    pub limit: f64,
+    pub effort: Effort,
 }
 
 impl Stream {
@@ -52,6 +64,7 @@ impl Stream {
             nearest_horizon: f64::NEG_INFINITY,
             memories: (0..self_pairs).map(|_| None).collect(),
             world_memories: HashMap::new(),
+            due: Vec::new(),
         }
     }
 
@@ -70,6 +83,7 @@ impl Stream {
         self.travelled = self.travelled.next_up();
         self.positions.clear();
         self.positions.extend_from_slice(positions);
+        self.due.clear();
         if self.travelled > LONGEST_TRAVEL {
             self.travelled = 0.0;
             self.horizons.fill(f64::NEG_INFINITY);
@@ -130,6 +144,18 @@ impl Stream {
         if let Some(lower) = memory.map(|memory| memory.lower_at(pair)) {
             self.learn(index, lower - pair.info.padding);
         }
+    }
+
+    /// Notes what was asked of a pair, if its bounds hardly last.
+    pub fn note_due(&mut self, due: Due) {
+        if self.memory(due.index).as_ref().is_some_and(Memory::is_due) {
+            self.due.push(due);
+        }
+    }
+
+    /// A pair that is due.
+    pub fn next_due(&mut self) -> Option<Due> {
+        self.due.pop()
     }
 
     /// Notes what was learned.

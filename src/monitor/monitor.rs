@@ -180,6 +180,13 @@ impl Monitor {
         self.say(now)
     }
 
+    /// Does, until the next joint state comes, what it will probably need: best after the answer to the last one was said.
+    pub fn prepare(&mut self) {
+        if let Some(subject) = &mut self.subject {
+            subject.revision.checker.prepare(&mut subject.workspace);
+        }
+    }
+
     /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed.
     pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
         self.note_clock(now);

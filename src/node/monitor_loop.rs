@@ -225,6 +225,7 @@ impl MonitorLoop {
         let latency = said.saturating_duration_since(origin.received);
         self.report.activity.note_judged(&judgement, latency);
         self.say_diagnostics(&judgement);
+        self.monitor.prepare();
     }
 
     /// Takes note of a joint state that is not judged by itself.

@@ -2,7 +2,8 @@
 //! moved, and points that were near still bound its distance from above. Only where the two are too far apart, it is searched.
 //!
 //! Such a search does not look for the nearest points, it proves that nothing is nearer than the known ones by more than half of
-//! the tolerance; the other half is for the states to come.
+//! the tolerance; the other half is for the states to come. How much of it is left, and how fast it goes, tells which pairs the
+//! next state will have to search, if nobody does so before it comes.
 
 use super::{LOOK_AHEAD, Memory};
 use crate::checker::pair::Pair;
@@ -12,6 +13,9 @@ use crate::query::{DistanceBounds, Effort, Scratch, Separation};
 
 /// The share of a tolerance that a search may use up.
 const SEARCHED: f64 = 0.5;
+
+/// For how many states like the last one a tolerance has to last, for a pair not to be due.
+const STATES_AHEAD: f64 = 2.0;
 
 impl Pair<'_> {
     /// As [`Pair::separation_bounds`], with what is remembered, of a distance that is certainly not below `certain` (m); `upper` may
@@ -26,22 +30,55 @@ impl Pair<'_> {
         let limit = limit.greater(CONTACT_DISTANCE);
         let known = memory.as_ref().map_or(UNKNOWN, |memory| memory.bounds_at(self));
         let known = DistanceBounds { lower: known.lower.greater(certain), ..known };
-        if known.lower > limit || self.suffices(&known, effort) {
+        let left = self.left_of_tolerance(&known, limit, effort);
+        if left > 0.0 {
+            if let Some(memory) = memory {
+                memory.note_left(left);
+            }
             return known;
         }
-        let found = self.search_around(&known, limit, effort, scratch);
-        let found = DistanceBounds { lower: found.lower.greater(known.lower), ..found };
-        match memory {
-            Some(memory) => memory.renew_bounds(self, &found),
-            None => *memory = Some(Memory::of_bounds(self, &found)),
+        self.search_anew(&known, limit, effort, memory, scratch)
+    }
+
+    /// Renews what is known of a pair that is due, where it is now.
+    pub fn renew_bounds(
+        &self,
+        limit: f64,
+        effort: &Effort,
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) {
+        let limit = limit.greater(CONTACT_DISTANCE);
+        if let Some(known) = memory.as_ref().map(|memory| memory.bounds_at(self)) {
+            self.search_anew(&known, limit, effort, memory, scratch);
         }
+    }
+
+    fn search_anew(
+        &self,
+        known: &DistanceBounds,
+        limit: f64,
+        effort: &Effort,
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) -> DistanceBounds {
+        let found = self.search_around(known, limit, effort, scratch);
+        let found = DistanceBounds { lower: found.lower.greater(known.lower), ..found };
+        let memory = memory.get_or_insert_with(|| Memory::new(self, f64::NEG_INFINITY, None));
+        memory.renew(self, found.lower, None);
+        memory.near_points = found.upper.map(|upper| upper.witness_points);
+        memory.left = self.left_of_tolerance(&found, limit, effort);
+        memory.is_due = false;
         found
     }
 
-    /// Whether bounds are within the tolerance, and leave no doubt about contact.
-    fn suffices(&self, known: &DistanceBounds, effort: &Effort) -> bool {
-        let proven = known.lower > self.info.padding + CONTACT_DISTANCE;
-        known.upper.is_some_and(|upper| proven && known.lower >= effort.lower(upper.distance))
+    /// How much (m) a lower bound may still lose: more than nothing if it proves the pair beyond the limit, or is within the
+    /// tolerance and leaves no doubt about contact.
+    fn left_of_tolerance(&self, known: &DistanceBounds, limit: f64, effort: &Effort) -> f64 {
+        let apart = self.info.padding + CONTACT_DISTANCE;
+        let needed =
+            known.upper.map_or(limit, |upper| effort.lower(upper.distance).greater(apart).lesser(limit));
+        known.lower - needed
     }
 
     /// Searches what is certain from points that are known to be near, if there are any, and a little beyond the limit,
@@ -77,15 +114,15 @@ impl Pair<'_> {
 const UNKNOWN: DistanceBounds = DistanceBounds { lower: f64::NEG_INFINITY, upper: None, interrupted: false };
 
 impl Memory {
-    fn of_bounds(pair: &Pair, found: &DistanceBounds) -> Self {
-        let mut memory = Self::new(pair, f64::NEG_INFINITY, None);
-        memory.renew_bounds(pair, found);
-        memory
+    /// Notes what is left of the tolerance in one more state.
+    fn note_left(&mut self, left: f64) {
+        self.is_due = left < STATES_AHEAD * (self.left - left);
+        self.left = left;
     }
 
-    fn renew_bounds(&mut self, pair: &Pair, found: &DistanceBounds) {
-        self.renew(pair, found.lower, None);
-        self.near_points = found.upper.map(|upper| upper.witness_points);
+    /// Whether what is known will hardly do for another state like the last ones.
+    pub fn is_due(&self) -> bool {
+        self.is_due
     }
 
     /// What is certain about a pair's distance at another pose.

@@ -223,6 +223,7 @@ impl Run {
             Step::JointState { now, source, late } => {
                 self.monitor.leave_out(late.into());
                 let judgement = self.monitor.on_joint_state(messages.joint_state(&source)?, now.into());
+                self.monitor.prepare();
                 return self.compare(judgement, late, messages);
             }
             Step::Heartbeat { now, late } => {

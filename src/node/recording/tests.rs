@@ -103,6 +103,7 @@ impl Cell {
     fn turn(&mut self, angle: f64) -> Judgement {
         let now = self.tick();
         let judgement = self.monitor.on_joint_state(joint_state_input(joint_state(angle, now), SOURCE), now);
+        self.monitor.prepare();
         self.say(judgement, now, Some(joint_state(angle, now)))
     }
 
