@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use clearance::checker::{Body, CollisionChecker, CollisionReport, Question, Settings, UndecidedPair};
+use clearance::checker::{
+    Body, CollisionChecker, CollisionReport, Question, Settings, UndecidedPair, Workspace,
+};
 use clearance::query::Effort;
 use clearance::robot::Configuration;
 
@@ -52,65 +54,87 @@ fn tolerances_are_kept() {
     assert!(saved < full, "{saved} triangles screened instead of {full}");
 }
 
+const SMALL: Effort =
+    Effort { relative_tolerance: 0.1, absolute_tolerance: 0.002, exact_within: 0.0, deadline: None };
+const LARGE: Effort =
+    Effort { relative_tolerance: 0.6, absolute_tolerance: 0.1, exact_within: 0.04, deadline: None };
+
+const QUESTIONS: [Question; 9] = [
+    Question::PairDistances { limit: 0.05 },
+    ALL,
+    Question::Survey { influence_distance: 0.05, limit: 1.0 },
+    Question::Survey { influence_distance: 0.0, limit: f64::INFINITY },
+    Question::PairDistances { limit: -1.0 },
+    Question::PairDistances { limit: f64::NAN },
+    Question::Distance { limit: f64::INFINITY },
+    Question::Pairs,
+    Question::Free,
+];
+
+/// Streams that are all asked the same question: within tolerances, prepared for the next state, and exactly.
+struct Streams<'c> {
+    checker: &'c CollisionChecker,
+    question: Question,
+    small: Workspace,
+    large: Workspace,
+    prepared: Workspace,
+    exact: Workspace,
+    /// Volume tests of the first, the third and the last.
+    costs: [f64; 3],
+}
+
+impl<'c> Streams<'c> {
+    fn new(checker: &'c CollisionChecker, question: Question) -> Self {
+        let stream = || checker.streaming_workspace();
+        let (small, large, prepared, exact) = (stream(), stream(), stream(), stream());
+        Self { checker, question, small, large, prepared, exact, costs: [0.0; 3] }
+    }
+
+    /// Asks them, and compares what they tell with the truth; what is asked exactly in between stays exact.
+    fn follow(&mut self, q: &Configuration, truth: &CollisionReport, in_between: bool) {
+        let Self { checker, question, .. } = *self;
+        let mut ask = |effort: &Effort, stream: &mut Workspace, cost: usize| {
+            let told = checker.check_with(q, question, effort, stream);
+            assert_eq!(told.is_free(), truth.is_free(), "{question:?}, {effort:?}");
+            are_bounds(checker, (&told, truth), question, effort);
+            if let Some(cost) = self.costs.get_mut(cost) {
+                *cost += told.work.volume_tests as f64;
+            }
+        };
+        ask(&SMALL, &mut self.small, 0);
+        ask(&LARGE, &mut self.large, usize::MAX);
+        ask(&SMALL, &mut self.prepared, 1);
+        checker.prepare(&mut self.prepared);
+        let exact = checker.check(q, question, &mut self.exact);
+        self.costs[2] += exact.work.volume_tests as f64;
+        if in_between {
+            let told = checker.check(q, question, &mut self.small);
+            assert_eq!((told.nearest, told.pair_distances), (exact.nearest, exact.pair_distances));
+        }
+    }
+}
+
 /// A stream within a tolerance tells bounds of the truth no farther apart than that, every pair within the limit, and contact
-/// exactly; and what is asked exactly in between stays exact.
+/// exactly.
 #[test]
 fn tolerant_streams_tell_the_truth_for_less() {
-    let small = Effort { relative_tolerance: 0.1, absolute_tolerance: 0.002, ..Effort::default() };
-    let large =
-        Effort { relative_tolerance: 0.6, absolute_tolerance: 0.1, exact_within: 0.04, deadline: None };
-    let questions = [
-        Question::PairDistances { limit: 0.05 },
-        ALL,
-        Question::Survey { influence_distance: 0.05, limit: 1.0 },
-        Question::Survey { influence_distance: 0.0, limit: f64::INFINITY },
-        Question::PairDistances { limit: -1.0 },
-        Question::PairDistances { limit: f64::NAN },
-        Question::Distance { limit: f64::INFINITY },
-        Question::Pairs,
-        Question::Free,
-    ];
     let mut random = Random::new(74);
     let mut hits = 0;
     for checker in checkers() {
-        let streams = || questions.map(|_| checker.streaming_workspace());
-        let (mut tolerant, mut loose, mut exactly) = (streams(), streams(), streams());
-        let (mut prepared, mut cost_prepared) = (checker.streaming_workspace(), 0.0);
-        let mut costs = [[0.0; 2]; 3];
+        let mut streams = QUESTIONS.map(|question| Streams::new(&checker, question));
         for (i, q) in walk(&checker, &mut random, 3, 25).iter().enumerate() {
             let truth = exact(&checker, q);
             hits += u32::from(!truth.is_free());
-            for (k, question) in questions.into_iter().enumerate() {
-                for (effort, stream) in [(&small, &mut tolerant[k]), (&large, &mut loose[k])] {
-                    let told = checker.check_with(q, question, effort, stream);
-                    assert_eq!(told.is_free(), truth.is_free(), "{question:?}, {effort:?}");
-                    are_bounds(&checker, (&told, &truth), question, effort);
-                    if effort == &small && k < costs.len() {
-                        costs[k][0] += told.work.volume_tests as f64;
-                    }
-                }
-                let exact = checker.check(q, question, &mut exactly[k]);
-                if k < costs.len() {
-                    costs[k][1] += exact.work.volume_tests as f64;
-                }
-                if i % 19 == 0 {
-                    let between = checker.check(q, question, &mut tolerant[k]);
-                    assert_eq!(
-                        (between.nearest, between.pair_distances),
-                        (exact.nearest, exact.pair_distances)
-                    );
-                }
-            }
-            let told = checker.check_with(q, ALL, &small, &mut prepared);
-            are_bounds(&checker, (&told, &truth), ALL, &small);
-            cost_prepared += told.work.volume_tests as f64;
-            checker.prepare(&mut prepared);
+            streams.iter_mut().for_each(|streams| streams.follow(q, &truth, i % 19 == 0));
         }
-        eprintln!("{cost_prepared} volume tests when prepared, of {}", costs[1][0]);
-        assert!(cost_prepared < 0.8 * costs[1][0]);
-        let shares = costs.map(|[tolerant, exact]| tolerant / exact);
-        eprintln!("volume tests of tolerant streams, as shares of those of exact ones: {shares:?}");
-        assert!(shares[0] < 0.8 && shares[1] < 0.5 && shares[2] < 0.8, "{shares:?}");
+        for (streams, [most, most_prepared]) in streams.iter().zip([[0.8, 0.8], [0.5, 0.3], [0.8, 0.8]]) {
+            let [tolerant, prepared, exact] = streams.costs;
+            eprintln!(
+                "{:?}: {tolerant} volume tests, {prepared} if prepared, {exact} exactly",
+                streams.question
+            );
+            assert!(tolerant < most * exact && prepared < most_prepared * exact);
+        }
     }
     assert!(hits > 5, "{hits} states collide");
 }
