@@ -139,6 +139,28 @@ fn tolerant_streams_tell_the_truth_for_less() {
     assert!(hits > 5, "{hits} states collide");
 }
 
+/// What goes on as it did is searched before it is asked.
+#[test]
+fn what_is_prepared_needs_less() {
+    let mut random = Random::new(75);
+    let [checker, _] = checkers();
+    let (mut plain, mut prepared) = (checker.streaming_workspace(), checker.streaming_workspace());
+    let mut costs = [0; 2];
+    for _ in 0..4 {
+        let [from, to] = [(); 2].map(|()| random_state(&checker, &mut random));
+        for step in 0..100 {
+            let share = f64::from(step) * 1e-3;
+            let between = from.positions().iter().zip(to.positions()).map(|(a, b)| a + share * (b - a));
+            let q = checker.robot().configuration(&between.collect::<Vec<_>>()).unwrap();
+            for (cost, stream) in costs.iter_mut().zip([&mut plain, &mut prepared]) {
+                *cost += checker.check_with(&q, ALL, &SMALL, stream).work.volume_tests;
+            }
+            checker.prepare(&mut prepared);
+        }
+    }
+    assert!(2 * costs[1] < costs[0], "{costs:?} volume tests, plain and prepared");
+}
+
 /// That what was told within a tolerance is true of every pair.
 fn are_bounds(
     checker: &CollisionChecker,
