@@ -33,19 +33,19 @@ impl Asked<'_> {
                 if self.report.nearest.is_some_and(|nearest| nearest.lower <= CONTACT_DISTANCE) {
                     self.first_hits();
                     self.report.believe_contact();
+                    self.report.nearest_beyond(0.0);
                 }
             }
             Question::PairDistances { limit } => self.distances(limit),
             Question::Survey { influence_distance, limit } => {
                 self.distances(influence_distance);
                 if self.report.nearest.is_none() && limit > influence_distance.greater(0.0) {
-                    let are_beyond = self.report.undecided.is_empty();
+                    let proven = self.report.undecided.is_empty();
                     self.report.undecided.clear();
                     self.least_distance(limit);
                     self.report.believe_contact();
-                    if let Some(nearest) = self.report.nearest.as_mut().filter(|_| are_beyond) {
-                        let beyond = influence_distance.greater(CONTACT_DISTANCE);
-                        nearest.lower = nearest.lower.greater(beyond.lesser(nearest.distance));
+                    if proven {
+                        self.report.nearest_beyond(influence_distance);
                     }
                 }
             }
@@ -228,7 +228,7 @@ impl Asked<'_> {
             let witness_points = exact.map_or(found.witness_points, |exact| exact.witness_points);
             PairDistance { distance: 0.0, lower: 0.0, witness_points, ..found }
         } else if self.report.undecided.len() == open {
-            PairDistance { lower: CONTACT_DISTANCE.lesser(found.distance), ..found }
+            PairDistance { lower: f64::MIN_POSITIVE.lesser(found.distance), ..found }
         } else {
             found
         }
@@ -352,6 +352,15 @@ impl CollisionReport {
             && !self.hits_like(touching.b)
         {
             self.add_hit((touching.a, touching.b));
+        }
+    }
+
+    /// Notes that what is free is farther apart than this (m), whatever tolerances left open.
+    fn nearest_beyond(&mut self, beyond: f64) {
+        let is_free = self.is_free();
+        if let Some(nearest) = self.nearest.as_mut().filter(|_| is_free) {
+            let least = beyond.greater(f64::MIN_POSITIVE).lesser(nearest.distance);
+            nearest.lower = nearest.lower.greater(least);
         }
     }
 

@@ -71,12 +71,13 @@ impl Memory {
         }
     }
 
-    /// As [`Self::new`], but keeps the front.
+    /// As [`Self::new`], but keeps the front, and points that were near where no nearer ones were found.
     fn renew(&mut self, pair: &Pair, limit: f64, found: Option<Separation>) {
+        let near = found.or_else(|| self.near_points_at(&pair.pose_ab));
+        self.near_points = near.map(|near| near.witness_points);
         self.pose_ab = pair.pose_ab;
         self.lower = found.map_or(limit, |f| f.distance);
         self.found = found;
-        self.near_points = found.map(|f| f.witness_points);
     }
 
     /// Lets a front go that was not enough. If it was for few states, others would be too: where bodies move fast, or much of them
@@ -116,11 +117,17 @@ impl Memory {
     /// What the bodies' distance (m) at another pose is hardly larger than: nearest points told next to contact may lie a
     /// little off their bodies, so a search within this may find nothing.
     fn upper_at(&self, pose_ab: &MatrixPose) -> f64 {
-        self.near_points.map_or(f64::INFINITY, |[on_a, on_b]| {
-            let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
-            let rounding = ROUNDING * (on_a.coords.abs().sum() + moved.coords.abs().sum());
-            nalgebra::distance(&on_a, &moved) + rounding + CONTACT_DISTANCE
+        self.near_points_at(pose_ab).map_or(f64::INFINITY, |near| {
+            let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
+            near.distance + ROUNDING * reach + CONTACT_DISTANCE
         })
+    }
+
+    /// How far apart points are at another pose that were near, in the frame of a.
+    fn near_points_at(&self, pose_ab: &MatrixPose) -> Option<Separation> {
+        let [on_a, on_b] = self.near_points?;
+        let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
+        Some(Separation { distance: nalgebra::distance(&on_a, &moved), witness_points: [on_a, moved] })
     }
 }
 
@@ -179,7 +186,7 @@ impl Pair<'_> {
             let far = self.separation_bounds(farther, &roughly, scratch);
             if far.lower > limit {
                 known.renew(self, far.lower, None);
-                known.near_points = far.upper.map(|upper| upper.witness_points);
+                known.near_points = far.upper.map(|upper| upper.witness_points).or(known.near_points);
                 return None;
             }
             tight = far.upper.map_or(farther, |upper| upper.distance).lesser(tight);

@@ -7,7 +7,7 @@ use super::nearby::NearbyScratch;
 use super::pair::{Pair, PairInfo};
 use super::report::{CollisionReport, Question};
 use super::root_volume::RootCapsule;
-use super::stream::Due;
+use super::stream::{Due, Stream};
 use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
@@ -121,8 +121,9 @@ impl CollisionChecker {
     /// Renews what a streaming workspace that is asked within a tolerance knows about pairs of its last state that the next will
     /// probably have to search: in the time until it comes, for it to be answered sooner. Changes no exact answer.
     pub fn prepare(&self, workspace: &mut Workspace) {
-        let Workspace { frames, scratch, stream, .. } = workspace;
-        let Some(stream) = stream.as_mut().filter(|stream| stream.is_of(self.revision)) else { return };
+        let Workspace { checker, frames, scratch, stream, .. } = workspace;
+        let is_own = |stream: &&mut Stream| *checker == self.identity && stream.is_of(self.revision);
+        let Some(stream) = stream.as_mut().filter(is_own) else { return };
         while let Some(Due { index, limit, effort }) = stream.next_due() {
             self.pair(index, frames).renew_bounds(limit, &effort, stream.memory(index), scratch);
         }

@@ -82,10 +82,9 @@ impl CollisionReport {
     /// Tells of every pair that was decided the distance that is certain, in place of that of its witness points: what
     /// tolerances left open makes distances smaller then, and never larger than they are.
     pub fn tell_certain_distances(&mut self) {
-        if !self.undecided.is_empty() {
-            return;
-        }
-        for pair in self.pair_distances.iter_mut().chain(&mut self.nearest) {
+        let is_open =
+            |pair: &PairDistance| self.undecided.iter().any(|open| (open.a, open.b) == (pair.a, pair.b));
+        for pair in self.pair_distances.iter_mut().chain(&mut self.nearest).filter(|pair| !is_open(pair)) {
             pair.distance = pair.lower;
         }
         let nearest = self.pair_distances.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));

@@ -81,9 +81,11 @@ impl Stream {
             f64::INFINITY
         };
         self.travelled = self.travelled.next_up();
+        if self.positions != positions {
+            self.due.clear();
+        }
         self.positions.clear();
         self.positions.extend_from_slice(positions);
-        self.due.clear();
         if self.travelled > LONGEST_TRAVEL {
             self.travelled = 0.0;
             self.horizons.fill(f64::NEG_INFINITY);
@@ -155,7 +157,13 @@ impl Stream {
 
     /// A pair that is due.
     pub fn next_due(&mut self) -> Option<Due> {
-        self.due.pop()
+        loop {
+            let due = self.due.pop()?;
+            // it may have been renewed since, and be noted twice
+            if self.memory(due.index).as_ref().is_some_and(Memory::is_due) {
+                return Some(due);
+            }
+        }
     }
 
     /// Notes what was learned.

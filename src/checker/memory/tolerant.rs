@@ -8,8 +8,8 @@
 use super::{LOOK_AHEAD, Memory};
 use crate::checker::pair::Pair;
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::{Extremes, MatrixPose};
-use crate::query::{DistanceBounds, Effort, Scratch, Separation};
+use crate::math::Extremes;
+use crate::query::{DistanceBounds, Effort, Scratch};
 
 /// The share of a tolerance that a search may use up.
 const SEARCHED: f64 = 0.5;
@@ -18,8 +18,8 @@ const SEARCHED: f64 = 0.5;
 const STATES_AHEAD: f64 = 2.0;
 
 impl Pair<'_> {
-    /// As [`Pair::separation_bounds`], with what is remembered, of a distance that is certainly not below `certain` (m); `upper` may
-    /// be beyond `limit` where `lower` is not.
+    /// As [`Pair::separation_bounds`], with what is remembered, of a distance that is certainly not below `certain` (m), up to a
+    /// limit that what touches is within; `upper` may be beyond it where `lower` is not.
     pub fn separation_bounds_remembering(
         &self,
         (certain, limit): (f64, f64),
@@ -27,7 +27,6 @@ impl Pair<'_> {
         memory: &mut Option<Memory>,
         scratch: &mut Scratch,
     ) -> DistanceBounds {
-        let limit = limit.greater(CONTACT_DISTANCE);
         let known = memory.as_ref().map_or(UNKNOWN, |memory| memory.bounds_at(self));
         let known = DistanceBounds { lower: known.lower.greater(certain), ..known };
         let left = self.left_of_tolerance(&known, limit, effort);
@@ -48,7 +47,6 @@ impl Pair<'_> {
         memory: &mut Option<Memory>,
         scratch: &mut Scratch,
     ) {
-        let limit = limit.greater(CONTACT_DISTANCE);
         if let Some(known) = memory.as_ref().map(|memory| memory.bounds_at(self)) {
             self.search_anew(&known, limit, effort, memory, scratch);
         }
@@ -97,8 +95,8 @@ impl Pair<'_> {
         };
         let farther = limit + LOOK_AHEAD;
         let Some(near) = known.upper else { return self.separation_bounds(farther, &rough, scratch) };
-        // next to contact, a proof of half the gap is for more states than one of contact alone
-        let apart = self.info.padding + 2.0 * CONTACT_DISTANCE;
+        // next to contact, and to where distances are exact, a proof of half the gap is for more states than one of no gap
+        let apart = (self.info.padding + 2.0 * CONTACT_DISTANCE).greater(effort.exact_within);
         let half_way = apart + 0.5 * (near.distance - apart).greater(0.0);
         let aim = rough.lower(near.distance).greater(half_way).lesser(farther);
         let found = self.separation_bounds(aim, &rough, scratch);
@@ -129,12 +127,5 @@ impl Memory {
     fn bounds_at(&self, pair: &Pair) -> DistanceBounds {
         let upper = self.near_points_at(&pair.pose_ab);
         DistanceBounds { lower: self.lower_at(pair), upper, interrupted: false }
-    }
-
-    /// How far apart points are now that were near, in the frame of a.
-    fn near_points_at(&self, pose_ab: &MatrixPose) -> Option<Separation> {
-        let [on_a, on_b] = self.near_points?;
-        let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
-        Some(Separation { distance: nalgebra::distance(&on_a, &moved), witness_points: [on_a, moved] })
     }
 }

@@ -47,21 +47,24 @@ fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
 #[test]
 fn tolerances_leave_the_speed_as_it_is() {
     let mut exact = governed(SPEED);
-    let mut tolerant = governed(SPEED);
-    tolerant.set_settings(MonitorSettings {
+    let settings = MonitorSettings {
         speed: SPEED,
+        influence_distance: 1.0,
         distance_absolute_tolerance: 0.3,
         distance_relative_tolerance: 0.5,
         ..MonitorSettings::default()
-    });
+    };
+    let [mut tolerant, mut until] = [(); 2].map(|()| governed(SPEED));
+    tolerant.set_settings(settings.clone());
+    until.set_settings(MonitorSettings { check_deadline: 10.0, ..settings });
     let mut slowed = 0;
     for i in 0..100 {
         let seconds = f64::from(i) * 0.01;
         let (positions, velocities) = ([0.2 * (9.0 * seconds).sin(), 2.2 + 0.9 * seconds], [0.3, 0.9]);
-        let [exact, tolerant] = [&mut exact, &mut tolerant].map(|monitor| {
+        let [exact, tolerant, until] = [&mut exact, &mut tolerant, &mut until].map(|monitor| {
             monitor.on_joint_state(moving(seconds, positions, &velocities), at(seconds)).speed_scale
         });
-        assert_eq!(exact, tolerant, "after {seconds} s");
+        assert_eq!([exact, exact], [tolerant, until], "after {seconds} s");
         slowed += u32::from(exact < 1.0);
     }
     assert!(slowed > 30, "{slowed} states were slowed down");
