@@ -65,6 +65,25 @@ class Listener:
         rclpy.shutdown(context=self._context)
 
 
+@dataclass(frozen=True)
+class Processors:
+    """What the system has counted of their time [s / 100]."""
+
+    all: int
+    stolen: int
+
+    @classmethod
+    def now(cls):
+        with open("/proc/stat") as counts:
+            times = [int(time) for time in counts.readline().split()[1:9]]
+        return cls(sum(times), times[7])
+
+    def taken_since(self):
+        now = Processors.now()
+        share = (now.stolen - self.stolen) / max(now.all - self.all, 1)
+        return f"the host of this virtual machine took {share:.1%} of the processors' time for others"
+
+
 class Clients:
     """A process of clients that check trajectories in a loop, each the next one as soon as the last is answered."""
 
@@ -102,8 +121,10 @@ def measure(robot, seconds, domain_id, limit, with_clients, published=ALL_PAIRS)
         reports.wait_for(lambda told: told["joint states judged in this report"] > 0, "a joint state")
         for _ in range(WARM_UP):
             reports.wait_for(lambda _: True, "a report")
+        before = Processors.now()
         told = reports.during(seconds)
-        note = f"clients: {clients.end()}" if clients else ""
+        notes = [before.taken_since()] + ([f"clients: {clients.end()}"] if clients else [])
+        note = "; ".join(notes)
     return row(robot, told, limit, with_clients, note, published)
 
 
