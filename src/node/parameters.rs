@@ -13,6 +13,7 @@ use crate::monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
 
 /// All parameters in force. One value of this is one consistent choice: it changes as a whole.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "one field for each parameter of the node")]
 pub struct Parameters {
     pub heartbeat_rate: f64,
     pub stale_after: f64,

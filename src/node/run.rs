@@ -173,12 +173,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let own = (store, tape, Arc::clone(&clock), small);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
-        Part::new("monitor", move || {
-            if let Err(why) = urgency.take() {
-                log::error!("the monitor's thread is as urgent as any other: {why}");
-            }
-            smol::block_on(monitor_loop.run());
-        }),
+        Part::new("monitor", move || run_urgently(monitor_loop, urgency)),
         Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
     ];
     if let Some((motion, publisher)) = motion {
@@ -213,6 +208,13 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     middleware.leave();
     log::info!("{node} has ended");
     Ok(())
+}
+
+fn run_urgently(monitor_loop: MonitorLoop, urgency: Urgency) {
+    if let Err(why) = urgency.take() {
+        log::error!("the monitor's thread is as urgent as any other: {why}");
+    }
+    smol::block_on(monitor_loop.run());
 }
 
 /// A part that checks what is asked; a check that takes hours does not hold up the end.
