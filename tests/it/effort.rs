@@ -129,7 +129,7 @@ fn tolerant_streams_tell_the_truth_for_less() {
                 streams.follow(q, &truth, i % 19 == 0);
             }
         }
-        for (streams, [most, most_prepared]) in streams.iter().zip([[8, 8], [5, 3], [8, 8]]) {
+        for (streams, [most, most_prepared]) in streams.iter().zip([[10, 10], [3, 3], [8, 8]]) {
             let [tolerant, prepared, exact] = streams.costs;
             eprintln!(
                 "{:?}: {tolerant} volume tests, {prepared} if prepared, {exact} exactly",
