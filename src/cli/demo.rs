@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
 use clearance::node::{
-    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, Trajectory,
-    Urgency, View,
+    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, ThreadPriority,
+    Trajectory, View,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::world::PlanningScene;
@@ -41,7 +41,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     // a demo must not be seen, or disturb anything, on other machines
     let environment =
         Environment { reach: Reach::Localhost, ..Environment::of_process().map_err(Failure::input)? };
-    let announcement = announce(environment, Urgency::Usual)?;
+    let announcement = announce(environment, ThreadPriority::Normal)?;
     let robot = robot().map_err(Failure::Internal)?;
     let motion = Trajectory::from_yaml(MOTION)
         .map_err(|e| Failure::Internal(format!("config/demo_motion.yaml: {e}")))?;
@@ -55,7 +55,6 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         announcement,
         arguments: RosArguments::default(),
         parameters: Parameters::default(),
-        urgency: Urgency::Usual,
         robot: Some(robot),
         mesh_files: MeshFiles::default(),
         surroundings: surroundings(),

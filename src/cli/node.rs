@@ -8,7 +8,7 @@ use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
 use clearance::node::{
     self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments,
-    Surroundings, Urgency, Value, View,
+    Surroundings, ThreadPriority, Value, View,
 };
 use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
@@ -52,8 +52,8 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
     node::logging::start(arguments.log_level.unwrap_or(level));
     let parameters = node::initial_parameters(&arguments).map_err(failure)?;
-    let urgency = Urgency::allowed(parameters.use_realtime_priority).map_err(failure)?;
-    let announcement = announce(Environment::of_process().map_err(Failure::input)?, urgency)?;
+    let priority = ThreadPriority::allowed(parameters.use_realtime_priority).map_err(failure)?;
+    let announcement = announce(Environment::of_process().map_err(Failure::input)?, priority)?;
     let meshes = MeshLog::default();
     let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
     let robot = match args.model.urdf {
@@ -67,7 +67,6 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         announcement,
         arguments,
         parameters,
-        urgency,
         robot,
         surroundings: args.surroundings(mesh_files.clone()),
         mesh_files,
@@ -81,8 +80,8 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
 }
 
 /// Announces the node, before anything that takes time.
-pub fn announce(environment: Environment, urgency: Urgency) -> Result<Announcement, Failure> {
-    Announcement::make(environment, urgency).map_err(|error| failure(error.into()))
+pub fn announce(environment: Environment, priority: ThreadPriority) -> Result<Announcement, Failure> {
+    Announcement::make(environment, priority).map_err(|error| failure(error.into()))
 }
 
 /// Which exit code a failed node means.

@@ -57,9 +57,9 @@ mod simulation_clock;
 mod state_requests;
 mod state_services;
 mod swept_volume_markers;
+mod thread_priority;
 mod threads;
 mod trajectory_action;
-mod urgency;
 mod view;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
@@ -71,5 +71,5 @@ pub use motion::{Motion, Trajectory};
 pub use parameter_value::Value;
 pub use parameters::Parameters;
 pub use run::{NODE_NAME, NodeError, NodeOptions, initial_parameters, run};
-pub use urgency::Urgency;
+pub use thread_priority::ThreadPriority;
 pub use view::{View, ViewAddress, ViewAddressError, ViewError};

@@ -30,8 +30,8 @@ use super::scene::{Monitored, SceneServices, SceneTopics, Shared, Transforms};
 use super::scene_keeper::Glimpse;
 use super::simulation_clock;
 use super::state_services::StateServices;
+use super::thread_priority::ThreadPriority;
 use super::threads::{End, Part, run_together, until};
-use super::urgency::Urgency;
 use crate::checker::MeshModel;
 use crate::monitor::Monitor;
 use crate::robot::{MeshFiles, RobotModel};
@@ -46,8 +46,6 @@ pub struct NodeOptions {
     pub arguments: RosArguments,
     /// The parameters in force at the start.
     pub parameters: Parameters,
-    /// That of the threads between joint states and answers, as of the participant's.
-    pub urgency: Urgency,
     /// Without a robot it is awaited on `robot_description`.
     pub robot: Option<RobotModel>,
     /// Where meshes of a described robot are looked up.
@@ -108,7 +106,7 @@ const DEAF: &str = "the threads of the network library have ended, as they do wh
 /// Runs a node until SIGINT or SIGTERM.
 pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let names = Names::new(NODE_NAME, &options.arguments.remaps)?;
-    let NodeOptions { parameters, urgency, .. } = options;
+    let (parameters, priority) = (options.parameters, options.announcement.priority());
     let clock = Arc::new(RosClock::new(parameters.use_sim_time));
     let (events, events_in) = channel::unbounded();
     let (orders, orders_in) = channel::unbounded();
@@ -173,7 +171,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let own = (store, tape, Arc::clone(&clock), small);
     let services = Services::open(&middleware, &names, own, orders, changes_in)?;
     let mut parts = vec![
-        Part::new("monitor", move || run_urgently(monitor_loop, urgency)),
+        Part::new("monitor", move || run_first(monitor_loop, priority)),
         Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
     ];
     if let Some((motion, publisher)) = motion {
@@ -210,9 +208,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     Ok(())
 }
 
-fn run_urgently(monitor_loop: MonitorLoop, urgency: Urgency) {
-    if let Err(why) = urgency.take() {
-        log::error!("the monitor's thread is as urgent as any other: {why}");
+fn run_first(monitor_loop: MonitorLoop, priority: ThreadPriority) {
+    if let Err(why) = priority.apply() {
+        log::error!("the monitor's thread runs at no higher priority than others: {why}");
     }
     smol::block_on(monitor_loop.run());
 }

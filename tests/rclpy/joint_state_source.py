@@ -84,7 +84,7 @@ def main(topic, rate, joints):
         publisher.publish(template.filled(time.time_ns(), positions(due - start)))
         due += 1 / float(rate)
         late = time.monotonic() - due
-        if late < 0:
+        if late < 0:  # nothing is waited for: this is the rate
             time.sleep(-late)
         elif late > LATE:
             due += late

@@ -24,7 +24,7 @@ def policies(process_id):
             yield (task / "comm").read_text().strip(), os.sched_getscheduler(int(task.name))
 
 
-def test_a_node_is_as_urgent_as_any_other(cell):
+def test_a_node_runs_as_any_other(cell):
     cell.judged(joint1=0, joint2=0)
     assert {policy for _, policy in policies(cell.node.process_id)} == {os.SCHED_OTHER}
 

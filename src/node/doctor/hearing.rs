@@ -21,7 +21,7 @@ use crate::node::middleware::{Announcement, MessageKind, Middleware, Quality, Su
 use crate::node::names::Names;
 use crate::node::run::{NODE_NAME, NodeError};
 use crate::node::scene::note_transforms;
-use crate::node::urgency::Urgency;
+use crate::node::thread_priority::ThreadPriority;
 
 /// Everything that came in that time.
 #[derive(Default)]
@@ -54,7 +54,7 @@ pub fn listen(
     const MOST_COMPLAINTS: usize = 100;
     let lines = logging::listen();
     let middleware = Middleware::join(
-        Announcement::make(environment, Urgency::Usual)?,
+        Announcement::make(environment, ThreadPriority::Normal)?,
         names.namespace(),
         &format!("{NODE_NAME}_doctor"),
     )?;

@@ -10,7 +10,7 @@ use rustdds::{DomainParticipant, DomainParticipantBuilder};
 use super::deafness::heed_panics;
 use super::{MiddlewareError, refused};
 use crate::node::environment::{Environment, Reach};
-use crate::node::urgency::Urgency;
+use crate::node::thread_priority::ThreadPriority;
 
 /// From the announcement of the participant to that of its endpoints.
 const INTRODUCTION: Duration = Duration::from_millis(200);
@@ -22,6 +22,7 @@ const INTRODUCTION: Duration = Duration::from_millis(200);
 /// ignored). So the participant is announced as early as can be, and its endpoints a little later.
 pub struct Announcement {
     environment: Environment,
+    priority: ThreadPriority,
     participant: DomainParticipant,
     since: Instant,
 }
@@ -33,23 +34,28 @@ impl fmt::Debug for Announcement {
 }
 
 impl Announcement {
-    /// Announces a participant, whose threads are as urgent as told; files can be read while peers come to know it.
-    pub fn make(environment: Environment, urgency: Urgency) -> Result<Self, MiddlewareError> {
+    /// Announces a participant, with threads of this priority; files can be read while peers come to know it.
+    pub fn make(environment: Environment, priority: ThreadPriority) -> Result<Self, MiddlewareError> {
         heed_panics();
         let mut participant = DomainParticipantBuilder::new(environment.domain);
         if environment.reach == Reach::Localhost {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
-        let participant = (urgency.starting(|| without_signals(|| participant.build())))
-            .map_err(refused("cannot start urgent threads"))?
+        let participant = (priority.inherited_by(|| without_signals(|| participant.build())))
+            .map_err(refused("cannot start threads of realtime priority"))?
             .map_err(refused("cannot join the ROS network"))?;
-        Ok(Self { environment, participant, since: Instant::now() })
+        Ok(Self { environment, priority, participant, since: Instant::now() })
     }
 
     /// Where it was announced.
     #[must_use]
     pub fn environment(&self) -> Environment {
         self.environment
+    }
+
+    /// The priority of its threads, as of all between joint states and answers.
+    pub(in crate::node) fn priority(&self) -> ThreadPriority {
+        self.priority
     }
 
     /// The participant, after peers have had the time to know it.

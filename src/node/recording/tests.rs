@@ -1,5 +1,7 @@
 //! Runs of a node without a network: recorded, run again, tampered with, cut off.
 
+mod limits;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc;
@@ -438,55 +440,6 @@ fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused()
         assert!(error.contains(word) && error.contains("other.mcap"), "{error}");
     }
     assert!(again(folder.path()).unwrap_err().contains("no ordinary file"));
-}
-
-#[test]
-fn what_does_not_fit_is_lost_and_counted_and_nobody_waits() {
-    let (items, items_in) = mpsc::sync_channel(2);
-    let backlog = Arc::new(Backlog::default());
-    let tape = Tape::to(items, Arc::clone(&backlog));
-    for _ in 0..5 {
-        tape.note(|| Happening::Told(Tidings::World));
-    }
-    assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3);
-    drop(items_in);
-    tape.note(|| Happening::Told(Tidings::World));
-    assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3, "nobody records any more");
-    assert!(!Tape::default().is_on());
-    Tape::default().note(|| panic!("nothing is made that nobody records"));
-}
-
-#[test]
-fn behind_what_was_lost_nothing_is_run() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut cell = Cell::start(folder.path());
-    cell.turn(0.1);
-    cell.tape.lose(3);
-    cell.turn(0.2);
-    cell.end();
-    let outcome = again(&folder.path().join("record.mcap")).unwrap();
-    assert_eq!(outcome.lost, Some(3));
-    assert!(outcome.same <= 1);
-}
-
-#[test]
-fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut first = Cell::limited(folder.path(), 0.001);
-    first.turn(0.0);
-    while !first.recorder.has_ended() {
-        std::thread::yield_now();
-    }
-    // nobody listens any more, and nobody minds
-    first.turn(0.1);
-    first.end();
-    let mut second = Cell::start(folder.path());
-    second.turn(0.0);
-    second.turn(0.1);
-    second.end();
-    let outcome = again(&folder.path().join("record.mcap")).unwrap();
-    assert!(outcome.same <= 1 && !outcome.cut_off, "{outcome:?}");
-    assert_eq!(again(&folder.path().join("record_1.mcap")).unwrap().same, 2);
 }
 
 #[test]

@@ -4,53 +4,53 @@ use std::thread;
 
 use super::NodeError;
 
-/// How urgent the threads are that hear joint states, check them and say what was found.
+/// How the threads are scheduled that hear joint states, check them and say what was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Urgency {
-    /// As any other's.
+pub enum ThreadPriority {
+    /// As all others.
     #[default]
-    Usual,
+    Normal,
     /// `SCHED_FIFO`: they run whenever they can, before all threads that are not of this kind.
     Realtime,
 }
 
-impl Urgency {
+impl ThreadPriority {
     /// What the parameter `use_realtime_priority` means here.
     ///
     /// # Errors
     /// When the system refuses it to this process.
     pub fn allowed(use_realtime_priority: bool) -> Result<Self, NodeError> {
-        let urgency = if use_realtime_priority { Self::Realtime } else { Self::Usual };
-        urgency.starting(|| ()).map(|()| urgency).map_err(|why| {
+        let priority = if use_realtime_priority { Self::Realtime } else { Self::Normal };
+        priority.inherited_by(|| ()).map(|()| priority).map_err(|why| {
             NodeError::Input(format!(
-                "use_realtime_priority: the system refuses it ({why}): allow it by 'rtprio 49' in /etc/security/limits.conf, \
+                "use_realtime_priority: the system refuses it ({why}): allow it by the line 'USER - rtprio 49' in /etc/security/limits.conf, \
                  LimitRTPRIO=49 and RestrictRealtime=no in a unit of systemd, --ulimit rtprio=49 for a container, or turn it off"
             ))
         })
     }
 
-    /// Does what starts threads, which are as urgent.
-    pub(super) fn starting<T: Send>(self, start: impl FnOnce() -> T + Send) -> Result<T, String> {
-        if self == Self::Usual {
+    /// Does what starts threads, which inherit this priority; that of the caller stays.
+    pub(super) fn inherited_by<T: Send>(self, start: impl FnOnce() -> T + Send) -> Result<T, String> {
+        if self == Self::Normal {
             return Ok(start());
         }
-        // threads are as urgent as the one that starts them: one that ends right after
-        let starter = || self.take().map(|()| start());
+        let starter = || self.apply().map(|()| start());
         thread::scope(|scope| scope.spawn(starter).join()).unwrap_or_else(|_| Err("it failed".to_owned()))
     }
 
-    /// Makes the thread that calls this as urgent.
+    /// Gives this priority to the thread that calls it.
     #[cfg(unix)]
-    pub(super) fn take(self) -> Result<(), String> {
+    pub(super) fn apply(self) -> Result<(), String> {
         use thread_priority::{
-            Error, RealtimeThreadSchedulePolicy, ScheduleParams, ThreadPriority, ThreadSchedulePolicy,
+            Error, RealtimeThreadSchedulePolicy, ScheduleParams, ThreadSchedulePolicy,
             set_thread_priority_and_policy, thread_native_id,
         };
-        if self == Self::Usual {
+        if self == Self::Normal {
             return Ok(());
         }
         let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-        let priority = ThreadPriority::from_posix(ScheduleParams { sched_priority: PRIORITY });
+        let priority =
+            thread_priority::ThreadPriority::from_posix(ScheduleParams { sched_priority: PRIORITY });
         set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| match error {
             Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
             other => format!("{other:?}"),
@@ -58,9 +58,9 @@ impl Urgency {
     }
 
     #[cfg(not(unix))]
-    pub(super) fn take(self) -> Result<(), String> {
+    pub(super) fn apply(self) -> Result<(), String> {
         match self {
-            Self::Usual => Ok(()),
+            Self::Normal => Ok(()),
             Self::Realtime => Err("there is no SCHED_FIFO here".to_owned()),
         }
     }
