@@ -203,7 +203,7 @@ pub(super) fn joints_between(chain: &Chain, riders: &[Rider], infos: &[PairInfo]
 
 /// By part: the joints between it and the root.
 pub(super) fn joints_to_root(chain: &Chain, riders: &[Rider]) -> Vec<Between> {
-    riders.iter().map(|rider| chain.between(rider.body, 0)).collect()
+    riders.iter().map(|rider| chain.between(rider.body, Chain::ROOT)).collect()
 }
 
 /// The padding (m) of every link.

@@ -52,6 +52,8 @@ pub struct CollisionChecker {
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
     pub(super) obstacles: Obstacles,
+    /// Whether a part that no joint moves touches an obstacle, once somebody asked.
+    pub(super) fixed_contact: OnceLock<bool>,
     /// Of the model and the world, once somebody asked.
     pub(super) fingerprints: OnceLock<[String; 2]>,
     /// No two robots built in one process have the same.
@@ -124,6 +126,7 @@ impl CollisionChecker {
             }
         }
         self.world = world.clone();
+        self.fixed_contact = OnceLock::new();
         self.fingerprints = OnceLock::new();
         self.revision = next_identity();
         Ok(())
@@ -166,6 +169,7 @@ impl CollisionChecker {
             ways,
             rates,
             obstacles,
+            fixed_contact: OnceLock::new(),
             fingerprints: OnceLock::new(),
             identity: next_identity(),
             revision: next_identity(),
@@ -236,13 +240,18 @@ impl CollisionChecker {
             nearest_first: Vec::new(),
             asked: Vec::new(),
             // what is farthest from the base hits most
-            part_order: (0..self.riders.len()).rev().collect(),
+            part_order: self.parts_on(|body| body != Chain::ROOT).rev().collect(),
             likely: LikelyPairs::new(),
             nearby: NearbyScratch::default(),
             scratch,
             motion: MotionScratch::default(),
             stream: None,
         }
+    }
+
+    /// The parts on some bodies of the chain.
+    pub(super) fn parts_on(&self, bodies: impl Fn(usize) -> bool) -> impl DoubleEndedIterator<Item = usize> {
+        (0..self.riders.len()).filter(move |part| bodies(self.riders[*part].body))
     }
 
     /// Memory of all hierarchies and the triangles in them (bytes), and the number of triangles.

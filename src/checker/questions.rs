@@ -12,7 +12,7 @@ use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
 use crate::query::{Effort, Scratch, Work};
-use crate::robot::{Configuration, Frame};
+use crate::robot::{Chain, Configuration, Frame};
 use crate::simd::{LANES, Simd, dispatch};
 
 /// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
@@ -59,7 +59,7 @@ impl CollisionChecker {
         })
     }
 
-    /// Whether a part touches an obstacle; the parts that hit most of late are asked first.
+    /// Whether a part touches an obstacle; the parts that hit most of late are asked first, those that never move only once.
     #[inline(always)]
     pub(super) fn hits_obstacle<S: Simd>(
         &self,
@@ -71,23 +71,47 @@ impl CollisionChecker {
         if self.pairs().world_len() == 0 {
             return false;
         }
-        let limit = up(CONTACT_DISTANCE);
+        if *self.fixed_contact.get_or_init(|| self.find_fixed_contact(scratch, nearby)) {
+            return true;
+        }
         for rank in 0..part_order.len() {
             let part = part_order[rank];
-            self.find_near(simd, part, &capsule(part), limit, nearby, &mut scratch.work);
-            let NearbyScratch { near, pieces, .. } = &mut *nearby;
-            for of_one in near.chunk_by(|a, b| a.place == b.place) {
-                let index = self.world_pair(part, of_one[0].place as usize);
-                pieces.clear();
-                pieces.extend(of_one.iter().map(|near| near.piece));
-                if self.pair_with(index, frame).pieces_touch(pieces, scratch) {
-                    // one step forward, as a likely pair
-                    part_order.swap(rank, rank.saturating_sub(1));
-                    return true;
-                }
+            if self.part_hits(simd, (part, &capsule(part)), frame, (scratch, nearby)) {
+                // one step forward, as a likely pair
+                part_order.swap(rank, rank.saturating_sub(1));
+                return true;
             }
         }
         false
+    }
+
+    /// Whether a part that no joint moves touches an obstacle.
+    #[cold]
+    fn find_fixed_contact(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {
+        let (level, at) = (scratch.level(), |_| Frame::IDENTITY);
+        self.parts_on(|body| body == Chain::ROOT).any(|part| {
+            let capsule = self.capsule_of(part, &Frame::IDENTITY);
+            dispatch!(level, simd => self.part_hits(simd, (part, &capsule), &at, (scratch, nearby)))
+        })
+    }
+
+    /// Whether a part touches an obstacle.
+    #[inline(always)]
+    fn part_hits<S: Simd>(
+        &self,
+        simd: S,
+        (part, capsule): (usize, &RootCapsule),
+        frame: &impl Fn(usize) -> Frame<f64>,
+        (scratch, nearby): (&mut Scratch, &mut NearbyScratch),
+    ) -> bool {
+        self.find_near(simd, part, capsule, up(CONTACT_DISTANCE), nearby, &mut scratch.work);
+        let NearbyScratch { near, pieces, .. } = nearby;
+        near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
+            let index = self.world_pair(part, of_one[0].place as usize);
+            pieces.clear();
+            pieces.extend(of_one.iter().map(|near| near.piece));
+            self.pair_with(index, frame).pieces_touch(pieces, scratch)
+        })
     }
 
     /// Answers `question` about the state `q`.

@@ -31,7 +31,7 @@ pub struct Workspace {
     pub(super) nearest_first: Vec<QueuedNear>,
     /// Pairs with obstacles that were asked about for it.
     pub(super) asked: Vec<usize>,
-    /// Parts, those that were hit most of late first.
+    /// Parts that joints move, those that were hit most of late first.
     pub(super) part_order: Vec<usize>,
     pub(super) likely: LikelyPairs,
     pub(super) nearby: NearbyScratch,

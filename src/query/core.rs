@@ -57,6 +57,11 @@ impl From<&Element> for RoundedCore {
 }
 
 impl RoundedCore {
+    pub fn point(point: &Point) -> Self {
+        let pose = MatrixPose { translation: point.coords, ..MatrixPose::identity() };
+        Self { core: Core::Point, pose, radius: 0.0 }
+    }
+
     /// How far (m) any of it is from a point of its body, at most.
     pub fn farthest_from(&self, point: &Point) -> f64 {
         let to = |p: Point| nalgebra::distance(&(&self.pose * p), point);

@@ -80,6 +80,11 @@ impl<'w> Incumbent<'w> {
         }
     }
 
+    /// Whether anything within the limit will do.
+    pub fn seeks_any(&self) -> bool {
+        self.goal.enough >= self.goal.limit
+    }
+
     pub fn interrupted(&mut self) -> bool {
         let Some(deadline) = self.goal.effort.deadline else { return false };
         if self.work.volume_tests < self.next_look {

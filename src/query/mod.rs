@@ -33,6 +33,7 @@ mod narrow_phase;
 mod penetration;
 mod piece;
 mod planes;
+mod samples;
 mod scratch;
 mod search;
 mod solid;

@@ -175,6 +175,7 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
         let relative = &solids.relative(&surface.tree, pose_ab);
         let visitor =
             &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: true, pose_ab, relative, incumbent };
+        visitor.glance(descent.level, solids);
         pieces.of_surface(surface.tree.root(), descent.starts);
         descent.run_from_starts((solids, &surface.tree), relative, visitor, 0.0);
     }
@@ -182,6 +183,7 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
         let relative = &solids.relative(&surface.tree, &pose_ab.inverse());
         let visitor =
             &mut SurfaceSolid::<B, SEPARATE> { surface, solid_is_a: false, pose_ab, relative, incumbent };
+        visitor.glance(descent.level, solids);
         descent.run((solids, &surface.tree), relative, visitor);
     }
 }

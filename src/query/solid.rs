@@ -35,6 +35,15 @@ pub(super) struct Hull {
     pub ball: f32,
 }
 
+impl Hull {
+    /// Of a box around it.
+    #[inline(always)]
+    pub fn half_extents_around(&self) -> [f32; 3] {
+        let ([x, y, z], across) = (self.half_extents, self.disc + self.ball);
+        [x + across, y + across, z + self.ball]
+    }
+}
+
 impl From<&Primitive> for Hull {
     #[allow(clippy::cast_possible_truncation)] // rounded up right after
     fn from(primitive: &Primitive) -> Self {

@@ -1,6 +1,7 @@
 //! The triangles of a body, in f64, and the tree over them.
 
 use super::core::{Core, RoundedCore};
+use super::samples::Samples;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{Tree, TriangleLeaf};
 use crate::geometry::Triangle;
@@ -10,6 +11,7 @@ use crate::math::{MatrixPose, Point};
 #[derive(Clone, Debug)]
 pub(super) struct Surface<B: BoundingVolume> {
     pub tree: Tree<B, TriangleLeaf>,
+    pub samples: Samples,
     vertices: Vec<Point>,
     faces: Vec<[u32; 3]>,
 }
@@ -22,8 +24,9 @@ impl<B: BoundingVolume> Surface<B> {
         }
         let corners: Vec<[Point; 3]> = faces.iter().map(|f| f.map(|v| vertices[v as usize])).collect();
         let (tree, order) = Tree::build(&corners);
+        let samples = Samples::new(tree.anchor(), &vertices, faces);
         let faces = order.iter().map(|&i| faces[i as usize]).collect();
-        Some(Self { tree, vertices, faces })
+        Some(Self { tree, samples, vertices, faces })
     }
 
     /// Number `index` in the order of the leaves.
@@ -37,6 +40,10 @@ impl<B: BoundingVolume> Surface<B> {
         RoundedCore { core: Core::Triangle(self.triangle(index)), pose: MatrixPose::identity(), radius: 0.0 }
     }
 
+    pub fn vertex(&self, number: u32) -> Point {
+        self.vertices[number as usize]
+    }
+
     pub fn triangle_count(&self) -> usize {
         self.faces.len()
     }
@@ -45,6 +52,6 @@ impl<B: BoundingVolume> Surface<B> {
     pub fn bytes(&self) -> usize {
         let own =
             self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();
-        own + self.tree.bytes()
+        own + self.tree.bytes() + self.samples.bytes()
     }
 }

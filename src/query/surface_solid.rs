@@ -1,5 +1,6 @@
 //! Where a solid primitive meets leaves of a surface.
 
+use super::core::RoundedCore;
 use super::element::ElementNumber;
 use super::element_pair::separation_within;
 use super::grain_lanes::nearest;
@@ -9,9 +10,12 @@ use super::solid_lanes;
 use super::surface::Surface;
 use super::surface_surface::triangle_slack;
 use crate::bounding_volume::{BoundingVolume, Relative};
-use crate::bvh::{TriangleLeaf, Visitor};
+use crate::bvh::{Leaf, Tree, TriangleLeaf, Visitor};
 use crate::math::{MatrixPose, Vector};
-use crate::simd::{LANES, Simd, not_beyond};
+use crate::simd::{LANES, Level, Simd, dispatch, not_beyond};
+
+/// Solids that are looked at one by one.
+const FEW_SOLIDS: usize = 4;
 
 /// Looks for the triangle of a surface nearest to a solid; with `SEPARATE` only for any that touches.
 pub(super) struct SurfaceSolid<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
@@ -34,6 +38,33 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
         let along = if self.solid_is_a { self.pose_ab.rotation.tr_mul(&along) } else { along };
         let shorter = 1.0 - 8.0 * f32::EPSILON;
         [along.x as f32 * shorter, along.y as f32 * shorter, along.z as f32 * shorter]
+    }
+
+    /// Looks at a few vertices of the surface where any contact is enough: most often one of them is in a solid if anything is.
+    pub fn glance(&mut self, level: Level, solids: &Tree<B, SolidLeaf>) {
+        if !self.incumbent.seeks_any() || solids.leaves().len() > FEW_SOLIDS {
+            return;
+        }
+        for Leaf { content: solid, .. } in solids.leaves() {
+            if self.incumbent.is_settled() {
+                return;
+            }
+            self.incumbent.work.volume_tests += 1;
+            let samples = &self.surface.samples;
+            let innermost = dispatch!(level, simd => samples.innermost(simd, solid, self.relative));
+            if let Some(vertex) = innermost {
+                self.test_vertex(solid, vertex);
+            }
+        }
+    }
+
+    fn test_vertex(&mut self, solid: &SolidLeaf, vertex: u32) {
+        self.incumbent.work.primitive_tests += 1;
+        let vertex = &RoundedCore::point(&self.surface.vertex(vertex));
+        let (a, b) = if self.solid_is_a { (&solid.core, vertex) } else { (vertex, &solid.core) };
+        if let Some(found) = separation_within(a, b, self.pose_ab, self.incumbent.bound()) {
+            self.incumbent.offer(found);
+        }
     }
 
     fn test(&mut self, solid: &SolidLeaf, number: u32) {

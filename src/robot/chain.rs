@@ -77,6 +77,11 @@ pub struct Chain {
     seats: Vec<Option<Seat>>,
 }
 
+impl Chain {
+    /// The body of the root link, which no joint moves.
+    pub const ROOT: usize = 0;
+}
+
 /// A link's constant place in its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seat {

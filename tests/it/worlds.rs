@@ -201,7 +201,9 @@ fn assert_agree(
         let mut pairs: Vec<_> =
             report.pair_distances.iter().map(|p| (name(p.a), name(p.b), p.distance.to_bits())).collect();
         pairs.sort();
-        (checker.is_free(q, workspace), pairs)
+        let free = checker.is_free(q, workspace);
+        assert_eq!(free, report.is_free());
+        (free, pairs)
     };
     assert_eq!(named(changed, mine), named(anew, theirs));
     let segment = MotionSegment::straight(changed.robot(), q, r);
@@ -252,6 +254,36 @@ fn random_edits_agree_with_a_world_built_anew() {
         let (q, r) = (state(&robot, &mut random), state(&robot, &mut random));
         assert_agree((&changed, &anew), (&q, &r), (&mut mine, &mut anew.workspace()));
     }
+}
+
+#[test]
+fn what_no_joint_moves_is_asked_anew_when_the_world_changes() {
+    let robot = demo_arm();
+    let mut random = Random::new(3);
+    let states: Vec<_> = (0..50).map(|_| state(&robot, &mut random)).collect();
+    let free_in = |checker: &CollisionChecker, workspace: &mut Workspace| -> Vec<bool> {
+        let one_by_one: Vec<_> = states.iter().map(|q| checker.is_free(q, workspace)).collect();
+        let reports = checker.check_states(&states, Question::Pairs);
+        assert_eq!(one_by_one, reports.iter().map(|report| report.is_free()).collect::<Vec<_>>());
+        assert_eq!(one_by_one, checker.are_free(&states));
+        one_by_one
+    };
+    let mut world = World::default();
+    let mut checker = CollisionChecker::new(robot, &world, Settings::default()).unwrap();
+    let mut workspace = checker.workspace();
+    let alone = free_in(&checker, &mut workspace);
+    assert!(alone.contains(&true));
+    let socket = Shape::Primitive(Primitive::cuboid([0.05; 3]).unwrap());
+    world.add(Obstacle::of_shape("socket".to_owned(), Pose::identity(), socket)).unwrap();
+    for (place, free) in [(0.0, false), (5.0, true), (0.0, false)] {
+        world.move_to("socket", Pose::translation(0.0, 0.0, place)).unwrap();
+        checker.set_world(&world).unwrap();
+        let expected = if free { alone.clone() } else { vec![false; states.len()] };
+        assert_eq!(free_in(&checker, &mut workspace), expected, "the socket is at {place}");
+    }
+    world.remove("socket").unwrap();
+    checker.set_world(&world).unwrap();
+    assert_eq!(free_in(&checker, &mut workspace), alone);
 }
 
 #[test]
