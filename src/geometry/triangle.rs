@@ -46,25 +46,10 @@ impl Triangle {
         (self.b - self.a).cross(&(self.c - self.a)).try_normalize(0.0).unwrap_or_else(Vector::zeros)
     }
 
-    /// The point of the triangle nearest to `p`: straight below it if it lies over the face, else on an edge.
-    ///
-    /// The height over the face is measured from the nearest edge, so that slivers keep their accuracy: the normal of a
-    /// sliver is rough, but where `p` is near the sliver it is near an edge.
+    /// The point of the triangle nearest to `p`.
     #[must_use]
     pub fn nearest_point(&self, p: &Point) -> Point {
-        let edges = self.edges();
-        let on_edge = nearest_pair(edges.iter().map(|e| [*p, nearest_on_segment(p, e)]))[1];
-        let normal = (self.b - self.a).cross(&(self.c - self.a));
-        let over_face = edges.iter().all(|[from, to]| normal.cross(&(to - from)).dot(&(p - from)) >= 0.0);
-        let n2 = normal.norm_squared();
-        if !over_face || n2 == 0.0 {
-            return on_edge;
-        }
-        let foot = p - normal * (normal.dot(&(p - on_edge)) / n2);
-        // inside, the nearest edge is no farther than the triangle is high; a normal that is noise claims more
-        let longest = edges.iter().map(|[from, to]| (to - from).norm_squared()).fold(0.0, f64::greater);
-        let inside = (foot - on_edge).norm_squared() * longest <= 4.0 * n2;
-        if inside { foot } else { on_edge }
+        Face::of(self).nearest_point(p)
     }
 
     /// Nearest points of two triangles in one frame; the same point twice where they cross.
@@ -152,26 +137,26 @@ impl Triangle {
     /// triangles cross.
     fn nearest_features(&self, other: &Self) -> PointPair {
         let (ours, theirs) = (self.corners(), other.corners());
-        let from_ours = ours.iter().map(|p| [*p, other.nearest_point(p)]);
-        let to_theirs = theirs.iter().map(|q| [self.nearest_point(q), *q]);
-        let mut best = nearest_pair(from_ours.chain(to_theirs));
-        let mut least = nalgebra::distance_squared(&best[0], &best[1]);
-        if separated_across(&best, &ours, &theirs) {
-            return best;
+        let (our_face, their_face) = (Face::of(self), Face::of(other));
+        let mut nearest = NearestPair::default();
+        for p in &ours {
+            nearest.offer([*p, their_face.nearest_point(p)]);
         }
-        for e in self.edges() {
-            for f in other.edges() {
-                let pair = nearest_on_segments(&e, &f);
-                let d = nalgebra::distance_squared(&pair[0], &pair[1]);
-                if d < least {
-                    (least, best) = (d, pair);
-                    if separated_across(&best, &ours, &theirs) {
-                        return best;
-                    }
+        for q in &theirs {
+            nearest.offer([our_face.nearest_point(q), *q]);
+        }
+        if separated_across(&nearest.pair, &ours, &theirs) {
+            return nearest.pair;
+        }
+        for e in &our_face.edges {
+            for f in &their_face.edges {
+                if nearest.offer(nearest_on_segments(e, f)) && separated_across(&nearest.pair, &ours, &theirs)
+                {
+                    return nearest.pair;
                 }
             }
         }
-        best
+        nearest.pair
     }
 
     /// Nearest points of the triangle and a segment; the same point twice where it pierces.
@@ -180,9 +165,93 @@ impl Triangle {
         if let Some(p) = self.pierced_by(segment) {
             return [p, p];
         }
-        let ends = segment.map(|q| [self.nearest_point(&q), q]);
-        let edges = self.edges().map(|e| nearest_on_segments(&e, segment));
-        nearest_pair(ends.into_iter().chain(edges))
+        let face = Face::of(self);
+        let mut nearest = NearestPair::default();
+        for q in segment {
+            nearest.offer([face.nearest_point(q), *q]);
+        }
+        for e in &face.edges {
+            nearest.offer(nearest_on_segments(e, segment));
+        }
+        nearest.pair
+    }
+}
+
+/// What points have in common of which the nearest in a triangle are looked for.
+struct Face {
+    edges: [[Point; 2]; 3],
+    /// Along the edges, and their squared lengths.
+    ways: [Vector; 3],
+    squares: [f64; 3],
+    normal: Vector,
+    /// Across each edge, to the inside.
+    inward: [Vector; 3],
+    normal_squared: f64,
+    longest: f64,
+}
+
+impl Face {
+    fn of(triangle: &Triangle) -> Self {
+        let edges = triangle.edges();
+        let ways = [edges[0][1] - edges[0][0], edges[1][1] - edges[1][0], edges[2][1] - edges[2][0]];
+        let squares = [ways[0].norm_squared(), ways[1].norm_squared(), ways[2].norm_squared()];
+        let normal = ways[0].cross(&(triangle.c - triangle.a));
+        Self {
+            inward: [normal.cross(&ways[0]), normal.cross(&ways[1]), normal.cross(&ways[2])],
+            normal_squared: normal.norm_squared(),
+            longest: squares[0].greater(squares[1]).greater(squares[2]),
+            edges,
+            ways,
+            squares,
+            normal,
+        }
+    }
+
+    /// The point nearest to `p`: straight below it if it lies over the face, else on an edge.
+    ///
+    /// The height over the face is measured from the nearest edge, so that slivers keep their accuracy: the normal of a
+    /// sliver is rough, but where `p` is near the sliver it is near an edge.
+    #[inline]
+    fn nearest_point(&self, p: &Point) -> Point {
+        let mut nearest = NearestPair::default();
+        let mut over_face = self.normal_squared != 0.0;
+        for (i, edge) in self.edges.iter().enumerate() {
+            nearest.offer([*p, nearest_along(p, edge, &self.ways[i], self.squares[i])]);
+            over_face &= self.inward[i].dot(&(p - edge[0])) >= 0.0;
+        }
+        let on_edge = nearest.pair[1];
+        if !over_face {
+            return on_edge;
+        }
+        let foot = p - self.normal * (self.normal.dot(&(p - on_edge)) / self.normal_squared);
+        // inside, the nearest edge is no farther than the triangle is high; a normal that is noise claims more
+        let inside = (foot - on_edge).norm_squared() * self.longest <= 4.0 * self.normal_squared;
+        if inside { foot } else { on_edge }
+    }
+}
+
+/// The pair of points that are nearest of all that were offered, the first of equal ones; the origin twice of none.
+struct NearestPair {
+    pair: PointPair,
+    squared: f64,
+}
+
+impl Default for NearestPair {
+    fn default() -> Self {
+        Self { pair: [Point::origin(); 2], squared: f64::INFINITY }
+    }
+}
+
+impl NearestPair {
+    /// Whether it is the nearest so far.
+    #[inline]
+    fn offer(&mut self, pair: PointPair) -> bool {
+        let squared = nalgebra::distance_squared(&pair[0], &pair[1]);
+        let is_nearer = squared < self.squared;
+        if is_nearer {
+            *self = Self { pair, squared };
+        }
+        is_nearer
     }
 }
 
@@ -204,14 +273,20 @@ pub fn separated_across([p, q]: &PointPair, ours: &[Point], theirs: &[Point]) ->
 
 /// The point of a segment nearest to `p`.
 #[must_use]
-pub fn nearest_on_segment(p: &Point, [a, b]: &[Point; 2]) -> Point {
-    let ab = b - a;
-    let length_squared = ab.norm_squared();
+#[inline]
+pub fn nearest_on_segment(p: &Point, segment: &[Point; 2]) -> Point {
+    let way = segment[1] - segment[0];
+    nearest_along(p, segment, &way, way.norm_squared())
+}
+
+/// The same, of a segment of which the way from end to end and its squared length are known.
+#[inline]
+fn nearest_along(p: &Point, [a, b]: &[Point; 2], way: &Vector, length_squared: f64) -> Point {
     if length_squared == 0.0 {
         return *a;
     }
-    let t = ((p - a).dot(&ab) / length_squared).clamp(0.0, 1.0);
-    if t == 1.0 { *b } else { a + ab * t }
+    let t = ((p - a).dot(way) / length_squared).clamp(0.0, 1.0);
+    if t == 1.0 { *b } else { a + way * t }
 }
 
 /// Nearest points of two segments: inside both, or at an end of one.
@@ -221,13 +296,17 @@ pub fn nearest_on_segments(first: &[Point; 2], second: &[Point; 2]) -> PointPair
     if let Some((pair, Angle::Wide)) = inside {
         return pair;
     }
-    let ends = [
-        [first[0], nearest_on_segment(&first[0], second)],
-        [first[1], nearest_on_segment(&first[1], second)],
-        [nearest_on_segment(&second[0], first), second[0]],
-        [nearest_on_segment(&second[1], first), second[1]],
-    ];
-    nearest_pair(ends.into_iter().chain(inside.map(|(pair, _)| pair)))
+    let mut nearest = NearestPair::default();
+    for p in first {
+        nearest.offer([*p, nearest_on_segment(p, second)]);
+    }
+    for q in second {
+        nearest.offer([nearest_on_segment(q, first), *q]);
+    }
+    if let Some((pair, _)) = inside {
+        nearest.offer(pair);
+    }
+    nearest.pair
 }
 
 /// How well the crossing of two lines is conditioned.
@@ -264,13 +343,9 @@ fn nearest_inside_segments(first: &[Point; 2], second: &[Point; 2]) -> Option<(P
 /// The pair whose points are nearest; the origin twice of none.
 #[must_use]
 pub fn nearest_pair(pairs: impl Iterator<Item = PointPair>) -> PointPair {
-    let mut best = [Point::origin(); 2];
-    let mut least = f64::INFINITY;
+    let mut nearest = NearestPair::default();
     for pair in pairs {
-        let d = nalgebra::distance_squared(&pair[0], &pair[1]);
-        if d < least {
-            (least, best) = (d, pair);
-        }
+        nearest.offer(pair);
     }
-    best
+    nearest.pair
 }

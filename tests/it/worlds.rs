@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::checker::{
-    AllowedCollisionMatrix, Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, Question,
-    Settings, Workspace,
+    AllowedCollisionMatrix, Body, CollisionChecker, CollisionReport, MotionOptions, MotionOrder,
+    MotionVerdict, Question, Settings, Workspace,
 };
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
@@ -264,7 +264,7 @@ fn what_no_joint_moves_is_asked_anew_when_the_world_changes() {
     let free_in = |checker: &CollisionChecker, workspace: &mut Workspace| -> Vec<bool> {
         let one_by_one: Vec<_> = states.iter().map(|q| checker.is_free(q, workspace)).collect();
         let reports = checker.check_states(&states, Question::Pairs);
-        assert_eq!(one_by_one, reports.iter().map(|report| report.is_free()).collect::<Vec<_>>());
+        assert_eq!(one_by_one, reports.iter().map(CollisionReport::is_free).collect::<Vec<_>>());
         assert_eq!(one_by_one, checker.are_free(&states));
         one_by_one
     };
