@@ -1,12 +1,11 @@
 //! One state that something is asked about: what is looked at, in which order, and what is found.
 
-use std::collections::BinaryHeap;
-
 use super::collision_checker::CollisionChecker;
 use super::nearby::Near;
+use super::nearest_first::QueuedNear;
 use super::report::{Body, CollisionReport, PairDistance, Question};
 use super::stream::Due;
-use super::workspace::{QueuedNear, QueuedPair, Workspace};
+use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
 use crate::query::{Effort, Piece, Scratch};
@@ -85,33 +84,38 @@ impl Asked<'_> {
     /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
     fn least_distance(&mut self, limit: f64) {
         let limit = limit.greater(CONTACT_DISTANCE);
-        let mut heap = BinaryHeap::from(std::mem::take(&mut self.workspace.nearest_first));
-        heap.clear();
+        let mut queue = std::mem::take(&mut self.workspace.nearest_first);
+        queue.clear();
         if self.checker.self_candidates(self.q, limit, self.workspace) {
-            let pairs = self.workspace.queue.iter();
-            heap.extend(pairs.map(|p| QueuedNear { lower: p.lower, near: Near::Pair(p.index) }));
-            let world = (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part));
-            heap.extend(world.map(|near| QueuedNear { lower: 0.0, near }));
+            for pair in &self.workspace.queue {
+                queue.push(QueuedNear { lower: pair.lower, near: Near::Pair(pair.index) });
+            }
+            if self.checker.pairs().world_len() > 0 {
+                self.place_capsules();
+            }
+            for near in (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part)) {
+                queue.push(QueuedNear { lower: 0.0, near });
+            }
         }
         self.workspace.asked.clear();
         let mut nearest: Option<(usize, PairDistance)> = None;
         let mut least_lower = f64::INFINITY;
-        while let Some(QueuedNear { lower, near }) = heap.pop() {
+        while let Some(QueuedNear { lower, near }) = queue.pop() {
             let bound = nearest.map_or(limit, |(_, n)| self.effort.lower(n.distance));
             if lower > bound || bound <= 0.0 {
                 break;
             }
             let (index, part_and_piece) = match near {
                 Near::Boxed { part, piece } => {
-                    for found in self.looked_at(part, piece, lower).filter(|found| found.lower <= bound) {
-                        heap.push(found);
+                    let found = self.looked_at(part, piece, lower).filter(|found| found.lower <= bound);
+                    if let Some(found) = found {
+                        queue.push(found);
                     }
                     continue;
                 }
                 Near::Node { part, node } => {
-                    // one by one: what is appended at once may cost a whole heap
                     for found in self.opened(part, node).filter(|found| found.lower <= bound) {
-                        heap.push(found);
+                        queue.push(found);
                     }
                     continue;
                 }
@@ -133,7 +137,7 @@ impl Asked<'_> {
                 nearest = Some((index, found));
             }
         }
-        self.workspace.nearest_first = heap.into_vec();
+        self.workspace.nearest_first = queue;
         self.report.nearest = nearest.map(|(_, found)| PairDistance {
             // of others it is only known that they are not nearer than the tolerance allows
             lower: least_lower.lesser(self.effort.lower(found.distance).greater(0.0)),
@@ -180,21 +184,29 @@ impl Asked<'_> {
         ask(&nearby.pieces, limit, scratch).or(first)
     }
 
+    /// Capsules around all parts, where they are.
+    fn place_capsules(&mut self) {
+        let Workspace { frames, nearby, .. } = &mut *self.workspace;
+        let riders = self.checker.riders.iter().enumerate();
+        nearby.capsules.clear();
+        nearby
+            .capsules
+            .extend(riders.map(|(part, rider)| self.checker.capsule_of(part, &frames[rider.body])));
+    }
+
     /// What to ask of a piece of the world.
-    fn looked_at(&mut self, part: usize, piece: u32, known: f64) -> impl Iterator<Item = QueuedNear> + use<> {
-        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+    fn looked_at(&mut self, part: usize, piece: u32, known: f64) -> Option<QueuedNear> {
+        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
         scratch.work.volume_tests += 1;
-        let capsule = self.checker.capsule_of(part, &frames[self.checker.riders[part].body]);
-        let looked_at = self.checker.looked_at(part, piece, &capsule);
-        looked_at.map(|(lower, near)| QueuedNear { lower: lower.greater(known), near }).into_iter()
+        let (lower, near) = self.checker.looked_at(part, piece, &nearby.capsules[part])?;
+        Some(QueuedNear { lower: lower.greater(known), near })
     }
 
     /// What a node of the tree of pieces holds.
     fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
-        let Workspace { frames, scratch, .. } = &mut *self.workspace;
+        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
         scratch.work.volume_tests += LANES as u64;
-        let capsule = self.checker.capsule_of(part, &frames[self.checker.riders[part].body]);
-        let opened = self.checker.opened(part, node, (&capsule, scratch.level()));
+        let opened = self.checker.opened(part, node, (&nearby.capsules[part], scratch.level()));
         opened.map(|(lower, near)| QueuedNear { lower: lower.greater(0.0), near })
     }
 

@@ -10,6 +10,7 @@ use super::capsules::{CapsulePairs, Segment, up};
 use super::likely::LikelyPairs;
 use super::motion::{MotionScratch, Ways, ways_of};
 use super::nearby::NearbyScratch;
+use super::nearest_first::NearestFirst;
 use super::obstacles::Obstacles;
 use super::pair::PairInfo;
 use super::report::Body;
@@ -237,7 +238,7 @@ impl CollisionChecker {
             near: vec![0; groups],
             bounds: vec![[0.0; LANES]; groups],
             queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),
-            nearest_first: Vec::new(),
+            nearest_first: NearestFirst::default(),
             asked: Vec::new(),
             // what is farthest from the base hits most
             part_order: self.parts_on(|body| body != Chain::ROOT).rev().collect(),

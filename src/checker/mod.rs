@@ -23,6 +23,7 @@ mod memory;
 mod mesh_lint;
 mod motion;
 mod nearby;
+mod nearest_first;
 mod numbers;
 mod obstacles;
 mod pair;

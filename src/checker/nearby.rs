@@ -17,6 +17,8 @@ use crate::world::ObstacleId;
 pub(super) struct NearbyScratch {
     stack: Vec<u32>,
     found: Vec<u32>,
+    /// Around the parts, by part, while the least distance is looked for.
+    pub capsules: Vec<RootCapsule>,
     /// What may be near, one obstacle's pieces after the other's.
     pub near: Vec<NearPiece>,
     /// Of one obstacle.

@@ -1,11 +1,10 @@
 //! What changes from query to query, owned by the caller: one per thread.
 
-use std::cmp::Ordering;
-
 use super::capsules::Segment;
 use super::likely::LikelyPairs;
 use super::motion::MotionScratch;
-use super::nearby::{Near, NearbyScratch};
+use super::nearby::NearbyScratch;
+use super::nearest_first::NearestFirst;
 use super::stream::Stream;
 use crate::query::Scratch;
 use crate::robot::Frame;
@@ -28,7 +27,7 @@ pub struct Workspace {
     /// Pairs to ask about.
     pub(super) queue: Vec<QueuedPair>,
     /// What is looked at for the least distance.
-    pub(super) nearest_first: Vec<QueuedNear>,
+    pub(super) nearest_first: NearestFirst,
     /// Pairs with obstacles that were asked about for it.
     pub(super) asked: Vec<usize>,
     /// Parts that joints move, those that were hit most of late first.
@@ -56,27 +55,4 @@ pub(super) struct QueuedPair {
     pub lower: f64,
     /// In the pair list.
     pub index: usize,
-}
-
-/// A pair, or obstacles near a part, of which the nearest are to be asked first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct QueuedNear {
-    /// Nothing of it is nearer than this (m).
-    pub lower: f64,
-    pub near: Near,
-}
-
-impl Eq for QueuedNear {}
-
-impl Ord for QueuedNear {
-    /// What may be nearer is greater: a heap gives the greatest first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.lower.total_cmp(&self.lower).then(other.near.cmp(&self.near))
-    }
-}
-
-impl PartialOrd for QueuedNear {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }
