@@ -1,5 +1,5 @@
-//! Some vertices of a surface, spread over all of it: whether one of them is in a convex solid is seen at a glance, and most often
-//! one is where the two touch at all.
+//! Some vertices of a surface, spread over all of it: whether one of them is in a convex solid is seen at a glance, and often one
+//! is where the two touch.
 
 use super::solid::SolidLeaf;
 use crate::bounding_volume::{Axes, Relative};

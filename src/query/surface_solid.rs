@@ -40,7 +40,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
         [along.x as f32 * shorter, along.y as f32 * shorter, along.z as f32 * shorter]
     }
 
-    /// Looks at a few vertices of the surface where any contact is enough: most often one of them is in a solid if anything is.
+    /// Looks at a few vertices of the surface where any contact is enough: often one of them is in a solid where they touch.
     pub fn glance(&mut self, level: Level, solids: &Tree<B, SolidLeaf>) {
         if !self.incumbent.seeks_any() || solids.leaves().len() > FEW_SOLIDS {
             return;
