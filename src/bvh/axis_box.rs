@@ -1,6 +1,7 @@
 //! Boxes along the axes of one common frame.
 
 use crate::math::{Extremes, Point};
+use crate::simd::LANES;
 
 /// A box along the axes (m), rounded outward; lower corner above the upper one: nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +59,37 @@ impl AxisBox {
     #[must_use]
     pub fn doubled_centre(&self) -> [f32; 3] {
         std::array::from_fn(|i| self.lo[i] + self.hi[i])
+    }
+}
+
+/// Eight boxes, by coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EightBoxes {
+    pub lo: [[f32; LANES]; 3],
+    pub hi: [[f32; LANES]; 3],
+}
+
+impl EightBoxes {
+    pub const EMPTY: Self = Self { lo: [[f32::INFINITY; LANES]; 3], hi: [[f32::NEG_INFINITY; LANES]; 3] };
+
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, lane: usize) -> AxisBox {
+        let [x, y, z] = &self.lo;
+        let [u, v, w] = &self.hi;
+        AxisBox { lo: [x[lane], y[lane], z[lane]], hi: [u[lane], v[lane], w[lane]] }
+    }
+
+    pub fn set(&mut self, lane: usize, bounds: &AxisBox) {
+        for i in 0..3 {
+            (self.lo[i][lane], self.hi[i][lane]) = (bounds.lo[i], bounds.hi[i]);
+        }
+    }
+
+    /// The smallest box around all.
+    #[must_use]
+    pub fn union(&self) -> AxisBox {
+        (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
     }
 }
 

@@ -3,10 +3,10 @@
 //! What is put in goes where it makes boxes grow least (Catto 2019, *Dynamic bounding volume hierarchies*); after as many changes
 //! as there are items the tree is built anew.
 
-use super::axis_box::AxisBox;
+use super::axis_box::{AxisBox, EightBoxes};
 use crate::math::Extremes;
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Level, Simd, dispatch, f32x8, mask32x8};
+use crate::simd::{LANES, Level, Simd, dispatch, f32x8, low_byte, mask32x8};
 
 /// Changes after which even a small tree is not yet built anew.
 const FEW_CHANGES: usize = 64;
@@ -29,8 +29,7 @@ pub struct DynamicTree {
 /// Eight boxes, and what is in them.
 #[derive(Clone, Debug)]
 struct Node {
-    lo: [[f32; LANES]; 3],
-    hi: [[f32; LANES]; 3],
+    boxes: EightBoxes,
     children: [Child; LANES],
     /// Where it is a child.
     seat: Option<Seat>,
@@ -154,6 +153,36 @@ impl DynamicTree {
         tested
     }
 
+    /// As [`Self::find_overlapping`] of those of eight boxes whose bits are set in `among`: items, each with a bit for every
+    /// box that it overlaps.
+    #[inline(always)]
+    pub fn find_overlapping_any<S: Simd>(
+        &self,
+        simd: S,
+        (with, among): (&EightBoxes, u8),
+        stack: &mut Vec<(u32, u8)>,
+        found: &mut Vec<(u32, u8)>,
+    ) -> u64 {
+        stack.clear();
+        stack.extend(self.root().map(|node| (node, among)));
+        let mut tested = 0;
+        while let Some((node, asked)) = stack.pop() {
+            tested += u64::from(asked.count_ones()) * LANES as u64;
+            let node = &self.nodes[node as usize];
+            let (children, mut near) = node.overlaps_any(simd, with, asked);
+            while near != 0 {
+                let lane = near.trailing_zeros() as usize;
+                near &= near - 1;
+                match node.children[lane] {
+                    Child::Item(item) => found.push((item, children[lane])),
+                    Child::Node(node) => stack.push((node, children[lane])),
+                    Child::Nothing => {}
+                }
+            }
+        }
+        tested
+    }
+
     fn make_room(&mut self, item: u32) {
         if self.seats.len() <= item as usize {
             self.seats.resize(item as usize + 1, None);
@@ -175,7 +204,7 @@ impl DynamicTree {
         let seats = (0..).zip(&self.seats);
         let placed = seats.filter_map(|(item, seat)| {
             let seat = (*seat)?;
-            Some((item, self.nodes[seat.node as usize].lane(seat.lane)))
+            Some((item, self.nodes[seat.node as usize].boxes.lane(seat.lane)))
         });
         placed.collect()
     }
@@ -242,12 +271,12 @@ impl DynamicTree {
             match node.children[lane] {
                 Child::Nothing => return self.sit(seat, item, &bounds),
                 Child::Node(child) => {
-                    let grown = node.lane(lane).union(&bounds);
+                    let grown = node.boxes.lane(lane).union(&bounds);
                     node.set(lane, Child::Node(child), &grown);
                     number = child;
                 }
                 Child::Item(other) => {
-                    let old = node.lane(lane);
+                    let old = node.boxes.lane(lane);
                     let pair = self.new_node(Some(seat));
                     let grown = old.union(&bounds);
                     self.nodes[number as usize].set(lane, Child::Node(pair), &grown);
@@ -284,9 +313,9 @@ impl DynamicTree {
     /// Makes the boxes above a node fit.
     fn refit(&mut self, mut number: u32) {
         while let Some(seat) = self.nodes[number as usize].seat {
-            let bounds = self.nodes[number as usize].bounds();
+            let bounds = self.nodes[number as usize].boxes.union();
             let parent = &mut self.nodes[seat.node as usize];
-            if parent.lane(seat.lane) == bounds {
+            if parent.boxes.lane(seat.lane) == bounds {
                 return;
             }
             parent.set(seat.lane, Child::Node(number), &bounds);
@@ -310,39 +339,36 @@ fn split(items: &mut [(u32, AxisBox)]) -> Option<usize> {
     Some(half)
 }
 
+/// Eight rows of eight bits as columns (Warren 2012, *Hacker's Delight*, section 7-3).
+#[inline(always)]
+fn transposed(mut bits: u64) -> u64 {
+    for (mask, shift) in
+        [(0x00aa_00aa_00aa_00aa, 7), (0x0000_cccc_0000_cccc, 14), (0x0000_0000_f0f0_f0f0, 28)]
+    {
+        let differing = (bits ^ (bits >> shift)) & mask;
+        bits ^= differing ^ (differing << shift);
+    }
+    bits
+}
+
 impl Node {
     fn empty(seat: Option<Seat>) -> Self {
-        Self {
-            lo: [[f32::INFINITY; LANES]; 3],
-            hi: [[f32::NEG_INFINITY; LANES]; 3],
-            children: [Child::Nothing; LANES],
-            seat,
-        }
+        Self { boxes: EightBoxes::EMPTY, children: [Child::Nothing; LANES], seat }
     }
 
     fn set(&mut self, lane: usize, child: Child, bounds: &AxisBox) {
         self.children[lane] = child;
-        for i in 0..3 {
-            (self.lo[i][lane], self.hi[i][lane]) = (bounds.lo[i], bounds.hi[i]);
-        }
-    }
-
-    fn lane(&self, lane: usize) -> AxisBox {
-        AxisBox { lo: self.lo.map(|lo| lo[lane]), hi: self.hi.map(|hi| hi[lane]) }
-    }
-
-    fn bounds(&self) -> AxisBox {
-        (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
+        self.boxes.set(lane, bounds);
     }
 
     fn holds(&self, bounds: &AxisBox) -> bool {
-        let all = self.bounds();
+        let all = self.boxes.union();
         all.union(bounds) == all
     }
 
     fn least_growth(&self, bounds: &AxisBox) -> usize {
         let growth = |lane: usize| {
-            let old = self.lane(lane);
+            let old = self.boxes.lane(lane);
             let grown = old.union(bounds).girth();
             (grown - old.girth(), grown)
         };
@@ -357,17 +383,32 @@ impl Node {
 
     /// The lanes whose boxes overlap another.
     #[inline(always)]
-    fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u64 {
+    fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u8 {
         let apart = self.apart_along(simd, 0, with)
             | self.apart_along(simd, 1, with)
             | self.apart_along(simd, 2, with);
-        !apart.to_bitmask() & u64::from(u8::MAX)
+        low_byte(!apart.to_bitmask())
+    }
+
+    /// For each lane a bit for each of the `asked` boxes that overlaps its own, and the lanes that have any.
+    #[inline(always)]
+    fn overlaps_any<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
+        let (mut by_box, mut any, mut left) = (0, 0, asked);
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let near = self.overlaps(simd, &with.lane(lane));
+            by_box |= u64::from(near) << (8 * lane);
+            any |= near;
+        }
+        (transposed(by_box).to_le_bytes(), any)
     }
 
     /// The lanes whose boxes lie beyond another along one axis.
     #[inline(always)]
     fn apart_along<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
-        let (lo, hi) = (f32x8::from_slice(simd, &self.lo[i]), f32x8::from_slice(simd, &self.hi[i]));
+        let EightBoxes { lo, hi } = &self.boxes;
+        let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
         lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
     }
 
@@ -376,7 +417,8 @@ impl Node {
     fn gaps<S: Simd>(&self, simd: S, from: &AxisBox) -> [f32; LANES] {
         let mut squares = f32x8::splat(simd, 0.0);
         for i in 0..3 {
-            let (lo, hi) = (f32x8::from_slice(simd, &self.lo[i]), f32x8::from_slice(simd, &self.hi[i]));
+            let EightBoxes { lo, hi } = &self.boxes;
+            let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
             let above = lo - from.hi[i];
             let below = f32x8::splat(simd, from.lo[i]) - hi;
             // what is no number, as between unbounded boxes, is no gap

@@ -15,7 +15,7 @@ mod plane;
 mod tree;
 mod triangle_leaf;
 
-pub use axis_box::AxisBox;
+pub use axis_box::{AxisBox, EightBoxes};
 pub use descend::{Entry, Visitor, descend, descend_from};
 pub use dynamic_tree::{Child, DynamicTree};
 pub use grain_leaf::{Grain, GrainLeaf};

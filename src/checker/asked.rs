@@ -1,16 +1,13 @@
 //! One state that something is asked about: what is looked at, in which order, and what is found.
 
 use super::collision_checker::CollisionChecker;
-use super::nearby::Near;
-use super::nearest_first::QueuedNear;
 use super::report::{Body, CollisionReport, PairDistance, Question};
 use super::stream::Due;
 use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
-use crate::query::{Effort, Piece, Scratch};
+use crate::query::Effort;
 use crate::robot::Configuration;
-use crate::simd::LANES;
 
 /// A state that something is asked about, and what is known so far.
 pub(super) struct Asked<'a> {
@@ -81,135 +78,6 @@ impl Asked<'_> {
         }
     }
 
-    /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
-    fn least_distance(&mut self, limit: f64) {
-        let limit = limit.greater(CONTACT_DISTANCE);
-        let mut queue = std::mem::take(&mut self.workspace.nearest_first);
-        queue.clear();
-        if self.checker.self_candidates(self.q, limit, self.workspace) {
-            for pair in &self.workspace.queue {
-                queue.push(QueuedNear { lower: pair.lower, near: Near::Pair(pair.index) });
-            }
-            if self.checker.pairs().world_len() > 0 {
-                self.place_capsules();
-            }
-            for near in (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part)) {
-                queue.push(QueuedNear { lower: 0.0, near });
-            }
-        }
-        self.workspace.asked.clear();
-        let mut nearest: Option<(usize, PairDistance)> = None;
-        let mut least_lower = f64::INFINITY;
-        while let Some(QueuedNear { lower, near }) = queue.pop() {
-            let bound = nearest.map_or(limit, |(_, n)| self.effort.lower(n.distance));
-            if lower > bound || bound <= 0.0 {
-                break;
-            }
-            let (index, part_and_piece) = match near {
-                Near::Boxed { part, piece } => {
-                    let found = self.looked_at(part, piece, lower).filter(|found| found.lower <= bound);
-                    if let Some(found) = found {
-                        queue.push(found);
-                    }
-                    continue;
-                }
-                Near::Node { part, node } => {
-                    for found in self.opened(part, node).filter(|found| found.lower <= bound) {
-                        queue.push(found);
-                    }
-                    continue;
-                }
-                Near::Piece { part, piece } => {
-                    (self.checker.world_pair(part, self.checker.place_of(piece)), Some((part, piece)))
-                }
-                Near::Pair(index) => (index, None),
-            };
-            if !self.is_first(index) {
-                continue;
-            }
-            let found = match part_and_piece.filter(|_| self.asks_pieces()) {
-                Some((part, piece)) => self.distance_by_pieces(index, (part, piece), bound),
-                None => self.distance(QueuedPair { lower, index }, bound),
-            };
-            let Some(found) = found else { continue };
-            least_lower = found.lower.lesser(least_lower);
-            if nearest.is_none_or(|(other, n)| (found.distance, index) < (n.distance, other)) {
-                nearest = Some((index, found));
-            }
-        }
-        self.workspace.nearest_first = queue;
-        self.report.nearest = nearest.map(|(_, found)| PairDistance {
-            // of others it is only known that they are not nearer than the tolerance allows
-            lower: least_lower.lesser(self.effort.lower(found.distance).greater(0.0)),
-            ..found
-        });
-    }
-
-    /// Whether a pair, to which several pieces may lead, was not asked before.
-    fn is_first(&mut self, index: usize) -> bool {
-        let of_parts = index < self.checker.infos.len();
-        let first = of_parts || !self.workspace.asked.contains(&index);
-        if first && !of_parts {
-            self.workspace.asked.push(index);
-        }
-        first
-    }
-
-    /// Whether obstacles are asked by their pieces: tolerances, deadlines and streams are about whole pairs.
-    fn asks_pieces(&self) -> bool {
-        self.effort.is_exact()
-            && !self.workspace.stream.as_ref().is_some_and(|stream| stream.is_of(self.checker.revision))
-    }
-
-    /// The padded distance of a pair, unless it is proven larger than `limit`: first of the piece that may be nearest, then of
-    /// those that may be nearer.
-    fn distance_by_pieces(
-        &mut self,
-        index: usize,
-        (part, piece): (usize, u32),
-        limit: f64,
-    ) -> Option<PairDistance> {
-        let checker = self.checker;
-        let pair = checker.pair(index, &self.workspace.frames);
-        let ask = |pieces: &[Piece], limit: f64, scratch: &mut Scratch| {
-            // rounded up, so that of equal ones none is left out
-            let raw = pair.separation_of_pieces(pieces, (limit + pair.info.padding).next_up(), scratch)?;
-            Some(pair.padded(&raw))
-        };
-        let Workspace { frames, scratch, nearby, .. } = &mut *self.workspace;
-        let first = ask(&[checker.piece(piece)], limit, scratch);
-        let limit = first.map_or(limit, |first| first.distance);
-        let capsule = checker.capsule_of(part, &frames[checker.riders[part].body]);
-        checker.pieces_near((part, checker.place_of(piece)), &capsule, limit, (scratch, nearby));
-        ask(&nearby.pieces, limit, scratch).or(first)
-    }
-
-    /// Capsules around all parts, where they are.
-    fn place_capsules(&mut self) {
-        let Workspace { frames, nearby, .. } = &mut *self.workspace;
-        let riders = self.checker.riders.iter().enumerate();
-        nearby.capsules.clear();
-        nearby
-            .capsules
-            .extend(riders.map(|(part, rider)| self.checker.capsule_of(part, &frames[rider.body])));
-    }
-
-    /// What to ask of a piece of the world.
-    fn looked_at(&mut self, part: usize, piece: u32, known: f64) -> Option<QueuedNear> {
-        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
-        scratch.work.volume_tests += 1;
-        let (lower, near) = self.checker.looked_at(part, piece, &nearby.capsules[part])?;
-        Some(QueuedNear { lower: lower.greater(known), near })
-    }
-
-    /// What a node of the tree of pieces holds.
-    fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
-        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
-        scratch.work.volume_tests += LANES as u64;
-        let opened = self.checker.opened(part, node, (&nearby.capsules[part], scratch.level()));
-        opened.map(|(lower, near)| QueuedNear { lower: lower.greater(0.0), near })
-    }
-
     /// Every pair's distance up to `limit`.
     fn distances(&mut self, limit: f64) {
         // what touches is within any limit
@@ -271,7 +139,7 @@ impl Asked<'_> {
     }
 
     /// The padded distance of a pair of the queue, unless it is proven larger than `limit`.
-    fn distance(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
+    pub fn distance(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
         let QueuedPair { lower, index } = queued;
         if self.effort.is_exact() {
             return self.exact_distance(queued, limit);

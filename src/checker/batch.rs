@@ -107,15 +107,16 @@ impl CollisionChecker {
             for i in 0..eight.near.len() {
                 hit |= self.hits_of(i, eight.near[i] & all & !hit, &eight, scratch, likely);
             }
-            for lane in 0..states.len() {
-                if hit & (1 << lane) == 0 {
-                    let frame = |body| eight.frame(body, lane);
-                    let origin = self.capsules.origin(frame);
-                    let capsule = |part: usize| self.capsule_at(part, eight.segment(part, lane), origin);
-                    let touches = self.hits_obstacle(simd, capsule, &frame, (scratch, nearby, part_order));
-                    hit |= u8::from(touches) << lane;
-                }
-            }
+            let origins = self.capsules.origin(&eight.frames);
+            let capsules = |part: usize| self.capsule_in_eight(simd, part, (eight.segments[part], origins));
+            let memory = (&mut *scratch, &mut *nearby, &mut part_order[..]);
+            hit |= self.states_that_hit(
+                simd,
+                all & !hit,
+                capsules,
+                &|body, lane| eight.frame(body, lane),
+                memory,
+            );
             for (lane, free) in free.iter_mut().enumerate() {
                 *free = hit & (1 << lane) == 0;
             }
@@ -195,12 +196,6 @@ impl<S: Simd> Eight<S> {
         );
         checker.capsules.place(&self.frames, &mut self.segments);
         checker.capsules.near(simd, &self.segments, margin, &mut self.near);
-    }
-
-    /// A part's segment in one of the states.
-    pub fn segment(&self, part: usize, lane: usize) -> Segment<f32> {
-        let Segment { centre: c, half: h } = &self.segments[part];
-        Segment { centre: [c[0][lane], c[1][lane], c[2][lane]], half: [h[0][lane], h[1][lane], h[2][lane]] }
     }
 
     /// A body's frame in one of the states.

@@ -35,7 +35,7 @@ use std::ops::Sub;
 
 use super::capsules::Segment;
 use crate::simd::prelude::*;
-use crate::simd::{Simd, f32x8};
+use crate::simd::{Simd, f32x8, low_byte};
 
 /// Rounding taken off every bound, relative to coordinates and sizes: 64 roundings of f32.
 pub(super) const SLACK: f32 = 64.0 / 16_777_216.0;
@@ -129,9 +129,4 @@ fn square<S: Simd>(n: [f32x8<S>; 3]) -> f32x8<S> {
 #[inline(always)]
 fn unit_interval<S: Simd>(x: f32x8<S>) -> f32x8<S> {
     x.max(-1.0).min(1.0)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the other bits are meant to go")]
-fn low_byte(bits: u64) -> u8 {
-    bits as u8
 }

@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference};
 use crate::constants::MOTION_SLACK;
 use crate::math::{Extremes, MatrixPose, Point};
-use crate::robot::{Frame, Reach};
+use crate::robot::{Columns, Frame, Reach};
 use crate::simd::prelude::*;
-use crate::simd::{Real, Simd, f32x8};
+use crate::simd::{Real, Simd, f32x8, f64x4};
 
 /// All points within `radius` of the segment from `a` to `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,10 +134,24 @@ impl CapsulePairs {
         }
     }
 
+    /// As [`Self::place`] for one state, to the same bits, with a vector for each column of a frame.
+    #[inline(always)]
+    pub fn place_one<S: Simd>(&self, simd: S, frames: &[Frame<f64>], segments: &mut [Segment<f32>]) {
+        let Some(first) = self.riders.first() else { return };
+        let origin = Columns::of(simd, &frames[first.body]).origin();
+        for (rider, segment) in self.riders.iter().zip(segments) {
+            let columns = Columns::of(simd, &frames[rider.body]);
+            let centre = columns.origin() - origin + columns.turn(rider.centre);
+            *segment = Segment { centre: singles(centre), half: singles(columns.turn(rider.half)) };
+        }
+    }
+
     /// What segments are relative to (m), in single precision.
+    #[inline(always)]
     #[must_use]
-    pub fn origin(&self, frame: impl Fn(usize) -> Frame<f64>) -> [f32; 3] {
-        self.riders.first().map_or([0.0; 3], |first| single(frame(first.body).t))
+    pub fn origin<T: Real>(&self, frames: &[Frame<T>]) -> [T::Single; 3] {
+        let first = self.riders.first().map_or(0, |first| first.body);
+        single(frames[first].t)
     }
 
     /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.
@@ -320,7 +334,7 @@ fn eight_pairs<S: Simd>(simd: S, segments: &[Segment<f32>], group: &Group) -> La
 
 /// The centres and halves of eight segments.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, segments: [&Segment<f32>; 8]) -> ([f32x8<S>; 3], [f32x8<S>; 3]) {
+pub(super) fn gather<S: Simd>(simd: S, segments: [&Segment<f32>; 8]) -> ([f32x8<S>; 3], [f32x8<S>; 3]) {
     let (mut centre, mut half) = ([[0.0; 8]; 3], [[0.0; 8]; 3]);
     for (lane, segment) in segments.iter().enumerate() {
         for i in 0..3 {
@@ -344,6 +358,12 @@ fn sum<T: Copy + Add<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 #[inline(always)]
 fn single<T: Real>(v: [T; 3]) -> [T::Single; 3] {
     [v[0].single(), v[1].single(), v[2].single()]
+}
+
+#[inline(always)]
+fn singles<S: Simd>(v: f64x4<S>) -> [f32; 3] {
+    let [x, y, z, _] = v.narrow(v).split().0.into();
+    [x, y, z]
 }
 
 impl LinkCapsule {

@@ -240,6 +240,7 @@ impl CollisionChecker {
             queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),
             nearest_first: NearestFirst::default(),
             asked: Vec::new(),
+            in_doubt: Vec::new(),
             // what is farthest from the base hits most
             part_order: self.parts_on(|body| body != Chain::ROOT).rev().collect(),
             likely: LikelyPairs::new(),

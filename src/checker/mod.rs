@@ -18,6 +18,7 @@ mod capsule_lanes;
 mod capsules;
 mod collision_checker;
 mod fingerprint;
+mod least_distance;
 mod likely;
 mod memory;
 mod mesh_lint;
@@ -36,6 +37,7 @@ mod settings;
 mod stream;
 mod volumes;
 mod workspace;
+mod world_hits;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};

@@ -1,6 +1,6 @@
 //! Which obstacles may be near a part of the robot: boxes in a tree first, then capsules.
 
-use super::capsules::{Segment, up};
+use super::capsules::{Segment, gather, up};
 use super::collision_checker::CollisionChecker;
 use super::root_volume::RootCapsule;
 use super::workspace::{QueuedPair, Workspace};
@@ -9,7 +9,8 @@ use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::{Extremes, MatrixPose};
 use crate::query::{Piece, Scratch, Work};
 use crate::robot::{Configuration, Frame, Reach};
-use crate::simd::{LANES, Level, Simd, dispatch};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, Level, Simd, dispatch, f32x8};
 use crate::world::ObstacleId;
 
 /// Scratch memory of a search.
@@ -17,10 +18,15 @@ use crate::world::ObstacleId;
 pub(super) struct NearbyScratch {
     stack: Vec<u32>,
     found: Vec<u32>,
+    /// As those, of eight capsules at once: with a bit for each.
+    eight_stack: Vec<(u32, u8)>,
+    eight_found: Vec<(u32, u8)>,
     /// Around the parts, by part, while the least distance is looked for.
     pub capsules: Vec<RootCapsule>,
     /// What may be near, one obstacle's pieces after the other's.
     pub near: Vec<NearPiece>,
+    /// The same of eight capsules.
+    pub near_eight: Vec<NearEight>,
     /// Of one obstacle.
     pub pieces: Vec<Piece>,
 }
@@ -32,6 +38,15 @@ pub(super) struct NearPiece {
     pub piece: Piece,
     /// Its padded distance (m) is not less than this.
     pub lower: f32,
+}
+
+/// A piece of an obstacle that may be near some of eight capsules.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearEight {
+    pub place: u32,
+    pub piece: Piece,
+    /// A bit for each of them.
+    pub lanes: u8,
 }
 
 /// Something of the world that may be near a part.
@@ -58,10 +73,34 @@ impl CollisionChecker {
         RootCapsule::of_reach(&self.reach_of(part, frame), self.riders[part].padding)
     }
 
-    /// The same, made of what level 0 knows: segments as seen from `origin`.
+    /// The same, made of what level 0 knows: of eight states the segments as seen from `origins`.
     #[inline(always)]
-    pub(super) fn capsule_at(&self, part: usize, segment: Segment<f32>, origin: [f32; 3]) -> RootCapsule {
-        RootCapsule::new(segment, origin, self.padded_radii[part])
+    pub(super) fn capsule_in_eight<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        (segment, origins): (Segment<f32x8<S>>, [f32x8<S>; 3]),
+    ) -> RootCapsule<f32x8<S>> {
+        RootCapsule::new(simd, segment, origins, f32x8::splat(simd, self.padded_radii[part]))
+    }
+
+    /// The same of one state, of up to eight parts.
+    #[inline(always)]
+    pub(super) fn eight_capsules<S: Simd>(
+        &self,
+        simd: S,
+        parts: &[usize],
+        (segments, [x, y, z]): (&[Segment<f32>], [f32; 3]),
+    ) -> RootCapsule<f32x8<S>> {
+        let mut radii = [0.0; LANES];
+        let mut of_parts = [&segments[parts[0]]; LANES];
+        for (lane, part) in parts.iter().enumerate() {
+            radii[lane] = self.padded_radii[*part];
+            of_parts[lane] = &segments[*part];
+        }
+        let (centre, half) = gather(simd, of_parts);
+        let origin = [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)];
+        RootCapsule::new(simd, Segment { centre, half }, origin, f32x8::simd_from(simd, radii))
     }
 
     /// Boxes around the robot's parts with their paddings, where a state has them: what the broad phase asks about.
@@ -133,6 +172,39 @@ impl CollisionChecker {
             }
         }
         near.sort_unstable_by_key(|near| (near.place, near.piece));
+    }
+
+    /// Fills `near_eight` with the pieces of obstacles whose padded distance from some of eight parts may be within `limit` (m), of
+    /// those `among` them; `checks` has a bit for each to be checked against what is at a place.
+    #[inline(always)]
+    pub(super) fn find_near_eight<S: Simd>(
+        &self,
+        simd: S,
+        (capsules, among): (&RootCapsule<f32x8<S>>, u8),
+        (limit, checks): (f32, impl Fn(ObstacleId) -> u8),
+        NearbyScratch { eight_stack, eight_found, near_eight, .. }: &mut NearbyScratch,
+        work: &mut Work,
+    ) {
+        let pieces = &self.obstacles.pieces;
+        near_eight.clear();
+        eight_found.clear();
+        eight_found.extend(pieces.unbounded.iter().map(|piece| (*piece, among)));
+        let boxes = capsules.axis_boxes(limit);
+        work.volume_tests +=
+            pieces.tree.find_overlapping_any(simd, (&boxes, among), eight_stack, eight_found);
+        for &(number, lanes) in &*eight_found {
+            let placed = pieces.at(number);
+            let asked = lanes & checks(ObstacleId(placed.place));
+            if asked == 0 {
+                continue;
+            }
+            work.volume_tests += u64::from(asked.count_ones());
+            let lanes = asked & placed.near(simd, capsules, limit);
+            if lanes != 0 {
+                near_eight.push(NearEight { place: placed.place, piece: placed.piece, lanes });
+            }
+        }
+        near_eight.sort_unstable_by_key(|near| (near.place, near.piece));
     }
 
     /// Fills `pieces` with those of the obstacle at a place whose padded distance from a part may be within `limit` (m).

@@ -2,7 +2,9 @@
 
 use super::report::{Body, PairDistance, UndecidedPair};
 use crate::math::{Extremes, MatrixPose};
-use crate::query::{self, CollisionBody, DistanceBounds, Effort, Piece, Scratch, Separation};
+use crate::query::{
+    self, CollisionBody, DistanceBounds, Effort, ElementPair, Piece, Postponed, Scratch, Separation,
+};
 
 /// What never changes about a pair.
 #[derive(Clone, Copy, Debug)]
@@ -36,15 +38,26 @@ impl Pair<'_> {
         query::pieces_within_margin(a, (b, pieces), self.pose_ab, self.info.padding, scratch).is_some()
     }
 
-    /// As [`Self::separation`], of some pieces of b.
-    pub fn separation_of_pieces(
+    /// Gives what may be nearest of a and some pieces of b, or all of it, to be measured later, unless it is proven farther apart than
+    /// `limit` (m). Returns a number (m) that the distance without padding certainly does not exceed.
+    pub fn nearest_in_doubt(
         &self,
-        pieces: &[Piece],
+        pieces: Option<&[Piece]>,
         limit: f64,
         scratch: &mut Scratch,
-    ) -> Option<Separation> {
+        postpone: impl FnMut(Postponed),
+    ) -> f64 {
         let (a, b) = self.bodies;
-        query::distance_to_pieces(a, (b, pieces), self.pose_ab, limit, scratch)
+        query::nearest_in_doubt(a, (b, pieces), &self.pose_ab, limit, scratch, postpone)
+    }
+
+    /// Measures what may be nearest of the pair.
+    pub fn measured(
+        &self,
+        postponed: &Postponed,
+        scratch: &mut Scratch,
+    ) -> (Separation, Option<ElementPair>) {
+        postponed.measured(self.bodies, &self.pose_ab, scratch)
     }
 
     /// The distance without padding, unless it is proven larger than `limit`.

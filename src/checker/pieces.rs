@@ -3,6 +3,7 @@
 use super::root_volume::{RootCapsule, RootVolume};
 use crate::bvh::{AxisBox, DynamicTree};
 use crate::query::Piece;
+use crate::simd::{Simd, f32x8};
 
 /// Pieces by number, of which each has a place in the tree.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +32,12 @@ impl PlacedPiece {
     #[inline(always)]
     pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
         self.volume.lower_bound(part)
+    }
+
+    /// A bit for each of eight padded parts that is not proven to be farther away than `limit` (m).
+    #[inline(always)]
+    pub fn near<S: Simd>(&self, simd: S, parts: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
+        self.volume.near(simd, parts, limit)
     }
 }
 

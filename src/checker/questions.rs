@@ -3,17 +3,15 @@
 use super::asked::Asked;
 use super::capsules::up;
 use super::collision_checker::CollisionChecker;
-use super::nearby::NearbyScratch;
 use super::pair::{Pair, PairInfo};
 use super::report::{CollisionReport, Question};
-use super::root_volume::RootCapsule;
 use super::stream::{Due, Stream};
 use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
-use crate::query::{Effort, Scratch, Work};
-use crate::robot::{Chain, Configuration, Frame};
-use crate::simd::{LANES, Simd, dispatch};
+use crate::query::{Effort, Work};
+use crate::robot::{Configuration, Frame};
+use crate::simd::{LANES, dispatch};
 
 /// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
 const WORLD_LOOK_AHEAD: f64 = 0.05;
@@ -52,65 +50,9 @@ impl CollisionChecker {
             likely.hit(hit);
             return true;
         }
-        let origin = self.capsules.origin(|body| frames[body]);
+        let origin = self.capsules.origin(frames);
         dispatch!(scratch.level(), simd => {
-            let capsule = |part: usize| self.capsule_at(part, segments[part], origin);
-            self.hits_obstacle(simd, capsule, &|body| frames[body], (scratch, nearby, part_order))
-        })
-    }
-
-    /// Whether a part touches an obstacle; the parts that hit most of late are asked first, those that never move only once.
-    #[inline(always)]
-    pub(super) fn hits_obstacle<S: Simd>(
-        &self,
-        simd: S,
-        capsule: impl Fn(usize) -> RootCapsule,
-        frame: &impl Fn(usize) -> Frame<f64>,
-        (scratch, nearby, part_order): (&mut Scratch, &mut NearbyScratch, &mut [usize]),
-    ) -> bool {
-        if self.pairs().world_len() == 0 {
-            return false;
-        }
-        if *self.fixed_contact.get_or_init(|| self.find_fixed_contact(scratch, nearby)) {
-            return true;
-        }
-        for rank in 0..part_order.len() {
-            let part = part_order[rank];
-            if self.part_hits(simd, (part, &capsule(part)), frame, (scratch, nearby)) {
-                // one step forward, as a likely pair
-                part_order.swap(rank, rank.saturating_sub(1));
-                return true;
-            }
-        }
-        false
-    }
-
-    /// Whether a part that no joint moves touches an obstacle.
-    #[cold]
-    fn find_fixed_contact(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {
-        let (level, at) = (scratch.level(), |_| Frame::IDENTITY);
-        self.parts_on(|body| body == Chain::ROOT).any(|part| {
-            let capsule = self.capsule_of(part, &Frame::IDENTITY);
-            dispatch!(level, simd => self.part_hits(simd, (part, &capsule), &at, (scratch, nearby)))
-        })
-    }
-
-    /// Whether a part touches an obstacle.
-    #[inline(always)]
-    fn part_hits<S: Simd>(
-        &self,
-        simd: S,
-        (part, capsule): (usize, &RootCapsule),
-        frame: &impl Fn(usize) -> Frame<f64>,
-        (scratch, nearby): (&mut Scratch, &mut NearbyScratch),
-    ) -> bool {
-        self.find_near(simd, part, capsule, up(CONTACT_DISTANCE), nearby, &mut scratch.work);
-        let NearbyScratch { near, pieces, .. } = nearby;
-        near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
-            let index = self.world_pair(part, of_one[0].place as usize);
-            pieces.clear();
-            pieces.extend(of_one.iter().map(|near| near.piece));
-            self.pair_with(index, frame).pieces_touch(pieces, scratch)
+            self.hits_obstacle(simd, (segments, origin), &|body| frames[body], (scratch, nearby, part_order))
         })
     }
 
@@ -256,7 +198,7 @@ impl CollisionChecker {
         let margin = [up(self.largest_padding + CONTACT_DISTANCE); LANES];
         dispatch!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, q.positions(), frames);
-            self.capsules.place(frames, segments);
+            self.capsules.place_one(simd, frames, segments);
             self.capsules.near_one(
                 simd,
                 segments,
@@ -272,7 +214,7 @@ impl CollisionChecker {
         let Workspace { frames, segments, bounds, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
         dispatch!(scratch.level(), simd => {
-            self.capsules.place(frames, segments);
+            self.capsules.place_one(simd, frames, segments);
             self.capsules.lower_bounds_one(simd, segments, bounds);
         });
     }

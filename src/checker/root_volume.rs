@@ -13,36 +13,36 @@
 
 use super::capsule_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 use super::capsules::{Segment, up};
-use crate::bvh::AxisBox;
-use crate::math::{Extremes, MatrixPose, Point};
+use crate::bvh::{AxisBox, EightBoxes};
+use crate::math::{MatrixPose, Point};
 use crate::query::PieceVolume;
 use crate::robot::Reach;
-use crate::simd::Real;
+use crate::simd::{Real, Simd, Single, f32x8, low_byte, not_beyond};
 
 /// Steps to and fro that come near enough to the nearest points.
 const STEPS: usize = 2;
 
-/// All points within `radius` (m) of a segment, in the root frame.
+/// All points within `radius` (m) of a segment, in the root frame: one capsule, or eight in lanes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RootCapsule {
-    segment: Segment<f32>,
+pub(super) struct RootCapsule<V = f32> {
+    segment: Segment<V>,
     /// 1 / |half|² (1/m²).
-    over_square: f32,
-    radius: f32,
+    over_square: V,
+    radius: V,
     /// E + H of the bounds (m): the largest coordinate that it was made from, and how far it reaches from its centre.
-    size: f32,
+    size: V,
 }
 
 /// A box in the root frame; axes are rows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RootBox {
-    centre: [f32; 3],
-    axes: [[f32; 3]; 3],
-    half_extents: [f32; 3],
+pub(super) struct RootBox<V = f32> {
+    centre: [V; 3],
+    axes: [[V; 3]; 3],
+    half_extents: [V; 3],
     /// Safety distance (m) around it.
-    padding: f32,
+    padding: V,
     /// As of a capsule.
-    size: f32,
+    size: V,
 }
 
 /// Where a piece of the world is.
@@ -58,83 +58,132 @@ impl RootCapsule {
     pub fn of_reach(reach: &Reach, padding: f64) -> Self {
         let [a, b] = reach.ends;
         let segment = Segment { centre: single((a + b) * 0.5), half: single((b - a) * 0.5) };
-        Self::new(segment, [0.0; 3], up(reach.radius + padding))
-    }
-
-    /// A segment as seen from `origin` (m, root frame), and all within `radius` (m) of it.
-    #[inline(always)]
-    #[must_use]
-    pub fn new(Segment { centre: [x, y, z], half }: Segment<f32>, origin: [f32; 3], radius: f32) -> Self {
-        let [p, q, r] = origin;
-        let extent = (x.abs() + p.abs()).greater(y.abs() + q.abs()).greater(z.abs() + r.abs());
-        let reach = half[0].abs() + half[1].abs() + half[2].abs() + radius;
-        let over_square = 1.0 / dot(half, half).greater(LEAST_SQUARE);
-        Self {
-            segment: Segment { centre: [x + p, y + q, z + r], half },
-            over_square,
-            radius,
-            size: extent + reach,
-        }
+        Self::new((), segment, [0.0; 3], up(reach.radius + padding))
     }
 
     /// A box around all that is within `by` (m) of it.
     #[inline(always)]
     #[must_use]
     pub fn axis_box(&self, by: f32) -> AxisBox {
+        let [lo, hi] = self.corners(by);
+        AxisBox { lo, hi }
+    }
+
+    #[inline(always)]
+    fn splat<V: Single>(&self, token: V::Token) -> RootCapsule<V> {
+        let Segment { centre, half } = self.segment;
+        RootCapsule {
+            segment: Segment { centre: splat(token, centre), half: splat(token, half) },
+            over_square: V::splat(token, self.over_square),
+            radius: V::splat(token, self.radius),
+            size: V::splat(token, self.size),
+        }
+    }
+}
+
+impl<V: Single> RootCapsule<V> {
+    /// A segment as seen from `origin` (m, root frame), and all within `radius` (m) of it.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(
+        token: V::Token,
+        Segment { centre: [x, y, z], half }: Segment<V>,
+        [p, q, r]: [V; 3],
+        radius: V,
+    ) -> Self {
+        let extent = (x.abs() + p.abs()).greater(y.abs() + q.abs()).greater(z.abs() + r.abs());
+        let reach = half[0].abs() + half[1].abs() + half[2].abs() + radius;
+        let least = V::splat(token, LEAST_SQUARE);
+        Self {
+            segment: Segment { centre: [x + p, y + q, z + r], half },
+            over_square: V::splat(token, 1.0) / dot(half, half).greater(least),
+            radius,
+            size: extent + reach,
+        }
+    }
+
+    /// The lower and the upper corner of a box around all that is within `by` (m) of it.
+    #[inline(always)]
+    fn corners(&self, by: f32) -> [[V; 3]; 2] {
         let Segment { centre, half: [u, v, w] } = self.segment;
-        let farther = self.radius + by + SLACK * (self.size + by);
+        let farther = self.radius + by + (self.size + by) * SLACK;
         around(centre, [u.abs() + farther, v.abs() + farther, w.abs() + farther])
     }
 
     /// A number never larger than the distance (m) from another one, less than zero where they overlap; what is no number bounds
     /// nothing.
     #[inline(always)]
-    fn bound_of_capsule(&self, other: &Self) -> f32 {
+    fn bound_of_capsule(&self, other: &Self, token: V::Token) -> V {
         let (u, v) = (self.segment.half, other.segment.half);
         let w = minus(other.segment.centre, self.segment.centre);
         let (uu, vv, uv, uw, vw) = (dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w));
-        let determinant = (uu * vv - uv * uv).greater(PARALLEL * uu * vv).greater(LEAST_SQUARE);
-        let s = share((uw * vv - uv * vw) / determinant);
-        let t = share((uv * s - vw) * other.over_square);
-        let s = share((uv * t + uw) * self.over_square);
-        let n = minus(along(w, v, t), along([0.0; 3], u, s));
+        let least = (uu * vv * PARALLEL).greater(V::splat(token, LEAST_SQUARE));
+        let one = V::splat(token, 1.0);
+        let s = share((uw * vv - uv * vw) / (uu * vv - uv * uv).greater(least), one);
+        let t = share((uv * s - vw) * other.over_square, one);
+        let s = share((uv * t + uw) * self.over_square, one);
+        let n = minus(along(w, v, t), scaled(u, s));
         let gap = dot(n, w) - dot(n, u).abs() - dot(n, v).abs();
-        gap / length(n) - (self.radius + other.radius + SLACK * (self.size + other.size))
+        gap / length(n) - (self.radius + other.radius + (self.size + other.size) * SLACK)
     }
 
     /// The same of a box.
     #[inline(always)]
-    fn bound_of_box(&self, to: &RootBox) -> f32 {
-        let turned = |v: [f32; 3]| to.axes.map(|axis| dot(axis, v));
-        let w = turned(minus(self.segment.centre, to.centre));
-        let u = turned(self.segment.half);
-        let mut p = along(w, u, share(-dot(w, u) * self.over_square));
+    fn bound_of_box(&self, to: &RootBox<V>, token: V::Token) -> V {
+        let one = V::splat(token, 1.0);
+        let w = turned(&to.axes, minus(self.segment.centre, to.centre));
+        let u = turned(&to.axes, self.segment.half);
+        let mut p = along(w, u, share(-dot(w, u) * self.over_square, one));
         for _ in 0..STEPS {
             let q = to.nearest(p);
-            p = along(w, u, share(dot(minus(q, w), u) * self.over_square));
+            p = along(w, u, share(dot(minus(q, w), u) * self.over_square, one));
         }
         let n = minus(p, to.nearest(p));
-        let [x, y, z] = n.map(f32::abs);
         let [a, b, c] = to.half_extents;
-        let gap = dot(n, w) - dot(n, u).abs() - (x * a + y * b + z * c);
-        gap / length(n) - (self.radius + to.padding + SLACK * (self.size + to.size))
+        let gap = dot(n, w) - dot(n, u).abs() - (n[0].abs() * a + n[1].abs() * b + n[2].abs() * c);
+        gap / length(n) - (self.radius + to.padding + (self.size + to.size) * SLACK)
+    }
+}
+
+impl<S: Simd> RootCapsule<f32x8<S>> {
+    /// Boxes around all that is within `by` (m) of each.
+    #[inline(always)]
+    #[must_use]
+    pub fn axis_boxes(&self, by: f32) -> EightBoxes {
+        let [[x, y, z], [u, v, w]] = self.corners(by);
+        EightBoxes { lo: [x.into(), y.into(), z.into()], hi: [u.into(), v.into(), w.into()] }
+    }
+}
+
+impl<V: Single> RootBox<V> {
+    /// The point of it, in its frame, nearest to one.
+    #[inline(always)]
+    fn nearest(&self, [x, y, z]: [V; 3]) -> [V; 3] {
+        let [a, b, c] = self.half_extents;
+        [x.greater(-a).lesser(a), y.greater(-b).lesser(b), z.greater(-c).lesser(c)]
     }
 }
 
 impl RootBox {
-    /// The point of it, in its frame, nearest to one.
-    #[inline(always)]
-    fn nearest(&self, p: [f32; 3]) -> [f32; 3] {
-        let [a, b, c] = self.half_extents;
-        [p[0].greater(-a).lesser(a), p[1].greater(-b).lesser(b), p[2].greater(-c).lesser(c)]
-    }
-
     fn axis_box(&self) -> AxisBox {
         let [x, y, z] = self.axes;
         let [a, b, c] = self.half_extents;
         let shadow = |i: usize| x[i].abs() * a + y[i].abs() * b + z[i].abs() * c;
         let farther = self.padding + SLACK * self.size;
-        around(self.centre, [shadow(0) + farther, shadow(1) + farther, shadow(2) + farther])
+        let [lo, hi] = around(self.centre, [shadow(0) + farther, shadow(1) + farther, shadow(2) + farther]);
+        AxisBox { lo, hi }
+    }
+
+    #[inline(always)]
+    fn splat<V: Single>(&self, token: V::Token) -> RootBox<V> {
+        let [x, y, z] = self.axes;
+        RootBox {
+            centre: splat(token, self.centre),
+            axes: [splat(token, x), splat(token, y), splat(token, z)],
+            half_extents: splat(token, self.half_extents),
+            padding: V::splat(token, self.padding),
+            size: V::splat(token, self.size),
+        }
     }
 }
 
@@ -175,45 +224,76 @@ impl RootVolume {
     #[inline(always)]
     #[must_use]
     pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
-        let bound = match self {
-            Self::Capsule(capsule) => part.bound_of_capsule(capsule),
-            Self::Box(of_box) => part.bound_of_box(of_box),
-        };
+        let bound = self.bound(part, ());
         // what is no number bounds nothing
         if bound.is_nan() { f32::NEG_INFINITY } else { bound }
     }
+
+    /// A bit for each of eight that is not proven to be farther away than `limit` (m).
+    #[inline(always)]
+    #[must_use]
+    pub fn near<S: Simd>(&self, simd: S, eight: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
+        low_byte(not_beyond(self.bound(eight, simd), limit))
+    }
+
+    /// As [`Self::lower_bound`], but for what is no number.
+    #[inline(always)]
+    fn bound<V: Single>(&self, part: &RootCapsule<V>, token: V::Token) -> V {
+        match self {
+            Self::Capsule(capsule) => part.bound_of_capsule(&capsule.splat(token), token),
+            Self::Box(of_box) => part.bound_of_box(&of_box.splat(token), token),
+        }
+    }
 }
 
-/// A share of a half length.
 #[inline(always)]
-fn share(of: f32) -> f32 {
-    of.clamp(-1.0, 1.0)
+fn splat<V: Single>(token: V::Token, [x, y, z]: [f32; 3]) -> [V; 3] {
+    [V::splat(token, x), V::splat(token, y), V::splat(token, z)]
+}
+
+/// A share of a half length, of which `one` is all.
+#[inline(always)]
+fn share<V: Single>(of: V, one: V) -> V {
+    of.greater(-one).lesser(one)
 }
 
 #[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+fn dot<V: Single>(a: [V; 3], b: [V; 3]) -> V {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+fn minus<V: Single>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn scaled<V: Single>(u: [V; 3], s: V) -> [V; 3] {
+    [u[0] * s, u[1] * s, u[2] * s]
 }
 
 /// From a point so much along a vector.
 #[inline(always)]
-fn along(p: [f32; 3], u: [f32; 3], s: f32) -> [f32; 3] {
+fn along<V: Single>(p: [V; 3], u: [V; 3], s: V) -> [V; 3] {
     [p[0] + u[0] * s, p[1] + u[1] * s, p[2] + u[2] * s]
+}
+
+/// A vector in a frame whose axes are rows.
+#[inline(always)]
+fn turned<V: Single>(axes: &[[V; 3]; 3], v: [V; 3]) -> [V; 3] {
+    [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)]
 }
 
 /// Never zero.
 #[inline(always)]
-fn length(v: [f32; 3]) -> f32 {
+fn length<V: Single>(v: [V; 3]) -> V {
     (dot(v, v) + LEAST_SQUARE).sqrt()
 }
 
-fn around([x, y, z]: [f32; 3], [u, v, w]: [f32; 3]) -> AxisBox {
-    AxisBox { lo: [x - u, y - v, z - w], hi: [x + u, y + v, z + w] }
+/// The corners of a box.
+#[inline(always)]
+fn around<V: Single>([x, y, z]: [V; 3], [u, v, w]: [V; 3]) -> [[V; 3]; 2] {
+    [[x - u, y - v, z - w], [x + u, y + v, z + w]]
 }
 
 fn single(v: crate::math::Vector) -> [f32; 3] {

@@ -1,6 +1,7 @@
 //! What changes from query to query, owned by the caller: one per thread.
 
 use super::capsules::Segment;
+use super::least_distance::InDoubt;
 use super::likely::LikelyPairs;
 use super::motion::MotionScratch;
 use super::nearby::NearbyScratch;
@@ -30,6 +31,8 @@ pub struct Workspace {
     pub(super) nearest_first: NearestFirst,
     /// Pairs with obstacles that were asked about for it.
     pub(super) asked: Vec<usize>,
+    /// What is to be measured for it.
+    pub(super) in_doubt: Vec<InDoubt>,
     /// Parts that joints move, those that were hit most of late first.
     pub(super) part_order: Vec<usize>,
     pub(super) likely: LikelyPairs,

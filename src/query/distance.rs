@@ -4,10 +4,9 @@ use std::time::Instant;
 
 use super::body::CollisionBody;
 use super::element_pair::Separation;
-use super::piece::Piece;
 use super::scratch::Scratch;
-use super::search::{Goal, Pieces, search, search_pieces};
-use crate::bounding_volume::{BoundingVolume, Obb};
+use super::search::{Goal, search};
+use crate::bounding_volume::BoundingVolume;
 use crate::math::{Extremes, MatrixPose};
 
 /// Least distance of two bodies and their nearest points, or `None` if it was proven larger than `limit` (m).
@@ -23,19 +22,6 @@ pub fn distance<B: BoundingVolume>(
 ) -> Option<Separation> {
     let goal = Goal { limit, ..Goal::EXACT };
     search::<B, false>((a, b), &pose_ab.into(), goal, scratch).best
-}
-
-/// As [`distance`], of a and some pieces of b.
-#[must_use]
-pub fn distance_to_pieces(
-    a: &CollisionBody,
-    (b, pieces): (&CollisionBody, &[Piece]),
-    pose_ab: impl Into<MatrixPose>,
-    limit: f64,
-    scratch: &mut Scratch,
-) -> Option<Separation> {
-    let goal = Goal { limit, ..Goal::EXACT };
-    search_pieces::<Obb, false>((a, b), Pieces::Some(pieces), &pose_ab.into(), goal, scratch).best
 }
 
 /// As [`distance`], but satisfied with less than the whole truth: what is certain after some effort.

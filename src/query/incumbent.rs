@@ -18,7 +18,7 @@ pub(super) struct Incumbent<'w> {
     goal: Goal,
     pub best: Option<Separation>,
     /// The numbers of the elements that the best is about, where it matters which of equal ones is told.
-    numbers: Option<(ElementNumber, ElementNumber)>,
+    pub numbers: Option<(ElementNumber, ElementNumber)>,
     /// The count of volume tests at which to look at the clock.
     next_look: u64,
     pub work: &'w mut Work,
@@ -38,6 +38,11 @@ impl<'w> Incumbent<'w> {
             Some(best) => self.goal.effort.lower(best.distance),
             None => self.goal.limit,
         }
+    }
+
+    /// Lets nothing farther than `limit` (m) matter any more.
+    pub fn lower_limit(&mut self, limit: f64) {
+        self.goal.limit = self.goal.limit.lesser(limit).greater(CONTACT_DISTANCE);
     }
 
     /// [`Self::bound`], rounded up unless nothing matters any more.

@@ -3,6 +3,7 @@
 use super::body::CollisionBody;
 use super::containment::{Interior, contained_grain};
 use super::distance::Effort;
+use super::element::ElementNumber;
 use super::element_pair::Separation;
 use super::grain_grains::GrainGrains;
 use super::grains::{GrainSearch, Grains};
@@ -29,6 +30,8 @@ pub(super) struct Goal {
     /// Nothing nearer than this (m) is looked for.
     pub enough: f64,
     pub effort: Effort,
+    /// Whether triangles that may be nearest are left among the candidates, for others to measure.
+    pub postpones: bool,
 }
 
 impl Goal {
@@ -42,6 +45,7 @@ impl Goal {
             exact_within: 0.0,
             deadline: None,
         },
+        postpones: false,
     };
 
     /// Anything that touches.
@@ -93,6 +97,8 @@ impl Pieces<'_> {
 pub(super) struct Found {
     /// The nearest within the limit that was seen.
     pub best: Option<Separation>,
+    /// Of which elements that is, where it matters.
+    pub numbers: Option<(ElementNumber, ElementNumber)>,
     /// Nothing that was not looked at is nearer than this (m); infinite when everything was.
     pub unseen: f64,
 }
@@ -122,7 +128,7 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     // spheres cost a tenth of what it takes to begin
     if a.sphere_bound(b, pose_ab) > goal.limit.greater(CONTACT_DISTANCE) {
         scratch.work.volume_tests += 1;
-        return Found { best: None, unseen: f64::INFINITY };
+        return Found { best: None, numbers: None, unseen: f64::INFINITY };
     }
     let Scratch { work, stack, starts, candidates, level } = scratch;
     let mut descent = Descent { level: *level, stack, starts, unseen: f64::INFINITY };
@@ -137,7 +143,11 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         let mut visitor = SurfaceSurface::<B, SEPARATE> { a, b, pose_ab, relative, incumbent, candidates };
         pieces.of_surface(b.tree.root(), descent.starts);
         descent.run_from_starts((&a.tree, &b.tree), relative, &mut visitor, 0.0);
-        visitor.measure_candidates();
+        if goal.postpones {
+            visitor.postpone_candidates();
+        } else {
+            visitor.measure_candidates();
+        }
     }
     if a.has_planes() || b.has_planes() {
         planes((a, b), pose_ab, &mut incumbent, &mut descent);
@@ -156,7 +166,7 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     {
         incumbent.best = Some(Separation::touching_at(point));
     }
-    Found { best: incumbent.best, unseen: descent.unseen }
+    Found { best: incumbent.best, numbers: incumbent.numbers, unseen: descent.unseen }
 }
 
 fn solids<B: BoundingVolume, const SEPARATE: bool>(

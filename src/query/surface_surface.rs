@@ -49,6 +49,16 @@ impl Candidates {
         self.pairs.clear();
     }
 
+    /// The distance (m) that some triangles certainly do not exceed; infinity, if there are none.
+    pub fn upper(&self) -> f64 {
+        f64::from(self.upper)
+    }
+
+    /// All that are kept, each with a lower bound of its distance (m).
+    pub fn drain(&mut self) -> impl Iterator<Item = (f64, u32, u32)> {
+        self.pairs.drain(..).map(|(lower, i, j)| (f64::from(lower), i, j))
+    }
+
     #[inline(always)]
     fn take_upper<S: Simd>(&mut self, simd: S, distances: &DistanceLanes<S>) {
         let least = simd.reduce_min_f32x8(distances.upper);
@@ -61,14 +71,9 @@ impl Candidates {
 }
 
 impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE> {
-    fn triangles(&self, i: u32, j: u32) -> (Triangle, Triangle) {
-        let b = self.b.triangle(j).corners().map(|p| self.pose_ab * p);
-        (self.a.triangle(i), Triangle { a: b[0], b: b[1], c: b[2] })
-    }
-
     fn contact(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
-        let (a, b) = self.triangles(i, j);
+        let (a, b) = triangles((self.a, i), (self.b, j), self.pose_ab);
         if let Some(point) = a.contact_point(&b) {
             self.incumbent.offer(Separation::touching_at(point));
         }
@@ -76,9 +81,9 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
 
     pub fn measure(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
-        let (a, b) = self.triangles(i, j);
         let numbers = (ElementNumber::of_triangle(i), ElementNumber::of_triangle(j));
-        self.incumbent.offer_numbered(Separation::of(a.nearest_points(&b)), numbers);
+        let found = separation_of_triangles((self.a, i), (self.b, j), self.pose_ab);
+        self.incumbent.offer_numbered(found, numbers);
     }
 
     /// Bounds the distances of eight pairs of triangles, of which the lanes of `mask` count, and keeps those that may be the
@@ -117,9 +122,24 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
             return self.measure(i, j);
         }
         if self.candidates.pairs.len() == Candidates::MOST {
-            self.measure_candidates();
+            self.make_room();
         }
         self.candidates.pairs.push((lower, i, j));
+    }
+
+    /// Forgets what can no longer be the nearest; if that is too little, what may still be is measured.
+    #[cold]
+    fn make_room(&mut self) {
+        let threshold = self.threshold();
+        self.candidates.pairs.retain(|(lower, ..)| *lower <= threshold);
+        if self.candidates.pairs.len() > Candidates::MOST / 2 {
+            self.measure_candidates();
+        }
+    }
+
+    /// Leaves what may be the nearest to others; what is looked at after it has to be as near.
+    pub fn postpone_candidates(&mut self) {
+        self.incumbent.lower_limit(self.candidates.upper());
     }
 
     /// Measures what may still be the nearest.
@@ -183,6 +203,26 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
             });
         }
     }
+}
+
+/// The distance of a triangle of one surface from one of another.
+pub(super) fn separation_of_triangles<B: BoundingVolume>(
+    a: (&Surface<B>, u32),
+    b: (&Surface<B>, u32),
+    pose_ab: &MatrixPose,
+) -> Separation {
+    let (a, b) = triangles(a, b, pose_ab);
+    Separation::of(a.nearest_points(&b))
+}
+
+/// A triangle of one surface and one of another, in the frame of the first.
+fn triangles<B: BoundingVolume>(
+    (a, i): (&Surface<B>, u32),
+    (b, j): (&Surface<B>, u32),
+    pose_ab: &MatrixPose,
+) -> (Triangle, Triangle) {
+    let b = b.triangle(j).corners().map(|p| pose_ab * p);
+    (a.triangle(i), Triangle { a: b[0], b: b[1], c: b[2] })
 }
 
 /// In the direction of v, but not longer than one.

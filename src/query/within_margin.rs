@@ -60,8 +60,12 @@ pub fn margin_bounds<B: BoundingVolume>(
 ) -> DistanceBounds {
     let margin = margin.greater(CONTACT_DISTANCE);
     let effort = Effort { deadline, ..Effort::default() };
-    let found =
-        search::<B, false>((a, b), &pose_ab.into(), Goal { limit: margin, enough: margin, effort }, scratch);
+    let found = search::<B, false>(
+        (a, b),
+        &pose_ab.into(),
+        Goal { limit: margin, enough: margin, effort, ..Goal::EXACT },
+        scratch,
+    );
     let lower = if found.best.is_some() { 0.0 } else { margin.lesser(found.unseen) };
     let interrupted = found.best.is_none() && found.unseen.is_finite();
     DistanceBounds { lower, upper: found.best, interrupted }

@@ -19,16 +19,18 @@
 mod approach;
 mod between;
 mod compile;
+mod one_state;
 mod travel;
 
 use std::ops::Mul;
 
 use crate::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
-use crate::simd::prelude::*;
-use crate::simd::{Real, Simd, f64x8, sin_cos};
+use crate::simd::{Real, sin_cos};
 
 pub use approach::Approach;
 pub use between::{Between, Deviation, Deviations, Reach, SideMotion};
+pub use one_state::Columns;
+use one_state::EightSources;
 pub use travel::TravelRates;
 
 /// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.
@@ -73,6 +75,8 @@ pub struct ChainJoint {
 pub struct Chain {
     /// All bodies but the root's, which is body 0: parents first.
     bodies: Vec<Body>,
+    /// Of the bodies, eight by eight.
+    angles: Vec<EightSources>,
     /// By link; `None` for links that were dropped.
     seats: Vec<Option<Seat>>,
 }
@@ -149,27 +153,6 @@ impl Chain {
                 #[inline(always)]
                 |angle| sin_cos(angle),
             );
-        }
-    }
-
-    /// As [`Self::frames`] for one state, to the same bits, with eight joints' sines in lanes.
-    #[inline(always)]
-    pub fn frames_of_one<S: Simd>(&self, simd: S, positions: &[f64], frames: &mut [Frame<f64>]) {
-        let q = |i: usize| positions[i];
-        // most bodies hang on the one before: it is kept at hand, for memory just written is slow to read otherwise
-        let mut last = Frame::IDENTITY;
-        frames[0] = last;
-        for (eight, first) in self.bodies.chunks(8).zip((1..).step_by(8)) {
-            let mut angles = [0.0; 8];
-            for (angle, body) in angles.iter_mut().zip(eight) {
-                *angle = body.angle(q);
-            }
-            let (sin, cos) = sin_cos(f64x8::simd_from(simd, angles));
-            for (lane, body) in eight.iter().enumerate() {
-                let parent = if body.parent + 1 == first + lane { last } else { frames[body.parent] };
-                last = body.frame((), q, &parent, |_| (sin[lane], cos[lane]));
-                frames[first + lane] = last;
-            }
         }
     }
 

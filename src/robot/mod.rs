@@ -25,8 +25,8 @@ mod warning;
 mod xml;
 
 pub use chain::{
-    Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
-    Source as PositionSource, TravelRates,
+    Approach, Between, Chain, ChainJoint, Columns, Deviation, Deviations, Frame, Motion, Reach, Seat,
+    SideMotion, Source as PositionSource, TravelRates,
 };
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};

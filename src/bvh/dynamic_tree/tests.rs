@@ -39,7 +39,7 @@ fn assert_holds(tree: &DynamicTree, expected: &[Option<AxisBox>]) {
     while let Some((number, bounds)) = stack.pop() {
         let node = &tree.nodes[number as usize];
         for lane in 0..LANES {
-            let own = node.lane(lane);
+            let own = node.boxes.lane(lane);
             if let Some(bounds) = bounds {
                 assert_eq!(bounds.union(&own), bounds);
             }
@@ -79,6 +79,30 @@ proptest! {
             found.sort_unstable();
             let all = (0..200_u32).filter(|i| expected[*i as usize].is_some_and(|b| overlap(&b, &with)));
             prop_assert_eq!(&found, &all.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn eight_boxes_find_what_each_finds_alone(
+        boxes in prop::collection::vec(axis_box(), 0..300),
+        asked in prop::array::uniform8(axis_box()),
+        among in any::<u8>(),
+    ) {
+        let tree = DynamicTree::build(&(0..).zip(boxes.iter().copied()).collect::<Vec<_>>());
+        let mut eight = EightBoxes::EMPTY;
+        for (lane, bounds) in asked.iter().enumerate() {
+            eight.set(lane, bounds);
+        }
+        let bits = |item: &AxisBox| {
+            let bit = |lane: usize| u8::from(overlap(item, &asked[lane])) << lane;
+            among & (0..LANES).fold(0, |all, lane| all | bit(lane))
+        };
+        let expected: Vec<_> = (0..).zip(boxes.iter().map(bits)).filter(|(_, bits)| *bits != 0).collect();
+        for level in [Level::new(), crate::simd::baseline()] {
+            let (mut stack, mut found) = (Vec::new(), Vec::new());
+            dispatch!(level, simd => tree.find_overlapping_any(simd, (&eight, among), &mut stack, &mut found));
+            found.sort_unstable();
+            prop_assert_eq!(&found, &expected);
         }
     }
 

@@ -214,7 +214,7 @@ impl CollisionChecker {
         scratch.work.volume_tests += self.infos.len() as u64;
         dispatch!(scratch.level(), simd => {
             self.chain.frames_of_one(simd, positions, frames);
-            self.capsules.place(frames, segments);
+            self.capsules.place_one(simd, frames, segments);
             self.capsules.near_one(simd, segments, margins, near);
         });
         found.clear();

@@ -2,13 +2,15 @@ use super::*;
 use crate::checker::capsules::LinkCapsule;
 use crate::checker::capsules::tests::{random_pair, true_distance};
 use crate::math::Vector;
-use crate::testing::Random;
+use crate::simd::dispatch;
+use crate::simd::prelude::*;
+use crate::testing::{Random, levels};
 
 /// What a chain with its first body at `origin` makes of a capsule.
 fn seen_from(origin: Vector, capsule: &LinkCapsule) -> RootCapsule {
     let middle = (capsule.a.coords + capsule.b.coords) * 0.5;
     let segment = Segment { centre: single(middle - origin), half: single((capsule.b - capsule.a) * 0.5) };
-    RootCapsule::new(segment, single(origin), up(capsule.radius))
+    RootCapsule::new((), segment, single(origin), up(capsule.radius))
 }
 
 fn reach(capsule: &LinkCapsule) -> Reach {
@@ -74,6 +76,60 @@ fn bounds_of_boxes_are_never_above_distances_and_boxes_hold_all() {
         }
     }
     assert!(tight > 3_000, "only {tight} bounds are of use");
+}
+
+/// Eight capsules in lanes.
+#[inline(always)]
+fn in_lanes<S: Simd>(simd: S, eight: &[RootCapsule; 8]) -> RootCapsule<f32x8<S>> {
+    let lanes = |of: &dyn Fn(&RootCapsule) -> f32| f32x8::from_fn(simd, |lane| of(&eight[lane]));
+    let of_segments =
+        |of: &dyn Fn(&Segment<f32>) -> [f32; 3]| [0, 1, 2].map(|i| lanes(&|c| of(&c.segment)[i]));
+    RootCapsule {
+        segment: Segment { centre: of_segments(&|s| s.centre), half: of_segments(&|s| s.half) },
+        over_square: lanes(&|c| c.over_square),
+        radius: lanes(&|c| c.radius),
+        size: lanes(&|c| c.size),
+    }
+}
+
+#[test]
+fn eight_are_near_what_each_is_near_alone() {
+    let mut random = Random::new(33);
+    let mut near = 0;
+    for round in 0..2_000 {
+        let capsules: [RootCapsule; 8] = std::array::from_fn(|_| {
+            let mut c = random_pair(&mut random).0;
+            if round % 50 == 0 && random.below(4) == 0 {
+                c.a.x = f64::NAN;
+            }
+            seen_from(random.vector(1.0), &c)
+        });
+        let half = random.vector(0.3).abs();
+        let volume = PieceVolume::Box {
+            centre: Point::from(random.vector(1.0)),
+            axes: nalgebra::one(),
+            half_extents: half,
+        };
+        let of_box = RootVolume::of_piece(&volume, &MatrixPose::from(&random.pose(1.0)), 0.01);
+        let of_capsule = RootVolume::Capsule(RootCapsule::of_reach(&reach(&random_pair(&mut random).1), 0.0));
+        for volume in [of_box, of_capsule] {
+            let limit = [0.0, 1e-9, 0.3][random.below(3)];
+            let alone = |lane: usize| volume.lower_bound(&capsules[lane]) <= limit;
+            let expected = (0..8).fold(0, |bits, lane| bits | u8::from(alone(lane)) << lane);
+            for level in levels() {
+                let (found, boxes) = dispatch!(level, simd => {
+                    let eight = in_lanes(simd, &capsules);
+                    (volume.near(simd, &eight, limit), eight.axis_boxes(limit))
+                });
+                assert_eq!(found, expected, "{level:?} {volume:?} {capsules:?}");
+                for (lane, capsule) in capsules.iter().enumerate() {
+                    assert_eq!(format!("{:?}", boxes.lane(lane)), format!("{:?}", capsule.axis_box(limit)));
+                }
+            }
+            near += expected.count_ones();
+        }
+    }
+    assert!((4_000..28_000).contains(&near), "{near}");
 }
 
 #[test]

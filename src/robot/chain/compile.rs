@@ -1,6 +1,6 @@
 //! Compiling: from joints as a robot has them to steps that cost little.
 
-use super::{Body, Chain, ChainJoint, Frame, Motion, Seat, Source, Step, Turn};
+use super::{Body, Chain, ChainJoint, EightSources, Frame, Motion, Seat, Source, Step, Turn};
 use crate::math::{Pose, RotationMatrix, UnitVector, Vector};
 
 impl Chain {
@@ -14,9 +14,11 @@ impl Chain {
         let mut draft = Draft::new(root, joints, needed.len());
         draft.drop_unneeded(needed);
         let aims = draft.aims();
-        let bodies = draft.bodies.iter().zip(&aims).filter_map(|(b, &aim)| b.finish(aim, &aims)).collect();
+        let bodies: Vec<Body> =
+            draft.bodies.iter().zip(&aims).filter_map(|(b, &aim)| b.finish(aim, &aims)).collect();
         let seats = draft.seats.iter().map(|s| Some(s.as_ref()?.aimed(&aims))).collect();
-        Self { bodies, seats }
+        let angles = bodies.chunks(8).map(EightSources::of).collect();
+        Self { bodies, angles, seats }
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::math::Rotation;
-use crate::simd::dispatch;
+use crate::simd::prelude::*;
+use crate::simd::{Simd, dispatch, f64x8};
 use crate::testing::{Random, levels};
 
 /// A random tree of `links` links, the number of its positions, and which links are needed.

@@ -1,0 +1,285 @@
+//! The least distance of a state: what may be nearest is looked at first, in single precision where there are triangles, and only what
+//! may still be the nearest of all in the end is measured.
+
+use super::asked::Asked;
+use super::nearby::Near;
+use super::nearest_first::{NearestFirst, QueuedNear};
+use super::pair::Pair;
+use super::report::PairDistance;
+use super::workspace::{QueuedPair, Workspace};
+use crate::constants::CONTACT_DISTANCE;
+use crate::math::Extremes;
+use crate::query::{ElementPair, Piece, Postponed, Scratch, Separation};
+use crate::simd::LANES;
+
+/// What is known of the least distance so far.
+struct Least {
+    /// It is not told if it is larger (m).
+    limit: f64,
+    /// It is certainly not larger (m).
+    upper: f64,
+    /// The nearest pair that was measured, of equally near ones the first.
+    nearest: Option<(usize, PairDistance)>,
+    /// No pair that was measured is certain to be farther apart (m).
+    lower: f64,
+    /// How often something was looked at.
+    looks: usize,
+}
+
+/// What is to be measured in the end, and of which pair it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InDoubt {
+    /// Its padded distance (m) is not less than this.
+    lower: f64,
+    /// How many looks were before the one that found it.
+    look: usize,
+    index: usize,
+    what: Postponed,
+}
+
+/// What was measured, and of which pair it is.
+#[derive(Clone, Copy)]
+struct Measured {
+    /// The padded distance (m).
+    padded: f64,
+    raw: Separation,
+    numbers: Option<ElementPair>,
+    index: usize,
+    look: usize,
+}
+
+impl Measured {
+    /// Whether this is told rather than another: what is nearer; of equally near pairs the first, or where they touch the one that was
+    /// looked at first; of one pair as [`crate::query`] says.
+    fn is_before(&self, other: &Self) -> bool {
+        if self.index == other.index {
+            return (self.raw.distance, self.numbers) < (other.raw.distance, other.numbers);
+        }
+        if self.padded == 0.0 && other.padded == 0.0 {
+            return self.look < other.look;
+        }
+        (self.padded, self.index) < (other.padded, other.index)
+    }
+}
+
+impl Asked<'_> {
+    /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
+    pub fn least_distance(&mut self, limit: f64) {
+        let limit = limit.greater(CONTACT_DISTANCE);
+        let mut least = Least { limit, upper: f64::INFINITY, nearest: None, lower: f64::INFINITY, looks: 0 };
+        self.workspace.asked.clear();
+        self.workspace.in_doubt.clear();
+        let mut queue = std::mem::take(&mut self.workspace.nearest_first);
+        self.fill(&mut queue, limit);
+        while let Some(queued) = queue.pop() {
+            let bound = least.bound(self);
+            if queued.lower > bound || bound <= 0.0 {
+                break;
+            }
+            self.look(queued, &mut queue, &mut least);
+        }
+        self.workspace.nearest_first = queue;
+        self.measure(&mut least);
+        self.report.nearest = least.nearest.map(|(_, found)| PairDistance {
+            // of others it is only known that they are not nearer than the tolerance allows
+            lower: least.lower.lesser(self.effort.lower(found.distance).greater(0.0)),
+            ..found
+        });
+    }
+
+    /// All that there is to look at, up to `limit` (m).
+    fn fill(&mut self, queue: &mut NearestFirst, limit: f64) {
+        queue.clear();
+        if !self.checker.self_candidates(self.q, limit, self.workspace) {
+            return;
+        }
+        for pair in &self.workspace.queue {
+            queue.push(QueuedNear { lower: pair.lower, near: Near::Pair(pair.index) });
+        }
+        if self.checker.pairs().world_len() > 0 {
+            self.place_capsules();
+        }
+        for near in (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part)) {
+            queue.push(QueuedNear { lower: 0.0, near });
+        }
+    }
+
+    /// Looks at what may be nearest.
+    fn look(&mut self, QueuedNear { lower, near }: QueuedNear, queue: &mut NearestFirst, least: &mut Least) {
+        let bound = least.bound(self);
+        match near {
+            Near::Boxed { part, piece } => {
+                let found = self.looked_at(part, piece, lower).filter(|found| found.lower <= bound);
+                if let Some(found) = found {
+                    queue.push(found);
+                }
+            }
+            Near::Node { part, node } => {
+                for found in self.opened(part, node).filter(|found| found.lower <= bound) {
+                    queue.push(found);
+                }
+            }
+            Near::Piece { part, piece } => {
+                let index = self.checker.world_pair(part, self.checker.place_of(piece));
+                if self.is_first(index) {
+                    if self.postpones() {
+                        self.look_at_pieces(index, (part, piece), least);
+                    } else {
+                        self.ask(QueuedPair { lower, index }, least);
+                    }
+                }
+            }
+            Near::Pair(index) => {
+                if index < self.checker.infos.len() || self.is_first(index) {
+                    if self.postpones() {
+                        self.look_at_pair(index, least);
+                    } else {
+                        self.ask(QueuedPair { lower, index }, least);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether a pair, to which several pieces may lead, was not asked before.
+    fn is_first(&mut self, index: usize) -> bool {
+        let first = !self.workspace.asked.contains(&index);
+        if first {
+            self.workspace.asked.push(index);
+        }
+        first
+    }
+
+    /// Whether pairs are looked at before any is measured, obstacles piece by piece: tolerances, deadlines and streams are about
+    /// pairs one by one.
+    fn postpones(&self) -> bool {
+        self.effort.is_exact()
+            && !self.workspace.stream.as_ref().is_some_and(|stream| stream.is_of(self.checker.revision))
+    }
+
+    /// Asks a pair at once.
+    fn ask(&mut self, queued: QueuedPair, least: &mut Least) {
+        let bound = least.bound(self);
+        if let Some(found) = self.distance(queued, bound) {
+            least.lower = found.lower.lesser(least.lower);
+            if least.nearest.is_none_or(|(other, n)| (found.distance, queued.index) < (n.distance, other)) {
+                least.nearest = Some((queued.index, found));
+            }
+        }
+    }
+
+    /// Looks at all of a pair.
+    fn look_at_pair(&mut self, index: usize, least: &mut Least) {
+        let pair = self.checker.pair(index, &self.workspace.frames);
+        let (scratch, in_doubt) = (&mut self.workspace.scratch, &mut self.workspace.in_doubt);
+        least.look_at((index, &pair), None, scratch, in_doubt);
+    }
+
+    /// Looks at a part and the pieces of an obstacle: at the piece that may be nearest, then at those that may be nearer.
+    fn look_at_pieces(&mut self, index: usize, (part, piece): (usize, u32), least: &mut Least) {
+        let checker = self.checker;
+        let pair = checker.pair(index, &self.workspace.frames);
+        let (scratch, in_doubt) = (&mut self.workspace.scratch, &mut self.workspace.in_doubt);
+        let first = checker.piece(piece);
+        least.look_at((index, &pair), Some(&[first]), scratch, in_doubt);
+        let nearby = &mut self.workspace.nearby;
+        let capsule = nearby.capsules[part];
+        let bound = least.limit.lesser(least.upper);
+        checker.pieces_near((part, checker.place_of(piece)), &capsule, bound, (scratch, nearby));
+        nearby.pieces.retain(|other| *other != first);
+        if !nearby.pieces.is_empty() {
+            least.look_at((index, &pair), Some(&nearby.pieces), scratch, in_doubt);
+        }
+    }
+
+    /// Measures what may be the nearest.
+    fn measure(&mut self, least: &mut Least) {
+        let mut in_doubt = std::mem::take(&mut self.workspace.in_doubt);
+        in_doubt.retain(|other| other.lower <= least.upper);
+        in_doubt.sort_unstable_by(|p, q| p.lower.total_cmp(&q.lower).then(p.look.cmp(&q.look)));
+        let mut best: Option<Measured> = None;
+        for what in in_doubt.drain(..) {
+            if best.is_some_and(|best| what.lower > best.padded) {
+                break;
+            }
+            let measured = self.measured(&what);
+            if best.is_none_or(|best| measured.is_before(&best)) {
+                best = Some(measured);
+            }
+        }
+        self.workspace.in_doubt = in_doubt;
+        if let Some(best) = best.filter(|best| best.padded <= least.limit) {
+            let found = self.told(&best);
+            (least.lower, least.nearest) = (found.lower, Some((best.index, found)));
+        }
+    }
+
+    fn measured(&mut self, InDoubt { look, index, what, .. }: &InDoubt) -> Measured {
+        let pair = self.checker.pair(*index, &self.workspace.frames);
+        let (raw, numbers) = pair.measured(what, &mut self.workspace.scratch);
+        Measured { padded: pair.padded(&raw).distance, raw, numbers, index: *index, look: *look }
+    }
+
+    fn told(&mut self, best: &Measured) -> PairDistance {
+        let pair = self.checker.pair(best.index, &self.workspace.frames);
+        if best.raw.distance > 0.0 {
+            return pair.padded(&best.raw);
+        }
+        // which common point was found depends on what was looked at before
+        let alone = pair.separation(CONTACT_DISTANCE, &mut self.workspace.scratch);
+        pair.padded(&alone.unwrap_or(best.raw))
+    }
+
+    /// Capsules around all parts, where they are.
+    fn place_capsules(&mut self) {
+        let Workspace { frames, nearby, .. } = &mut *self.workspace;
+        let riders = self.checker.riders.iter().enumerate();
+        nearby.capsules.clear();
+        nearby
+            .capsules
+            .extend(riders.map(|(part, rider)| self.checker.capsule_of(part, &frames[rider.body])));
+    }
+
+    /// What to ask of a piece of the world.
+    fn looked_at(&mut self, part: usize, piece: u32, known: f64) -> Option<QueuedNear> {
+        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += 1;
+        let (lower, near) = self.checker.looked_at(part, piece, &nearby.capsules[part])?;
+        Some(QueuedNear { lower: lower.greater(known), near })
+    }
+
+    /// What a node of the tree of pieces holds.
+    fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
+        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
+        scratch.work.volume_tests += LANES as u64;
+        let opened = self.checker.opened(part, node, (&nearby.capsules[part], scratch.level()));
+        opened.map(|(lower, near)| QueuedNear { lower: lower.greater(0.0), near })
+    }
+}
+
+impl Least {
+    /// Nothing that is farther (m) matters.
+    fn bound(&self, asked: &Asked) -> f64 {
+        let measured = self.nearest.map_or(self.limit, |(_, n)| asked.effort.lower(n.distance));
+        measured.lesser(self.upper)
+    }
+
+    /// Looks at some pieces of an obstacle or at all of a pair.
+    fn look_at(
+        &mut self,
+        (index, pair): (usize, &Pair),
+        pieces: Option<&[Piece]>,
+        scratch: &mut Scratch,
+        in_doubt: &mut Vec<InDoubt>,
+    ) {
+        let padding = pair.info.padding;
+        // rounded up, so that of equal ones none is left out
+        let limit = (self.limit.lesser(self.upper) + padding).next_up();
+        let upper = pair.nearest_in_doubt(pieces, limit, scratch, |what| {
+            let lower = (what.lower - padding).next_down().greater(0.0);
+            in_doubt.push(InDoubt { lower, look: self.looks, index, what });
+        });
+        self.upper = self.upper.lesser((upper - padding).next_up());
+        self.looks += 1;
+    }
+}
