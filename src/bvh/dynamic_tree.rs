@@ -11,9 +11,6 @@ use crate::simd::{LANES, Level, Simd, dispatch, f32x8, low_byte, mask32x8};
 /// Changes after which even a small tree is not yet built anew.
 const FEW_CHANGES: usize = 64;
 
-/// Taken off a gap, relative to itself: some roundings of f32.
-const SLACK: f32 = 1e-6;
-
 /// Items with boxes.
 #[derive(Clone, Debug, Default)]
 pub struct DynamicTree {
@@ -100,17 +97,12 @@ impl DynamicTree {
         self.note_change();
     }
 
-    /// The children of a node, each with a number never larger than the distance (m) of its box from another.
-    pub fn children(
-        &self,
-        level: Level,
-        node: u32,
-        from: &AxisBox,
-    ) -> impl Iterator<Item = (f32, Child)> + use<> {
-        let node = &self.nodes[node as usize];
-        let gaps = dispatch!(level, simd => node.gaps(simd, from));
-        let children = node.children;
-        gaps.into_iter().zip(children).filter(|(_, child)| *child != Child::Nothing)
+    /// The boxes of a node, and what is in them.
+    #[inline]
+    #[must_use]
+    pub fn node(&self, node: u32) -> (&EightBoxes, &[Child; LANES]) {
+        let Node { boxes, children, .. } = &self.nodes[node as usize];
+        (boxes, children)
     }
 
     /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
@@ -410,23 +402,6 @@ impl Node {
         let EightBoxes { lo, hi } = &self.boxes;
         let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
         lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
-    }
-
-    /// Numbers never larger than the distances of the boxes from another.
-    #[inline(always)]
-    fn gaps<S: Simd>(&self, simd: S, from: &AxisBox) -> [f32; LANES] {
-        let mut squares = f32x8::splat(simd, 0.0);
-        for i in 0..3 {
-            let EightBoxes { lo, hi } = &self.boxes;
-            let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
-            let above = lo - from.hi[i];
-            let below = f32x8::splat(simd, from.lo[i]) - hi;
-            // what is no number, as between unbounded boxes, is no gap
-            let gap = above.max(0.0) + below.max(0.0);
-            squares += gap * gap;
-        }
-        let gaps: [f32; LANES] = (squares.sqrt() * (1.0 - SLACK)).into();
-        gaps.map(|gap| if gap.is_nan() { 0.0 } else { gap })
     }
 }
 

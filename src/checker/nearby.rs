@@ -274,14 +274,15 @@ impl CollisionChecker {
         node: u32,
         (capsule, level): (&RootCapsule, Level),
     ) -> impl Iterator<Item = (f64, Near)> + use<> {
-        let children = self.obstacles.pieces.tree.children(level, node, &capsule.axis_box(0.0));
-        children.filter_map(move |(gap, child)| {
+        let (boxes, children) = self.obstacles.pieces.tree.node(node);
+        let bounds = dispatch!(level, simd => capsule.bounds_of_boxes(simd, boxes));
+        bounds.into_iter().zip(*children).filter_map(move |(lower, child)| {
             let near = match child {
                 Child::Item(piece) => Near::Boxed { part, piece },
                 Child::Node(node) => Near::Node { part, node },
                 Child::Nothing => return None,
             };
-            Some((f64::from(gap), near))
+            Some((f64::from(lower), near))
         })
     }
 

@@ -17,7 +17,7 @@ use crate::bvh::{AxisBox, EightBoxes};
 use crate::math::{MatrixPose, Point};
 use crate::query::PieceVolume;
 use crate::robot::Reach;
-use crate::simd::{Real, Simd, Single, f32x8, low_byte, not_beyond};
+use crate::simd::{LANES, Real, Simd, Single, Vectors, f32x8, low_byte, not_beyond};
 
 /// Steps to and fro that come near enough to the nearest points.
 const STEPS: usize = 2;
@@ -67,6 +67,25 @@ impl RootCapsule {
     pub fn axis_box(&self, by: f32) -> AxisBox {
         let [lo, hi] = self.corners(by);
         AxisBox { lo, hi }
+    }
+
+    /// Numbers never larger than the distances (m) from eight boxes; what is no number bounds nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn bounds_of_boxes<S: Simd>(&self, simd: S, EightBoxes { lo, hi }: &EightBoxes) -> [f32; LANES] {
+        let part: RootCapsule<f32x8<S>> = self.splat(simd);
+        let (lo, hi) = (load(simd, lo), load(simd, hi));
+        let (doubled, edges) = (plus(lo, hi), minus(hi, lo));
+        let half = splat(simd, [0.5; 3]);
+        let (centre, half_extents) = (times(doubled, half), times(edges, half));
+        let w = minus(part.segment.centre, centre);
+        let gap = part.axis_gap((w, part.segment.half), half_extents, simd);
+        let farthest = |i: usize| lo[i].abs().greater(hi[i].abs());
+        let size = farthest(0).greater(farthest(1)).greater(farthest(2))
+            + half_extents[0]
+            + half_extents[1]
+            + half_extents[2];
+        (gap - (part.radius + (part.size + size) * SLACK)).into()
     }
 
     #[inline(always)]
@@ -130,18 +149,24 @@ impl<V: Single> RootCapsule<V> {
     /// The same of a box.
     #[inline(always)]
     fn bound_of_box(&self, to: &RootBox<V>, token: V::Token) -> V {
-        let one = V::splat(token, 1.0);
         let w = turned(&to.axes, minus(self.segment.centre, to.centre));
         let u = turned(&to.axes, self.segment.half);
+        let gap = self.axis_gap((w, u), to.half_extents, token);
+        gap - (self.radius + to.padding + (self.size + to.size) * SLACK)
+    }
+
+    /// The same of the axis, `w + s·u` in the frame of a box of some half extents, but for what is taken off for rounding.
+    #[inline(always)]
+    fn axis_gap(&self, (w, u): ([V; 3], [V; 3]), half_extents: [V; 3], token: V::Token) -> V {
+        let one = V::splat(token, 1.0);
         let mut p = along(w, u, share(-dot(w, u) * self.over_square, one));
         for _ in 0..STEPS {
-            let q = to.nearest(p);
+            let q = within(half_extents, p);
             p = along(w, u, share(dot(minus(q, w), u) * self.over_square, one));
         }
-        let n = minus(p, to.nearest(p));
-        let [a, b, c] = to.half_extents;
-        let gap = dot(n, w) - dot(n, u).abs() - (n[0].abs() * a + n[1].abs() * b + n[2].abs() * c);
-        gap / length(n) - (self.radius + to.padding + (self.size + to.size) * SLACK)
+        let n = minus(p, within(half_extents, p));
+        let shadow = dot([n[0].abs(), n[1].abs(), n[2].abs()], half_extents);
+        (dot(n, w) - dot(n, u).abs() - shadow) / length(n)
     }
 }
 
@@ -152,15 +177,6 @@ impl<S: Simd> RootCapsule<f32x8<S>> {
     pub fn axis_boxes(&self, by: f32) -> EightBoxes {
         let [[x, y, z], [u, v, w]] = self.corners(by);
         EightBoxes { lo: [x.into(), y.into(), z.into()], hi: [u.into(), v.into(), w.into()] }
-    }
-}
-
-impl<V: Single> RootBox<V> {
-    /// The point of it, in its frame, nearest to one.
-    #[inline(always)]
-    fn nearest(&self, [x, y, z]: [V; 3]) -> [V; 3] {
-        let [a, b, c] = self.half_extents;
-        [x.greater(-a).lesser(a), y.greater(-b).lesser(b), z.greater(-c).lesser(c)]
     }
 }
 
@@ -247,6 +263,12 @@ impl RootVolume {
 }
 
 #[inline(always)]
+fn load<S: Simd>(simd: S, numbers: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
+    let Vectors { x, y, z } = Vectors::load(simd, numbers);
+    [x, y, z]
+}
+
+#[inline(always)]
 fn splat<V: Single>(token: V::Token, [x, y, z]: [f32; 3]) -> [V; 3] {
     [V::splat(token, x), V::splat(token, y), V::splat(token, z)]
 }
@@ -265,6 +287,23 @@ fn dot<V: Single>(a: [V; 3], b: [V; 3]) -> V {
 #[inline(always)]
 fn minus<V: Single>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn plus<V: Single>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// By component.
+#[inline(always)]
+fn times<V: Single>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+/// The point of a box of some half extents, in its frame, nearest to one.
+#[inline(always)]
+fn within<V: Single>([a, b, c]: [V; 3], [x, y, z]: [V; 3]) -> [V; 3] {
+    [x.greater(-a).lesser(a), y.greater(-b).lesser(b), z.greater(-c).lesser(c)]
 }
 
 #[inline(always)]

@@ -133,6 +133,47 @@ fn eight_are_near_what_each_is_near_alone() {
 }
 
 #[test]
+fn bounds_of_eight_boxes_are_never_above_distances_and_tight() {
+    let mut random = Random::new(34);
+    let mut tight = 0;
+    for _ in 0..1_000 {
+        let mut boxes = EightBoxes::EMPTY;
+        let corners: [[Point; 2]; 8] = std::array::from_fn(|lane| {
+            let (centre, half) = (Point::from(random.vector(2.0)), random.vector(0.4).abs());
+            let bounds = AxisBox::around([centre - half, centre + half], 0.0);
+            boxes.set(lane, &bounds);
+            [bounds.lo, bounds.hi].map(|c| Point::from(c.map(f64::from)))
+        });
+        let (c, _) = random_pair(&mut random);
+        let capsule = seen_from(random.vector(1.0), &c);
+        for level in levels() {
+            let bounds = dispatch!(level, simd => capsule.bounds_of_boxes(simd, &boxes));
+            for ([lo, hi], bound) in corners.iter().zip(bounds.map(f64::from)) {
+                let to_box = |s: f64| {
+                    let p = c.a + (c.b - c.a) * s;
+                    (lo - p).sup(&(p - hi)).sup(&Vector::zeros()).norm()
+                };
+                let sampled = (0..=400).map(|i| to_box(f64::from(i) / 400.0)).fold(f64::INFINITY, f64::min);
+                let distance = sampled - c.radius;
+                assert!(bound <= distance, "{level:?} {bound} {distance} {c:?} {lo} {hi}");
+                tight += usize::from(bound > distance - 0.02 * (1.0 + distance));
+            }
+        }
+    }
+    assert!(tight > 8_000, "only {tight} bounds are of use");
+}
+
+#[test]
+fn nothing_is_beyond_a_box_without_end() {
+    let far = Reach { ends: [Vector::new(9.0, 0.0, 0.0); 2], radius: 0.1 };
+    let mut boxes = EightBoxes::EMPTY;
+    boxes.set(3, &AxisBox::ALL);
+    let capsule = RootCapsule::of_reach(&far, 0.0);
+    let bounds = dispatch!(crate::simd::Level::new(), simd => capsule.bounds_of_boxes(simd, &boxes));
+    assert!(!(bounds[3] > 0.0), "{bounds:?}");
+}
+
+#[test]
 fn what_is_no_number_is_near_everything() {
     let nowhere = LinkCapsule { a: Point::new(f64::NAN, 0.0, 0.0), b: Point::origin(), radius: 0.1 };
     let far = LinkCapsule { a: Point::new(9.0, 0.0, 0.0), b: Point::new(9.0, 1.0, 0.0), radius: 0.1 };
