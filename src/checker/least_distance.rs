@@ -115,9 +115,10 @@ impl Asked<'_> {
                 }
             }
             Near::Node { part, node } => {
-                for found in self.opened(part, node).filter(|found| found.lower <= bound) {
-                    queue.push(found);
-                }
+                let Workspace { nearby, scratch, .. } = &mut *self.workspace;
+                scratch.work.volume_tests += LANES as u64;
+                let (lowers, children) = self.checker.opened(node, (&nearby.capsules[part], scratch.level()));
+                queue.push_children(part, lowers, children);
             }
             Near::Piece { part, piece } => {
                 let index = self.checker.world_pair(part, self.checker.place_of(piece));
@@ -246,14 +247,6 @@ impl Asked<'_> {
         scratch.work.volume_tests += 1;
         let (lower, near) = self.checker.looked_at(part, piece, &nearby.capsules[part])?;
         Some(QueuedNear { lower: lower.greater(known), near })
-    }
-
-    /// What a node of the tree of pieces holds.
-    fn opened(&mut self, part: usize, node: u32) -> impl Iterator<Item = QueuedNear> + use<> {
-        let Workspace { nearby, scratch, .. } = &mut *self.workspace;
-        scratch.work.volume_tests += LANES as u64;
-        let opened = self.checker.opened(part, node, (&nearby.capsules[part], scratch.level()));
-        opened.map(|(lower, near)| QueuedNear { lower: lower.greater(0.0), near })
     }
 }
 

@@ -267,23 +267,15 @@ impl CollisionChecker {
         root.into_iter().chain(unbounded).filter(|_| self.pairs().world_len() > 0)
     }
 
-    /// What is in a node, with numbers never larger than the padded distances (m) from a part.
+    /// What is in a node, and numbers never larger than the padded distances (m) from a part, less than zero where boxes overlap;
+    /// what is no number bounds nothing.
     pub(super) fn opened(
         &self,
-        part: usize,
         node: u32,
         (capsule, level): (&RootCapsule, Level),
-    ) -> impl Iterator<Item = (f64, Near)> + use<> {
+    ) -> ([f32; LANES], [Child; LANES]) {
         let (boxes, children) = self.obstacles.pieces.tree.node(node);
-        let bounds = dispatch!(level, simd => capsule.bounds_of_boxes(simd, boxes));
-        bounds.into_iter().zip(*children).filter_map(move |(lower, child)| {
-            let near = match child {
-                Child::Item(piece) => Near::Boxed { part, piece },
-                Child::Node(node) => Near::Node { part, node },
-                Child::Nothing => return None,
-            };
-            Some((f64::from(lower), near))
-        })
+        (dispatch!(level, simd => capsule.bounds_of_boxes(simd, boxes)), *children)
     }
 
     pub(super) fn piece(&self, number: u32) -> Piece {

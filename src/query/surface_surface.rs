@@ -185,6 +185,9 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
             return;
         }
         let eight = LaneTriangles::of_leaf(simd, b);
+        if !SEPARATE {
+            lanes &= moved.near_along(simd, &eight, &self.candidates.direction, margin);
+        }
         while lanes != 0 && !self.incumbent.is_settled() {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;

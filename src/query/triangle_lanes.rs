@@ -40,6 +40,23 @@ impl MovedTriangles {
         (Self { corners: [p.store(), q.store(), s.store()] }, near)
     }
 
+    /// A bit for each that is not farther than `margin` from all of eight along a direction not longer than one.
+    #[inline(always)]
+    pub fn near_along<S: Simd>(
+        &self,
+        simd: S,
+        eight: &LaneTriangles<S>,
+        direction: &[f32; 3],
+        margin: f32,
+    ) -> u64 {
+        let [p, q, r] = &self.corners;
+        let own = [Vectors::load(simd, p), Vectors::load(simd, q), Vectors::load(simd, r)];
+        let [from, to] = span(own, direction);
+        let [low, high] = span(eight.corners, direction);
+        let (low, high) = (simd.reduce_min_f32x8(low), simd.reduce_max_f32x8(high));
+        not_beyond((from - high).max(f32x8::splat(simd, low) - to), margin)
+    }
+
     /// The corners of triangle `lane`.
     pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         let taken = |[x, y, z]: &[[f32; LANES]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
@@ -56,6 +73,13 @@ impl MovedTriangles {
             Vectors::splat(simd, &[r[0][lane & 7], r[1][lane & 7], r[2][lane & 7]]),
         )
     }
+}
+
+/// From where to where triangles reach along a direction.
+#[inline(always)]
+fn span<S: Simd>([p, q, r]: [Vectors<S>; 3], direction: &[f32; 3]) -> [f32x8<S>; 2] {
+    let (p, q, r) = (p.along(direction), q.along(direction), r.along(direction));
+    [p.min(q).min(r), p.max(q).max(r)]
 }
 
 /// A triangle in every lane, with what tests need of it.
@@ -193,15 +217,9 @@ impl<S: Simd> LaneTriangles<S> {
     #[inline(always)]
     pub fn coarse_bounds(&self, simd: S, other: &Self, direction: &[f32; 3], slack: f32) -> f32x8<S> {
         let across_boxes = self.box_gaps(other).max(Vectors::splat(simd, &[0.0; 3])).norm();
-        let p0 = self.corners[0].along(direction);
-        let p1 = self.corners[1].along(direction);
-        let p2 = self.corners[2].along(direction);
-        let q0 = other.corners[0].along(direction);
-        let q1 = other.corners[1].along(direction);
-        let q2 = other.corners[2].along(direction);
-        let ahead = q0.min(q1).min(q2) - p0.max(p1).max(p2);
-        let behind = p0.min(p1).min(p2) - q0.max(q1).max(q2);
-        across_boxes.max(ahead).max(behind) - 4.0 * slack
+        let [from, to] = span(self.corners, direction);
+        let [low, high] = span(other.corners, direction);
+        across_boxes.max(low - to).max(from - high) - 4.0 * slack
     }
 
     /// Bounds (m) of the distances: never larger, and, unless they cross, never smaller.
@@ -243,17 +261,21 @@ impl<S: Simd> LaneTriangles<S> {
     fn edges_and_edges(&self, simd: S, other: &Self, nearest: &mut Nearest<S>) {
         let (zero, unit) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let tiny = f32x8::splat(simd, 1e-36);
+        let squares =
+            |[d, e, f]: &[Vectors<S>; 3]| [d.dot(*d).max(tiny), e.dot(*e).max(tiny), f.dot(*f).max(tiny)];
+        let (squares_d, squares_f) = (squares(&self.edges), squares(&other.edges));
+        // what is divided by is divided by once
+        let over = |[a, b, c]: [f32x8<S>; 3]| [unit / a, unit / b, unit / c];
+        let (over_d, over_f) = (over(squares_d), over(squares_f));
         for i in 0..3 {
-            let d = self.edges[i];
-            let a = d.dot(d).max(tiny);
+            let (d, a) = (self.edges[i], squares_d[i]);
             for j in 0..3 {
-                let f = other.edges[j];
-                let e = f.dot(f).max(tiny);
+                let (f, e) = (other.edges[j], squares_f[j]);
                 let w = self.corners[i].minus(other.corners[j]);
                 let (b, c, g) = (d.dot(f), d.dot(w), f.dot(w));
                 let s = ((b * g - c * e) / (a * e - b * b).max(tiny)).max(zero).min(unit);
-                let t = ((b * s + g) / e).max(zero).min(unit);
-                let s = ((b * t - c) / a).max(zero).min(unit);
+                let t = ((b * s + g) * over_f[j]).max(zero).min(unit);
+                let s = ((b * t - c) * over_d[i]).max(zero).min(unit);
                 nearest.offer(f.scaled(t).minus(d.scaled(s)).minus(w));
             }
         }
