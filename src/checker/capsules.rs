@@ -163,6 +163,9 @@ impl CapsulePairs {
         margin: impl Fn(usize) -> f32,
         masks: &mut [u8],
     ) {
+        if self.groups.is_empty() {
+            return;
+        }
         let slack = self.slack(simd, extent_8(simd, segments));
         for ((group, masks), first) in self.groups.iter().zip(masks.chunks_mut(8)).zip((0..).step_by(8)) {
             // spheres of all pairs before axes of any: where a branch hangs on chance, fewer are better
@@ -213,6 +216,9 @@ impl CapsulePairs {
         masks: &mut [u8],
     ) {
         assert_eq!(self.groups.len(), masks.len(), "a mask for every group");
+        if self.groups.is_empty() {
+            return;
+        }
         let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
         for (i, (group, mask)) in self.groups.iter().zip(masks).enumerate() {
             let limit = slack + f32x8::simd_from(simd, margins(i));

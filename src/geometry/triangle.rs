@@ -55,9 +55,10 @@ impl Triangle {
     /// Nearest points of two triangles in one frame; the same point twice where they cross.
     #[must_use]
     pub fn nearest_points(&self, other: &Self) -> PointPair {
-        let apart = self.plane_separates(other, 0.0) || other.plane_separates(self, 0.0);
+        let (ours, theirs) = (Face::of(self), Face::of(other));
+        let apart = ours.plane_separates(other, 0.0) || theirs.plane_separates(self, 0.0);
         if apart || !self.crosses(other) {
-            return self.nearest_features(other);
+            return nearest_features((self, &ours), (other, &theirs));
         }
         [self.common_point(other); 2]
     }
@@ -66,29 +67,15 @@ impl Triangle {
     #[must_use]
     pub fn contact_point(&self, other: &Self) -> Option<Point> {
         let clear = CONTACT_DISTANCE;
-        if self.plane_separates(other, clear) || other.plane_separates(self, clear) {
+        let (ours, theirs) = (Face::of(self), Face::of(other));
+        if ours.plane_separates(other, clear) || theirs.plane_separates(self, clear) {
             return None;
         }
         let touching = self.crosses(other) || {
-            let [p, q] = self.nearest_features(other);
+            let [p, q] = nearest_features((self, &ours), (other, &theirs));
             nalgebra::distance(&p, &q) <= CONTACT_DISTANCE
         };
         touching.then(|| self.common_point(other))
-    }
-
-    /// Whether all of `other` lies more than `clear` (m) and what rounding may hide on one side of this triangle's plane.
-    fn plane_separates(&self, other: &Self, clear: f64) -> bool {
-        let normal = (self.b - self.a).cross(&(self.c - self.a));
-        let offsets = other.corners().map(|p| p - self.a);
-        let heights = offsets.map(|o| normal.dot(&o));
-        let reach = offsets.iter().fold(0.0, |m: f64, o| m.greater(o.abs().sum()));
-        let needed = normal.norm() * (clear + 1e-15 * reach) + self.normal_error() * reach;
-        heights.iter().all(|h| *h > needed) || heights.iter().all(|h| *h < -needed)
-    }
-
-    /// How far rounding may have moved the normal: each of its components is a difference of products.
-    fn normal_error(&self) -> f64 {
-        1e-15 * (self.b - self.a).abs().sum() * (self.c - self.a).abs().sum()
     }
 
     /// Whether an edge of one triangle pierces the other: in general position every crossing has one.
@@ -106,7 +93,7 @@ impl Triangle {
         };
         let pierced = |t: &Self, by: &Self| by.edges().iter().filter_map(|e| t.pierced_by(e)).find(on_both);
         (pierced(self, other).or_else(|| pierced(other, self)))
-            .unwrap_or_else(|| self.nearest_features(other)[0])
+            .unwrap_or_else(|| nearest_features((self, &Face::of(self)), (other, &Face::of(other)))[0])
     }
 
     /// The heights of the segment's ends over the triangle, up to a common factor, if it passes through: decided by exact
@@ -133,32 +120,6 @@ impl Triangle {
         Some(self.nearest_point(&on_segment))
     }
 
-    /// Nearest points over vertex–face and edge–edge pairs, until a pair is proven to be the nearest; right unless the
-    /// triangles cross.
-    fn nearest_features(&self, other: &Self) -> PointPair {
-        let (ours, theirs) = (self.corners(), other.corners());
-        let (our_face, their_face) = (Face::of(self), Face::of(other));
-        let mut nearest = NearestPair::default();
-        for p in &ours {
-            nearest.offer([*p, their_face.nearest_point(p)]);
-        }
-        for q in &theirs {
-            nearest.offer([our_face.nearest_point(q), *q]);
-        }
-        if separated_across(&nearest.pair, &ours, &theirs) {
-            return nearest.pair;
-        }
-        for e in &our_face.edges {
-            for f in &their_face.edges {
-                if nearest.offer(nearest_on_segments(e, f)) && separated_across(&nearest.pair, &ours, &theirs)
-                {
-                    return nearest.pair;
-                }
-            }
-        }
-        nearest.pair
-    }
-
     /// Nearest points of the triangle and a segment; the same point twice where it pierces.
     #[must_use]
     pub fn nearest_to_segment(&self, segment: &[Point; 2]) -> PointPair {
@@ -175,6 +136,33 @@ impl Triangle {
         }
         nearest.pair
     }
+}
+
+/// Nearest points of two triangles over vertex–face and edge–edge pairs, until a pair is proven to be the nearest; right unless they
+/// cross.
+fn nearest_features(
+    (first, our_face): (&Triangle, &Face),
+    (second, their_face): (&Triangle, &Face),
+) -> PointPair {
+    let (ours, theirs) = (first.corners(), second.corners());
+    let mut nearest = NearestPair::default();
+    for p in &ours {
+        nearest.offer([*p, their_face.nearest_point(p)]);
+    }
+    for q in &theirs {
+        nearest.offer([our_face.nearest_point(q), *q]);
+    }
+    if separated_across(&nearest.pair, &ours, &theirs) {
+        return nearest.pair;
+    }
+    for e in &our_face.edges {
+        for f in &their_face.edges {
+            if nearest.offer(nearest_on_segments(e, f)) && separated_across(&nearest.pair, &ours, &theirs) {
+                return nearest.pair;
+            }
+        }
+    }
+    nearest.pair
 }
 
 /// What points have in common of which the nearest in a triangle are looked for.
@@ -207,19 +195,34 @@ impl Face {
         }
     }
 
+    /// Whether all of `other` lies more than `clear` (m) and what rounding may hide on one side of the plane.
+    fn plane_separates(&self, other: &Triangle, clear: f64) -> bool {
+        let from = self.edges[0][0];
+        let [p, q, r] = [other.a - from, other.b - from, other.c - from];
+        let reach = p.abs().sum().greater(q.abs().sum()).greater(r.abs().sum());
+        // rounding may have moved the normal: each of its components is a difference of products
+        let normal_error = 1e-15 * self.ways[0].abs().sum() * self.ways[2].abs().sum();
+        let needed = self.normal.norm() * (clear + 1e-15 * reach) + normal_error * reach;
+        let heights = [self.normal.dot(&p), self.normal.dot(&q), self.normal.dot(&r)];
+        heights.iter().all(|h| *h > needed) || heights.iter().all(|h| *h < -needed)
+    }
+
     /// The point nearest to `p`: straight below it if it lies over the face, else on an edge.
     ///
     /// The height over the face is measured from the nearest edge, so that slivers keep their accuracy: the normal of a
     /// sliver is rough, but where `p` is near the sliver it is near an edge.
     #[inline]
     fn nearest_point(&self, p: &Point) -> Point {
-        let mut nearest = NearestPair::default();
+        let (mut on_edge, mut least) = (Point::origin(), f64::INFINITY);
         let mut over_face = self.normal_squared != 0.0;
         for (i, edge) in self.edges.iter().enumerate() {
-            nearest.offer([*p, nearest_along(p, edge, &self.ways[i], self.squares[i])]);
+            let found = nearest_along(p, edge, &self.ways[i], self.squares[i]);
+            let squared = nalgebra::distance_squared(p, &found);
+            if squared < least {
+                (on_edge, least) = (found, squared);
+            }
             over_face &= self.inward[i].dot(&(p - edge[0])) >= 0.0;
         }
-        let on_edge = nearest.pair[1];
         if !over_face {
             return on_edge;
         }

@@ -31,8 +31,8 @@ impl<B: BoundingVolume> Surface<B> {
 
     /// Number `index` in the order of the leaves.
     pub fn triangle(&self, index: u32) -> Triangle {
-        let [a, b, c] = self.faces[index as usize].map(|v| self.vertices[v as usize]);
-        Triangle { a, b, c }
+        let [a, b, c] = self.faces[index as usize];
+        Triangle { a: self.vertex(a), b: self.vertex(b), c: self.vertex(c) }
     }
 
     /// As [`Self::triangle`], as a core.

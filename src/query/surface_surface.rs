@@ -224,8 +224,8 @@ fn triangles<B: BoundingVolume>(
     (b, j): (&Surface<B>, u32),
     pose_ab: &MatrixPose,
 ) -> (Triangle, Triangle) {
-    let b = b.triangle(j).corners().map(|p| pose_ab * p);
-    (a.triangle(i), Triangle { a: b[0], b: b[1], c: b[2] })
+    let Triangle { a: p, b: q, c: r } = b.triangle(j);
+    (a.triangle(i), Triangle { a: pose_ab * p, b: pose_ab * q, c: pose_ab * r })
 }
 
 /// In the direction of v, but not longer than one.
