@@ -68,6 +68,30 @@ pub(super) fn separation_within(
     Some(Separation { distance: apart - radii, witness_points: [p + out * a.radius, q - out * b.radius] })
 }
 
+/// As [`separation_within`], where it only matters whether they touch or are proven farther apart than `limit` (m): a first look at
+/// nearly nearest points often tells. What else is found may be any points that are so near.
+pub(super) fn touching_within(
+    a: &RoundedCore,
+    b: &RoundedCore,
+    pose_ab: &MatrixPose,
+    limit: f64,
+) -> Option<Separation> {
+    let pose = a.pose.relative(&pose_ab.compose(&b.pose));
+    let pair = CorePair { a: &a.core, b: &b.core, pose_ab: &pose };
+    if pair.has_formula() {
+        return separation_within(a, b, pose_ab, limit);
+    }
+    let radii = a.radius + b.radius;
+    let [p, q] = pair.nearly_nearest(&origin_of(&pose));
+    if nalgebra::distance(&p, &q) <= radii + CONTACT_DISTANCE {
+        return Some(Separation::touching_at(&a.pose * p));
+    }
+    if gjk::are_beyond(&pair, [p, q], limit + radii) {
+        return None;
+    }
+    separation_within(a, b, pose_ab, limit)
+}
+
 /// The gap (m) between two elements along a unit direction (frame of a), less what rounding may have added.
 pub(super) fn gap_along(a: &RoundedCore, b: &RoundedCore, pose_ab: &MatrixPose, n: &Vector) -> f64 {
     let pose_b = pose_ab.compose(&b.pose);

@@ -1,7 +1,7 @@
 //! Where two solid primitives meet.
 
 use super::element::ElementNumber;
-use super::element_pair::separation_within;
+use super::element_pair::{separation_within, touching_within};
 use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
 use crate::bvh::Visitor;
@@ -33,7 +33,8 @@ impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, 
     fn leaves<S: Simd>(&mut self, _: S, a: &SolidLeaf, b: &SolidLeaf) {
         self.incumbent.work.primitive_tests += 1;
         let limit = self.incumbent.bound();
-        if let Some(found) = separation_within(&a.core, &b.core, self.pose_ab, limit) {
+        let look = if SEPARATE { touching_within } else { separation_within };
+        if let Some(found) = look(&a.core, &b.core, self.pose_ab, limit) {
             let numbers = (ElementNumber::of_solid(a.number), ElementNumber::of_solid(b.number));
             self.incumbent.offer_numbered(found, numbers);
         }
