@@ -20,7 +20,7 @@ struct Least {
     upper: f64,
     /// The nearest pair that was measured, of equally near ones the first.
     nearest: Option<(usize, PairDistance)>,
-    /// No pair that was measured is certain to be farther apart (m).
+    /// No pair that was asked at once is nearer than this (m).
     lower: f64,
     /// How often something was looked at.
     looks: usize,
@@ -40,8 +40,9 @@ pub(super) struct InDoubt {
 /// What was measured, and of which pair it is.
 #[derive(Clone, Copy)]
 struct Measured {
-    /// The padded distance (m).
+    /// The padded distance (m), and whether it is within the limit as other ways to ask see it.
     padded: f64,
+    within: bool,
     raw: Separation,
     numbers: Option<ElementPair>,
     index: usize,
@@ -203,22 +204,23 @@ impl Asked<'_> {
             if best.is_some_and(|best| what.lower > best.padded) {
                 break;
             }
-            let measured = self.measured(&what);
+            let measured = self.measured(&what, least.limit);
             if best.is_none_or(|best| measured.is_before(&best)) {
                 best = Some(measured);
             }
         }
         self.workspace.in_doubt = in_doubt;
-        if let Some(best) = best.filter(|best| best.padded <= least.limit) {
+        if let Some(best) = best.filter(|best| best.within) {
             let found = self.told(&best);
             (least.lower, least.nearest) = (found.lower, Some((best.index, found)));
         }
     }
 
-    fn measured(&mut self, InDoubt { look, index, what, .. }: &InDoubt) -> Measured {
+    fn measured(&mut self, InDoubt { look, index, what, .. }: &InDoubt, limit: f64) -> Measured {
         let pair = self.checker.pair(*index, &self.workspace.frames);
         let (raw, numbers) = pair.measured(what, &mut self.workspace.scratch);
-        Measured { padded: pair.padded(&raw).distance, raw, numbers, index: *index, look: *look }
+        let within = raw.distance <= (limit + pair.info.padding).next_up();
+        Measured { padded: pair.padded(&raw).distance, within, raw, numbers, index: *index, look: *look }
     }
 
     fn told(&mut self, best: &Measured) -> PairDistance {
@@ -272,7 +274,72 @@ impl Least {
             let lower = (what.lower - padding).next_down().greater(0.0);
             in_doubt.push(InDoubt { lower, look: self.looks, index, what });
         });
-        self.upper = self.upper.lesser((upper - padding).next_up());
+        // what touches with its padding is no nearer than what touches without
+        let padded = if upper <= padding { 0.0 } else { (upper - padding).next_up() };
+        self.upper = self.upper.lesser(padded);
         self.looks += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use crate::checker::{CollisionChecker, Question, Settings};
+    use crate::geometry::{Primitive, Shape, TriangleMesh};
+    use crate::math::{Point, Pose};
+    use crate::robot::{MeshFiles, RobotModel};
+    use crate::testing::Random;
+    use crate::world::{Obstacle, World};
+
+    /// A ball of 0.5 m that slides along x, and another 5 m above it.
+    const URDF: &str = "<robot name='r'><link name='root'/><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision>
+        <collision><origin xyz='0 0 5'/><geometry><box size='1 1 1'/></geometry></collision></link>
+        <joint name='j' type='prismatic'><parent link='root'/><child link='a'/><axis xyz='1 0 0'/><limit lower='-9' upper='9' effort='1' velocity='1'/></joint></robot>";
+
+    /// A wall that begins at x = 0: a box, or its face as triangles.
+    fn wall(name: &str, of_triangles: bool, z: f64) -> Obstacle {
+        let shape = if of_triangles {
+            let corner = |y: f64, z: f64| Point::new(0.0, y, z);
+            let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+            Shape::Mesh(Arc::new(TriangleMesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap()))
+        } else {
+            Shape::Primitive(Primitive::Box { half_extents: [0.5, 1.0, 1.0] })
+        };
+        let x = if of_triangles { 0.0 } else { 0.5 };
+        Obstacle::of_shape(name, Pose::translation(x, 0.0, z), shape)
+    }
+
+    #[test]
+    fn what_paddings_bring_in_touch_is_told_as_by_every_other_question() {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let mut random = Random::new(7);
+        for of_triangles in [false, true] {
+            let mut world = World::default();
+            world.add(wall("low", of_triangles, 0.0)).unwrap();
+            world.add(wall("high", of_triangles, 5.0)).unwrap();
+            for padding in [0.0, 1e-6, 0.02, 0.3] {
+                let settings = Settings { padding, ..Settings::default() };
+                let checker = CollisionChecker::new(Arc::clone(&robot), &world, settings).unwrap();
+                let (mut workspace, mut stream) = (checker.workspace(), checker.streaming_workspace());
+                for _ in 0..400 {
+                    let gap = [-0.3, 0.0, 0.01, padding, padding + 1e-9, 0.5][random.below(6)]
+                        + random.within(1e-7);
+                    let q = robot.configuration(&[-0.5 - gap]).unwrap();
+                    let alone =
+                        checker.check(&q, Question::Distance { limit: f64::INFINITY }, &mut workspace);
+                    let all = checker.check(&q, Question::PairDistances { limit: 10.0 }, &mut workspace);
+                    let streamed =
+                        checker.check(&q, Question::Distance { limit: f64::INFINITY }, &mut stream);
+                    assert_eq!(alone.is_free(), checker.is_free(&q, &mut workspace), "{padding} {gap}");
+                    assert_eq!(
+                        (alone.is_free(), alone.nearest),
+                        (all.is_free(), all.nearest),
+                        "{padding} {gap}"
+                    );
+                    assert_eq!((alone.is_free(), alone.nearest), (streamed.is_free(), streamed.nearest));
+                }
+            }
+        }
     }
 }

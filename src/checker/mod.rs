@@ -5,6 +5,7 @@
 //! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
 //! | what hits, how far is the rest? | [`CollisionChecker::check`] |
 //! | the same of many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
+//! | how deep are two bodies in each other? | [`CollisionChecker::contact`] |
 //! | is the way from here to there free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | the same with a proof to show | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | until when can nothing touch? | [`CollisionChecker::look_ahead`] |
@@ -17,6 +18,7 @@ mod capsule_fit;
 mod capsule_lanes;
 mod capsules;
 mod collision_checker;
+mod contact;
 mod fingerprint;
 mod least_distance;
 mod likely;
@@ -41,6 +43,7 @@ mod world_hits;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};
+pub use contact::Contact;
 pub use fingerprint::{model_fingerprint, world_fingerprint};
 pub use mesh_lint::open_meshes;
 pub use motion::{

@@ -60,7 +60,8 @@ impl NearestFirst {
     pub fn push_children(&mut self, part: usize, lowers: [f32; LANES], children: [Child; LANES]) {
         let bound = |lane: usize| match children[lane] {
             Child::Nothing => f32::INFINITY,
-            _ => lowers[lane].greater(0.0),
+            // what is infinitely far is not lost
+            _ => lowers[lane].greater(0.0).lesser(f32::MAX),
         };
         let opened = Opened { part, lowers: std::array::from_fn(bound), children };
         if let Some((_, lower)) = opened.nearest() {
@@ -73,13 +74,17 @@ impl NearestFirst {
     /// What may be nearest.
     #[allow(clippy::cast_possible_truncation)] // halves of a word
     pub fn pop(&mut self) -> Option<QueuedNear> {
-        let Reverse(word) = self.order.pop()?;
-        let (lower, index) = (f64::from(f32::from_bits((word >> 32) as u32)), (word as u32) as usize);
-        let near = match self.all[index] {
-            Queued::One(near) => near,
-            Queued::Opened(number) => self.take_child(number, index)?,
-        };
-        Some(QueuedNear { lower, near })
+        loop {
+            let Reverse(word) = self.order.pop()?;
+            let (lower, index) = (f64::from(f32::from_bits((word >> 32) as u32)), (word as u32) as usize);
+            let near = match self.all[index] {
+                Queued::One(near) => Some(near),
+                Queued::Opened(number) => self.take_child(number, index),
+            };
+            if let Some(near) = near {
+                return Some(QueuedNear { lower, near });
+            }
+        }
     }
 
     fn take_child(&mut self, number: usize, index: usize) -> Option<Near> {

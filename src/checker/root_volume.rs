@@ -9,7 +9,8 @@
 //!
 //! n is sought by going to and fro between the axis and the box. Axes and their products take four roundings more of w and u. But
 //! here E and H are those of both volumes *added*, so that |w| ≤ √3·E and every term of level 0's table that has |w| is half of
-//! what it is there: 64 roundings are more than enough.
+//! what it is there: 64 roundings are more than enough, also where the centre and the half extents of a box are rounded from its
+//! corners.
 
 use super::capsule_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 use super::capsules::{Segment, up};

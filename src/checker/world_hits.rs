@@ -84,14 +84,15 @@ impl CollisionChecker {
                 nearby,
                 &mut scratch.work,
             );
-            let mut found = nearby.near_eight.iter().fold(0, |lanes, near| lanes | near.lanes);
-            while found != 0 {
-                let lane = found.trailing_zeros() as usize;
-                found &= found - 1;
-                if self.touches_near(part, lane, &|body| frame(body, lane), (scratch, nearby)) {
-                    hit |= 1 << lane;
-                    step_forward(part_order, rank);
-                }
+            let near = nearby.near_eight.iter().fold(0, |lanes, near| lanes | near.lanes);
+            let mut found = 0;
+            for lane in (0..LANES).filter(|lane| near & (1 << lane) != 0) {
+                let touches = self.touches_near(part, lane, &|body| frame(body, lane), (scratch, nearby));
+                found |= u8::from(touches) << lane;
+            }
+            if found != 0 {
+                hit |= found;
+                step_forward(part_order, rank);
             }
         }
         hit
@@ -141,4 +142,73 @@ impl CollisionChecker {
 /// Lets a part that was hit be asked a little sooner (Rivest 1976, as [`super::likely`]).
 fn step_forward(part_order: &mut [usize], rank: usize) {
     part_order.swap(rank, rank.saturating_sub(1));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+    use std::sync::Arc;
+
+    use crate::checker::{AllowedCollisionMatrix, CollisionChecker, Question, Settings};
+    use crate::geometry::{Primitive, Shape};
+    use crate::robot::{MeshFiles, RobotModel};
+    use crate::testing::Random;
+    use crate::world::{Obstacle, World};
+
+    /// A chain of so many balls, each turned about another axis.
+    fn chain(links: usize) -> Arc<RobotModel> {
+        let ball = "<collision><geometry><sphere radius='0.06'/></geometry></collision>";
+        let mut urdf = format!("<robot name='r'><link name='l0'>{ball}</link>");
+        for i in 1..links {
+            let axis = ["1 0 0", "0 1 0", "0 0 1"][i % 3];
+            let _ = write!(
+                urdf,
+                "<link name='l{i}'>{ball}</link><joint name='j{i}' type='continuous'><parent link='l{}'/>
+                 <child link='l{i}'/><origin xyz='0.1 0.03 0.05'/><axis xyz='{axis}'/></joint>",
+                i - 1
+            );
+        }
+        Arc::new(RobotModel::from_urdf(&(urdf + "</robot>"), &MeshFiles::default()).unwrap())
+    }
+
+    #[test]
+    fn more_parts_and_states_than_lanes_hit_what_every_pair_alone_hits() {
+        let mut random = Random::new(91);
+        let robot = chain(21);
+        let mut free = 0;
+        for round in 0..12 {
+            let mut world = World::default();
+            let mut matrix = AllowedCollisionMatrix::of_robot(&robot);
+            for i in 0..30 {
+                let shape = match random.below(2) {
+                    0 => Primitive::Sphere { radius: 0.04 },
+                    _ => Primitive::Box { half_extents: [0.02, 0.05, 0.03] },
+                };
+                let pose = random.pose(0.7);
+                world.add(Obstacle::of_shape(format!("o{i}"), pose, Shape::Primitive(shape))).unwrap();
+                for link in 0..21 {
+                    if random.below(4) == 0 {
+                        matrix.set(&format!("l{link}"), &format!("o{i}"), true);
+                    }
+                }
+            }
+            let settings = Settings { check_self: false, ..Settings::default() };
+            let checker =
+                CollisionChecker::with_matrix(Arc::clone(&robot), &world, settings, Some(&matrix)).unwrap();
+            let mut workspace = checker.workspace();
+            let states: Vec<_> = (0..16 + round)
+                .map(|_| {
+                    let q: Vec<f64> = (0..20).map(|_| random.within(3.0)).collect();
+                    robot.configuration(&q).unwrap()
+                })
+                .collect();
+            let alone: Vec<bool> =
+                states.iter().map(|q| checker.check(q, Question::Pairs, &mut workspace).is_free()).collect();
+            let one_by_one: Vec<bool> = states.iter().map(|q| checker.is_free(q, &mut workspace)).collect();
+            assert_eq!(one_by_one, alone);
+            assert_eq!(checker.are_free(&states), alone);
+            free += alone.iter().filter(|free| **free).count();
+        }
+        assert!((50..220).contains(&free), "{free}");
+    }
 }

@@ -57,15 +57,8 @@ pub(super) fn separation_within(
 ) -> Option<Separation> {
     let pose_ab = a.pose.relative(&pose_ab.compose(&b.pose));
     let radii = a.radius + b.radius;
-    let [p, q] = core_nearest_points(&a.core, &b.core, &pose_ab, limit + radii)?;
-    let apart = nalgebra::distance(&p, &q);
-    let [p, q] = [p, q].map(|p| &a.pose * p);
-    if apart <= radii + CONTACT_DISTANCE {
-        let share = if apart > 0.0 { (a.radius / apart).lesser(1.0) } else { 0.0 };
-        return Some(Separation::touching_at(p + (q - p) * share));
-    }
-    let out = (q - p) / apart;
-    Some(Separation { distance: apart - radii, witness_points: [p + out * a.radius, q - out * b.radius] })
+    let points = core_nearest_points(&a.core, &b.core, &pose_ab, limit + radii)?;
+    Some(separation_at(a, b, points))
 }
 
 /// As [`separation_within`], where it only matters whether they touch or are proven farther apart than `limit` (m): a first look at
@@ -77,19 +70,31 @@ pub(super) fn touching_within(
     limit: f64,
 ) -> Option<Separation> {
     let pose = a.pose.relative(&pose_ab.compose(&b.pose));
-    let pair = CorePair { a: &a.core, b: &b.core, pose_ab: &pose };
-    if pair.has_formula() {
-        return separation_within(a, b, pose_ab, limit);
+    if let Some(points) = closed_form(&a.core, &b.core, &pose) {
+        return Some(separation_at(a, b, points));
     }
+    let pair = CorePair { a: &a.core, b: &b.core, pose_ab: &pose };
     let radii = a.radius + b.radius;
     let [p, q] = pair.nearly_nearest(&origin_of(&pose));
     if nalgebra::distance(&p, &q) <= radii + CONTACT_DISTANCE {
-        return Some(Separation::touching_at(&a.pose * p));
+        return Some(separation_at(a, b, [p, q]));
     }
     if gjk::are_beyond(&pair, [p, q], limit + radii) {
         return None;
     }
     separation_within(a, b, pose_ab, limit)
+}
+
+/// The separation of two elements whose cores are nearest at points in the frame of a's.
+fn separation_at(a: &RoundedCore, b: &RoundedCore, [p, q]: PointPair) -> Separation {
+    let (apart, radii) = (nalgebra::distance(&p, &q), a.radius + b.radius);
+    let [p, q] = [p, q].map(|p| &a.pose * p);
+    if apart <= radii + CONTACT_DISTANCE {
+        let share = if apart > 0.0 { (a.radius / apart).lesser(1.0) } else { 0.0 };
+        return Separation::touching_at(p + (q - p) * share);
+    }
+    let out = (q - p) / apart;
+    Separation { distance: apart - radii, witness_points: [p + out * a.radius, q - out * b.radius] }
 }
 
 /// The gap (m) between two elements along a unit direction (frame of a), less what rounding may have added.
@@ -200,4 +205,51 @@ fn segment_at(half_length: f64, pose: &MatrixPose) -> [Point; 2] {
 fn triangle_at(t: &Triangle, pose: &MatrixPose) -> Triangle {
     let [a, b, c] = t.corners().map(|p| pose * p);
     Triangle { a, b, c }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Primitive;
+    use crate::testing::Random;
+
+    fn solid(random: &mut Random) -> RoundedCore {
+        let mut size = || 0.02 + random.within(0.5).abs();
+        let (x, y, z) = (size(), size(), size());
+        let primitive = match random.below(5) {
+            0 => Primitive::Sphere { radius: x },
+            1 => Primitive::Capsule { radius: x, half_length: y },
+            2 => Primitive::Cylinder { radius: x, half_length: y },
+            3 => Primitive::Cone { radius: x, half_length: y },
+            _ => Primitive::Box { half_extents: [x, y, z] },
+        };
+        (&Element::Primitive { primitive, pose: random.pose(0.3) }).into()
+    }
+
+    #[test]
+    fn a_first_look_tells_what_the_search_tells_and_a_common_point() {
+        let mut random = Random::new(77);
+        let mut touching = 0;
+        for _ in 0..20_000 {
+            let (a, b) = (solid(&mut random), solid(&mut random));
+            let pose_ab = MatrixPose::from(&random.pose(1.0));
+            let found = touching_within(&a, &b, &pose_ab, CONTACT_DISTANCE).filter(|f| f.distance == 0.0);
+            let truth = separation_within(&a, &b, &pose_ab, CONTACT_DISTANCE).filter(|f| f.distance == 0.0);
+            assert_eq!(found.is_some(), truth.is_some(), "{a:?} {b:?} {pose_ab:?}");
+            if let Some(Separation { witness_points: [p, q], .. }) = found {
+                let point = RoundedCore::point(&p);
+                let off = |solid: &RoundedCore, pose: &MatrixPose| {
+                    separation_within(solid, &point, pose, f64::INFINITY).unwrap().distance
+                };
+                assert_eq!(p, q);
+                assert!(
+                    off(&a, &MatrixPose::identity()) <= 2.0 * CONTACT_DISTANCE,
+                    "{a:?} {b:?} {pose_ab:?}"
+                );
+                assert!(off(&b, &pose_ab.inverse()) <= 2.0 * CONTACT_DISTANCE, "{a:?} {b:?} {pose_ab:?}");
+                touching += 1;
+            }
+        }
+        assert!((2_000..15_000).contains(&touching), "{touching}");
+    }
 }

@@ -74,12 +74,6 @@ impl CorePair<'_> {
         [p, self.nearest_on_b(&p)]
     }
 
-    /// Whether there is a formula for the nearest points.
-    pub fn has_formula(&self) -> bool {
-        let is_flat = |core: &Core| matches!(core, Core::Segment(_) | Core::Triangle(_));
-        matches!((self.a, self.b), (Core::Point, _) | (_, Core::Point)) || is_flat(self.a) && is_flat(self.b)
-    }
-
     /// Whether the formula for the nearest points costs more than a first look.
     pub fn has_slow_formula(&self) -> bool {
         matches!(

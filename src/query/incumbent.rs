@@ -7,7 +7,7 @@ use super::element_pair::Separation;
 use super::search::Goal;
 use super::work::Work;
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::Extremes;
+use crate::math::{Extremes, Point};
 
 /// Volume tests between two looks at the clock.
 const TESTS_A_LOOK: u64 = 256;
@@ -76,6 +76,11 @@ impl<'w> Incumbent<'w> {
             self.best = Some(found);
             self.numbers = Some(numbers);
         }
+    }
+
+    /// Takes a common point that is of no elements.
+    pub fn touch_at(&mut self, point: Point) {
+        (self.best, self.numbers) = (Some(Separation::touching_at(point)), None);
     }
 
     fn is_bettered_by(&self, found: &Separation) -> bool {

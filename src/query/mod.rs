@@ -6,7 +6,7 @@
 //! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
 //! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | numbers that it is certainly between |
-//! | how deep are two solids in each other? | [`signed_distance`] | least translation that separates, negative |
+//! | how deep are two solids in each other? | [`signed_distance`], [`deepest_overlap`] | least translation that separates, negative |
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
 //!
@@ -57,9 +57,9 @@ pub use distance::{DistanceBounds, Effort, distance, distance_bounds};
 pub use element::Element;
 pub use element_pair::{Separation, element_contact, element_separation};
 pub use front::Front;
-pub use penetration::signed_distance;
+pub use penetration::{deepest_overlap, signed_distance};
 pub use piece::{Piece, PieceVolume};
-pub use postponed::{ElementPair, Postponed, nearest_in_doubt};
+pub(crate) use postponed::{ElementPair, Postponed, nearest_in_doubt};
 pub use scratch::Scratch;
 pub use volumes::BodyVolume;
 pub use within_margin::{margin_bounds, pieces_within_margin, within_margin};

@@ -40,7 +40,6 @@ pub fn nearest_in_doubt(
     mut postpone: impl FnMut(Postponed),
 ) -> f64 {
     let goal = Goal { limit, postpones: true, ..Goal::EXACT };
-    scratch.candidates.begin(None);
     let found =
         search_pieces::<Obb, false>((a, b), pieces.map_or(Pieces::All, Pieces::Some), pose_ab, goal, scratch);
     let mut upper = scratch.candidates.upper();

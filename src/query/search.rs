@@ -125,12 +125,13 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         Pieces::Some(some) if some.contains(&Piece::Whole) => Pieces::All,
         other => other,
     };
+    let Scratch { work, stack, starts, candidates, level } = scratch;
+    candidates.begin(None);
     // spheres cost a tenth of what it takes to begin
     if a.sphere_bound(b, pose_ab) > goal.limit.greater(CONTACT_DISTANCE) {
-        scratch.work.volume_tests += 1;
+        work.volume_tests += 1;
         return Found { best: None, numbers: None, unseen: f64::INFINITY };
     }
-    let Scratch { work, stack, starts, candidates, level } = scratch;
     let mut descent = Descent { level: *level, stack, starts, unseen: f64::INFINITY };
     let mut incumbent = Incumbent::new(goal, work);
     if a.has_solids() || b.has_solids() {
@@ -159,12 +160,14 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         && let Some((a, b)) = a.interior.as_ref().zip(b.interior.as_ref())
     {
         let inside = Interior::contained_point(a, b, &Pose::from(pose_ab));
-        incumbent.best = inside.map(Separation::touching_at).or(incumbent.best);
+        if let Some(point) = inside {
+            incumbent.touch_at(point);
+        }
     }
     if !incumbent.touches()
         && let Some(point) = contained_grain((a, b), pose_ab, &mut descent)
     {
-        incumbent.best = Some(Separation::touching_at(point));
+        incumbent.touch_at(point);
     }
     Found { best: incumbent.best, numbers: incumbent.numbers, unseen: descent.unseen }
 }

@@ -222,7 +222,7 @@ impl<S: Simd> LaneTriangles<S> {
         across_boxes.max(low - to).max(from - high) - 4.0 * slack
     }
 
-    /// Bounds (m) of the distances: never larger, and, unless they cross, never smaller.
+    /// Bounds (m) of the distances: never larger, and never smaller; where triangles cross, the upper one is not tight.
     ///
     /// Nearly nearest points are found over edges and edges, corners and faces (Larsen et al. 1999, 4.2). Whatever rounding
     /// did to them, they are points of the triangles, and the gap along the direction between them is a lower bound.

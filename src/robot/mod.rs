@@ -24,9 +24,10 @@ mod urdf_door;
 mod warning;
 mod xml;
 
+pub(crate) use chain::Columns;
 pub use chain::{
-    Approach, Between, Chain, ChainJoint, Columns, Deviation, Deviations, Frame, Motion, Reach, Seat,
-    SideMotion, Source as PositionSource, TravelRates,
+    Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
+    Source as PositionSource, TravelRates,
 };
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};

@@ -53,6 +53,7 @@ pub fn not_beyond<S: Simd>(bounds: f32x8<S>, limit: f32) -> u64 {
 
 /// The first eight bits.
 #[inline(always)]
+#[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "the other bits are meant to go")]
 pub fn low_byte(bits: u64) -> u8 {
     bits as u8

@@ -5,8 +5,6 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use crate::math::Extremes;
-
 /// A number of single precision, or eight of them in lanes.
 pub trait Single:
     Copy
@@ -59,12 +57,12 @@ impl Single for f32 {
 
     #[inline(always)]
     fn greater(self, other: Self) -> Self {
-        Extremes::greater(self, other)
+        if self > other { self } else { other }
     }
 
     #[inline(always)]
     fn lesser(self, other: Self) -> Self {
-        Extremes::lesser(self, other)
+        if self < other { self } else { other }
     }
 }
 

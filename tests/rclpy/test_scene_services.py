@@ -181,10 +181,15 @@ def test_a_colliding_state_has_a_contact_for_each_pair(scene):
         assert contact.header.frame_id == "base"
         assert contact.depth >= 0
         assert sum(number * number for number in xyz(contact.normal)) == pytest.approx(1)
-    deepest = next(
-        contact for contact in answer.contacts if {contact.contact_body_1, contact.contact_body_2} == {"base", "tip"}
-    )
-    assert all(abs(number) <= 0.3 for number in xyz(deepest.position))
+    of_bodies = {(contact.contact_body_1, contact.contact_body_2): contact for contact in answer.contacts}
+    # the ball at the tip is in the middle of the cube
+    assert of_bodies["base", "tip"].depth == pytest.approx(0.3)
+    assert all(abs(number) <= 0.3 for number in xyz(of_bodies["base", "tip"].position))
+    # the other ball is 0.1 m above the edge of the cube
+    above = of_bodies["base", "a"]
+    assert above.depth == pytest.approx(0.05)
+    assert xyz(above.normal) == pytest.approx([0, 0, 1])
+    assert xyz(above.position) == pytest.approx([0.2, 0, 0.175])
 
 
 def test_a_partial_state_overlays_the_current_one(cell, scene):

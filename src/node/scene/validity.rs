@@ -9,7 +9,7 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, Get
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use super::reading::{robot_state_change, transform_pose};
-use crate::checker::{Body, CollisionChecker, Question};
+use crate::checker::{Body, CollisionChecker, Contact, Question};
 use crate::math::{Point, Pose, Vector};
 use crate::monitor::scene::{Applied, PlanningSceneState, SceneContext, TransformTree};
 use crate::monitor::{Judgement, Now, quoted_list};
@@ -54,13 +54,14 @@ pub fn state_validity(
             &built
         }
     };
-    let report = checker.check(&q, Question::PairDistances { limit: 0.0 }, &mut checker.workspace());
+    let mut workspace = checker.workspace();
+    let report = checker.check(&q, Question::PairDistances { limit: 0.0 }, &mut workspace);
     let in_group = |body: Body| group.as_ref().is_none_or(|links| moves(checker, body, links));
     let colliding = report.colliding_pairs.iter().filter(|(a, b)| in_group(*a) || in_group(*b));
     let colliding: Vec<_> = colliding.copied().collect();
-    let contact = |&(a, b): &(Body, Body)| {
-        let touching = report.pair_distances.iter().find(|found| (found.a, found.b) == (a, b));
-        contact(checker, (a, b), touching.map(|found| found.witness_points[0]), &poses, situation.now)
+    let contact = |bodies: &(Body, Body)| {
+        let found = checker.contact(&q, *bodies, &mut workspace);
+        contact(checker, *bodies, found, &poses, situation.now)
     };
     let unanswered = constraints_given(&request.constraints);
     if unanswered {
@@ -199,11 +200,12 @@ fn with_request(
     }
 }
 
-/// What is known about a contact. How deep it is is not; its normal points from the middle of the first body towards the contact.
+/// What is known about a contact. Where no normal is known, it points from the middle of the first body towards the contact; where no
+/// depth is, it is zero.
 fn contact(
     checker: &CollisionChecker,
     (a, b): (Body, Body),
-    point: Option<Point>,
+    found: Option<Contact>,
     poses: &LinkPoses,
     now: Now,
 ) -> ContactInformation {
@@ -216,8 +218,9 @@ fn contact(
         }
         Body::Obstacle(_) => Point::origin(),
     };
-    let position = point.unwrap_or(middle);
-    let normal = (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
+    let position = found.map_or(middle, |found| found.point);
+    let outward = || (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
+    let normal = found.and_then(|found| found.normal).unwrap_or_else(outward);
     let kind = |body| match body {
         Body::Link(_) => ContactInformation::ROBOT_LINK,
         Body::Attached(_) => ContactInformation::ROBOT_ATTACHED,
@@ -230,7 +233,7 @@ fn contact(
         },
         position: point_message(&position),
         normal: Vector3 { x: normal.x, y: normal.y, z: normal.z },
-        depth: 0.0,
+        depth: found.and_then(|found| found.depth).unwrap_or(0.0),
         contact_body_1: checker.body_name(a).to_owned(),
         body_type_1: kind(a),
         contact_body_2: checker.body_name(b).to_owned(),
