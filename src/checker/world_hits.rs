@@ -127,7 +127,10 @@ impl CollisionChecker {
         let level = scratch.level();
         self.parts_on(|body| body == Chain::ROOT).any(|part| {
             let capsule = self.capsule_of(part, &Frame::IDENTITY);
-            dispatch!(level, simd => self.find_near(simd, part, &capsule, up(CONTACT_DISTANCE), nearby, &mut scratch.work));
+            let work = &mut scratch.work;
+            dispatch!(level, simd => {
+                self.find_near(simd, part, &capsule, up(CONTACT_DISTANCE), nearby, work);
+            });
             let NearbyScratch { near, pieces, .. } = &mut *nearby;
             near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
                 pieces.clear();

@@ -11,13 +11,16 @@ from .world_results import WorldResult, WorldsResult
 PRIMITIVES = "State boolean, 10, 100, 1000 primitives"
 MESH = "State boolean, mesh of 21 248 triangles"
 DISTANCE = "Least distance, mesh of 21 248 triangles"
+IN_BATCHES = "… all states in one call, which the others have not"
 OCTREE = "State boolean, cloud of 100 000 points, against Coal's octree at 2 cm"
 
 
 def requirements(found: list[WorldsResult]) -> list[Requirement]:
     return [
         *_against(found, PRIMITIVES, "primitives", "free", 10, 30),
+        _ratios(IN_BATCHES, _fastest(found, "primitives", "free", False, "clearance_batch"), 10, 30),
         *_against(found, MESH, "mesh", "free", 10, 20),
+        _ratios(IN_BATCHES, _fastest(found, "mesh", "free", False, "clearance_batch"), 10, 20),
         *_against(found, DISTANCE, "mesh", "distance", 20, 100),
         _ratios(OCTREE, _octree(found, "pinocchio_coal_octree"), 10, 50),
         _informative(_octree(found, "coal_cpp_octree")),
@@ -44,10 +47,12 @@ def _each(found: list[WorldsResult], kind: str) -> list[tuple[str, WorldResult]]
     return [(f"{r.robot}, {w.name}", w) for r in found for w in r.worlds if w.kind == kind]
 
 
-def _fastest(found: list[WorldsResult], kind: str, question: str, careful: bool) -> dict[str, float]:
+def _fastest(
+    found: list[WorldsResult], kind: str, question: str, careful: bool, own: str = "clearance"
+) -> dict[str, float]:
     """Ratios of the fastest contestant, by robot and world."""
-    each = _each(found, kind)
-    return {f"{where}, `{best[0]}`": best[1] for where, world in each if (best := world.fastest(question, careful))}
+    told = [(where, world.fastest(question, careful, own)) for where, world in _each(found, kind)]
+    return {f"{where}, `{best[0]}`": best[1] for where, best in told if best}
 
 
 def _octree(found: list[WorldsResult], voice: str) -> dict[str, float]:
