@@ -181,8 +181,12 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
 ) {
     let solids_of_b = b.solids.as_ref().filter(|_| pieces.has_solids());
     if let (Some(a), Some(b)) = (&a.solids, solids_of_b) {
-        let relative = &a.relative(b, pose_ab);
-        descent.run((a, b), relative, &mut SolidSolid::<SEPARATE> { pose_ab, incumbent });
+        let visitor = &mut SolidSolid::<SEPARATE> { pose_ab, incumbent };
+        match (a.leaves(), b.leaves()) {
+            // a first look costs as little as trees do
+            ([a], [b]) if SEPARATE => visitor.meet(&a.content, &b.content),
+            _ => descent.run((a, b), &a.relative(b, pose_ab), visitor),
+        }
     }
     if let (Some(solids), Some(surface)) = (&a.solids, &b.surface) {
         let relative = &solids.relative(&surface.tree, pose_ab);

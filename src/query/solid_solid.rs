@@ -14,6 +14,18 @@ pub(super) struct SolidSolid<'s, 'w, const SEPARATE: bool> {
     pub incumbent: &'s mut Incumbent<'w>,
 }
 
+impl<const SEPARATE: bool> SolidSolid<'_, '_, SEPARATE> {
+    pub fn meet(&mut self, a: &SolidLeaf, b: &SolidLeaf) {
+        self.incumbent.work.primitive_tests += 1;
+        let limit = self.incumbent.bound();
+        let look = if SEPARATE { touching_within } else { separation_within };
+        if let Some(found) = look(&a.core, &b.core, self.pose_ab, limit) {
+            let numbers = (ElementNumber::of_solid(a.number), ElementNumber::of_solid(b.number));
+            self.incumbent.offer_numbered(found, numbers);
+        }
+    }
+}
+
 impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, SEPARATE> {
     const SEPARATE: bool = SEPARATE;
 
@@ -31,12 +43,6 @@ impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for SolidSolid<'_, '_, 
 
     #[inline(always)]
     fn leaves<S: Simd>(&mut self, _: S, a: &SolidLeaf, b: &SolidLeaf) {
-        self.incumbent.work.primitive_tests += 1;
-        let limit = self.incumbent.bound();
-        let look = if SEPARATE { touching_within } else { separation_within };
-        if let Some(found) = look(&a.core, &b.core, self.pose_ab, limit) {
-            let numbers = (ElementNumber::of_solid(a.number), ElementNumber::of_solid(b.number));
-            self.incumbent.offer_numbered(found, numbers);
-        }
+        self.meet(a, b);
     }
 }
