@@ -32,7 +32,7 @@ impl CollisionChecker {
         workspace: &mut Workspace,
     ) -> Option<Contact> {
         self.suit(workspace);
-        let index = self.all_pairs().find(|index| self.info(*index).ids == bodies)?;
+        let index = self.number_of(bodies)?;
         self.place(q, workspace);
         let Workspace { frames, scratch, .. } = workspace;
         let pair = self.pair(index, frames);
@@ -68,7 +68,7 @@ mod tests {
     use crate::geometry::{Primitive, Shape};
     use crate::math::Pose;
     use crate::robot::{MeshFiles, RobotModel};
-    use crate::world::{Obstacle, World};
+    use crate::world::{AttachedId, Obstacle, ObstacleId, World};
 
     const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
 
@@ -90,6 +90,17 @@ mod tests {
         assert!((contact.depth.unwrap() - 0.05).abs() < 1e-9, "{contact:?}");
         assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
         assert!((contact.point - Point::new(0.475, 0.0, 0.0)).norm() < 1e-9, "{contact:?}");
+    }
+
+    #[test]
+    fn what_is_no_pair_has_no_contact() {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let checker = CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap();
+        let (q, link) = (checker.robot().default_configuration(), Body::Link(checker.robot().root()));
+        for other in [link, Body::Obstacle(ObstacleId(0)), Body::Attached(AttachedId(0))] {
+            assert_eq!(checker.contact(&q, (link, other), &mut checker.workspace()), None);
+            assert_eq!(checker.contact(&q, (other, link), &mut checker.workspace()), None);
+        }
     }
 
     #[test]

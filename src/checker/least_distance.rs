@@ -124,22 +124,23 @@ impl Asked<'_> {
             Near::Piece { part, piece } => {
                 let index = self.checker.world_pair(part, self.checker.place_of(piece));
                 if self.is_first(index) {
-                    if self.postpones() {
-                        self.look_at_pieces(index, (part, piece), least);
-                    } else {
-                        self.ask(QueuedPair { lower, index }, least);
-                    }
+                    self.look_or_ask(QueuedPair { lower, index }, Some((part, piece)), least);
                 }
             }
             Near::Pair(index) => {
                 if index < self.checker.infos.len() || self.is_first(index) {
-                    if self.postpones() {
-                        self.look_at_pair(index, least);
-                    } else {
-                        self.ask(QueuedPair { lower, index }, least);
-                    }
+                    self.look_or_ask(QueuedPair { lower, index }, None, least);
                 }
             }
+        }
+    }
+
+    /// Looks at a pair, or at a part and the pieces of an obstacle, of which this one may be nearest; or asks it at once.
+    fn look_or_ask(&mut self, queued: QueuedPair, nearest: Option<(usize, u32)>, least: &mut Least) {
+        match nearest {
+            _ if !self.postpones() => self.ask(queued, least),
+            Some(part_and_piece) => self.look_at_pieces(queued.index, part_and_piece, least),
+            None => self.look_at_pair(queued.index, least),
         }
     }
 

@@ -44,6 +44,16 @@ impl CollisionChecker {
                 }
     }
 
+    /// The number of the pair of two bodies, if it is checked.
+    pub(super) fn number_of(&self, bodies: (Body, Body)) -> Option<usize> {
+        let Body::Obstacle(id) = bodies.1 else {
+            return self.infos.iter().position(|info| info.ids == bodies);
+        };
+        let part = self.riders.iter().position(|rider| rider.id == bodies.0)?;
+        let place = usize::try_from(id.0).ok().filter(|place| *place < self.obstacles.place_count())?;
+        Some(self.world_pair(part, place)).filter(|index| self.is_pair(*index))
+    }
+
     /// The numbers of all pairs that are checked, ascending.
     pub(super) fn all_pairs(&self) -> impl Iterator<Item = usize> {
         (0..self.infos.len()).chain(self.all_world_pairs())
