@@ -71,13 +71,6 @@ impl<S: Simd> Lanes<S> {
         Self { w: difference(b.centre, a.centre), u: a.half, v: b.half }
     }
 
-    /// In which lanes the bounding spheres may be near: `reach` is the sum of their radii, margin and slack.
-    #[inline(always)]
-    pub fn spheres_near(&self, reach: f32x8<S>) -> u8 {
-        // what compares false for want of a number is near
-        low_byte(!dot(self.w, self.w).simd_gt(reach * reach).to_bitmask())
-    }
-
     /// In which lanes the axes may be no farther apart along n than `radii`, with margin and slack.
     #[inline(always)]
     pub fn near_along(&self, n: [f32x8<S>; 3], radii: f32x8<S>) -> u8 {
@@ -108,6 +101,13 @@ impl<S: Simd> Lanes<S> {
     fn separation(&self, n: [f32x8<S>; 3]) -> f32x8<S> {
         dot(n, self.w) - dot(n, self.u).abs() - dot(n, self.v).abs()
     }
+}
+
+/// In which lanes spheres around segments may be near: `w` is between the centres, `reach` the sum of radii, margin and slack.
+#[inline(always)]
+pub(super) fn spheres_near<S: Simd>(w: [f32x8<S>; 3], reach: f32x8<S>) -> u8 {
+    // what compares false for want of a number is near
+    low_byte(!dot(w, w).simd_gt(reach * reach).to_bitmask())
 }
 
 #[inline(always)]

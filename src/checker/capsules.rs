@@ -7,12 +7,12 @@ use std::ops::Add;
 
 use nalgebra::Vector3;
 
-use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference};
+use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference, spheres_near};
 use crate::constants::MOTION_SLACK;
 use crate::math::{Extremes, MatrixPose, Point};
 use crate::robot::{Columns, Frame, Reach};
 use crate::simd::prelude::*;
-use crate::simd::{Real, Simd, f32x8, f64x4};
+use crate::simd::{LANES, Real, Simd, Vectors, f32x4, f32x8, f64x4};
 
 /// All points within `radius` of the segment from `a` to `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,10 @@ pub struct LinkCapsule {
 #[derive(Clone, Debug)]
 pub struct CapsulePairs {
     riders: Vec<Rider>,
+    /// By body: its capsules.
+    of_bodies: Vec<Vec<usize>>,
+    /// The first body that has any.
+    first_body: usize,
     /// Pairs, eight by eight; the last group is filled up with its last pair.
     groups: Vec<Group>,
     /// H of the bound, of pairs that have one.
@@ -66,6 +70,23 @@ pub struct Segment<V> {
     pub half: [V; 3],
 }
 
+/// A segment `centre ± half` of one state, in single precision; the fourth numbers mean nothing.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub struct PlacedSegment {
+    centre: [f32; 4],
+    half: [f32; 4],
+}
+
+/// Places the capsules of one state, body by body.
+#[derive(Debug)]
+pub struct Placing<'c, S: Simd> {
+    capsules: &'c CapsulePairs,
+    /// Of the first body that has any.
+    origin: f64x4<S>,
+    segments: &'c mut [PlacedSegment],
+}
+
 impl LinkCapsule {
     /// The capsule as seen from outside a frame that it is in.
     #[cfg(test)]
@@ -103,7 +124,13 @@ impl CapsulePairs {
             }
             groups.push(group);
         }
-        Self { riders, groups, size }
+        let count = riders.iter().map(|rider| rider.body + 1).max().unwrap_or(0);
+        let mut of_bodies = vec![Vec::new(); count];
+        for (i, rider) in riders.iter().enumerate() {
+            of_bodies[rider.body].push(i);
+        }
+        let first_body = riders.iter().map(|rider| rider.body).min().unwrap_or(0);
+        Self { riders, of_bodies, first_body, groups, size }
     }
 
     #[must_use]
@@ -122,11 +149,10 @@ impl CapsulePairs {
         self.groups.len()
     }
 
-    /// The segments of all capsules, relative to the first one's body: one state's or eight's.
+    /// The segments of all capsules, relative to the first body that has any: one state's or eight's.
     #[inline(always)]
     pub fn place<T: Real>(&self, frames: &[Frame<T>], segments: &mut [Segment<T::Single>]) {
-        let Some(first) = self.riders.first() else { return };
-        let origin = frames[first.body].t;
+        let origin = frames[self.first_body].t;
         for (rider, segment) in self.riders.iter().zip(segments) {
             let frame = &frames[rider.body];
             let centre = sum(difference(frame.t, origin), frame.turn(rider.centre));
@@ -136,22 +162,24 @@ impl CapsulePairs {
 
     /// As [`Self::place`] for one state, to the same bits, with a vector for each column of a frame.
     #[inline(always)]
-    pub fn place_one<S: Simd>(&self, simd: S, frames: &[Frame<f64>], segments: &mut [Segment<f32>]) {
-        let Some(first) = self.riders.first() else { return };
-        let origin = Columns::of(simd, &frames[first.body]).origin();
-        for (rider, segment) in self.riders.iter().zip(segments) {
-            let columns = Columns::of(simd, &frames[rider.body]);
-            let centre = columns.origin() - origin + columns.turn(rider.centre);
-            *segment = Segment { centre: singles(centre), half: singles(columns.turn(rider.half)) };
+    pub fn place_one<S: Simd>(&self, simd: S, frames: &[Frame<f64>], segments: &mut [PlacedSegment]) {
+        let mut placing = self.placing(simd, segments);
+        for (body, frame) in frames.iter().enumerate() {
+            placing.place(body, &Columns::of(simd, frame));
         }
+    }
+
+    /// The same, for whom has the frames of bodies at hand, one after the other.
+    #[inline(always)]
+    pub fn placing<'c, S: Simd>(&'c self, simd: S, segments: &'c mut [PlacedSegment]) -> Placing<'c, S> {
+        Placing { capsules: self, origin: f64x4::splat(simd, 0.0), segments }
     }
 
     /// What segments are relative to (m), in single precision.
     #[inline(always)]
     #[must_use]
     pub fn origin<T: Real>(&self, frames: &[Frame<T>]) -> [T::Single; 3] {
-        let first = self.riders.first().map_or(0, |first| first.body);
-        single(frames[first].t)
+        single(frames[self.first_body].t)
     }
 
     /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.
@@ -174,7 +202,7 @@ impl CapsulePairs {
                 let lanes =
                     Lanes::of_eight_states(&segments[group.first[lane]], &segments[group.second[lane]]);
                 let limit = slack + f32x8::splat(simd, margin(first + lane));
-                *mask = lanes.spheres_near(f32x8::splat(simd, group.reach[lane]) + limit);
+                *mask = spheres_near(lanes.w, f32x8::splat(simd, group.reach[lane]) + limit);
                 left |= u8::from(*mask != 0) << lane;
             }
             while left != 0 {
@@ -211,7 +239,7 @@ impl CapsulePairs {
     pub fn near_one<S: Simd>(
         &self,
         simd: S,
-        segments: &[Segment<f32>],
+        segments: &[PlacedSegment],
         margins: impl Fn(usize) -> [f32; 8],
         masks: &mut [u8],
     ) {
@@ -219,25 +247,26 @@ impl CapsulePairs {
         if self.groups.is_empty() {
             return;
         }
-        let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
+        let slack = self.slack(simd, f32x8::splat(simd, extent(simd, segments)));
         for (i, (group, mask)) in self.groups.iter().zip(masks).enumerate() {
             let limit = slack + f32x8::simd_from(simd, margins(i));
-            let lanes = eight_pairs(simd, segments, group);
-            let (reach, radii) = (f32x8::simd_from(simd, group.reach), f32x8::simd_from(simd, group.radii));
-            *mask = group.used & lanes.spheres_near(reach + limit);
+            let w = group.between_centres(simd, segments);
+            *mask = group.used & spheres_near(w, f32x8::simd_from(simd, group.reach) + limit);
             if *mask != 0 {
-                *mask &= lanes.near_along(lanes.direction(&group.all_constants(simd)), radii + limit);
+                let lanes = group.lanes(simd, w, segments);
+                let radii = f32x8::simd_from(simd, group.radii) + limit;
+                *mask &= lanes.near_along(lanes.direction(&group.all_constants(simd)), radii);
             }
         }
     }
 
     /// As [`Self::lower_bounds`] for one state: eight bounds per group.
     #[inline(always)]
-    pub fn lower_bounds_one<S: Simd>(&self, simd: S, segments: &[Segment<f32>], bounds: &mut [[f32; 8]]) {
+    pub fn lower_bounds_one<S: Simd>(&self, simd: S, segments: &[PlacedSegment], bounds: &mut [[f32; 8]]) {
         assert_eq!(self.groups.len(), bounds.len(), "bounds for every group");
-        let slack = self.slack(simd, f32x8::splat(simd, extent(segments)));
+        let slack = self.slack(simd, f32x8::splat(simd, extent(simd, segments)));
         for (group, bound) in self.groups.iter().zip(bounds) {
-            let lanes = eight_pairs(simd, segments, group);
+            let lanes = group.lanes(simd, group.between_centres(simd, segments), segments);
             let radii = f32x8::simd_from(simd, group.radii) + slack;
             *bound = lanes.lower_bound(radii, &group.all_constants(simd)).into();
         }
@@ -249,16 +278,14 @@ impl CapsulePairs {
     }
 }
 
-/// The largest coordinate of any centre. Without their signs floats are ordered as their bits, which compare faster.
+/// The largest coordinate of any centre.
 #[inline(always)]
-fn extent(segments: &[Segment<f32>]) -> f32 {
-    let mut extent = [0; 3];
-    for Segment { centre, .. } in segments {
-        for (extent, c) in extent.iter_mut().zip(centre) {
-            *extent = c.abs().to_bits().max(*extent);
-        }
+fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
+    let mut extent = f32x4::splat(simd, 0.0);
+    for PlacedSegment { centre, .. } in segments {
+        extent = extent.max(f32x4::from_slice(simd, centre).abs());
     }
-    f32::from_bits(extent[0].max(extent[1]).max(extent[2]))
+    extent[0].greater(extent[1]).greater(extent[2])
 }
 
 /// As [`extent`], of eight states.
@@ -305,6 +332,17 @@ impl Group {
         self.least[lane] = (uu * vv).single() * PARALLEL + LEAST_SQUARE;
     }
 
+    /// From the centres of its first segments to those of its second ones.
+    #[inline(always)]
+    fn between_centres<S: Simd>(&self, simd: S, segments: &[PlacedSegment]) -> [f32x8<S>; 3] {
+        difference(centres(simd, segments, &self.second), centres(simd, segments, &self.first))
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S, w: [f32x8<S>; 3], segments: &[PlacedSegment]) -> Lanes<S> {
+        Lanes { w, u: halves(simd, segments, &self.first), v: halves(simd, segments, &self.second) }
+    }
+
     /// One pair's constants in all lanes.
     #[inline(always)]
     fn constants<S: Simd>(&self, simd: S, lane: usize) -> Constants<S> {
@@ -330,30 +368,42 @@ impl Group {
     }
 }
 
-/// Eight pairs in one state.
-#[inline(always)]
-fn eight_pairs<S: Simd>(simd: S, segments: &[Segment<f32>], group: &Group) -> Lanes<S> {
-    let (a, b) = (group.first.map(|i| &segments[i]), group.second.map(|i| &segments[i]));
-    let ((c, u), (d, v)) = (gather(simd, a), gather(simd, b));
-    Lanes { w: difference(d, c), u, v }
-}
-
-/// The centres and halves of eight segments.
-#[inline(always)]
-pub(super) fn gather<S: Simd>(simd: S, segments: [&Segment<f32>; 8]) -> ([f32x8<S>; 3], [f32x8<S>; 3]) {
-    let (mut centre, mut half) = ([[0.0; 8]; 3], [[0.0; 8]; 3]);
-    for (lane, segment) in segments.iter().enumerate() {
-        for i in 0..3 {
-            centre[i][lane] = segment.centre[i];
-            half[i][lane] = segment.half[i];
+impl<S: Simd> Placing<'_, S> {
+    /// Bodies come in their order.
+    #[inline(always)]
+    pub fn place(&mut self, body: usize, columns: &Columns<S>) {
+        if body == self.capsules.first_body {
+            self.origin = columns.origin();
+        }
+        for &i in self.capsules.of_bodies.get(body).into_iter().flatten() {
+            let rider = &self.capsules.riders[i];
+            let centre = columns.origin() - self.origin + columns.turn(rider.centre);
+            let half = columns.turn(rider.half);
+            self.segments[i] = PlacedSegment { centre: singles(centre), half: singles(half) };
         }
     }
-    (load(simd, &centre), load(simd, &half))
+}
+
+/// Eight segments of one state, in lanes.
+#[inline(always)]
+pub(super) fn gather<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> Segment<f32x8<S>> {
+    Segment { centre: centres(simd, segments, of), half: halves(simd, segments, of) }
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, v: &[[f32; 8]; 3]) -> [f32x8<S>; 3] {
-    [f32x8::simd_from(simd, v[0]), f32x8::simd_from(simd, v[1]), f32x8::simd_from(simd, v[2])]
+fn centres<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> [f32x8<S>; 3] {
+    let centre = |lane: usize| &segments[of[lane]].centre;
+    let [a, b, c, d] = [centre(0), centre(1), centre(2), centre(3)];
+    let Vectors { x, y, z } = Vectors::gather(simd, [a, b, c, d, centre(4), centre(5), centre(6), centre(7)]);
+    [x, y, z]
+}
+
+#[inline(always)]
+fn halves<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> [f32x8<S>; 3] {
+    let half = |lane: usize| &segments[of[lane]].half;
+    let [a, b, c, d] = [half(0), half(1), half(2), half(3)];
+    let Vectors { x, y, z } = Vectors::gather(simd, [a, b, c, d, half(4), half(5), half(6), half(7)]);
+    [x, y, z]
 }
 
 #[inline(always)]
@@ -367,9 +417,8 @@ fn single<T: Real>(v: [T; 3]) -> [T::Single; 3] {
 }
 
 #[inline(always)]
-fn singles<S: Simd>(v: f64x4<S>) -> [f32; 3] {
-    let [x, y, z, _] = v.narrow(v).split().0.into();
-    [x, y, z]
+fn singles<S: Simd>(v: f64x4<S>) -> [f32; 4] {
+    v.narrow(v).split().0.into()
 }
 
 impl LinkCapsule {

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::bodies::{
     Rider, capsule_pairs, chain, joints_between, joints_to_root, pair_infos, riders, travel_rates,
 };
-use super::capsules::{CapsulePairs, Segment, up};
+use super::capsules::{CapsulePairs, PlacedSegment, up};
 use super::likely::LikelyPairs;
 use super::motion::{MotionScratch, Ways, ways_of};
 use super::nearby::NearbyScratch;
@@ -234,7 +234,7 @@ impl CollisionChecker {
         Workspace {
             checker: self.identity,
             frames: vec![Frame::IDENTITY; self.chain.body_count()],
-            segments: vec![Segment { centre: [0.0; 3], half: [0.0; 3] }; self.capsules.capsule_count()],
+            segments: vec![PlacedSegment::default(); self.capsules.capsule_count()],
             near: vec![0; groups],
             bounds: vec![[0.0; LANES]; groups],
             queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),

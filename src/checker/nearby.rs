@@ -1,6 +1,6 @@
 //! Which obstacles may be near a part of the robot: boxes in a tree first, then capsules.
 
-use super::capsules::{Segment, gather, up};
+use super::capsules::{PlacedSegment, Segment, gather, up};
 use super::collision_checker::CollisionChecker;
 use super::root_volume::RootCapsule;
 use super::workspace::{QueuedPair, Workspace};
@@ -90,17 +90,15 @@ impl CollisionChecker {
         &self,
         simd: S,
         parts: &[usize],
-        (segments, [x, y, z]): (&[Segment<f32>], [f32; 3]),
+        (segments, [x, y, z]): (&[PlacedSegment], [f32; 3]),
     ) -> RootCapsule<f32x8<S>> {
-        let mut radii = [0.0; LANES];
-        let mut of_parts = [&segments[parts[0]]; LANES];
-        for (lane, part) in parts.iter().enumerate() {
-            radii[lane] = self.padded_radii[*part];
-            of_parts[lane] = &segments[*part];
-        }
-        let (centre, half) = gather(simd, of_parts);
+        let part = |lane: usize| *parts.get(lane).unwrap_or(&parts[0]);
+        let parts = [part(0), part(1), part(2), part(3), part(4), part(5), part(6), part(7)];
+        let radius = |lane: usize| self.padded_radii[parts[lane]];
+        let [a, b, c, d] = [radius(0), radius(1), radius(2), radius(3)];
+        let radii = f32x8::simd_from(simd, [a, b, c, d, radius(4), radius(5), radius(6), radius(7)]);
         let origin = [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)];
-        RootCapsule::new(simd, Segment { centre, half }, origin, f32x8::simd_from(simd, radii))
+        RootCapsule::new(simd, gather(simd, segments, &parts), origin, radii)
     }
 
     /// Boxes around the robot's parts with their paddings, where a state has them: what the broad phase asks about.

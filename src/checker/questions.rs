@@ -1,7 +1,7 @@
 //! What a checker is asked about a state.
 
 use super::asked::Asked;
-use super::capsules::up;
+use super::capsules::{PlacedSegment, up};
 use super::collision_checker::CollisionChecker;
 use super::pair::{Pair, PairInfo};
 use super::report::{CollisionReport, Question};
@@ -11,7 +11,7 @@ use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
 use crate::query::{Effort, Work};
 use crate::robot::{Configuration, Frame};
-use crate::simd::{LANES, dispatch};
+use crate::simd::{LANES, Simd, dispatch};
 
 /// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
 const WORLD_LOOK_AHEAD: f64 = 0.05;
@@ -188,7 +188,26 @@ impl CollisionChecker {
     /// Places all bodies.
     pub(super) fn place(&self, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, scratch, .. } = workspace;
-        dispatch!(scratch.level(), simd => self.chain.frames_of_one(simd, q.positions(), frames));
+        dispatch!(scratch.level(), simd => self.chain.frames_of_one(simd, q.positions(), frames, |_, _| {}));
+    }
+
+    /// Places all bodies and the capsules on them.
+    #[inline(always)]
+    pub(super) fn place_one<S: Simd>(
+        &self,
+        simd: S,
+        positions: &[f64],
+        frames: &mut [Frame<f64>],
+        segments: &mut [PlacedSegment],
+    ) {
+        let mut placing = self.capsules.placing(simd, segments);
+        self.chain.frames_of_one(
+            simd,
+            positions,
+            frames,
+            #[inline(always)]
+            |body, columns| placing.place(body, columns),
+        );
     }
 
     /// Places all bodies, and finds the pairs whose capsules do not prove them apart.
@@ -197,8 +216,7 @@ impl CollisionChecker {
         scratch.work.volume_tests += self.infos.len() as u64;
         let margin = [up(self.largest_padding + CONTACT_DISTANCE); LANES];
         dispatch!(scratch.level(), simd => {
-            self.chain.frames_of_one(simd, q.positions(), frames);
-            self.capsules.place_one(simd, frames, segments);
+            self.place_one(simd, q.positions(), frames, segments);
             self.capsules.near_one(
                 simd,
                 segments,

@@ -1,6 +1,6 @@
 //! What changes from query to query, owned by the caller: one per thread.
 
-use super::capsules::Segment;
+use super::capsules::PlacedSegment;
 use super::least_distance::InDoubt;
 use super::likely::LikelyPairs;
 use super::motion::MotionScratch;
@@ -20,7 +20,7 @@ pub struct Workspace {
     /// Of the chain's bodies in the root frame.
     pub(super) frames: Vec<Frame<f64>>,
     /// Of the capsules around bodies.
-    pub(super) segments: Vec<Segment<f32>>,
+    pub(super) segments: Vec<PlacedSegment>,
     /// For each group of eight pairs, a bit for each that may be near.
     pub(super) near: Vec<u8>,
     /// For each group of eight pairs, numbers (m) never larger than their distances.

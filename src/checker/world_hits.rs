@@ -1,6 +1,6 @@
 //! Whether a placed robot touches an obstacle: eight parts in one state, or a part in eight states, are looked for at once.
 
-use super::capsules::{Segment, up};
+use super::capsules::{PlacedSegment, up};
 use super::collision_checker::CollisionChecker;
 use super::nearby::NearbyScratch;
 use super::root_volume::RootCapsule;
@@ -18,7 +18,7 @@ impl CollisionChecker {
     pub(super) fn hits_obstacle<S: Simd>(
         &self,
         simd: S,
-        segments: (&[Segment<f32>], [f32; 3]),
+        segments: (&[PlacedSegment], [f32; 3]),
         frame: &impl Fn(usize) -> Frame<f64>,
         (scratch, nearby, part_order): WorldScratch<'_>,
     ) -> bool {

@@ -1,7 +1,7 @@
 //! Eight points or directions.
 
 use super::prelude::*;
-use super::{LANES, Simd, f32x8};
+use super::{LANES, Simd, f32x4, f32x8};
 
 /// Eight points or directions.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +19,14 @@ impl<S: Simd> Vectors<S> {
             y: f32x8::from_slice(simd, &components[1]),
             z: f32x8::from_slice(simd, &components[2]),
         }
+    }
+
+    /// The first three numbers of each of eight.
+    #[inline(always)]
+    pub fn gather(simd: S, of: [&[f32; 4]; LANES]) -> Self {
+        let [a, b, c, d, e, f, g, h] = of;
+        let (front, back) = (columns(simd, [a, b, c, d]), columns(simd, [e, f, g, h]));
+        Self { x: front[0].combine(back[0]), y: front[1].combine(back[1]), z: front[2].combine(back[2]) }
     }
 
     /// Eight times the same.
@@ -140,4 +148,13 @@ impl<S: Simd> Vectors<S> {
             z: mask.select(self.z, other.z),
         }
     }
+}
+
+/// The first three columns of four rows.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, [a, b, c, d]: [&[f32; 4]; 4]) -> [f32x4<S>; 3] {
+    let (a, b) = (f32x4::from_slice(simd, a), f32x4::from_slice(simd, b));
+    let (c, d) = (f32x4::from_slice(simd, c), f32x4::from_slice(simd, d));
+    let (odd, even) = (a.zip_low(c), b.zip_low(d));
+    [odd.zip_low(even), odd.zip_high(even), a.zip_high(c).zip_low(b.zip_high(d))]
 }

@@ -81,7 +81,7 @@ fn ask_eight<S: Simd>(
 
 #[inline(always)]
 fn ask_one<S: Simd>(simd: S, pairs: &CapsulePairs, frames: &[Frame<f64>], margin: f64) -> Answers {
-    let mut segments = vec![Segment { centre: [0.0; 3], half: [0.0; 3] }; pairs.capsule_count()];
+    let mut segments = vec![PlacedSegment::default(); pairs.capsule_count()];
     let (mut masks, mut bounds) = (vec![0; pairs.group_count()], vec![[0.0; 8]; pairs.group_count()]);
     pairs.place_one(simd, frames, &mut segments);
     pairs.near_one(simd, &segments, |_| [up(margin); 8], &mut masks);

@@ -213,8 +213,7 @@ impl CollisionChecker {
         let Workspace { frames, segments, near, scratch, .. } = &mut *workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
         dispatch!(scratch.level(), simd => {
-            self.chain.frames_of_one(simd, positions, frames);
-            self.capsules.place_one(simd, frames, segments);
+            self.place_one(simd, positions, frames, segments);
             self.capsules.near_one(simd, segments, margins, near);
         });
         found.clear();
@@ -242,7 +241,7 @@ impl CollisionChecker {
         segment.positions_at(0.5 * (from + to), positions);
         let mut frames = std::mem::take(&mut workspace.frames);
         dispatch!(workspace.scratch.level(), simd => {
-            self.chain.frames_of_one(simd, positions, &mut frames);
+            self.chain.frames_of_one(simd, positions, &mut frames, |_, _| {});
         });
         let whole = of_whole_interval(segment, [from, to]);
         let motion = |part: usize| {

@@ -43,12 +43,20 @@ impl EightSources {
 }
 
 impl Chain {
-    /// As [`Self::frames`] for one state, to the same bits, with eight joints' sines in lanes.
+    /// As [`Self::frames`] for one state, to the same bits, with eight joints' sines in lanes. Each frame is shown to `visit` with
+    /// the number of its body, while it is at hand.
     #[inline(always)]
-    pub fn frames_of_one<S: Simd>(&self, simd: S, positions: &[f64], frames: &mut [Frame<f64>]) {
+    pub fn frames_of_one<S: Simd>(
+        &self,
+        simd: S,
+        positions: &[f64],
+        frames: &mut [Frame<f64>],
+        mut visit: impl FnMut(usize, &Columns<S>),
+    ) {
         frames[0] = Frame::IDENTITY;
         // most bodies hang on the one before: it is kept at hand, for memory just written is slow to read otherwise
         let mut last = Columns::of(simd, &Frame::IDENTITY);
+        visit(0, &last);
         for ((eight, sources), first) in self.bodies.chunks(8).zip(&self.angles).zip((1..).step_by(8)) {
             let (sin, cos) = sin_cos(sources.angles(simd, positions));
             for (lane, body) in eight.iter().enumerate() {
@@ -56,6 +64,7 @@ impl Chain {
                 let parent = if at_hand { last } else { Columns::of(simd, &frames[body.parent]) };
                 last = body.columns(simd, positions, &parent, (sin[lane], cos[lane]));
                 frames[first + lane] = last.frame();
+                visit(first + lane, &last);
             }
         }
     }

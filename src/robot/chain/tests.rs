@@ -135,7 +135,7 @@ fn eight_states_equal_each_alone_to_the_bit() {
                 let text = format!("{:?}", frames(&chain, state));
                 assert_eq!(text, format!("{lane:?}"), "{level:?}");
                 let mut alone = vec![Frame::IDENTITY; chain.body_count()];
-                dispatch!(level, simd => chain.frames_of_one(simd, state, &mut alone));
+                dispatch!(level, simd => chain.frames_of_one(simd, state, &mut alone, |_, _| {}));
                 assert_eq!(text, format!("{alone:?}"), "{level:?}");
             }
         }
