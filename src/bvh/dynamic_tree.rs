@@ -8,6 +8,9 @@ use crate::math::Extremes;
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Level, Simd, dispatch, f32x8, low_byte, mask32x8};
 
+/// So few of eight boxes are compared one by one with those of a node.
+const FEW_BOXES: u32 = 3;
+
 /// Changes after which even a small tree is not yet built anew.
 const FEW_CHANGES: usize = 64;
 
@@ -376,15 +379,18 @@ impl Node {
     /// The lanes whose boxes overlap another.
     #[inline(always)]
     fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u8 {
-        let apart = self.apart_along(simd, 0, with)
-            | self.apart_along(simd, 1, with)
-            | self.apart_along(simd, 2, with);
+        let apart = self.boxes.beyond(simd, 0, with)
+            | self.boxes.beyond(simd, 1, with)
+            | self.boxes.beyond(simd, 2, with);
         low_byte(!apart.to_bitmask())
     }
 
     /// For each lane a bit for each of the `asked` boxes that overlaps its own, and the lanes that have any.
     #[inline(always)]
     fn overlaps_any<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
+        if asked.count_ones() > FEW_BOXES {
+            return self.overlaps_many(simd, with, asked);
+        }
         let (mut by_box, mut any, mut left) = (0, 0, asked);
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
@@ -396,10 +402,25 @@ impl Node {
         (transposed(by_box).to_le_bytes(), any)
     }
 
+    /// The same, where many boxes are asked: lane by lane.
+    #[inline(always)]
+    fn overlaps_many<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
+        let (mut near, mut any) = ([0; LANES], 0);
+        for (lane, near) in near.iter_mut().enumerate() {
+            let own = self.boxes.lane(lane);
+            let apart = with.beyond(simd, 0, &own) | with.beyond(simd, 1, &own) | with.beyond(simd, 2, &own);
+            *near = low_byte(!apart.to_bitmask()) & asked;
+            any |= u8::from(*near != 0) << lane;
+        }
+        (near, any)
+    }
+}
+
+impl EightBoxes {
     /// The lanes whose boxes lie beyond another along one axis.
     #[inline(always)]
-    fn apart_along<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
-        let EightBoxes { lo, hi } = &self.boxes;
+    fn beyond<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
+        let Self { lo, hi } = self;
         let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
         lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
     }

@@ -86,7 +86,7 @@ impl RootCapsule {
             + half_extents[0]
             + half_extents[1]
             + half_extents[2];
-        (gap - (part.radius + (part.size + size) * SLACK)).into()
+        (gap.length() - (part.radius + (part.size + size) * SLACK)).into()
     }
 
     #[inline(always)]
@@ -134,6 +134,11 @@ impl<V: Single> RootCapsule<V> {
     /// nothing.
     #[inline(always)]
     fn bound_of_capsule(&self, other: &Self, token: V::Token) -> V {
+        self.shadow_on_capsule(other, token).length() - self.around_axes(other)
+    }
+
+    #[inline(always)]
+    fn shadow_on_capsule(&self, other: &Self, token: V::Token) -> Shadow<V> {
         let (u, v) = (self.segment.half, other.segment.half);
         let w = minus(other.segment.centre, self.segment.centre);
         let (uu, vv, uv, uw, vw) = (dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w));
@@ -143,22 +148,36 @@ impl<V: Single> RootCapsule<V> {
         let t = share((uv * s - vw) * other.over_square, one);
         let s = share((uv * t + uw) * self.over_square, one);
         let n = minus(along(w, v, t), scaled(u, s));
-        let gap = dot(n, w) - dot(n, u).abs() - dot(n, v).abs();
-        gap / length(n) - (self.radius + other.radius + (self.size + other.size) * SLACK)
+        Shadow { gap: dot(n, w) - dot(n, u).abs() - dot(n, v).abs(), square: square(n) }
     }
 
-    /// The same of a box.
+    /// What is taken off the distance of the axes.
+    #[inline(always)]
+    fn around_axes(&self, other: &Self) -> V {
+        self.radius + other.radius + (self.size + other.size) * SLACK
+    }
+
+    /// As [`Self::bound_of_capsule`], of a box.
     #[inline(always)]
     fn bound_of_box(&self, to: &RootBox<V>, token: V::Token) -> V {
-        let w = turned(&to.axes, minus(self.segment.centre, to.centre));
-        let u = turned(&to.axes, self.segment.half);
-        let gap = self.axis_gap((w, u), to.half_extents, token);
-        gap - (self.radius + to.padding + (self.size + to.size) * SLACK)
+        self.shadow_on_box(to, token).length() - self.around_box(to)
     }
 
-    /// The same of the axis, `w + s·u` in the frame of a box of some half extents, but for what is taken off for rounding.
     #[inline(always)]
-    fn axis_gap(&self, (w, u): ([V; 3], [V; 3]), half_extents: [V; 3], token: V::Token) -> V {
+    fn shadow_on_box(&self, to: &RootBox<V>, token: V::Token) -> Shadow<V> {
+        let w = turned(&to.axes, minus(self.segment.centre, to.centre));
+        let u = turned(&to.axes, self.segment.half);
+        self.axis_gap((w, u), to.half_extents, token)
+    }
+
+    #[inline(always)]
+    fn around_box(&self, to: &RootBox<V>) -> V {
+        self.radius + to.padding + (self.size + to.size) * SLACK
+    }
+
+    /// How far the axis, `w + s·u` in the frame of a box of some half extents, is from it along about the nearest line.
+    #[inline(always)]
+    fn axis_gap(&self, (w, u): ([V; 3], [V; 3]), half_extents: [V; 3], token: V::Token) -> Shadow<V> {
         let one = V::splat(token, 1.0);
         let mut p = along(w, u, share(-dot(w, u) * self.over_square, one));
         for _ in 0..STEPS {
@@ -167,11 +186,23 @@ impl<V: Single> RootCapsule<V> {
         }
         let n = minus(p, within(half_extents, p));
         let shadow = dot([n[0].abs(), n[1].abs(), n[2].abs()], half_extents);
-        (dot(n, w) - dot(n, u).abs() - shadow) / length(n)
+        Shadow { gap: dot(n, w) - dot(n, u).abs() - shadow, square: square(n) }
     }
 }
 
 impl<S: Simd> RootCapsule<f32x8<S>> {
+    /// A bit for each that is not proven to be farther from a capsule than `limit` (m).
+    #[inline(always)]
+    fn not_beyond_capsule(&self, other: &Self, limit: f32, simd: S) -> u64 {
+        self.shadow_on_capsule(other, simd).not_beyond(self.around_axes(other) + limit, simd)
+    }
+
+    /// The same of a box.
+    #[inline(always)]
+    fn not_beyond_box(&self, to: &RootBox<f32x8<S>>, limit: f32, simd: S) -> u64 {
+        self.shadow_on_box(to, simd).not_beyond(self.around_box(to) + limit, simd)
+    }
+
     /// Boxes around all that is within `by` (m) of each.
     #[inline(always)]
     #[must_use]
@@ -250,7 +281,10 @@ impl RootVolume {
     #[inline(always)]
     #[must_use]
     pub fn near<S: Simd>(&self, simd: S, eight: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
-        low_byte(not_beyond(self.bound(eight, simd), limit))
+        low_byte(match self {
+            Self::Capsule(capsule) => eight.not_beyond_capsule(&capsule.splat(simd), limit, simd),
+            Self::Box(of_box) => eight.not_beyond_box(&of_box.splat(simd), limit, simd),
+        })
     }
 
     /// As [`Self::lower_bound`], but for what is no number.
@@ -324,10 +358,33 @@ fn turned<V: Single>(axes: &[[V; 3]; 3], v: [V; 3]) -> [V; 3] {
     [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)]
 }
 
-/// Never zero.
+/// |v|², never zero.
 #[inline(always)]
-fn length<V: Single>(v: [V; 3]) -> V {
-    (dot(v, v) + LEAST_SQUARE).sqrt()
+fn square<V: Single>(v: [V; 3]) -> V {
+    dot(v, v) + LEAST_SQUARE
+}
+
+/// How far two things are apart along a direction n, times |n|, and |n|².
+struct Shadow<V> {
+    gap: V,
+    square: V,
+}
+
+impl<V: Single> Shadow<V> {
+    /// How far (m) they are apart.
+    #[inline(always)]
+    fn length(&self) -> V {
+        self.gap / self.square.sqrt()
+    }
+}
+
+impl<S: Simd> Shadow<f32x8<S>> {
+    /// A bit for each that is not proven to be longer than `limit` (m, not negative).
+    #[inline(always)]
+    fn not_beyond(&self, limit: f32x8<S>, simd: S) -> u64 {
+        let gap = self.gap.greater(Single::splat(simd, 0.0));
+        not_beyond(gap * gap - limit * limit * self.square, 0.0)
+    }
 }
 
 /// The corners of a box.
