@@ -215,19 +215,9 @@ impl DynamicTree {
     /// A node over items, which are sorted.
     fn add_node(&mut self, items: &mut [(u32, AxisBox)], seat: Option<Seat>) -> u32 {
         let number = self.new_node(seat);
-        let mut ends = vec![0, items.len()];
-        for _ in 0..3 {
-            let parts: Vec<_> = ends.windows(2).map(|w| (w[0], w[1])).collect();
-            ends.truncate(1);
-            for (from, to) in parts {
-                if let Some(half) = split(&mut items[from..to]) {
-                    ends.push(from + half);
-                }
-                ends.push(to);
-            }
-        }
-        for (lane, part) in ends.windows(2).enumerate() {
-            let part = &mut items[part[0]..part[1]];
+        let mut parts = Vec::with_capacity(LANES);
+        divide(items, LANES, &mut parts);
+        for (lane, part) in parts.into_iter().enumerate() {
             let bounds = part.iter().fold(AxisBox::EMPTY, |all, (_, bounds)| all.union(bounds));
             let seat = Seat { node: number, lane };
             let child = match part {
@@ -319,19 +309,78 @@ impl DynamicTree {
     }
 }
 
-/// Sorts the half with smaller coordinates to the front, along the axis on which centres differ most; tells where it ends.
-fn split(items: &mut [(u32, AxisBox)]) -> Option<usize> {
-    if items.len() < 2 {
-        return None;
+/// Divides items among so many lanes by halves, or, where a node and those below it can hold them, into groups.
+fn divide<'i>(items: &'i mut [(u32, AxisBox)], lanes: usize, parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
+    match items.len() {
+        0 => {}
+        count if lanes == 1 || count == 1 => parts.push(items),
+        count if lanes == LANES && count <= LANES * LANES => group(items, parts),
+        count => {
+            split(items, count / 2);
+            let (front, back) = items.split_at_mut(count / 2);
+            divide(front, lanes / 2, parts);
+            divide(back, lanes / 2, parts);
+        }
     }
+}
+
+/// Divides items into at most eight groups of at most eight: those are joined first whose box will be visited least.
+fn group<'i>(items: &'i mut [(u32, AxisBox)], parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
+    let mut groups: Vec<Group> = (0..).zip(&*items).map(|(i, item)| Group::of(i, item.1)).collect();
+    while groups.len() > LANES {
+        let pairs = (1..groups.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let cost = |&(i, j): &(usize, usize)| groups[i].cost_with(&groups[j]);
+        let cheapest = pairs.min_by(|p, q| cost(p).total_cmp(&cost(q)));
+        let (i, j) = cheapest.expect("there are more than eight");
+        let other = groups.swap_remove(j);
+        groups[i].join(other);
+    }
+    let sorted: Vec<_> = groups.iter().flat_map(|group| &group.members).map(|&i| items[i]).collect();
+    items.copy_from_slice(&sorted);
+    let mut rest = items;
+    for group in &groups {
+        let (part, others) = rest.split_at_mut(group.members.len());
+        parts.push(part);
+        rest = others;
+    }
+}
+
+/// Items that will have a node of their own, or one that will not.
+struct Group {
+    members: Vec<usize>,
+    bounds: AxisBox,
+}
+
+impl Group {
+    fn of(item: usize, bounds: AxisBox) -> Self {
+        Self { members: vec![item], bounds }
+    }
+
+    fn join(&mut self, other: Self) {
+        self.members.extend(other.members);
+        self.bounds = self.bounds.union(&other.bounds);
+    }
+
+    /// How much oftener nodes are visited once two are one (Goldsmith and Salmon 1987, by girth instead of area).
+    fn cost_with(&self, other: &Self) -> f32 {
+        let full = self.members.len() + other.members.len() > LANES;
+        let together = self.bounds.union(&other.bounds).girth();
+        if full { f32::INFINITY } else { together - self.cost() - other.cost() }
+    }
+
+    fn cost(&self) -> f32 {
+        if self.members.len() > 1 { self.bounds.girth() } else { 0.0 }
+    }
+}
+
+/// Sorts so many with the smallest coordinates to the front, along the axis on which centres differ most.
+fn split(items: &mut [(u32, AxisBox)], first: usize) {
     let centres = || items.iter().map(|(_, bounds)| bounds.doubled_centre());
     let lo = centres().fold([f32::INFINITY; 3], |lo, c| std::array::from_fn(|i| lo[i].lesser(c[i])));
     let hi = centres().fold([f32::NEG_INFINITY; 3], |hi, c| std::array::from_fn(|i| hi[i].greater(c[i])));
     let axis = (0..3).max_by(|&i, &j| (hi[i] - lo[i]).total_cmp(&(hi[j] - lo[j]))).unwrap_or(0);
-    let half = items.len() / 2;
     let key = |entry: &(u32, AxisBox)| entry.1.doubled_centre()[axis];
-    items.select_nth_unstable_by(half, |p, q| key(p).total_cmp(&key(q)).then(p.0.cmp(&q.0)));
-    Some(half)
+    items.select_nth_unstable_by(first, |p, q| key(p).total_cmp(&key(q)).then(p.0.cmp(&q.0)));
 }
 
 /// Eight rows of eight bits as columns (Warren 2012, *Hacker's Delight*, section 7-3).

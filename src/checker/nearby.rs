@@ -49,6 +49,10 @@ pub(super) struct NearEight {
     pub lanes: u8,
 }
 
+impl NearEight {
+    const NONE: Self = Self { place: 0, piece: Piece::Whole, lanes: 0 };
+}
+
 /// Something of the world that may be near a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Near {
@@ -184,24 +188,23 @@ impl CollisionChecker {
         work: &mut Work,
     ) {
         let pieces = &self.obstacles.pieces;
-        near_eight.clear();
         eight_found.clear();
         eight_found.extend(pieces.unbounded.iter().map(|piece| (*piece, among)));
         let boxes = capsules.axis_boxes(limit);
         work.volume_tests +=
             pieces.tree.find_overlapping_any(simd, (&boxes, among), eight_stack, eight_found);
+        // which are near hangs on chance: without a branch the next is begun before the last is known
+        near_eight.resize(eight_found.len(), NearEight::NONE);
+        let mut kept = 0;
         for &(number, lanes) in &*eight_found {
             let placed = pieces.at(number);
             let asked = lanes & checks(ObstacleId(placed.place));
-            if asked == 0 {
-                continue;
-            }
             work.volume_tests += u64::from(asked.count_ones());
             let lanes = asked & placed.near(simd, capsules, limit);
-            if lanes != 0 {
-                near_eight.push(NearEight { place: placed.place, piece: placed.piece, lanes });
-            }
+            near_eight[kept] = NearEight { place: placed.place, piece: placed.piece, lanes };
+            kept += usize::from(lanes != 0);
         }
+        near_eight.truncate(kept);
         near_eight.sort_unstable_by_key(|near| (near.place, near.piece));
     }
 

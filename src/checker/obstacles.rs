@@ -46,7 +46,7 @@ pub(super) struct PlacedObstacle {
 }
 
 /// Most pieces, or a few more, that a large obstacle is told apart into.
-const MOST_PIECES: usize = 512;
+const MOST_PIECES: usize = 384;
 
 impl Obstacles {
     /// The obstacles of a world; what `known` has is not built again.

@@ -21,7 +21,7 @@ use crate::robot::Reach;
 use crate::simd::{LANES, Real, Simd, Single, Vectors, f32x8, low_byte, not_beyond};
 
 /// Steps to and fro that come near enough to the nearest points.
-const STEPS: usize = 2;
+const STEPS: usize = 1;
 
 /// All points within `radius` (m) of a segment, in the root frame: one capsule, or eight in lanes.
 #[derive(Clone, Copy, Debug)]
