@@ -14,21 +14,22 @@
 //! # Its rounding
 //!
 //! Let ε = 2⁻²⁴ be the rounding of f32, E the largest coordinate of any centre, H the largest |u| + |v| + radii of any
-//! pair. Centres are taken relative to the first capsule's body in f64 and rounded once, so with the subtraction each
-//! coordinate of w is off by at most 4εE, and each of u and v by ε of itself. For the n that was computed, whatever it
-//! is, and with |w| ≤ 2√3·E:
+//! pair, C the largest distance of a centre from the origin of its body. Where bodies are relative to the first is found in
+//! f64, the rest in f32: a centre is t + Rc with |t| ≤ E + C in each coordinate, where R, c and t are rounded and three products
+//! and three sums are. Each coordinate of it is off by at most ε(5C + (E + C) + E), so with the subtraction those of w by
+//! ε(12C + 6E), and each of u and v by 5ε|u| and 5ε|v|. For the n that was computed, whatever it is, and with |w| ≤ 2√3·E:
 //!
 //! | what | off by at most, in ε·\|n\| |
 //! |---|---|
-//! | w for its true value | 4√3·E < 7E |
+//! | w for its true value | √3(12C + 6E) < 21C + 10.4E |
 //! | n·w: three roundings | 3\|w\| < 10.4E |
-//! | n·u, n·v: three roundings, and u, v themselves | (3 + √3)(\|u\| + \|v\|) < 4.8H |
+//! | n·u, n·v: three roundings, and u, v themselves | (3 + 5√3)(\|u\| + \|v\|) < 11.7H |
 //! | the two differences | 2(\|w\| + \|u\| + \|v\|) < 7E + 2H |
 //! | \|n\| and the quotient, or the squares in its stead | 4D ≤ 4\|w\| < 14E |
 //! | sums with radii and margin, up to D | 3(D + H) < 10.4E + 3H |
 //!
-//! Together less than 49E + 10H; 64ε(E + H) = 2⁻¹⁸(E + H) is taken off every bound: 4 µm at a metre. The sphere test
-//! before has fewer terms: 7E for w and 4\|w\| for the squares. A tiny constant added to |n|² keeps the quotient
+//! Together less than 53E + 17H + 21C; 64ε(E + max(H, C)) = 2⁻¹⁸(E + max(H, C)) is taken off every bound: 4 µm at a metre. The
+//! sphere test before has fewer terms: 21C + 10.4E for w and 4\|w\| for the squares. A tiny constant added to |n|² keeps the quotient
 //! defined where the segments touch, and only lowers a positive bound.
 
 use std::ops::Sub;

@@ -3,7 +3,7 @@
 //! A capsule is all points within a radius of a segment. Eight pairs are judged at once: one pair in eight states, or
 //! eight pairs in one state, by the same formulas and to the same bits ([`super::capsule_lanes`]).
 
-use std::ops::Add;
+use std::ops::{Add, Range};
 
 use nalgebra::Vector3;
 
@@ -12,7 +12,7 @@ use crate::constants::MOTION_SLACK;
 use crate::math::{Extremes, MatrixPose, Point};
 use crate::robot::{Columns, Frame, Reach};
 use crate::simd::prelude::*;
-use crate::simd::{LANES, Real, Simd, Vectors, f32x4, f32x8, f64x4};
+use crate::simd::{self, LANES, Real, Simd, Vectors, f32x4, f32x8, f64x4};
 
 /// All points within `radius` of the segment from `a` to `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,23 +25,26 @@ pub struct LinkCapsule {
 /// Capsules that ride on bodies, and the pairs of them to judge.
 #[derive(Clone, Debug)]
 pub struct CapsulePairs {
+    /// Body by body.
     riders: Vec<Rider>,
-    /// By body: its capsules.
-    of_bodies: Vec<Vec<usize>>,
+    /// By body: which of the riders are on it.
+    on_bodies: Vec<Range<usize>>,
     /// The first body that has any.
     first_body: usize,
     /// Pairs, eight by eight; the last group is filled up with its last pair.
     groups: Vec<Group>,
     /// H of the bound, of pairs that have one.
     size: f32,
+    /// C of the bound.
+    offset: f32,
 }
 
-/// A capsule's segment in the frame of its body: `centre ± half`.
+/// A capsule's segment `centre ± half` in the frame of its body.
 #[derive(Clone, Copy, Debug)]
 struct Rider {
-    body: usize,
-    centre: [f64; 3],
-    half: [f64; 3],
+    capsule: usize,
+    /// The coordinates of the centre, four times each, and those of the half.
+    coordinates: [[f32; LANES]; 3],
 }
 
 /// Eight pairs and what never changes about them.
@@ -70,13 +73,10 @@ pub struct Segment<V> {
     pub half: [V; 3],
 }
 
-/// A segment `centre ± half` of one state, in single precision; the fourth numbers mean nothing.
+/// A segment `centre ± half` of one state, in single precision: the centre, a number that means nothing, and the same of the half.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
-pub struct PlacedSegment {
-    centre: [f32; 4],
-    half: [f32; 4],
-}
+pub struct PlacedSegment([f32; LANES]);
 
 /// Places the capsules of one state, body by body.
 #[derive(Debug)]
@@ -104,7 +104,7 @@ impl CapsulePairs {
     /// When a pair names no capsule.
     #[must_use]
     pub fn new(capsules: &[(usize, LinkCapsule)], pairs: &[(usize, usize)]) -> Self {
-        let riders: Vec<Rider> = capsules.iter().map(|(body, c)| Rider::new(*body, c)).collect();
+        let halves: Vec<Vector3<f64>> = capsules.iter().map(|(_, c)| (c.b - c.a) * 0.5).collect();
         let mut size = 0.0_f32;
         let mut groups = Vec::new();
         for chunk in pairs.chunks(8) {
@@ -113,8 +113,7 @@ impl CapsulePairs {
                 let (a, b) = *chunk.get(lane).unwrap_or(&chunk[chunk.len() - 1]);
                 group.set(
                     lane,
-                    (a, &riders[a]),
-                    (b, &riders[b]),
+                    [(a, halves[a].norm_squared()), (b, halves[b].norm_squared())],
                     capsules[a].1.radius + capsules[b].1.radius,
                 );
                 // what is infinitely large is never proven apart, whatever rounding is granted
@@ -124,13 +123,21 @@ impl CapsulePairs {
             }
             groups.push(group);
         }
-        let count = riders.iter().map(|rider| rider.body + 1).max().unwrap_or(0);
-        let mut of_bodies = vec![Vec::new(); count];
-        for (i, rider) in riders.iter().enumerate() {
-            of_bodies[rider.body].push(i);
+        let mut order: Vec<usize> = (0..capsules.len()).collect();
+        order.sort_by_key(|&i| capsules[i].0);
+        let body = |rank: usize| capsules[order[rank]].0;
+        let bodies = if order.is_empty() { 0 } else { body(order.len() - 1) + 1 };
+        let first_on = |body: usize| order.partition_point(|&i| capsules[i].0 < body);
+        let centre = |c: &LinkCapsule| c.a.coords + (c.b - c.a) * 0.5;
+        let offset = capsules.iter().map(|(_, c)| centre(c).norm()).filter(|offset| offset.is_finite());
+        Self {
+            riders: order.iter().map(|&i| Rider::new(i, &centre(&capsules[i].1), &halves[i])).collect(),
+            on_bodies: (0..bodies).map(|body| first_on(body)..first_on(body + 1)).collect(),
+            first_body: if order.is_empty() { 0 } else { body(0) },
+            groups,
+            size,
+            offset: up(offset.fold(0.0, f64::greater)),
         }
-        let first_body = riders.iter().map(|rider| rider.body).min().unwrap_or(0);
-        Self { riders, of_bodies, first_body, groups, size }
     }
 
     #[must_use]
@@ -153,10 +160,16 @@ impl CapsulePairs {
     #[inline(always)]
     pub fn place<T: Real>(&self, frames: &[Frame<T>], segments: &mut [Segment<T::Single>]) {
         let origin = frames[self.first_body].t;
-        for (rider, segment) in self.riders.iter().zip(segments) {
-            let frame = &frames[rider.body];
-            let centre = sum(difference(frame.t, origin), frame.turn(rider.centre));
-            *segment = Segment { centre: single(centre), half: single(frame.turn(rider.half)) };
+        for (riders, Frame { r: [x, y, z], t }) in self.on_bodies.iter().zip(frames) {
+            let columns = [single(*x), single(*y), single(*z)];
+            let t = single(difference(*t, origin));
+            for rider in &self.riders[riders.clone()] {
+                let [p, q, r] = rider.coordinates;
+                segments[rider.capsule] = Segment {
+                    centre: sum(turned(&columns, [p[0], q[0], r[0]]), t),
+                    half: turned(&columns, [p[4], q[4], r[4]]),
+                };
+            }
         }
     }
 
@@ -165,7 +178,7 @@ impl CapsulePairs {
     pub fn place_one<S: Simd>(&self, simd: S, frames: &[Frame<f64>], segments: &mut [PlacedSegment]) {
         let mut placing = self.placing(simd, segments);
         for (body, frame) in frames.iter().enumerate() {
-            placing.place(body, &Columns::of(simd, frame));
+            placing.place(simd, body, &Columns::of(simd, frame));
         }
     }
 
@@ -274,7 +287,13 @@ impl CapsulePairs {
 
     #[inline(always)]
     fn slack<S: Simd>(&self, simd: S, extent: f32x8<S>) -> f32x8<S> {
-        (extent + f32x8::splat(simd, self.size)) * f32x8::splat(simd, SLACK)
+        (extent + f32x8::splat(simd, self.size.greater(self.offset))) * f32x8::splat(simd, SLACK)
+    }
+
+    /// C of the bound: the largest distance (m) of a centre from the origin of its body.
+    #[must_use]
+    pub fn offset(&self) -> f32 {
+        self.offset
     }
 }
 
@@ -282,8 +301,8 @@ impl CapsulePairs {
 #[inline(always)]
 fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
     let mut extent = f32x4::splat(simd, 0.0);
-    for PlacedSegment { centre, .. } in segments {
-        extent = extent.max(f32x4::from_slice(simd, centre).abs());
+    for segment in segments {
+        extent = extent.max(f32x4::from_slice(simd, segment.centre()).abs());
     }
     extent[0].greater(extent[1]).greater(extent[2])
 }
@@ -311,20 +330,28 @@ pub fn up(x: f64) -> f32 {
 }
 
 impl Rider {
-    fn new(body: usize, capsule: &LinkCapsule) -> Self {
-        let half = (capsule.b - capsule.a) * 0.5;
-        Self { body, centre: (capsule.a + half).coords.into(), half: half.into() }
+    fn new(capsule: usize, centre: &Vector3<f64>, half: &Vector3<f64>) -> Self {
+        let number = |i: usize, lane: usize| if lane < 4 { centre[i].single() } else { half[i].single() };
+        Self { capsule, coordinates: [0, 1, 2].map(|i| std::array::from_fn(|lane| number(i, lane))) }
+    }
+}
+
+impl PlacedSegment {
+    #[inline(always)]
+    fn centre(&self) -> &[f32; 4] {
+        self.0.first_chunk().expect("there are eight")
     }
 
-    fn half_squared(&self) -> f64 {
-        Vector3::from(self.half).norm_squared()
+    #[inline(always)]
+    fn half(&self) -> &[f32; 4] {
+        self.0.last_chunk().expect("there are eight")
     }
 }
 
 impl Group {
-    fn set(&mut self, lane: usize, (a, first): (usize, &Rider), (b, second): (usize, &Rider), radii: f64) {
+    /// A pair of capsules, with the squares (m²) of their halves.
+    fn set(&mut self, lane: usize, [(a, uu), (b, vv)]: [(usize, f64); 2], radii: f64) {
         let over = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
-        let (uu, vv) = (first.half_squared(), second.half_squared());
         (self.first[lane], self.second[lane]) = (a, b);
         (self.radii[lane], self.reach[lane]) = (up(radii), up(radii + uu.sqrt() + vv.sqrt()));
         (self.uu[lane], self.vv[lane]) = (uu.single(), vv.single());
@@ -371,15 +398,18 @@ impl Group {
 impl<S: Simd> Placing<'_, S> {
     /// Bodies come in their order.
     #[inline(always)]
-    pub fn place(&mut self, body: usize, columns: &Columns<S>) {
+    pub fn place(&mut self, simd: S, body: usize, columns: &Columns<S>) {
         if body == self.capsules.first_body {
             self.origin = columns.origin();
         }
-        for &i in self.capsules.of_bodies.get(body).into_iter().flatten() {
-            let rider = &self.capsules.riders[i];
-            let centre = columns.origin() - self.origin + columns.turn(rider.centre);
-            let half = columns.turn(rider.half);
-            self.segments[i] = PlacedSegment { centre: singles(centre), half: singles(half) };
+        let Some(riders) = self.capsules.on_bodies.get(body) else { return };
+        let [x, y, z, t] = columns.doubled(simd, self.origin);
+        for Rider { capsule, coordinates: [p, q, r] } in &self.capsules.riders[riders.clone()] {
+            let placed = x * f32x8::from_slice(simd, p)
+                + y * f32x8::from_slice(simd, q)
+                + z * f32x8::from_slice(simd, r)
+                + t;
+            self.segments[*capsule] = PlacedSegment(placed.into());
         }
     }
 }
@@ -392,7 +422,7 @@ pub(super) fn gather<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; 
 
 #[inline(always)]
 fn centres<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> [f32x8<S>; 3] {
-    let centre = |lane: usize| &segments[of[lane]].centre;
+    let centre = |lane: usize| segments[of[lane]].centre();
     let [a, b, c, d] = [centre(0), centre(1), centre(2), centre(3)];
     let Vectors { x, y, z } = Vectors::gather(simd, [a, b, c, d, centre(4), centre(5), centre(6), centre(7)]);
     [x, y, z]
@@ -400,7 +430,7 @@ fn centres<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) ->
 
 #[inline(always)]
 fn halves<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> [f32x8<S>; 3] {
-    let half = |lane: usize| &segments[of[lane]].half;
+    let half = |lane: usize| segments[of[lane]].half();
     let [a, b, c, d] = [half(0), half(1), half(2), half(3)];
     let Vectors { x, y, z } = Vectors::gather(simd, [a, b, c, d, half(4), half(5), half(6), half(7)]);
     [x, y, z]
@@ -416,9 +446,10 @@ fn single<T: Real>(v: [T; 3]) -> [T::Single; 3] {
     [v[0].single(), v[1].single(), v[2].single()]
 }
 
+/// A vector in a frame of these columns, as seen from outside.
 #[inline(always)]
-fn singles<S: Simd>(v: f64x4<S>) -> [f32; 4] {
-    v.narrow(v).split().0.into()
+fn turned<V: simd::Single>([x, y, z]: &[[V; 3]; 3], [p, q, r]: [f32; 3]) -> [V; 3] {
+    [x[0] * p + y[0] * q + z[0] * r, x[1] * p + y[1] * q + z[1] * r, x[2] * p + y[2] * q + z[2] * r]
 }
 
 impl LinkCapsule {

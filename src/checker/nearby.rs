@@ -85,7 +85,8 @@ impl CollisionChecker {
         part: usize,
         (segment, origins): (Segment<f32x8<S>>, [f32x8<S>; 3]),
     ) -> RootCapsule<f32x8<S>> {
-        RootCapsule::new(simd, segment, origins, f32x8::splat(simd, self.padded_radii[part]))
+        let (radius, offset) = (self.padded_radii[part], self.capsules.offset());
+        RootCapsule::new(simd, segment, origins, (f32x8::splat(simd, radius), f32x8::splat(simd, offset)))
     }
 
     /// The same of one state, of up to eight parts.
@@ -102,7 +103,8 @@ impl CollisionChecker {
         let [a, b, c, d] = [radius(0), radius(1), radius(2), radius(3)];
         let radii = f32x8::simd_from(simd, [a, b, c, d, radius(4), radius(5), radius(6), radius(7)]);
         let origin = [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)];
-        RootCapsule::new(simd, gather(simd, segments, &parts), origin, radii)
+        let offset = f32x8::splat(simd, self.capsules.offset());
+        RootCapsule::new(simd, gather(simd, segments, &parts), origin, (radii, offset))
     }
 
     /// Boxes around the robot's parts with their paddings, where a state has them: what the broad phase asks about.

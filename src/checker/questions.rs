@@ -206,7 +206,7 @@ impl CollisionChecker {
             positions,
             frames,
             #[inline(always)]
-            |body, columns| placing.place(body, columns),
+            |body, columns| placing.place(simd, body, columns),
         );
     }
 

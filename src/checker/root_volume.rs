@@ -59,7 +59,7 @@ impl RootCapsule {
     pub fn of_reach(reach: &Reach, padding: f64) -> Self {
         let [a, b] = reach.ends;
         let segment = Segment { centre: single((a + b) * 0.5), half: single((b - a) * 0.5) };
-        Self::new((), segment, [0.0; 3], up(reach.radius + padding))
+        Self::new((), segment, [0.0; 3], (up(reach.radius + padding), 0.0))
     }
 
     /// A box around all that is within `by` (m) of it.
@@ -102,14 +102,15 @@ impl RootCapsule {
 }
 
 impl<V: Single> RootCapsule<V> {
-    /// A segment as seen from `origin` (m, root frame), and all within `radius` (m) of it.
+    /// A segment as seen from `origin` (m, root frame), and all within `radius` (m) of it; its centre was made from numbers of which
+    /// the largest are `offset` (m) or its coordinates.
     #[inline(always)]
     #[must_use]
     pub fn new(
         token: V::Token,
         Segment { centre: [x, y, z], half }: Segment<V>,
         [p, q, r]: [V; 3],
-        radius: V,
+        (radius, offset): (V, V),
     ) -> Self {
         let extent = (x.abs() + p.abs()).greater(y.abs() + q.abs()).greater(z.abs() + r.abs());
         let reach = half[0].abs() + half[1].abs() + half[2].abs() + radius;
@@ -118,7 +119,7 @@ impl<V: Single> RootCapsule<V> {
             segment: Segment { centre: [x + p, y + q, z + r], half },
             over_square: V::splat(token, 1.0) / dot(half, half).greater(least),
             radius,
-            size: extent + reach,
+            size: extent + offset + reach,
         }
     }
 

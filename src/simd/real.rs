@@ -23,7 +23,7 @@ pub trait Real:
     type Token: Copy;
 
     /// The same in single precision.
-    type Single: Copy;
+    type Single: super::Single;
 
     /// The same number in every lane.
     fn splat(token: Self::Token, value: f64) -> Self;

@@ -3,7 +3,7 @@
 
 use super::{Body, Chain, Frame, Step, Turn};
 use crate::simd::prelude::*;
-use crate::simd::{Simd, f64x4, f64x8, sin_cos};
+use crate::simd::{Simd, f32x8, f64x4, f64x8, sin_cos};
 
 /// A frame, whose columns are vectors of which the fourth number means nothing.
 #[derive(Clone, Copy, Debug)]
@@ -129,6 +129,14 @@ impl<S: Simd> Columns<S> {
     #[inline(always)]
     fn point(&self, p: [f64; 3]) -> f64x4<S> {
         self.t + self.turn(p)
+    }
+
+    /// In single precision, each twice: the columns, and the way to here from an `origin`, which is but once there.
+    #[inline(always)]
+    pub fn doubled(&self, simd: S, origin: f64x4<S>) -> [f32x8<S>; 4] {
+        let [x, y, z] = self.r;
+        let (t, zero) = (self.t - origin, f64x4::splat(simd, 0.0));
+        [x.narrow(x), y.narrow(y), z.narrow(z), t.narrow(zero)]
     }
 
     /// The origin of the frame.
