@@ -109,7 +109,7 @@ impl CollisionChecker {
             }
             let origins = self.capsules.origin(&eight.frames);
             let capsules = |part: usize| self.capsule_in_eight(simd, part, (eight.segments[part], origins));
-            let memory = (&mut *scratch, &mut *nearby, &mut part_order[..]);
+            let memory = (&mut *scratch, &mut *nearby, &mut *part_order);
             hit |= self.states_that_hit(
                 simd,
                 all & !hit,

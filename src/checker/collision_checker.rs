@@ -16,6 +16,7 @@ use super::pair::PairInfo;
 use super::report::Body;
 use super::settings::Settings;
 use super::stream::Stream;
+use super::within_reach::{PartOrder, WithinReach};
 use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::geometry::ScaleError;
 use crate::math::Extremes;
@@ -53,8 +54,8 @@ pub struct CollisionChecker {
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
     pub(super) obstacles: Obstacles,
-    /// Whether a part that no joint moves touches an obstacle, once somebody asked.
-    pub(super) fixed_contact: OnceLock<bool>,
+    /// Which parts can touch an obstacle, once somebody asked.
+    pub(super) within_reach: OnceLock<WithinReach>,
     /// Of the model and the world, once somebody asked.
     pub(super) fingerprints: OnceLock<[String; 2]>,
     /// No two robots built in one process have the same.
@@ -127,7 +128,7 @@ impl CollisionChecker {
             }
         }
         self.world = world.clone();
-        self.fixed_contact = OnceLock::new();
+        self.within_reach = OnceLock::new();
         self.fingerprints = OnceLock::new();
         self.revision = next_identity();
         Ok(())
@@ -170,7 +171,7 @@ impl CollisionChecker {
             ways,
             rates,
             obstacles,
-            fixed_contact: OnceLock::new(),
+            within_reach: OnceLock::new(),
             fingerprints: OnceLock::new(),
             identity: next_identity(),
             revision: next_identity(),
@@ -241,8 +242,7 @@ impl CollisionChecker {
             nearest_first: NearestFirst::default(),
             asked: Vec::new(),
             in_doubt: Vec::new(),
-            // what is farthest from the base hits most
-            part_order: self.parts_on(|body| body != Chain::ROOT).rev().collect(),
+            part_order: PartOrder::default(),
             likely: LikelyPairs::new(),
             nearby: NearbyScratch::default(),
             scratch,

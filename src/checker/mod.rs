@@ -38,6 +38,7 @@ mod root_volume;
 mod settings;
 mod stream;
 mod volumes;
+mod within_reach;
 mod workspace;
 mod world_hits;
 

@@ -179,13 +179,13 @@ impl CollisionChecker {
     }
 
     /// Fills `near_eight` with the pieces of obstacles whose padded distance from some of eight parts may be within `limit` (m), of
-    /// those `among` them; `checks` has a bit for each to be checked against what is at a place.
+    /// those `among` them; `checks` leaves of some bits those to be checked against what is at a place.
     #[inline(always)]
     pub(super) fn find_near_eight<S: Simd>(
         &self,
         simd: S,
         (capsules, among): (&RootCapsule<f32x8<S>>, u8),
-        (limit, checks): (f32, impl Fn(ObstacleId) -> u8),
+        (limit, checks): (f32, impl Fn(ObstacleId, u8) -> u8),
         NearbyScratch { eight_stack, eight_found, near_eight, .. }: &mut NearbyScratch,
         work: &mut Work,
     ) {
@@ -200,7 +200,7 @@ impl CollisionChecker {
         let mut kept = 0;
         for &(number, lanes) in &*eight_found {
             let placed = pieces.at(number);
-            let asked = lanes & checks(ObstacleId(placed.place));
+            let asked = checks(ObstacleId(placed.place), lanes);
             work.volume_tests += u64::from(asked.count_ones());
             let lanes = asked & placed.near(simd, capsules, limit);
             near_eight[kept] = NearEight { place: placed.place, piece: placed.piece, lanes };

@@ -7,6 +7,7 @@ use super::motion::MotionScratch;
 use super::nearby::NearbyScratch;
 use super::nearest_first::NearestFirst;
 use super::stream::Stream;
+use super::within_reach::PartOrder;
 use crate::query::Scratch;
 use crate::robot::Frame;
 use crate::simd::LANES;
@@ -33,8 +34,7 @@ pub struct Workspace {
     pub(super) asked: Vec<usize>,
     /// What is to be measured for it.
     pub(super) in_doubt: Vec<InDoubt>,
-    /// Parts that joints move, those that were hit most of late first.
-    pub(super) part_order: Vec<usize>,
+    pub(super) part_order: PartOrder,
     pub(super) likely: LikelyPairs,
     pub(super) nearby: NearbyScratch,
     pub(super) scratch: Scratch,

@@ -4,13 +4,14 @@ use super::capsules::{PlacedSegment, up};
 use super::collision_checker::CollisionChecker;
 use super::nearby::NearbyScratch;
 use super::root_volume::RootCapsule;
+use super::within_reach::PartOrder;
 use crate::constants::CONTACT_DISTANCE;
 use crate::query::Scratch;
-use crate::robot::{Chain, Frame};
-use crate::simd::{LANES, Simd, dispatch, f32x8};
+use crate::robot::Frame;
+use crate::simd::{LANES, Simd, f32x8};
 
-/// What a search of obstacles works with: parts that joints move, those that were hit most of late first.
-pub(super) type WorldScratch<'w> = (&'w mut Scratch, &'w mut NearbyScratch, &'w mut [usize]);
+/// What a search of obstacles works with.
+pub(super) type WorldScratch<'w> = (&'w mut Scratch, &'w mut NearbyScratch, &'w mut PartOrder);
 
 impl CollisionChecker {
     /// Whether a part touches an obstacle in a state; `segments` as seen from `origin`.
@@ -25,15 +26,23 @@ impl CollisionChecker {
         if self.pairs().world_len() == 0 {
             return false;
         }
-        if self.has_fixed_contact(scratch, nearby) {
+        let within_reach = self.within_reach(scratch, nearby);
+        if within_reach.fixed_contact {
             return true;
         }
-        for first in (0..part_order.len()).step_by(LANES) {
-            let eight = &part_order[first..part_order.len().min(first + LANES)];
+        part_order.suit(self.revision, within_reach);
+        let parts = &part_order.parts;
+        for first in (0..parts.len()).step_by(LANES) {
+            let eight = &parts[first..parts.len().min(first + LANES)];
             let capsules = self.eight_capsules(simd, eight, segments);
-            let checks = |place| {
-                let bit = |lane: usize| u8::from(self.pairs().checks(eight[lane], place)) << lane;
-                (0..eight.len()).fold(0, |lanes, lane| lanes | bit(lane))
+            let checks = |place, asked: u8| {
+                let (mut checked, mut left) = (0, asked);
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize;
+                    left &= left - 1;
+                    checked |= u8::from(self.pairs().checks(eight[lane], place)) << lane;
+                }
+                checked
             };
             let all = u8::MAX >> (LANES - eight.len());
             self.find_near_eight(
@@ -46,7 +55,7 @@ impl CollisionChecker {
             let hit =
                 (0..eight.len()).find(|&lane| self.touches_near(eight[lane], lane, frame, (scratch, nearby)));
             if let Some(lane) = hit {
-                step_forward(part_order, first + lane);
+                part_order.step_forward(first + lane);
                 return true;
             }
         }
@@ -66,17 +75,19 @@ impl CollisionChecker {
         if self.pairs().world_len() == 0 {
             return 0;
         }
-        if self.has_fixed_contact(scratch, nearby) {
+        let within_reach = self.within_reach(scratch, nearby);
+        if within_reach.fixed_contact {
             return among;
         }
+        part_order.suit(self.revision, within_reach);
         let mut hit = 0;
-        for rank in 0..part_order.len() {
+        for rank in 0..part_order.parts.len() {
             let left = among & !hit;
             if left == 0 {
                 break;
             }
-            let part = part_order[rank];
-            let checks = |place| if self.pairs().checks(part, place) { u8::MAX } else { 0 };
+            let part = part_order.parts[rank];
+            let checks = |place, asked| if self.pairs().checks(part, place) { asked } else { 0 };
             self.find_near_eight(
                 simd,
                 (&capsules(part), left),
@@ -92,7 +103,7 @@ impl CollisionChecker {
             }
             if found != 0 {
                 hit |= found;
-                step_forward(part_order, rank);
+                part_order.step_forward(rank);
             }
         }
         hit
@@ -115,36 +126,6 @@ impl CollisionChecker {
             !pieces.is_empty() && self.pair_with(index, frame).pieces_touch(pieces, scratch)
         })
     }
-
-    /// Whether a part that no joint moves touches an obstacle, which is looked for only once.
-    #[inline(always)]
-    fn has_fixed_contact(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {
-        *self.fixed_contact.get_or_init(|| self.find_fixed_contact(scratch, nearby))
-    }
-
-    #[cold]
-    fn find_fixed_contact(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {
-        let level = scratch.level();
-        self.parts_on(|body| body == Chain::ROOT).any(|part| {
-            let capsule = self.capsule_of(part, &Frame::IDENTITY);
-            let work = &mut scratch.work;
-            dispatch!(level, simd => {
-                self.find_near(simd, part, &capsule, up(CONTACT_DISTANCE), nearby, work);
-            });
-            let NearbyScratch { near, pieces, .. } = &mut *nearby;
-            near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
-                pieces.clear();
-                pieces.extend(of_one.iter().map(|near| near.piece));
-                let index = self.world_pair(part, of_one[0].place as usize);
-                self.pair_with(index, |_| Frame::IDENTITY).pieces_touch(pieces, scratch)
-            })
-        })
-    }
-}
-
-/// Lets a part that was hit be asked a little sooner (Rivest 1976, as [`super::likely`]).
-fn step_forward(part_order: &mut [usize], rank: usize) {
-    part_order.swap(rank, rank.saturating_sub(1));
 }
 
 #[cfg(test)]

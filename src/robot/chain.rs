@@ -20,6 +20,7 @@ mod approach;
 mod between;
 mod compile;
 mod one_state;
+mod territory;
 mod travel;
 
 use std::ops::Mul;
@@ -31,6 +32,7 @@ pub use approach::Approach;
 pub use between::{Between, Deviation, Deviations, Reach, SideMotion};
 pub use one_state::Columns;
 use one_state::EightSources;
+pub use territory::Territory;
 pub use travel::TravelRates;
 
 /// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.

@@ -27,7 +27,7 @@ mod xml;
 pub(crate) use chain::Columns;
 pub use chain::{
     Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
-    Source as PositionSource, TravelRates,
+    Source as PositionSource, Territory, TravelRates,
 };
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};

@@ -1,0 +1,107 @@
+//! What is known about a robot in its world before any state is: which parts can touch an obstacle at all.
+
+use super::capsules::up;
+use super::collision_checker::CollisionChecker;
+use super::nearby::NearbyScratch;
+use super::root_volume::RootCapsule;
+use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
+use crate::math::Extremes;
+use crate::query::Scratch;
+use crate::robot::{Chain, Frame, Reach, Territory};
+use crate::simd::dispatch;
+
+/// Which parts have to be asked about obstacles.
+#[derive(Clone, Debug)]
+pub(super) struct WithinReach {
+    /// Whether a part that no joint moves touches an obstacle.
+    pub fixed_contact: bool,
+    /// Parts that joints move to where obstacles are, the farthest from the base first: it hits most.
+    pub parts: Vec<usize>,
+}
+
+/// Parts to be asked about obstacles, those that were hit most of late first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PartOrder {
+    /// The checker's that the parts were taken from.
+    revision: Option<u64>,
+    pub parts: Vec<usize>,
+}
+
+impl PartOrder {
+    /// Makes it that of a checker.
+    pub fn suit(&mut self, revision: u64, within_reach: &WithinReach) {
+        if self.revision == Some(revision) {
+            return;
+        }
+        self.revision = Some(revision);
+        let reachable = |part: &usize| within_reach.parts.contains(part);
+        self.parts.retain(reachable);
+        let known = self.parts.len();
+        let new = within_reach.parts.iter().filter(|part| !self.parts[..known].contains(part));
+        let new: Vec<usize> = new.copied().collect();
+        self.parts.extend(new);
+    }
+
+    /// Lets a part that was hit be asked a little sooner (Rivest 1976, as [`super::likely`]).
+    pub fn step_forward(&mut self, rank: usize) {
+        self.parts.swap(rank, rank.saturating_sub(1));
+    }
+}
+
+impl CollisionChecker {
+    /// Found once for a robot in its world.
+    #[inline(always)]
+    pub(super) fn within_reach(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> &WithinReach {
+        self.within_reach.get_or_init(|| self.find_within_reach(scratch, nearby))
+    }
+
+    #[cold]
+    fn find_within_reach(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> WithinReach {
+        let territories = self.chain.territories();
+        let fixed_contact =
+            self.parts_on(|body| body == Chain::ROOT).any(|part| self.touches_fixed(part, scratch, nearby));
+        let moving = self.parts_on(|body| body != Chain::ROOT).rev();
+        let parts = moving
+            .filter(|&part| {
+                let territory = self.territory_of(part, &territories);
+                self.looks_near(part, &territory, scratch, nearby)
+            })
+            .collect();
+        WithinReach { fixed_contact, parts }
+    }
+
+    /// All that a part with its padding can ever reach.
+    fn territory_of(&self, part: usize, territories: &[Territory]) -> RootCapsule {
+        let rider = &self.riders[part];
+        let Territory { centre, radius } = territories[rider.body];
+        let ends = [rider.capsule.a, rider.capsule.b].map(|end| end.coords.norm());
+        let radius =
+            (radius + ends[0].greater(ends[1]) + rider.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK;
+        RootCapsule::of_reach(&Reach { ends: [centre; 2], radius }, rider.padding)
+    }
+
+    /// Whether pieces of obstacles may be near what a part reaches; they are left in `nearby`.
+    fn looks_near(
+        &self,
+        part: usize,
+        capsule: &RootCapsule,
+        scratch: &mut Scratch,
+        nearby: &mut NearbyScratch,
+    ) -> bool {
+        let (level, work) = (scratch.level(), &mut scratch.work);
+        dispatch!(level, simd => self.find_near(simd, part, capsule, up(CONTACT_DISTANCE), nearby, work));
+        !nearby.near.is_empty()
+    }
+
+    fn touches_fixed(&self, part: usize, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {
+        let capsule = self.capsule_of(part, &Frame::IDENTITY);
+        self.looks_near(part, &capsule, scratch, nearby);
+        let NearbyScratch { near, pieces, .. } = &mut *nearby;
+        near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
+            pieces.clear();
+            pieces.extend(of_one.iter().map(|near| near.piece));
+            let index = self.world_pair(part, of_one[0].place as usize);
+            self.pair_with(index, |_| Frame::IDENTITY).pieces_touch(pieces, scratch)
+        })
+    }
+}
