@@ -57,10 +57,11 @@ impl Triangle {
     pub fn nearest_points(&self, other: &Self) -> PointPair {
         let (ours, theirs) = (Face::of(self), Face::of(other));
         let apart = ours.plane_separates(other, 0.0) || theirs.plane_separates(self, 0.0);
-        if apart || !self.crosses(other) {
+        let mut piercings = self.piercings(other).peekable();
+        if apart || piercings.peek().is_none() {
             return nearest_features((self, &ours), (other, &theirs));
         }
-        [self.common_point(other); 2]
+        [self.common_point(other, piercings); 2]
     }
 
     /// A common point, if the triangles come within [`CONTACT_DISTANCE`].
@@ -71,53 +72,60 @@ impl Triangle {
         if ours.plane_separates(other, clear) || theirs.plane_separates(self, clear) {
             return None;
         }
-        let touching = self.crosses(other) || {
+        let mut piercings = self.piercings(other).peekable();
+        let touching = piercings.peek().is_some() || {
             let [p, q] = nearest_features((self, &ours), (other, &theirs));
             nalgebra::distance(&p, &q) <= CONTACT_DISTANCE
         };
-        touching.then(|| self.common_point(other))
-    }
-
-    /// Whether an edge of one triangle pierces the other: in general position every crossing has one.
-    fn crosses(&self, other: &Self) -> bool {
-        let pierced = |t: &Self, by: &Self| by.edges().iter().any(|e| t.piercing_heights(e).is_some());
-        pierced(self, other) || pierced(other, self)
+        touching.then(|| self.common_point(other, piercings))
     }
 
     /// A point of both of two touching triangles. Nearly coplanar ones are pierced at points that rounding may move far
     /// along; their edges meet, or a corner of one lies on the other.
-    fn common_point(&self, other: &Self) -> Point {
+    fn common_point(&self, other: &Self, mut piercings: impl Iterator<Item = Point>) -> Point {
         let on_both = |p: &Point| {
             let off = |t: &Self| nalgebra::distance(p, &t.nearest_point(p));
             off(self).greater(off(other)) <= CONTACT_DISTANCE
         };
-        let pierced = |t: &Self, by: &Self| by.edges().iter().filter_map(|e| t.pierced_by(e)).find(on_both);
-        (pierced(self, other).or_else(|| pierced(other, self)))
-            .unwrap_or_else(|| nearest_features((self, &Face::of(self)), (other, &Face::of(other)))[0])
+        let features = || nearest_features((self, &Face::of(self)), (other, &Face::of(other)))[0];
+        piercings.find(on_both).unwrap_or_else(features)
     }
 
-    /// The heights of the segment's ends over the triangle, up to a common factor, if it passes through: decided by exact
+    /// Where edges of one triangle pierce the other: in general position every crossing has such a point.
+    fn piercings<'t>(&'t self, other: &'t Self) -> impl Iterator<Item = Point> + 't {
+        self.pierced_by_edges(other).chain(std::iter::once_with(|| other.pierced_by_edges(self)).flatten())
+    }
+
+    fn pierced_by_edges<'t>(&'t self, other: &'t Self) -> impl Iterator<Item = Point> + 't {
+        let heights = other.corners().map(|corner| self.height(&corner));
+        let edges = other.edges().into_iter().zip([(0, 1), (1, 2), (2, 0)]);
+        edges.filter_map(move |(edge, (p, q))| self.pierced_at(&edge, [heights[p], heights[q]]))
+    }
+
+    /// The height of a point over the triangle, up to a factor; its sign is exact.
+    fn height(&self, x: &Point) -> f64 {
+        orientation(&self.a, &self.b, &self.c, x)
+    }
+
+    /// Where a segment, whose ends have these heights, passes through the triangle: whether it does is decided by exact
     /// orientation signs (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast robust geometric
     /// predicates*). A segment in the triangle's plane does not pass through it: what they have in common is found at
     /// edges and corners.
-    fn piercing_heights(&self, [p, q]: &[Point; 2]) -> Option<(f64, f64)> {
-        let above = |x: &Point| orientation(&self.a, &self.b, &self.c, x);
-        let (height_p, height_q) = (above(p), above(q));
+    fn pierced_at(&self, [p, q]: &[Point; 2], [height_p, height_q]: [f64; 2]) -> Option<Point> {
         let one_side = (height_p > 0.0 && height_q > 0.0) || (height_p < 0.0 && height_q < 0.0);
         if one_side || (height_p == 0.0 && height_q == 0.0) {
             return None;
         }
         let sides = self.edges().map(|[from, to]| orientation(p, q, &from, &to));
         let inside = sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0);
-        inside.then_some((height_p, height_q))
+        let on_segment = || p + (q - p) * (height_p / (height_p - height_q)).clamp(0.0, 1.0);
+        inside.then(|| self.nearest_point(&on_segment()))
     }
 
     /// Where the segment passes through the triangle.
     fn pierced_by(&self, segment: &[Point; 2]) -> Option<Point> {
-        let (height_p, height_q) = self.piercing_heights(segment)?;
         let [p, q] = segment;
-        let on_segment = p + (q - p) * (height_p / (height_p - height_q)).clamp(0.0, 1.0);
-        Some(self.nearest_point(&on_segment))
+        self.pierced_at(segment, [self.height(p), self.height(q)])
     }
 
     /// Nearest points of the triangle and a segment; the same point twice where it pierces.
