@@ -49,6 +49,13 @@ pub(super) struct NearEight {
     pub lanes: u8,
 }
 
+impl NearbyScratch {
+    /// Which of eight capsules anything may be near.
+    pub fn lanes_near(&self) -> u8 {
+        self.near_eight.iter().fold(0, |lanes, near| lanes | near.lanes)
+    }
+}
+
 impl NearEight {
     const NONE: Self = Self { place: 0, piece: Piece::Whole, lanes: 0 };
 }

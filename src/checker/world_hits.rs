@@ -52,11 +52,14 @@ impl CollisionChecker {
                 nearby,
                 &mut scratch.work,
             );
-            let hit =
-                (0..eight.len()).find(|&lane| self.touches_near(eight[lane], lane, frame, (scratch, nearby)));
-            if let Some(lane) = hit {
-                part_order.step_forward(first + lane);
-                return true;
+            let mut left = nearby.lanes_near();
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                if self.touches_near(eight[lane], lane, frame, (scratch, nearby)) {
+                    part_order.step_forward(first + lane);
+                    return true;
+                }
             }
         }
         false
@@ -95,9 +98,10 @@ impl CollisionChecker {
                 nearby,
                 &mut scratch.work,
             );
-            let near = nearby.near_eight.iter().fold(0, |lanes, near| lanes | near.lanes);
-            let mut found = 0;
-            for lane in (0..LANES).filter(|lane| near & (1 << lane) != 0) {
+            let (mut found, mut left) = (0, nearby.lanes_near());
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
                 let touches = self.touches_near(part, lane, &|body| frame(body, lane), (scratch, nearby));
                 found |= u8::from(touches) << lane;
             }
