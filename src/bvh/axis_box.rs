@@ -64,6 +64,7 @@ impl AxisBox {
 
 /// Eight boxes, by coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(32))]
 pub struct EightBoxes {
     pub lo: [[f32; LANES]; 3],
     pub hi: [[f32; LANES]; 3],

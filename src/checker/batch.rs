@@ -148,15 +148,15 @@ impl CollisionChecker {
     /// Level 0 of some states. A short block repeats its last state.
     #[inline(always)]
     fn screen_eight<S: Simd>(&self, simd: S, states: &[Configuration], eight: &mut Eight<S>) {
-        for (i, column) in eight.positions.iter_mut().enumerate() {
-            for (lane, number) in column.iter_mut().enumerate() {
-                *number = states[lane.min(states.len() - 1)].positions()[i];
-            }
-        }
+        let state = |lane: usize| states[lane.min(states.len() - 1)].positions();
+        let [a, b, c, d] = [state(0), state(1), state(2), state(3)];
+        let [e, f, g, h] = [state(4), state(5), state(6), state(7)];
         let margin = up(self.largest_padding + CONTACT_DISTANCE);
         eight.screen(
             simd,
             self,
+            #[inline(always)]
+            |i| f64x8::simd_from(simd, [a[i], b[i], c[i], d[i], e[i], f[i], g[i], h[i]]),
             #[inline(always)]
             |_| margin,
         );
@@ -165,7 +165,6 @@ impl CollisionChecker {
 
 /// Scratch memory of eight states in lanes.
 pub(super) struct Eight<S: Simd> {
-    pub positions: Vec<[f64; LANES]>,
     frames: Vec<Frame<f64x8<S>>>,
     segments: Vec<Segment<f32x8<S>>>,
     /// By self pair: a bit for each state in which it may be near.
@@ -177,7 +176,6 @@ impl<S: Simd> Eight<S> {
         let zero = f32x8::splat(simd, 0.0);
         let segment = Segment { centre: [zero; 3], half: [zero; 3] };
         Self {
-            positions: vec![[0.0; LANES]; checker.robot().position_names().len()],
             frames: vec![Frame::splat(simd, &Frame::IDENTITY); checker.chain.body_count()],
             segments: vec![segment; checker.capsules.capsule_count()],
             near: vec![0; checker.infos.len()],
@@ -186,14 +184,14 @@ impl<S: Simd> Eight<S> {
 
     /// Level 0 of the positions: kinematics, and which pairs capsules do not prove farther apart than their margins (m).
     #[inline(always)]
-    pub fn screen(&mut self, simd: S, checker: &CollisionChecker, margin: impl Fn(usize) -> f32) {
-        let positions = &self.positions;
-        checker.chain.frames(
-            simd,
-            #[inline(always)]
-            |i| f64x8::from_slice(simd, &positions[i]),
-            &mut self.frames,
-        );
+    pub fn screen(
+        &mut self,
+        simd: S,
+        checker: &CollisionChecker,
+        positions: impl Fn(usize) -> f64x8<S>,
+        margin: impl Fn(usize) -> f32,
+    ) {
+        checker.chain.frames(simd, positions, &mut self.frames);
         checker.capsules.place(&self.frames, &mut self.segments);
         checker.capsules.near(simd, &self.segments, margin, &mut self.near);
     }

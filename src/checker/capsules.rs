@@ -41,6 +41,7 @@ pub struct CapsulePairs {
 
 /// A capsule's segment `centre ± half` in the frame of its body.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 struct Rider {
     capsule: usize,
     /// The coordinates of the centre, four times each, and those of the half.
@@ -49,6 +50,7 @@ struct Rider {
 
 /// Eight pairs and what never changes about them.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
 struct Group {
     /// A bit for each lane that holds a pair.
     used: u8,

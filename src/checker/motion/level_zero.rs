@@ -13,7 +13,8 @@ use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
 use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
-use crate::simd::{LANES, dispatch};
+use crate::simd::prelude::*;
+use crate::simd::{LANES, dispatch, f64x8};
 
 /// Where each part's ways stand in a list of all.
 #[derive(Clone, Debug)]
@@ -133,18 +134,26 @@ impl CollisionChecker {
     ) {
         let motion = Self::motion_within(half_width, speeds, off);
         let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
-        let MotionScratch { positions, near, .. } = scratch;
+        let MotionScratch { positions, columns, near, .. } = scratch;
         near.clear();
+        columns.resize(positions.len(), [0.0; LANES]);
         workspace.scratch.work.volume_tests += (self.infos.len() * LANES) as u64;
         dispatch!(workspace.scratch.level(), simd => {
             let mut eight = Eight::new(self, simd);
             for (lane, middle) in middles.iter().enumerate() {
                 segment.positions_at(*middle, positions);
-                for (column, position) in eight.positions.iter_mut().zip(&*positions) {
+                for (column, position) in columns.iter_mut().zip(&*positions) {
                     column[lane] = *position;
                 }
             }
-            eight.screen(simd, self, |i| motion(i) + padding);
+            eight.screen(
+                simd,
+                self,
+                #[inline(always)]
+                |i| f64x8::from_slice(simd, &columns[i]),
+                #[inline(always)]
+                |i| motion(i) + padding,
+            );
             let of_parts = eight.near.iter().enumerate().filter(|(_, intervals)| **intervals != 0);
             near.extend(of_parts.map(|(pair, intervals)| NearPair { pair, intervals: *intervals }));
             let frame = |body: usize, lane: usize| eight.frame(body, lane);

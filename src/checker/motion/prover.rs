@@ -16,6 +16,7 @@ use crate::math::{Extremes, MatrixPose, Point, Pose};
 use crate::motion::{MotionSegment, Proof};
 use crate::query::{self, Effort, Work};
 use crate::robot::{Configuration, LinkPoses};
+use crate::simd::LANES;
 
 /// Above this motion (m) within an interval the hierarchies are not asked: the answer would rarely prove anything.
 const WORTH_ASKING: f64 = 0.04;
@@ -42,6 +43,8 @@ const PATIENCE: u32 = 2000;
 #[derive(Clone, Debug, Default)]
 pub struct MotionScratch {
     pub(super) positions: Vec<f64>,
+    /// By position, in eight states.
+    pub(super) columns: Vec<[f64; LANES]>,
     /// In which of eight intervals which pairs may touch.
     pub(super) near: Vec<NearPair>,
     pub(super) ways: Vec<f64>,

@@ -14,6 +14,7 @@ pub struct Columns<S: Simd> {
 
 /// Where the angles of eight bodies come from; of those that do not turn any number.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(align(32))]
 pub(super) struct EightSources {
     indices: [usize; 8],
     multipliers: [f64; 8],
