@@ -7,10 +7,11 @@
 //!
 //! > D ≥ (n·w - |n·u| - |n₁|e₁ - |n₂|e₂ - |n₃|e₃) / |n|.
 //!
-//! n is sought by going to and fro between the axis and the box. Axes and their products take four roundings more of w and u. But
-//! here E and H are those of both volumes *added*, so that |w| ≤ √3·E and every term of level 0's table that has |w| is half of
-//! what it is there: 64 roundings are more than enough, also where the centre and the half extents of a box are rounded from its
-//! corners.
+//! n is sought by going from the axis to the box and back: from there to the box it is about where they are nearest. Axes and their
+//! products take four roundings more of w and u. But here E and H are those of both volumes *added*, E with C in it, so that
+//! |w| ≤ √3·E, every term of level 0's table that has |w| is half of what it is there, and so is C's: 64 roundings are more than
+//! enough, also where the centre and the half extents of a box are rounded from its corners. Where only a limit counts, squares are
+//! compared as at level 0.
 
 use super::capsule_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 use super::capsules::{Segment, up};
@@ -19,9 +20,6 @@ use crate::math::{MatrixPose, Point};
 use crate::query::PieceVolume;
 use crate::robot::Reach;
 use crate::simd::{LANES, Real, Simd, Single, Vectors, f32x8, low_byte, not_beyond};
-
-/// Steps to and fro that come near enough to the nearest points.
-const STEPS: usize = 1;
 
 /// All points within `radius` (m) of a segment, in the root frame: one capsule, or eight in lanes.
 #[derive(Clone, Copy, Debug)]
@@ -180,11 +178,9 @@ impl<V: Single> RootCapsule<V> {
     #[inline(always)]
     fn axis_gap(&self, (w, u): ([V; 3], [V; 3]), half_extents: [V; 3], token: V::Token) -> Shadow<V> {
         let one = V::splat(token, 1.0);
-        let mut p = along(w, u, share(-dot(w, u) * self.over_square, one));
-        for _ in 0..STEPS {
-            let q = within(half_extents, p);
-            p = along(w, u, share(dot(minus(q, w), u) * self.over_square, one));
-        }
+        let p = along(w, u, share(-dot(w, u) * self.over_square, one));
+        let q = within(half_extents, p);
+        let p = along(w, u, share(dot(minus(q, w), u) * self.over_square, one));
         let n = minus(p, within(half_extents, p));
         let shadow = dot([n[0].abs(), n[1].abs(), n[2].abs()], half_extents);
         Shadow { gap: dot(n, w) - dot(n, u).abs() - shadow, square: square(n) }

@@ -194,3 +194,26 @@ fn a_chain_of_turning_joints_is_all_twists() {
     let twists = chain.bodies.iter().filter(|b| matches!(b.step, Step::Turn(Turn::Twist { .. }, _))).count();
     assert_eq!(twists, 6);
 }
+
+#[test]
+fn bodies_never_leave_their_territories() {
+    let (mut random, mut bounded, mut tight) = (Random::new(12), 0, 0);
+    for _ in 0..300 {
+        let (joints, count, needed) = random_tree(&mut random, 6);
+        let chain = Chain::compile(0, &joints, &needed);
+        let territories = chain.territories();
+        let mut farthest = vec![0.0_f64; chain.body_count()];
+        for _ in 0..200 {
+            let frames = frames(&chain, &random_positions(&mut random, &joints, count));
+            for ((frame, territory), farthest) in frames.iter().zip(&territories).zip(&mut farthest) {
+                *farthest = farthest.max((Vector::from(frame.t) - territory.centre).norm());
+            }
+        }
+        for (farthest, Territory { radius, .. }) in farthest.iter().zip(&territories) {
+            assert!(*farthest <= radius + 1e-12, "{farthest} {radius}");
+            bounded += usize::from(radius.is_finite() && *radius > 0.0);
+            tight += usize::from(*farthest > 0.9 * radius && *radius > 0.0);
+        }
+    }
+    assert!(bounded > 200 && tight > 150, "of {bounded} bodies that turn only {tight} come near the edge");
+}
