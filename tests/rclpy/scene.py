@@ -65,6 +65,12 @@ def mesh(vertices, triangles):
     return message
 
 
+def fine_mesh(count):
+    """A strip of so many triangles, a metre long."""
+    vertices = [[i / count, 0.01 * (i % 2), 0.0] for i in range(count + 2)]
+    return mesh(vertices, [[i, i + 1, i + 2] for i in range(count)])
+
+
 def cube_mesh(side):
     """A cube of twelve triangles, seen from outside."""
     vertices = [((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5) for i in range(8)]

@@ -118,8 +118,12 @@ class SceneClient:
             self._clients[name] = client
         return self._clients[name]
 
+    def request(self, kind, name, request):
+        """Asks without waiting for the answer."""
+        return self.service(kind, name).call_async(request)
+
     def call(self, kind, name, request):
-        return self._peer.result(self.service(kind, name).call_async(request), f"an answer of {name}")
+        return self._peer.result(self.request(kind, name, request), f"an answer of {name}")
 
     def apply(self, scene):
         """Whether it was taken."""

@@ -8,8 +8,9 @@ from math import nan, pi
 import pytest
 from clearance_msgs.msg import CollisionState
 from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
+from moveit_msgs.srv import GetPlanningScene
 
-from scene import attached, ball, box, cube_mesh, cylinder, diff, matrix, obstacle, plane, pose, xyz
+from scene import attached, ball, box, cube_mesh, cylinder, diff, fine_mesh, matrix, obstacle, plane, pose, xyz
 from scene_client import SceneClient, distance, distances
 from two_link import JOINTS
 
@@ -121,6 +122,15 @@ def test_what_was_told_can_be_applied_again(cell, scene):
     assert after.status == CollisionState.FREE
     assert distances(after) == pytest.approx(distances(before), abs=ACCURACY)
     assert after.pairs_checked == before.pairs_checked
+
+
+def test_an_answer_too_large_to_be_sent_is_told(cell, scene):
+    """The DDS library can not send more than a datagram of an answer; topics have no such limit."""
+    scene.change(obstacle("strip", (fine_mesh(3000), pose(3))))
+    scene.request(GetPlanningScene, "get_planning_scene", GetPlanningScene.Request())
+    cell.peer.wait_for(lambda: "get_planning_scene has" in cell.node.output(), "a word about it")
+    (named,) = scene.get("WORLD_OBJECT_NAMES").world.collision_objects
+    assert named.id == "strip"
 
 
 # apply_planning_scene
