@@ -57,11 +57,11 @@ impl Triangle {
     pub fn nearest_points(&self, other: &Self) -> PointPair {
         let (ours, theirs) = (Face::of(self), Face::of(other));
         let apart = ours.plane_separates(other, 0.0) || theirs.plane_separates(self, 0.0);
-        let mut piercings = self.piercings(other).peekable();
-        if apart || piercings.peek().is_none() {
+        let crossing = if apart { None } else { self.crossing(other) };
+        if crossing.is_none() {
             return nearest_features((self, &ours), (other, &theirs));
         }
-        [self.common_point(other, piercings); 2]
+        [self.common_point(other, crossing); 2]
     }
 
     /// A common point, if the triangles come within [`CONTACT_DISTANCE`].
@@ -72,45 +72,63 @@ impl Triangle {
         if ours.plane_separates(other, clear) || theirs.plane_separates(self, clear) {
             return None;
         }
-        let mut piercings = self.piercings(other).peekable();
-        let touching = piercings.peek().is_some() || {
+        let crossing = self.crossing(other);
+        let touching = crossing.is_some() || {
             let [p, q] = nearest_features((self, &ours), (other, &theirs));
             nalgebra::distance(&p, &q) <= CONTACT_DISTANCE
         };
-        touching.then(|| self.common_point(other, piercings))
+        touching.then(|| self.common_point(other, crossing))
     }
 
-    /// A point of both of two touching triangles. Nearly coplanar ones are pierced at points that rounding may move far
-    /// along; their edges meet, or a corner of one lies on the other.
-    fn common_point(&self, other: &Self, mut piercings: impl Iterator<Item = Point>) -> Point {
+    /// Where an edge of one triangle pierces the other, the first in their order: in general position every crossing has one. The
+    /// signs of heights are exact.
+    fn crossing(&self, other: &Self) -> Option<Point> {
+        let one_side =
+            |heights: &[f64; 3]| heights.iter().all(|h| *h > 0.0) || heights.iter().all(|h| *h < 0.0);
+        let pierced = |t: &Self, by: &Self, [a, b, c]: [f64; 3]| {
+            let [e, f, g] = by.edges();
+            (t.pierced_at(&e, [a, b]))
+                .or_else(|| t.pierced_at(&f, [b, c]))
+                .or_else(|| t.pierced_at(&g, [c, a]))
+        };
+        let theirs = self.heights(other);
+        if one_side(&theirs) {
+            return None;
+        }
+        let ours = other.heights(self);
+        if one_side(&ours) {
+            return None;
+        }
+        pierced(self, other, theirs).or_else(|| pierced(other, self, ours))
+    }
+
+    /// A point of both of two touching triangles, of which the first crossing is known. Nearly coplanar ones are pierced at points
+    /// that rounding may move far along; their edges meet, or a corner of one lies on the other.
+    fn common_point(&self, other: &Self, crossing: Option<Point>) -> Point {
         let on_both = |p: &Point| {
             let off = |t: &Self| nalgebra::distance(p, &t.nearest_point(p));
             off(self).greater(off(other)) <= CONTACT_DISTANCE
         };
-        let features = || nearest_features((self, &Face::of(self)), (other, &Face::of(other)))[0];
-        piercings.find(on_both).unwrap_or_else(features)
+        let pierced = |t: &Self, by: &Self| by.edges().iter().filter_map(|e| t.pierced_by(e)).find(on_both);
+        let any = || pierced(self, other).or_else(|| pierced(other, self));
+        crossing
+            .and_then(|first| Some(first).filter(on_both).or_else(any))
+            .unwrap_or_else(|| nearest_features((self, &Face::of(self)), (other, &Face::of(other)))[0])
     }
 
-    /// Where edges of one triangle pierce the other: in general position every crossing has such a point.
-    fn piercings<'t>(&'t self, other: &'t Self) -> impl Iterator<Item = Point> + 't {
-        self.pierced_by_edges(other).chain(std::iter::once_with(|| other.pierced_by_edges(self)).flatten())
+    /// The heights of another triangle's corners over this one, up to a factor.
+    fn heights(&self, other: &Self) -> [f64; 3] {
+        [self.height(&other.a), self.height(&other.b), self.height(&other.c)]
     }
 
-    fn pierced_by_edges<'t>(&'t self, other: &'t Self) -> impl Iterator<Item = Point> + 't {
-        let heights = other.corners().map(|corner| self.height(&corner));
-        let edges = other.edges().into_iter().zip([(0, 1), (1, 2), (2, 0)]);
-        edges.filter_map(move |(edge, (p, q))| self.pierced_at(&edge, [heights[p], heights[q]]))
-    }
-
-    /// The height of a point over the triangle, up to a factor; its sign is exact.
+    /// The height of a point over the triangle, up to a factor; its sign is exact (Shewchuk 1997, *Adaptive precision
+    /// floating-point arithmetic and fast robust geometric predicates*).
     fn height(&self, x: &Point) -> f64 {
         orientation(&self.a, &self.b, &self.c, x)
     }
 
-    /// Where a segment, whose ends have these heights, passes through the triangle: whether it does is decided by exact
-    /// orientation signs (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast robust geometric
-    /// predicates*). A segment in the triangle's plane does not pass through it: what they have in common is found at
-    /// edges and corners.
+    /// Where a segment whose ends have these heights passes through the triangle. A segment in the triangle's plane does not: what
+    /// they have in common is found at edges and corners.
     fn pierced_at(&self, [p, q]: &[Point; 2], [height_p, height_q]: [f64; 2]) -> Option<Point> {
         let one_side = (height_p > 0.0 && height_q > 0.0) || (height_p < 0.0 && height_q < 0.0);
         if one_side || (height_p == 0.0 && height_q == 0.0) {

@@ -143,6 +143,12 @@ def test_a_scene_is_in_force_when_the_answer_comes(cell, scene):
     assert cell.judged(**STRETCHED).status == CollisionState.COLLIDING
 
 
+def test_a_fine_mesh_of_a_megabyte_is_in_force_when_the_answer_comes(scene):
+    assert scene.apply(diff(obstacle("strip", (fine_mesh(30_000), pose(1.5, 0, 0)))))
+    assert not scene.validity(STRETCHED).valid
+    assert scene.validity(FOLDED).valid
+
+
 def test_a_scene_with_a_fault_does_not_succeed(scene):
     scene.apply(diff(ball("a", 2.3)))
     scene.complaints.forget()
