@@ -309,7 +309,7 @@ impl DynamicTree {
     }
 }
 
-/// Divides items among so many lanes by halves, or, where a node and those below it can hold them, into groups.
+/// Divides items among so many lanes by halves, or into groups where a node and those below it have room for them.
 fn divide<'i>(items: &'i mut [(u32, AxisBox)], lanes: usize, parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
     match items.len() {
         0 => {}
@@ -324,14 +324,15 @@ fn divide<'i>(items: &'i mut [(u32, AxisBox)], lanes: usize, parts: &mut Vec<&'i
     }
 }
 
-/// Divides items into at most eight groups of at most eight: those are joined first whose box will be visited least.
+/// Divides items into eight groups: those are joined first whose box will be visited least, of eight items at most unless no two
+/// others are left.
 fn group<'i>(items: &'i mut [(u32, AxisBox)], parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
     let mut groups: Vec<Group> = (0..).zip(&*items).map(|(i, item)| Group::of(i, item.1)).collect();
     while groups.len() > LANES {
         let pairs = (1..groups.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let cost = |&(i, j): &(usize, usize)| groups[i].cost_with(&groups[j]);
-        let cheapest = pairs.min_by(|p, q| cost(p).total_cmp(&cost(q)));
-        let (i, j) = cheapest.expect("there are more than eight");
+        let costs = pairs.map(|(i, j)| (groups[i].cost_with(&groups[j]), (i, j)));
+        let cheapest = costs.min_by(|((a, p), _), ((b, q), _)| a.cmp(b).then(p.total_cmp(q)));
+        let (_, (i, j)) = cheapest.expect("there are more than eight");
         let other = groups.swap_remove(j);
         groups[i].join(other);
     }
@@ -349,27 +350,26 @@ fn group<'i>(items: &'i mut [(u32, AxisBox)], parts: &mut Vec<&'i mut [(u32, Axi
 struct Group {
     members: Vec<usize>,
     bounds: AxisBox,
+    /// How often its node is visited, if it has one.
+    cost: f32,
 }
 
 impl Group {
     fn of(item: usize, bounds: AxisBox) -> Self {
-        Self { members: vec![item], bounds }
+        Self { members: vec![item], bounds, cost: 0.0 }
     }
 
     fn join(&mut self, other: Self) {
         self.members.extend(other.members);
         self.bounds = self.bounds.union(&other.bounds);
+        self.cost = self.bounds.girth();
     }
 
-    /// How much oftener nodes are visited once two are one (Goldsmith and Salmon 1987, by girth instead of area).
-    fn cost_with(&self, other: &Self) -> f32 {
-        let full = self.members.len() + other.members.len() > LANES;
-        let together = self.bounds.union(&other.bounds).girth();
-        if full { f32::INFINITY } else { together - self.cost() - other.cost() }
-    }
-
-    fn cost(&self) -> f32 {
-        if self.members.len() > 1 { self.bounds.girth() } else { 0.0 }
+    /// Whether two are too many for a node, and how much oftener nodes are visited once they are one (Goldsmith and Salmon 1987, by
+    /// girth instead of area).
+    fn cost_with(&self, other: &Self) -> (bool, f32) {
+        let too_many = self.members.len() + other.members.len() > LANES;
+        (too_many, self.bounds.union(&other.bounds).girth() - self.cost - other.cost)
     }
 }
 

@@ -23,7 +23,7 @@ use crate::math::Extremes;
 use crate::query::Scratch;
 use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
 use crate::simd::LANES;
-use crate::world::{ObstacleId, World};
+use crate::world::World;
 
 /// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
 ///
@@ -54,7 +54,7 @@ pub struct CollisionChecker {
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
     pub(super) obstacles: Obstacles,
-    /// Which parts can touch an obstacle, once somebody asked.
+    /// Which parts have to be asked about obstacles, once somebody asked.
     pub(super) within_reach: OnceLock<WithinReach>,
     /// Of the model and the world, once somebody asked.
     pub(super) fingerprints: OnceLock<[String; 2]>,
@@ -112,7 +112,8 @@ impl CollisionChecker {
         Self::build(Arc::clone(&self.robot), world, settings, matrix, known)
     }
 
-    /// Changes the world in place: only obstacles that are not the same as before are touched, unless attached objects differ.
+    /// Changes the world in place: only obstacles that are not the same as before are touched, unless attached objects differ. What
+    /// can not be is told, and nothing is changed.
     pub fn set_world(&mut self, world: &World) -> Result<(), SettingsError> {
         let same = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
         let (held, holds) = (self.world.attached(), world.attached());
@@ -120,12 +121,10 @@ impl CollisionChecker {
             *self = self.with_world(world, self.settings.clone(), self.matrix.as_ref())?;
             return Ok(());
         }
-        let places = world.place_count().max(self.obstacles.place_count());
-        for id in (0..).map(ObstacleId).take(places) {
-            if !self.obstacles.is_up_to_date(world, id) {
-                self.obstacles.update(world, id, &self.settings)?;
-                self.pairs.set_obstacle(id, world.place(id).map(|obstacle| obstacle.name.as_str()));
-            }
+        // all that can fail before anything is changed
+        for change in self.obstacles.outdated(world, &self.settings)? {
+            self.pairs.set_obstacle(change.0, world.place(change.0).map(|obstacle| obstacle.name.as_str()));
+            self.obstacles.set(change);
         }
         self.world = world.clone();
         self.within_reach = OnceLock::new();

@@ -185,6 +185,25 @@ impl CollisionChecker {
         near.sort_unstable_by_key(|near| (near.place, near.piece));
     }
 
+    /// Whether a piece of an obstacle may be within `limit` (m) of a part.
+    pub(super) fn anything_near(
+        &self,
+        part: usize,
+        capsule: &RootCapsule,
+        limit: f64,
+        (level, NearbyScratch { stack, found, .. }, work): (Level, &mut NearbyScratch, &mut Work),
+    ) -> bool {
+        let (pieces, limit) = (&self.obstacles.pieces, up(limit));
+        found.clear();
+        found.extend_from_slice(&pieces.unbounded);
+        work.volume_tests += pieces.tree.overlapping(level, &capsule.axis_box(limit), stack, found);
+        found.iter().any(|&number| {
+            work.volume_tests += 1;
+            let placed = pieces.at(number);
+            self.pairs().checks(part, ObstacleId(placed.place)) && placed.lower_bound(capsule) <= limit
+        })
+    }
+
     /// Fills `near_eight` with the pieces of obstacles whose padded distance from some of eight parts may be within `limit` (m), of
     /// those `among` them; `checks` leaves of some bits those to be checked against what is at a place.
     #[inline(always)]

@@ -45,6 +45,9 @@ pub(super) struct PlacedObstacle {
     mesh_model: MeshModel,
 }
 
+/// What is to be at a place.
+pub(super) type Change = (ObstacleId, Option<Arc<PlacedObstacle>>);
+
 /// Most pieces, or a few more, that a large obstacle is told apart into.
 const MOST_PIECES: usize = 384;
 
@@ -64,28 +67,29 @@ impl Obstacles {
         Ok(Self { pieces: Pieces::new(pieces.collect()), places })
     }
 
+    /// What is to be at the places that do not hold what they hold in a world.
+    pub fn outdated(&self, world: &World, settings: &Settings) -> Result<Vec<Change>, SettingsError> {
+        let places = world.place_count().max(self.places.len());
+        let outdated = (0..).map(ObstacleId).take(places).filter(|id| !self.is_up_to_date(world, *id));
+        outdated
+            .map(|id| {
+                let source = world.place(id);
+                Ok((id, source.map(|s| PlacedObstacle::new(s, settings, self.get(id))).transpose()?))
+            })
+            .collect()
+    }
+
     /// Brings one place up to date, which nothing but its obstacle takes part in.
-    pub fn update(
-        &mut self,
-        world: &World,
-        id: ObstacleId,
-        settings: &Settings,
-    ) -> Result<(), SettingsError> {
+    pub fn set(&mut self, (id, found): Change) {
         let place = id.0 as usize;
         if self.places.len() <= place {
             self.places.resize(place + 1, None);
         }
-        let found = match world.place(id) {
-            Some(source) => Some(PlacedObstacle::new(source, settings, self.get(id))?),
-            None => None,
-        };
         self.pieces.set(id.0, found.as_deref().map_or_else(Vec::new, PlacedObstacle::pieces));
         self.places[place] = found;
-        Ok(())
     }
 
-    /// Whether a place holds what it holds in a world.
-    pub fn is_up_to_date(&self, world: &World, id: ObstacleId) -> bool {
+    fn is_up_to_date(&self, world: &World, id: ObstacleId) -> bool {
         match (self.get(id), world.place(id)) {
             (Some(known), Some(source)) => Arc::ptr_eq(&known.source, source),
             (known, source) => known.is_none() && source.is_none(),

@@ -7,7 +7,7 @@
 //!
 //! > D ≥ (n·w - |n·u| - |n₁|e₁ - |n₂|e₂ - |n₃|e₃) / |n|.
 //!
-//! n is sought by going from the axis to the box and back: from there to the box it is about where they are nearest. Axes and their
+//! n is sought by going from the axis to the box, back to the axis, and to the box again: its last step is n. Axes and their
 //! products take four roundings more of w and u. But here E and H are those of both volumes *added*, E with C in it, so that
 //! |w| ≤ √3·E, every term of level 0's table that has |w| is half of what it is there, and so is C's: 64 roundings are more than
 //! enough, also where the centre and the half extents of a box are rounded from its corners. Where only a limit counts, squares are

@@ -64,7 +64,12 @@ impl CollisionChecker {
         let parts = moving
             .filter(|&part| {
                 let territory = self.territory_of(part, &territories);
-                self.looks_near(part, &territory, scratch, nearby)
+                self.anything_near(
+                    part,
+                    &territory,
+                    CONTACT_DISTANCE,
+                    (scratch.level(), nearby, &mut scratch.work),
+                )
             })
             .collect();
         WithinReach { fixed_contact, parts }
@@ -80,22 +85,10 @@ impl CollisionChecker {
         RootCapsule::of_reach(&Reach { ends: [centre; 2], radius }, rider.padding)
     }
 
-    /// Whether pieces of obstacles may be near what a part reaches; they are left in `nearby`.
-    fn looks_near(
-        &self,
-        part: usize,
-        capsule: &RootCapsule,
-        scratch: &mut Scratch,
-        nearby: &mut NearbyScratch,
-    ) -> bool {
-        let (level, work) = (scratch.level(), &mut scratch.work);
-        dispatch!(level, simd => self.find_near(simd, part, capsule, up(CONTACT_DISTANCE), nearby, work));
-        !nearby.near.is_empty()
-    }
-
     fn touches_fixed(&self, part: usize, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {
         let capsule = self.capsule_of(part, &Frame::IDENTITY);
-        self.looks_near(part, &capsule, scratch, nearby);
+        let (level, work) = (scratch.level(), &mut scratch.work);
+        dispatch!(level, simd => self.find_near(simd, part, &capsule, up(CONTACT_DISTANCE), nearby, work));
         let NearbyScratch { near, pieces, .. } = &mut *nearby;
         near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
             pieces.clear();

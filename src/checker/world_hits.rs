@@ -139,6 +139,7 @@ mod tests {
 
     use crate::checker::{AllowedCollisionMatrix, CollisionChecker, Question, Settings};
     use crate::geometry::{Primitive, Shape};
+    use crate::math::Pose;
     use crate::robot::{MeshFiles, RobotModel};
     use crate::testing::Random;
     use crate::world::{Obstacle, World};
@@ -198,5 +199,32 @@ mod tests {
             free += alone.iter().filter(|free| **free).count();
         }
         assert!((50..220).contains(&free), "{free}");
+    }
+
+    #[test]
+    fn a_world_that_is_refused_changes_nothing() {
+        let robot = chain(4);
+        let ball = |name: &str, x: f64| {
+            let shape = Shape::Primitive(Primitive::Sphere { radius: 0.05 });
+            Obstacle::of_shape(name, Pose::translation(x, 0.0, 0.0), shape)
+        };
+        let mut world = World::default();
+        world.add(ball("a", 5.0)).unwrap();
+        let object_padding = [("b".to_owned(), -0.01)].into();
+        let settings = Settings { check_self: false, object_padding, ..Settings::default() };
+        let mut checker = CollisionChecker::new(Arc::clone(&robot), &world, settings).unwrap();
+        let mut workspace = checker.workspace();
+        let zero = robot.configuration(&[0.0; 3]).unwrap();
+        assert!(checker.is_free(&zero, &mut workspace));
+        let mut nearer = World::default();
+        nearer.add(ball("a", 0.1)).unwrap();
+        nearer.add(ball("b", 7.0)).unwrap();
+        assert!(checker.set_world(&nearer).is_err());
+        assert!(checker.is_free(&zero, &mut workspace));
+        assert!(checker.check(&zero, Question::Pairs, &mut workspace).is_free());
+        let mut harmless = World::default();
+        harmless.add(ball("a", 0.1)).unwrap();
+        checker.set_world(&harmless).unwrap();
+        assert!(!checker.is_free(&zero, &mut workspace));
     }
 }

@@ -21,6 +21,7 @@
 mod activity;
 mod arguments;
 mod arrivals;
+mod cdr;
 mod cell;
 pub mod clearance_msgs;
 pub mod clearance_srvs;

@@ -9,8 +9,8 @@ use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 
-use super::cdr;
 use super::step::Step;
+use crate::node::cdr;
 
 /// The private name of the topic that holds the steps.
 pub const STEPS: &str = "recording";

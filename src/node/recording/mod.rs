@@ -9,7 +9,6 @@
 //! The topic `~/recording` (`std_msgs/String`) has one [`Step`] in JSON for everything that changed what is known or said; the messages
 //! that a step is about stand right before it. Files (robot, world, meshes) are attachments.
 
-mod cdr;
 mod mcap_file;
 mod messages;
 mod replay;

@@ -9,11 +9,11 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as StringMessage};
 use serde_json::{Map, Value as Json};
 
-use super::cdr;
 use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
 use super::step::{Clocks, CloudStep, Late, OrderStep, SceneDoor, Step, Tidings, parameters_from_json};
 use crate::checker::MeshModel;
 use crate::monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time};
+use crate::node::cdr;
 use crate::node::clearance_msgs::CollisionState;
 use crate::node::loader::{Loader, Order, Pass, Surroundings};
 use crate::node::messages::{collision_state, joint_state_input};

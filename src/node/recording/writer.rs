@@ -16,11 +16,11 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as StringMessage};
 use serde::Serialize;
 
-use super::cdr;
 use super::messages::schema;
 use super::step::{Clocks, CloudStep, OrderStep, Step, parameters_to_json};
 use super::tape::{Backlog, Given, Happening, Item, Judged, Original, Tape, system_time};
 use crate::monitor::{Now, SourceId};
+use crate::node::cdr;
 use crate::node::names::Names;
 use crate::node::parameters::Parameters;
 

@@ -1,5 +1,7 @@
 //! Messages as bytes: CDR with the four bytes before it that say so.
 
+use std::io;
+
 use byteorder::LittleEndian;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,6 +14,27 @@ pub fn encode<M: Serialize>(message: &M) -> Result<Vec<u8>, String> {
     let mut bytes = HEADER.to_vec();
     cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, message).map_err(|error| error.to_string())?;
     Ok(bytes)
+}
+
+/// Bytes that a message takes; of one that can not be written, those before the fault.
+pub fn size_of(message: &impl Serialize) -> usize {
+    let mut counter = Counter(HEADER.len());
+    let _ = cdr_encoding::to_writer::<_, LittleEndian, _>(&mut counter, message);
+    counter.0
+}
+
+/// Counts what is written.
+struct Counter(usize);
+
+impl io::Write for Counter {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// A message out of a stranger's bytes.
