@@ -16,8 +16,9 @@ for name in ${!ROS_*} ${!RMW_*} ${!FASTDDS_*} ${!FASTRTPS_*} AMENT_PREFIX_PATH C
     unset "$name"
 done
 
-private_network=(unshare --net)
-[ "$(id -u)" -eq 0 ] || private_network=(unshare -rn)
+# A process namespace beside it, so that nothing that was started outlives this, however it ends.
+private_network=(unshare --net --pid --fork --kill-child --mount-proc)
+[ "$(id -u)" -eq 0 ] || private_network=(unshare -rn --pid --fork --kill-child --mount-proc)
 "${private_network[@]}" true \
     || { echo "no private network namespace: ${private_network[*]} is refused on this machine" >&2; exit 2; }
 

@@ -299,12 +299,13 @@ impl CapsulePairs {
     }
 }
 
-/// The largest coordinate of any centre.
+/// The largest coordinate of any centre. Of a number and none the second is taken: what is no number counts for nothing here, and is
+/// near whatever is granted.
 #[inline(always)]
 fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
     let mut extent = f32x4::splat(simd, 0.0);
     for segment in segments {
-        extent = extent.max(f32x4::from_slice(simd, segment.centre()).abs());
+        extent = f32x4::from_slice(simd, segment.centre()).abs().max(extent);
     }
     extent[0].greater(extent[1]).greater(extent[2])
 }
@@ -314,7 +315,7 @@ fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
 fn extent_8<S: Simd>(simd: S, segments: &[Segment<f32x8<S>>]) -> f32x8<S> {
     let mut extent = [f32x8::splat(simd, 0.0); 3];
     for Segment { centre: [x, y, z], .. } in segments {
-        extent = [extent[0].max(x.abs()), extent[1].max(y.abs()), extent[2].max(z.abs())];
+        extent = [x.abs().max(extent[0]), y.abs().max(extent[1]), z.abs().max(extent[2])];
     }
     extent[0].max(extent[1]).max(extent[2])
 }
