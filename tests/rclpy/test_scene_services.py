@@ -126,7 +126,15 @@ def test_what_was_told_can_be_applied_again(cell, scene):
 
 def test_an_answer_too_large_to_be_sent_is_told(cell, scene):
     """The DDS library can not send more than a datagram of an answer; topics have no such limit."""
+    monitored = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"))
+    cell.peer.wait_for(
+        lambda: cell.peer.node.count_publishers(cell.node.relative("monitored_planning_scene")), "the topic"
+    )
     scene.change(obstacle("strip", (fine_mesh(3000), pose(3))))
+    monitored.wait_for(
+        lambda told: any(len(mesh.triangles) == 3000 for item in told.world.collision_objects for mesh in item.meshes),
+        "the whole strip by topic",
+    )
     scene.request(GetPlanningScene, "get_planning_scene", GetPlanningScene.Request())
     cell.peer.wait_for(lambda: "get_planning_scene has" in cell.node.output(), "a word about it")
     (named,) = scene.get("WORLD_OBJECT_NAMES").world.collision_objects
