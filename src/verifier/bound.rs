@@ -6,7 +6,7 @@ use super::moment::{Line, Placed};
 use crate::math::{Extremes, Point, Vector};
 
 /// Steps between the lowest common ancestor of a pair and one of the two, the ancestor's first, and what the body reaches from the line
-/// of each.
+/// of each; of a body that has no end, what the other reaches.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side<'m> {
     pub path: &'m [usize],
@@ -112,9 +112,8 @@ impl Approach<'_> {
         if !self.sides.iter().all(|side| side.is_sound(lines, rates)) {
             return f64::INFINITY;
         }
-        // what has no end moves without end when it turns
-        let stays = |i: usize| self.bodies[i].planes().is_empty() || self.sides[i].path.is_empty();
-        if !(stays(0) && stays(1)) {
+        // of two that have no end nothing is claimed
+        if self.bodies.iter().all(|body| !body.planes().is_empty()) {
             return f64::INFINITY;
         }
         let [a, b] = self.sides.map(|side| side.shift(lines, rates));

@@ -62,6 +62,24 @@ impl Line {
     }
 }
 
+impl Placed {
+    /// By step of a path: the farthest that the body's box is from the line.
+    pub fn box_reach(&self, lines: &[Line], path: &[usize]) -> Vec<f64> {
+        path.iter().map(|step| lines[*step].reach(&self.corners)).collect()
+    }
+
+    /// The same of the body itself.
+    pub fn body_reach(&self, lines: &[Line], body: &Body, path: &[usize]) -> Vec<f64> {
+        let back = self.pose_rb.inverse();
+        let of_line = |line: &Line| {
+            let (origin, axis) = (&back * line.origin, back.rotation * line.axis);
+            let reach = |p: &Point| axis.cross(&(p - origin)).norm();
+            if line.turns { body.greatest(1.0, reach) } else { 1.0 }
+        };
+        path.iter().map(|step| of_line(&lines[*step])).collect()
+    }
+}
+
 impl Moment {
     pub fn new(robot: &RobotModel, bodies: usize) -> Self {
         Self {
@@ -113,8 +131,9 @@ impl Moment {
                 },
             };
             let corners = body.box_corners().map(|p| &pose_rb * p);
-            let reach = path.iter().map(|step| lines[*step].reach(&corners)).collect();
-            Placed { pose_rb, corners, reach, exact_reach: None }
+            let mut placed = Placed { pose_rb, corners, reach: Vec::new(), exact_reach: None };
+            placed.reach = placed.box_reach(lines, path);
+            placed
         });
     }
 
@@ -122,16 +141,9 @@ impl Moment {
     pub fn measure(&mut self, index: usize, body: &Body, path: &[usize]) {
         let Self { lines, bodies, .. } = self;
         let Some(placed) = &mut bodies[index] else { return };
-        let back = placed.pose_rb.inverse();
-        placed.exact_reach.get_or_insert_with(|| {
-            (path.iter().map(|step| &lines[*step]))
-                .map(|line| {
-                    let (origin, axis) = (&back * line.origin, back.rotation * line.axis);
-                    let reach = |p: &Point| axis.cross(&(p - origin)).norm();
-                    if line.turns { body.greatest(1.0, reach) } else { 1.0 }
-                })
-                .collect()
-        });
+        if placed.exact_reach.is_none() {
+            placed.exact_reach = Some(placed.body_reach(lines, body, path));
+        }
     }
 
     /// A body that was placed.

@@ -1,5 +1,7 @@
 //! Whether a certificate proves what it claims.
 
+use std::borrow::Cow;
+
 use super::apart::Apart;
 use super::body::Body;
 use super::bound::{Approach, Side};
@@ -205,15 +207,22 @@ impl<'p, 'r> Pass<'p, 'r> {
                 self.moment.measure(index, body, path);
             }
         }
-        let placed = both.map(|(index, ..)| self.moment.placed(index));
+        let (placed, lines) = (both.map(|(index, ..)| self.moment.placed(index)), self.moment.lines());
         let shared = both[0].2.iter().zip(both[1].2).take_while(|(a, b)| a == b).count();
-        let side = |i: usize| {
-            let placed = placed[i];
-            let reach = if exact { placed.exact_reach.as_ref() } else { None }.unwrap_or(&placed.reach);
-            Side { path: &both[i].2[shared..], reach: &reach[shared..] }
+        let reach = |i: usize| {
+            let (path, other) = (both[i].2, both[1 - i].1);
+            // what has no end is followed where the other body is
+            match (both[i].1.planes().is_empty(), exact) {
+                (true, true) => Cow::from(placed[i].exact_reach.as_ref().unwrap_or(&placed[i].reach)),
+                (true, false) => Cow::from(&placed[i].reach),
+                (false, true) => Cow::from(placed[1 - i].body_reach(lines, other, path)),
+                (false, false) => Cow::from(placed[1 - i].box_reach(lines, path)),
+            }
         };
+        let reaches = [reach(0), reach(1)];
+        let side = |i: usize| Side { path: &both[i].2[shared..], reach: &reaches[i][shared..] };
         let approach = Approach { bodies: both.map(|(_, body, _)| body), placed, sides: [side(0), side(1)] };
-        approach.bound(self.moment.lines(), &self.rates, interval.half_width, exact)
+        approach.bound(lines, &self.rates, interval.half_width, exact)
     }
 
     /// Whether a pair that is placed is proven `target` (m) apart.

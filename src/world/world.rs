@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{AttachedId, AttachedObject, Obstacle, ObstacleId, ObstacleShape};
-use crate::geometry::Shape;
 use crate::math::Pose;
 
 /// Obstacles and attached objects. Copies share what they hold, and a change touches nothing but what it is about.
@@ -27,8 +26,6 @@ pub enum WorldError {
     Unknown(String),
     #[error("no object '{0}' is attached")]
     NotAttached(String),
-    #[error("object '{0}' has a plane, which nothing can carry")]
-    Unbounded(String),
     #[error("the world has more obstacles than 32 bits can number")]
     TooMany,
 }
@@ -100,9 +97,6 @@ impl World {
     pub fn attach(&mut self, object: AttachedObject) -> Result<(), WorldError> {
         if object.shapes.is_empty() {
             return Err(WorldError::NoShapes(object.name));
-        }
-        if object.shapes.iter().any(|s| matches!(s.shape, Shape::Plane(_))) {
-            return Err(WorldError::Unbounded(object.name));
         }
         // whatever bore the name is this object now
         let _ = self.remove(&object.name);

@@ -6,6 +6,7 @@ mod cases;
 mod checker;
 mod command_line;
 mod effort;
+mod held_planes;
 mod hostile;
 mod hostile_requests;
 mod layers;

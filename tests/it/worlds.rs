@@ -239,7 +239,11 @@ fn random_edits_agree_with_a_world_built_anew() {
                     .unwrap();
             }
             3 if edit % 10 == 0 => {
-                let object = obstacle(format!("held{}", random.below(2)), &mut random, 0.1, 0.1);
+                let mut object = obstacle(format!("held{}", random.below(2)), &mut random, 0.1, 0.1);
+                if random.below(4) == 0 {
+                    object.shapes =
+                        [ObstacleShape { pose_os: Pose::identity(), shape: random.plane(0.5) }].into();
+                }
                 let link = &robot.links()[robot.links().len() - 1].name;
                 world.attach(AttachedObject::grasped(&object, link, &Pose::identity(), vec![])).unwrap();
             }

@@ -105,13 +105,12 @@ impl CollisionChecker {
         let around = Around { segment, middle, half_width };
         let between = self.between(index);
         let mover = self.mover(segment, index);
-        let stands = [between.side(0).is_empty(), between.side(1).is_empty() && mover.is_none()];
         let lower = if reaches.iter().all(|reach| reach.radius.is_finite()) {
             capsule_bound(&reaches)
         } else {
             pair.bodies.0.sphere_bound(pair.bodies.1, &pair.pose_ab)
         };
-        let reaches = moving_reaches(reaches, stands);
+        let reaches = moving_reaches(reaches);
         let side = |i: usize| self.chain.side_motion(between.side(i), &reaches[i], frames, &around);
         let second = match mover {
             Some(mover) => of_obstacle(mover, &reaches[1], &around),
@@ -140,12 +139,11 @@ impl CollisionChecker {
     }
 }
 
-/// What comes nearer when bodies of these reaches move: where one that has no end stands still, all that matters is what the
-/// other's points do.
-fn moving_reaches([a, b]: [Reach; 2], stands: [bool; 2]) -> [Reach; 2] {
+/// Where points have to be followed when bodies of these reaches move: of one that has no end, where the other is.
+fn moving_reaches([a, b]: [Reach; 2]) -> [Reach; 2] {
     match (a.radius.is_finite(), b.radius.is_finite()) {
-        (true, false) if stands[1] => [a, a],
-        (false, true) if stands[0] => [b, b],
+        (true, false) => [a, a],
+        (false, true) => [b, b],
         _ => [a, b],
     }
 }

@@ -92,7 +92,7 @@ pub enum UndecidedReason {
     /// Whoever watches has stopped it.
     Canceled,
     Budget,
-    /// Numbers are too large to be computed with.
+    /// Nothing bounds the motion: it is that of two planes, or numbers are too large to be computed with.
     Overflow,
     /// The motion is of another robot, or moves an obstacle that the world has not.
     Mismatch,
@@ -122,7 +122,9 @@ impl std::fmt::Display for UndecidedReason {
             Self::Deadline => "deadline exceeded",
             Self::Canceled => "canceled",
             Self::Budget => "budget used up",
-            Self::Overflow => "numbers are too large to be computed with",
+            Self::Overflow => {
+                "nothing bounds the motion: it is that of two planes, or of numbers too large to compute with"
+            }
             Self::Mismatch => "the motion is not one of this robot in this world",
         })
     }
