@@ -30,7 +30,7 @@ ARGUMENTS = {
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
     "record": ("", "an MCAP file to record inputs and answers to"),
     "joint_states": ("joint_states", "the topic with the joint states"),
-    "use_sim_time": ("false", "whether time is read from /clock"),
+    "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz"),
@@ -81,7 +81,7 @@ def start(context):
         name="clearance",
         namespace=given["namespace"],
         arguments=["node", *arguments],
-        parameters=[*files, {"use_sim_time": is_true(given["use_sim_time"])}],
+        parameters=files + ([{"use_sim_time": is_true(given["use_sim_time"])}] if given["use_sim_time"] else []),
         remappings=[("joint_states", given["joint_states"])],
         output="screen",
     )

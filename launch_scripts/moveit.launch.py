@@ -21,7 +21,7 @@ ARGUMENTS = {
     "joint_states": ("/joint_states", "the topic with the joint states"),
     "package_path": ("", "where package://NAME/path is looked up, if not in the sourced workspaces"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
-    "use_sim_time": ("false", "whether time is read from /clock"),
+    "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
 }
 
@@ -33,6 +33,7 @@ def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     path = ["--package-path", given["package_path"]] if given["package_path"] else []
     files = [given["params_file"]] if given["params_file"] else []
+    simulated = [{"use_sim_time": given["use_sim_time"].lower() == "true"}] if given["use_sim_time"] else []
     own = [(name, f"/clearance/{name}") for name in [*SERVICES, "monitored_planning_scene"]]
     return [
         Node(
@@ -40,7 +41,7 @@ def start(context):
             executable=given["executable"] or "clearance",
             name="clearance",
             arguments=["node", *path],
-            parameters=[*files, {"use_sim_time": given["use_sim_time"].lower() == "true"}],
+            parameters=files + simulated,
             remappings=[
                 ("planning_scene", given["scene"]),
                 ("robot_description", given["description"]),

@@ -28,7 +28,7 @@ OF_EACH = {
 OF_BOTH = {
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml; /left/clearance and /right/clearance may have sections of their own"),
-    "use_sim_time": ("false", "whether time is read from /clock"),
+    "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
 }
 

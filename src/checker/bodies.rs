@@ -88,11 +88,13 @@ pub(super) fn riders(
             let link = carrier(robot, id, object)?;
             let seat = *chain.seat(link.index()).expect("links that carry geometry have seats");
             let name = object.map_or(&robot.link(link).name, |object| &object.name);
-            let scale = if object.is_some() { &settings.object_scale } else { &settings.link_scale };
+            // as in MoveIt: what a link holds grows with it
+            let of_link = settings.link_scale.get(&robot.link(link).name).copied().unwrap_or(1.0);
+            let of_object = object.map_or(Ok(1.0), |object| settings.scale_of(&object.name))?;
             let made_of = MadeOf {
                 seat,
                 mesh_model: settings.mesh_model,
-                scale: usable_scale(name, scale.get(name).copied().unwrap_or(1.0))?,
+                scale: usable_scale(name, of_link * of_object)?,
                 attached: object.map(|object| (object.pose_lo, Arc::clone(&object.shapes))),
             };
             let padding = padding[link.index()] + object.map_or(Ok(0.0), |o| settings.padding_of(&o.name))?;

@@ -324,6 +324,10 @@ impl CollisionChecker {
             return None;
         }
         let near = match placed.piece {
+            // to what has no end pieces are no nearer than the whole
+            _ if !self.riders[part].capsule.radius.is_finite() => {
+                Near::Pair(self.world_pair(part, placed.place as usize))
+            }
             Piece::Whole | Piece::Solids => Near::Pair(self.world_pair(part, placed.place as usize)),
             Piece::Surface(_) | Piece::Grains { .. } => Near::Piece { part, piece },
         };

@@ -19,12 +19,12 @@ pub(super) struct OtherTime {
     pub after: f64,
 }
 
-/// A moment later, by the velocities of all positions; `None` where these are no rates of the positions.
+/// A moment later, by the rates of all positions; `None` where these are no rates of the positions.
 pub(super) fn a_moment_later(robot: &RobotModel, evidence: &Evidence) -> Option<OtherTime> {
     if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
         return None;
     }
-    let velocities = evidence.velocities.as_ref()?.iter();
+    let velocities = evidence.rates.as_ref()?.iter();
     let moved: Vec<f64> =
         (evidence.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
     let moved: Configuration = robot.configuration(&moved).ok()?;

@@ -25,7 +25,12 @@ pub(super) struct Heard {
     pub behind: Option<f64>,
     /// The newest judged stamp of its stream.
     judged: Option<Time>,
+    /// By name: how fast the joint moves (rad/s, m/s), as it says itself or by what its stream said before; no number where that is not known.
+    pub rates: Vec<f64>,
 }
+
+/// No joint moves so far (rad, m) from one message to the next: what seems to was counted anew, or set.
+const LONGEST_WAY: f64 = std::f64::consts::PI;
 
 impl Heard {
     /// How long (s) ago it came.
@@ -54,10 +59,12 @@ impl Hearing {
         };
         let before =
             self.0.iter().position(|h| h.input.source == input.source && h.input.names == input.names);
-        let judged = before.and_then(|place| self.0.remove(place).judged);
+        let before = before.map(|place| self.0.remove(place));
+        let rates = rates(&input, stamp, before.as_ref());
+        let judged = before.and_then(|before| before.judged);
         let newest = judged.filter(|_| input.stamp != Time::ZERO);
         let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
-        self.0.push(Heard { input, stamp, at: now.steady, behind, judged });
+        self.0.push(Heard { input, stamp, at: now.steady, behind, judged, rates });
         let mut text: usize = self.0.iter().map(Heard::text).sum();
         while self.0.len() > MOST_MESSAGES || (text > MOST_TEXT && self.0.len() > 1) {
             text -= self.0.remove(0).text();
@@ -86,4 +93,25 @@ impl Hearing {
     pub fn messages(&self) -> &[Heard] {
         &self.0
     }
+}
+
+/// How fast the joints of a message move, which may follow another one of its stream.
+fn rates(input: &JointStateInput, stamp: Time, before: Option<&Heard>) -> Vec<f64> {
+    let JointStateInput { names, positions, velocities, .. } = input;
+    if velocities.len() == names.len() {
+        return velocities.clone();
+    }
+    let unknown = || vec![f64::NAN; names.len()];
+    let Some(before) = before.filter(|before| before.input.positions.len() == positions.len()) else {
+        return unknown();
+    };
+    let after = stamp.seconds_since(before.stamp);
+    if after == 0.0 {
+        return before.rates.clone();
+    }
+    if after < 0.0 || positions.len() != names.len() {
+        return unknown();
+    }
+    let ways = positions.iter().zip(&before.input.positions).map(|(now, then)| now - then);
+    ways.map(|way| if way.abs() < LONGEST_WAY { way / after } else { f64::NAN }).collect()
 }

@@ -55,6 +55,8 @@ pub struct Evidence {
     pub look_ahead: Option<LookAhead>,
     /// Rates of the positions (rad/s, m/s), if all are known.
     pub velocities: Option<Vec<f64>>,
+    /// The same, where only some of several drivers give them by what the others said before.
+    pub rates: Option<Vec<f64>>,
     /// Wall time that the check took.
     pub compute_time: Duration,
 }

@@ -353,7 +353,7 @@ impl Subject {
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
     ) -> Verdict {
-        let Reading { configuration, velocities, spread, mut warnings } = reading;
+        let Reading { configuration, velocities, rates, spread, mut warnings } = reading;
         let checker = &self.revision.checker;
         let started = stopwatch();
         let survey = Question::Survey {
@@ -386,8 +386,15 @@ impl Subject {
         }
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let evidence =
-            Some(Arc::new(Evidence { report, configuration, poses, look_ahead, velocities, compute_time }));
+        let evidence = Some(Arc::new(Evidence {
+            report,
+            configuration,
+            poses,
+            look_ahead,
+            velocities,
+            rates,
+            compute_time,
+        }));
         Verdict { status, evidence, left_out, warnings }
     }
 }

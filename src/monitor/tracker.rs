@@ -45,6 +45,8 @@ pub(super) struct Reading {
     pub configuration: Configuration,
     /// One for each position, if all are given and finite.
     pub velocities: Option<Vec<f64>>,
+    /// The same, where only some of several streams give them by what the others said before.
+    pub rates: Option<Vec<f64>>,
     /// How far (s) the times are apart at which joints were measured.
     pub spread: f64,
     pub warnings: Vec<String>,
@@ -77,7 +79,7 @@ impl Tracker {
             merge.take(message, heard, is_fresh(heard));
         }
         let contributions = std::mem::take(&mut merge.contributions);
-        (merge.finish(robot, unplaced, contributions.spread()), contributions)
+        (merge.finish(robot, unplaced, &contributions), contributions)
     }
 }
 
@@ -90,6 +92,7 @@ struct Merge<'t> {
     named_by: Vec<Option<usize>>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
+    rates: Vec<f64>,
     followers: Vec<(JointId, f64)>,
     contributions: Contributions,
     /// What is wrong with the newest message of which something is.
@@ -107,6 +110,7 @@ impl<'t> Merge<'t> {
             named_by: vec![None; count],
             positions: vec![f64::NAN; count],
             velocities: vec![f64::NAN; count],
+            rates: vec![f64::NAN; count],
             followers: Vec::new(),
             contributions: Contributions::default(),
             fault: None,
@@ -152,6 +156,7 @@ impl<'t> Merge<'t> {
                             fault = fault.or_else(|| fault_of(name, positions[i]));
                         }
                         self.velocities[index] = if moves { velocities[i] } else { f64::NAN };
+                        self.rates[index] = heard.rates.get(i).copied().unwrap_or(f64::NAN);
                     }
                 },
                 Some(&Slot::Follows(joint)) if is_whole && followers.len() < self.tracker.slots.len() => {
@@ -196,7 +201,7 @@ impl<'t> Merge<'t> {
         mut self,
         robot: &RobotModel,
         unplaced: Option<Reason>,
-        spread: f64,
+        contributions: &Contributions,
     ) -> Result<Reading, Reason> {
         if let Some(fault) = self.fault.or(unplaced) {
             return Err(fault);
@@ -216,9 +221,18 @@ impl<'t> Merge<'t> {
             self.warnings.push(format!("the robot has no joint {}", quoted_list(&self.strangers)));
         }
         self.warnings.extend(mimic_warnings(robot, &configuration, &self.followers));
-        let moves = self.velocities.iter().all(|v| v.is_finite());
-        let velocities = moves.then_some(self.velocities);
-        Ok(Reading { configuration, velocities, spread, warnings: self.warnings })
+        let all = |numbers: Vec<f64>| numbers.iter().all(|v| v.is_finite()).then_some(numbers);
+        let velocities = all(self.velocities);
+        // one stream that gives no velocities: the whole states before tell the way
+        let is_mixed = velocities.is_some() || contributions.0.len() > 1;
+        let rates = all(self.rates).filter(|_| is_mixed);
+        Ok(Reading {
+            configuration,
+            velocities,
+            rates,
+            spread: contributions.spread(),
+            warnings: self.warnings,
+        })
     }
 }
 

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use super::{ObstacleTrajectory, PosesError};
 use crate::constants::LARGEST_COORDINATE;
+use crate::geometry::Shape;
 use crate::math::{Point, Pose, pose_from_xyz_quaternion};
 use crate::world::{Obstacle, World};
 
@@ -58,7 +59,7 @@ pub enum ObstacleTextError {
 
 impl ObstacleTrajectory {
     /// Reads YAML or JSON: `moving_obstacles`, a list of obstacles of `world` by `name`, each with a twist (`linear` in m/s, `angular` in
-    /// rad/s, `centre` in m; what is not given is zero, and the centre that of the obstacle's only shape) or with `poses`, each of them
+    /// rad/s, `centre` in m; what is not given is zero, and the centre that of the obstacle's only shape, unless that is a plane) or with `poses`, each of them
     /// a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; none if not given). All in the robot's root frame, on the
     /// trajectory's clock: [`Self::even`] and [`Self::through`] say how.
     pub fn list_from_yaml(text: &str, world: &World) -> Result<Vec<Self>, ObstacleTextError> {
@@ -88,7 +89,9 @@ impl ObstacleText {
         let [linear, angular] = [self.linear, self.angular].map(Option::unwrap_or_default);
         let centre = match (self.centre, &*obstacle.shapes) {
             (Some(centre), _) => centre,
-            (None, [shape]) => (obstacle.pose_ro * shape.pose_os).translation.vector.into(),
+            (None, [shape]) if !matches!(shape.shape, Shape::Plane(_)) => {
+                (obstacle.pose_ro * shape.pose_os).translation.vector.into()
+            }
             // what does not turn moves alike everywhere
             (None, _) if angular == [0.0; 3] => [0.0; 3],
             (None, _) => return Err(ObstacleTextError::NoCentre(self.name.clone())),

@@ -16,6 +16,7 @@ use super::recording::{Happening, OrderStep, Original};
 use super::scene::{CloudMessage, Monitored, Shared};
 use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper, SceneOrder};
 use crate::checker::{CollisionChecker, MeshModel, Settings};
+use crate::math::Extremes;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Now, Revision};
 use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
@@ -37,6 +38,8 @@ pub enum Order {
     Scene(Box<SceneOrder>),
     /// Some topic has a new cloud.
     Clouds,
+    /// The robot is elsewhere in what obstacles stand in.
+    Frames,
 }
 
 /// The robot in use, for those who want to move it.
@@ -154,6 +157,7 @@ impl Loader {
 
     /// Follows orders until there is no one left to give them.
     pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>, outlook: &Outlook) {
+        self.watch_frames(outlook);
         while let Some(mut together) = self.await_orders(orders, outlook) {
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
             while let Ok(order) = orders.try_recv() {
@@ -167,6 +171,7 @@ impl Loader {
             if !is_heard {
                 return;
             }
+            self.watch_frames(outlook);
             self.keeper.answer();
             self.tell();
         }
@@ -175,7 +180,7 @@ impl Loader {
     /// Does what is asked for together, and tells what the monitor has to know of it.
     pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
         let Pass { glimpse, orders, clouds } = pass;
-        let (mut is_new_robot, mut change) = (false, Change::Nothing);
+        let (mut is_new_robot, mut change) = (false, self.follow_frames(&glimpse));
         for order in orders {
             match self.note(order, &glimpse) {
                 Change::Robot => is_new_robot = true,
@@ -237,6 +242,21 @@ impl Loader {
         Some(order.ok()?.into_iter().collect())
     }
 
+    /// Obstacles are put where they belong.
+    fn follow_frames(&mut self, glimpse: &Glimpse) -> Change {
+        let Some(robot) = self.robot.clone() else {
+            return Change::Nothing;
+        };
+        let moved = guarded_scene(|| self.keeper.follow_frames(&robot, glimpse));
+        if moved { Change::World } else { Change::Nothing }
+    }
+
+    /// Says what has to be looked at to know whether obstacles are where they belong.
+    fn watch_frames(&self, outlook: &Outlook) {
+        let grounds = self.robot.as_ref().map(|robot| self.keeper.state.grounds(robot));
+        *lock(&outlook.shared.grounds) = grounds.unwrap_or_default();
+    }
+
     /// New clouds are taken, and what is too old is dropped.
     fn look_at_the_world(&mut self, clouds: BTreeMap<String, CloudMessage>, glimpse: &Glimpse) -> Change {
         self.clouds.extend(clouds);
@@ -255,7 +275,7 @@ impl Loader {
                 return Change::Settings;
             }
             Order::Parameters => return Change::Robot,
-            Order::Clouds | Order::Display => return Change::Nothing,
+            Order::Clouds | Order::Display | Order::Frames => return Change::Nothing,
             Order::Scene(order) => return self.note_scene(*order, glimpse),
             Order::Description(text) => (&mut self.description, text, DESCRIPTION),
             Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
@@ -402,7 +422,7 @@ impl Glimpse {
 impl Outlook {
     /// What is known now. A recording has what came before it before it, and what comes later after it.
     fn begin(&self, mut orders: Vec<Order>) -> Pass {
-        let Shared { transforms, clouds, store, clock, tape } = &self.shared;
+        let Shared { transforms, clouds, store, clock, tape, .. } = &self.shared;
         let parameters = store.get();
         let clouds = clouds.take();
         let originals: Vec<_> =
@@ -440,6 +460,7 @@ fn original(order: &mut Order) -> (OrderStep, Option<Original>) {
         Order::Parameters => (OrderStep::Parameters, None),
         Order::Clouds => (OrderStep::Clouds, None),
         Order::Display => (OrderStep::Display, None),
+        Order::Frames => (OrderStep::Frames, None),
         // all orders come with what they were made of while somebody records
         Order::Scene(order) => order.take_original().unwrap_or((OrderStep::Clouds, None)),
     }
@@ -453,9 +474,11 @@ pub fn checker_of(
     parameters: &Parameters,
     known: Option<&CollisionChecker>,
 ) -> Result<CollisionChecker, String> {
+    // a scene that pads less than the parameter takes nothing off it
+    let padded = |(link, padding): (&String, &f64)| (link.clone(), padding.greater(parameters.padding));
     let settings = Settings {
         padding: parameters.padding,
-        link_padding: scene.link_padding.clone(),
+        link_padding: scene.link_padding.iter().map(padded).collect(),
         link_scale: scene.link_scale.clone(),
         pad_self: parameters.pad_self,
         mesh_model,

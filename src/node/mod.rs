@@ -30,6 +30,7 @@ mod diagnostics;
 pub mod doctor;
 mod enable_service;
 mod environment;
+mod flood;
 mod goals;
 #[cfg(test)]
 mod interface_text;

@@ -12,6 +12,7 @@ use super::activity::Activity;
 use super::arrivals::Arrivals;
 use super::clock::RosClock;
 use super::diagnostics::diagnostics;
+use super::flood::Flood;
 use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
@@ -79,6 +80,7 @@ pub struct Report {
     clouds: CloudReports,
     /// Status and code of the reason that were logged last.
     logged: Option<(&'static str, Option<&'static str>)>,
+    changes: Flood,
     /// Status and steady time of the last diagnostics.
     last: Option<(&'static str, Duration)>,
     /// The next ones do not wait.
@@ -252,13 +254,14 @@ impl MonitorLoop {
         said.state_at
     }
 
-    /// One line for every change of status or of the reason why it is unknown.
+    /// One line for a change of status or of the reason why it is unknown; of a flood of them only some, and then what it came to.
     fn log_change(&mut self, judgement: &Judgement) {
         let reason = judgement.status.reason();
         let now = (judgement.status.word(), reason.map(Reason::code));
-        if self.report.logged.replace(now) == Some(now) {
+        if self.report.logged == Some(now) || !self.report.changes.admit(self.clock.steady()) {
             return;
         }
+        self.report.logged = Some(now);
         match (judgement.status.word(), reason) {
             (status, Some(reason)) => log::warn!("{status}: {reason}"),
             (status, None) => match judgement.foremost() {

@@ -130,6 +130,13 @@ fn check_namespace(namespace: &str) -> Result<(), NameError> {
     rest.split('/').try_for_each(|token| check_token(token).map_err(error))
 }
 
+/// Why no topic can have this name, before namespaces and remaps.
+#[must_use]
+pub fn fault_of_topic(name: &str) -> Option<&'static str> {
+    let parts = name.strip_prefix("~/").or_else(|| name.strip_prefix('/')).unwrap_or(name);
+    parts.split('/').find_map(|token| check_token(token).err())
+}
+
 fn check_token(token: &str) -> Result<(), &'static str> {
     if token.is_empty() {
         Err("there is nothing before, after or between its slashes")

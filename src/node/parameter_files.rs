@@ -63,7 +63,13 @@ fn apply_text(
     let mut sections = Vec::new();
     collect_sections(&document, "", &mut sections)?;
     let full_name = names.full_node_name();
+    let known: Vec<String> = sections.iter().map(|section| section.pattern.clone()).collect();
     sections.retain(|section| matches(&section.pattern, &full_name));
+    if sections.is_empty() {
+        let known = known.join(", ");
+        passed_over
+            .push(format!("all of {}: it is for {known}, and this node is {full_name}", file.display()));
+    }
     // what names this node wins over wildcards
     sections.sort_by_key(|section| !section.is_wildcard());
     for section in sections {

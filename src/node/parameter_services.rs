@@ -47,9 +47,7 @@ impl ParameterStore {
     fn set_together(&self, changes: &[(String, Value)]) -> Result<(), String> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
-        for (name, value) in changes {
-            changed.set_live(name, value)?;
-        }
+        changed.set_live(changes)?;
         if *values != changed {
             *values = changed;
             (self.on_change)(&values);
@@ -61,7 +59,8 @@ impl ParameterStore {
     fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
-        let results = changes.iter().map(|(name, value)| changed.set_live(name, value)).collect::<Vec<_>>();
+        let results =
+            changes.iter().map(|change| changed.set_live(std::slice::from_ref(change))).collect::<Vec<_>>();
         if *values != changed {
             *values = changed;
             (self.on_change)(&values);

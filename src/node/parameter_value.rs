@@ -13,7 +13,7 @@ pub enum Value {
     Texts(Vec<String>),
     /// Of integers too.
     Doubles(Vec<f64>),
-    /// In YAML: of nobody knows what.
+    /// Of nobody knows what.
     EmptyList,
     /// Other arrays, and nothing at all: no parameter here takes them; the text says what it was.
     Other(&'static str),
@@ -77,6 +77,8 @@ impl Value {
             ParameterType::INTEGER => Self::Integer(message.int_value),
             ParameterType::DOUBLE => Self::Double(message.double_value),
             ParameterType::STRING => Self::Text(message.string_value.clone()),
+            // `[]` on the command line of ros2 param is one of bools
+            _ if is_empty_array(message) => Self::EmptyList,
             ParameterType::STRING_ARRAY => Self::Texts(message.string_array.clone()),
             ParameterType::DOUBLE_ARRAY => Self::Doubles(message.double_array.clone()),
             #[expect(clippy::cast_precision_loss, reason = "whoever wants doubles takes what they can hold")]
@@ -86,6 +88,17 @@ impl Value {
             ParameterType::NOT_SET => Self::Other("no value, which would delete it"),
             _ => Self::Other("an array"),
         }
+    }
+}
+
+fn is_empty_array(message: &ParameterValue) -> bool {
+    match message.ptype {
+        ParameterType::BYTE_ARRAY => message.byte_array.is_empty(),
+        ParameterType::BOOL_ARRAY => message.bool_array.is_empty(),
+        ParameterType::INTEGER_ARRAY => message.int_array.is_empty(),
+        ParameterType::DOUBLE_ARRAY => message.double_array.is_empty(),
+        ParameterType::STRING_ARRAY => message.string_array.is_empty(),
+        _ => false,
     }
 }
 
@@ -185,12 +198,17 @@ mod tests {
     #[test]
     fn messages_go_both_ways() {
         let text = Value::Text("x".into());
-        let lists = [Value::Texts(vec!["x".into()]), Value::Doubles(vec![0.5]), Value::Doubles(vec![])];
+        let lists = [Value::Texts(vec!["x".into()]), Value::Doubles(vec![0.5])];
         for value in
             [Value::Bool(true), Value::Integer(-3), Value::Double(0.5), text].into_iter().chain(lists)
         {
             assert_eq!(Value::from_message(&value.to_message()), value);
         }
+        for empty in [Value::Texts(vec![]), Value::Doubles(vec![])] {
+            assert_eq!(Value::from_message(&empty.to_message()), Value::EmptyList);
+        }
+        let bools = ParameterValue { ptype: ParameterType::BOOL_ARRAY, ..not_set() };
+        assert_eq!(Value::from_message(&bools), Value::EmptyList);
         assert!(matches!(Value::from_message(&not_set()), Value::Other(_)));
     }
 }

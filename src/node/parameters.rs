@@ -168,30 +168,40 @@ impl Parameters {
         })
     }
 
-    /// Sets one parameter of a node that runs, or says why not.
-    pub fn set_live(&mut self, name: &str, value: &Value) -> Result<(), String> {
+    /// Sets parameters of a node that runs, all or none, or says why not.
+    pub fn set_live(&mut self, changes: &[(String, Value)]) -> Result<(), String> {
         let mut changed = self.clone();
-        changed.set(name, value)?;
-        if declaration(name).is_some_and(|d| d.is_fixed() && d.get(&changed) != d.get(self)) {
-            return Err(format!("{name} counts at the start only: give it to a new node"));
+        for (name, value) in changes {
+            changed.assign(name, value)?;
+            if declaration(name).is_some_and(|d| d.is_fixed() && d.get(&changed) != d.get(self)) {
+                return Err(format!("{name} counts at the start only: give it to a new node"));
+            }
         }
+        changed.check_together()?;
         *self = changed;
         Ok(())
     }
 
     /// Sets one parameter, or says why not.
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
-        let declaration = declaration(name).ok_or_else(|| unknown(name))?;
         let mut changed = self.clone();
-        declaration.set(&mut changed, value)?;
+        changed.assign(name, value)?;
+        changed.check_together().map_err(|why| format!("{name}: {why}"))?;
+        *self = changed;
+        Ok(())
+    }
+
+    fn assign(&mut self, name: &str, value: &Value) -> Result<(), String> {
+        declaration(name).ok_or_else(|| unknown(name))?.set(self, value)
+    }
+
+    /// Whether values that are right by themselves are so together.
+    fn check_together(&self) -> Result<(), String> {
         // a box that holds nothing would make every cloud empty
         let below = |(min, max): (&f64, &f64)| min < max;
-        if !changed.cloud_crop_min.iter().zip(&changed.cloud_crop_max).all(below) {
-            return Err(format!(
-                "{name}: every number of cloud_crop_min must be below that of cloud_crop_max"
-            ));
+        if !self.cloud_crop_min.iter().zip(&self.cloud_crop_max).all(below) {
+            return Err("every number of cloud_crop_min must be below that of cloud_crop_max".to_owned());
         }
-        *self = changed;
         Ok(())
     }
 }

@@ -128,6 +128,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (tape, recorder) = record(&parameters, &names, options.given)?;
     let shared = Shared {
         transforms: Transforms::default(),
+        grounds: Arc::default(),
         clouds: Arc::default(),
         store: store.clone(),
         clock: Arc::clone(&clock),
@@ -257,7 +258,7 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
     let (parameters, passed_over) =
         parameter_files::initial(Parameters::default(), &arguments.parameters, &names).map_err(input)?;
     for parameter in passed_over {
-        log::info!("this node has no parameter {parameter}");
+        log::warn!("passed over, for this node has no such parameter: {parameter}");
     }
     Ok(parameters)
 }

@@ -27,6 +27,9 @@ const WAITING: usize = 1000;
 /// Refusals of one message that are told at most.
 const TOLD: usize = 20;
 
+/// Objects of which it is remembered that they were refused, at most.
+const MISSING: usize = 20;
+
 /// Something to be done to the scene.
 pub struct SceneOrder {
     /// The topic or service that it came by.
@@ -116,6 +119,8 @@ pub struct SceneKeeper {
     waiting: VecDeque<SceneOrder>,
     /// What was refused of the last message that changed the scene, or was meant to.
     faults: Vec<String>,
+    /// What was refused of objects, by their names, until something about them is not.
+    missing: BTreeMap<String, String>,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
     /// Whether a message or sensor ever changed the scene.
@@ -200,12 +205,19 @@ impl SceneKeeper {
         if !is_same {
             self.note_octomap(octomap, &refusals, update.as_ref());
         }
-        self.note_refusals(source, &refusals);
+        self.note_refusals(source, &refusals, update.as_ref());
         self.touched |= changed;
         if let Some(done) = done {
             self.unanswered.push((done, refusals.is_empty()));
         }
         changed
+    }
+
+    /// Puts obstacles where they belong now that the robot may be elsewhere; whether any had to be.
+    pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
+        let Glimpse { now, parameters, transforms, .. } = glimpse;
+        let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
+        self.state.follow_frames(&context)
     }
 
     /// Another octomap is in force, or none.
@@ -231,7 +243,13 @@ impl SceneKeeper {
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
 
-    fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal]) {
+    fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal], update: Option<&SceneUpdate>) {
+        self.missing.retain(|id, _| !update.is_some_and(|update| update.is_about(id)));
+        for refusal in refusals.iter().filter(|refusal| refusal.leaves_out) {
+            if let Some(id) = refusal.object.as_ref().filter(|_| self.missing.len() < MISSING) {
+                self.missing.insert(id.clone(), format!("{source}: {refusal}"));
+            }
+        }
         self.faults = refusals.iter().take(TOLD).map(|refusal| format!("{source}: {refusal}")).collect();
         if refusals.len() > TOLD {
             self.faults.push(format!("{source}: and {} more faults", refusals.len() - TOLD));
@@ -401,13 +419,14 @@ impl SceneKeeper {
         self.dropped.iter().map(told).collect()
     }
 
-    /// What was refused of the last messages.
+    /// What was refused of the last messages, and what the scene still lacks because it was refused.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let of_clouds = self.clouds.iter().filter_map(|(topic, cloud)| {
             Some(format!("the last cloud of '{topic}' was not taken: {}", cloud.report.fault.as_ref()?))
         });
-        self.faults.iter().cloned().chain(of_clouds).collect()
+        let missing = self.missing.values().filter(|fault| !self.faults.contains(fault));
+        self.faults.iter().chain(missing).cloned().chain(of_clouds).collect()
     }
 
     /// What came is in use from now on.

@@ -1,5 +1,6 @@
 //! What came of verifying a certificate.
 
+use crate::geometry::ScaleError;
 use crate::motion::CertificateError;
 
 /// A certificate was accepted: what it took.
@@ -32,6 +33,8 @@ pub enum Refusal {
     UnknownLink(String),
     #[error("padding of '{of}' is {value}, but must be a finite number of metres, zero or more")]
     BadPadding { of: String, value: f64 },
+    #[error("'{of}' cannot be scaled: {why}")]
+    CannotScale { of: String, why: ScaleError },
     #[error("the format is '{0}', which is not known")]
     Format(String),
     #[error("the digest does not fit the content: something in it was altered")]

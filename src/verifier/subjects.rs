@@ -3,6 +3,7 @@
 use super::Refusal;
 use super::body::Body;
 use crate::checker::{self, AllowedCollisionMatrix, MeshModel, PairList, Settings};
+use crate::geometry::Shape;
 use crate::math::Pose;
 use crate::robot::{LinkId, RobotModel};
 use crate::world::{ObstacleId, World};
@@ -77,31 +78,50 @@ fn paddings(robot: &RobotModel, world: &World, settings: &Settings) -> Result<Ve
     links.chain(attached).chain(obstacles).collect()
 }
 
-/// Links, then attached objects, then obstacles; `None` for those without shapes and those that no pair names.
+/// Links, then attached objects, then obstacles, as large as they are to be; `None` for those without shapes and those that no pair names.
 pub(super) fn bodies(
     robot: &RobotModel,
     world: &World,
     settings: &Settings,
     pairs: &[Pair],
-) -> Vec<Option<Body>> {
+) -> Result<Vec<Option<Body>>, Refusal> {
     let solid = settings.mesh_model == MeshModel::Solid;
+    let scale_of_link = |name: &str| settings.link_scale.get(name).copied().unwrap_or(1.0);
+    let scale_of_object = |name: &str| settings.object_scale.get(name).copied().unwrap_or(1.0);
     let links = robot.links().iter().map(|link| {
         let shapes = link.collisions.iter().map(|c| (c.pose_ls, &c.shape));
-        shapes.collect::<Vec<(Pose, _)>>()
+        (link.name.as_str(), scale_of_link(&link.name), shapes.collect::<Vec<(Pose, _)>>())
     });
     let attached = world.attached().iter().map(|object| {
         let shapes = object.shapes.iter().map(|s| (object.pose_lo * s.pose_os, &s.shape));
-        shapes.collect::<Vec<_>>()
+        let scale = scale_of_link(&object.link) * scale_of_object(&object.name);
+        (object.name.as_str(), scale, shapes.collect())
     });
-    let obstacles = (0..).map(ObstacleId).take(world.place_count()).map(|id| {
-        let obstacle = world.place(id);
-        obstacle.map_or_else(Vec::new, |obstacle| obstacle.placed_shapes().collect::<Vec<_>>())
+    let obstacles = (0..).map(ObstacleId).take(world.place_count()).map(|id| match world.place(id) {
+        Some(obstacle) => {
+            let name = obstacle.name.as_str();
+            (name, scale_of_object(name), obstacle.placed_shapes().collect())
+        }
+        None => ("", 1.0, Vec::new()),
     });
     let mut named = vec![false; robot.links().len() + world.attached().len() + world.place_count()];
     for index in pairs.iter().flat_map(|pair| pair.bodies) {
         named[index] = true;
     }
     (links.chain(attached).chain(obstacles).zip(named))
-        .map(|(shapes, named)| (named && !shapes.is_empty()).then(|| Body::new(&shapes, solid)))
+        .map(|((name, scale, shapes), named)| {
+            (named && !shapes.is_empty()).then(|| body(name, scale, &shapes, solid)).transpose()
+        })
         .collect()
+}
+
+/// The body of shapes that are larger by a factor.
+fn body(name: &str, scale: f64, shapes: &[(Pose, &Shape)], solid: bool) -> Result<Body, Refusal> {
+    if scale == 1.0 {
+        return Ok(Body::new(shapes, solid));
+    }
+    let scaled = shapes.iter().map(|(pose, shape)| Ok((*pose, shape.scaled(scale)?)));
+    let scaled: Vec<(Pose, Shape)> =
+        scaled.collect::<Result<_, _>>().map_err(|why| Refusal::CannotScale { of: name.to_owned(), why })?;
+    Ok(Body::new(&scaled.iter().map(|(pose, shape)| (*pose, shape)).collect::<Vec<_>>(), solid))
 }

@@ -49,7 +49,7 @@ impl<'r> Verifier<'r> {
     /// Decides what has to be proven. A scene's matrix, if given, decides the pairs instead of the SRDF.
     ///
     /// # Errors
-    /// When the paddings make no sense for this robot.
+    /// When paddings or scales make no sense for this robot.
     pub fn new(
         robot: &'r RobotModel,
         world: &'r World,
@@ -57,7 +57,7 @@ impl<'r> Verifier<'r> {
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, Refusal> {
         let pairs = subjects::pairs(robot, world, settings, matrix)?;
-        let bodies = subjects::bodies(robot, world, settings, &pairs);
+        let bodies = subjects::bodies(robot, world, settings, &pairs)?;
         let model = model_fingerprint(robot, settings, matrix);
         let subject = Subject { model, world: world_fingerprint(world), pairs };
         let carriers = subjects::carriers(robot, world)?;

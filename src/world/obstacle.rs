@@ -30,6 +30,20 @@ pub struct ObstacleShape {
 }
 
 impl Obstacle {
+    /// The same with its shapes elsewhere in it, one pose for each; as it is if none is given, and `None` if there are too many or too few.
+    #[must_use]
+    pub fn with_shapes_at(&self, poses: &[Pose]) -> Option<Self> {
+        if poses.is_empty() {
+            return Some(self.clone());
+        }
+        let place = |(s, pose_os): (&ObstacleShape, &Pose)| ObstacleShape {
+            pose_os: *pose_os,
+            shape: s.shape.clone(),
+        };
+        let shapes = self.shapes.iter().zip(poses).map(place).collect();
+        (poses.len() == self.shapes.len()).then(|| Self { shapes, ..self.clone() })
+    }
+
     /// An obstacle whose frame is the robot's root frame.
     #[must_use]
     pub fn new(name: impl Into<String>, shapes: impl Into<Arc<[ObstacleShape]>>) -> Self {

@@ -33,6 +33,8 @@ pub struct SceneObject {
     /// Pose of the object in that frame.
     pub pose_fo: Pose,
     pub shapes: Vec<ObstacleShape>,
+    /// For [`Operation::Move`]: where in the object its shapes are from now on; they stay where they are if none is given.
+    pub shape_poses: Vec<Pose>,
     pub subframes: Vec<(String, Pose)>,
     pub operation: Operation,
 }
@@ -63,6 +65,8 @@ pub enum ObjectError {
     Unknown(String),
     #[error("the robot holds an object '{0}': detach it first")]
     Held(String),
+    #[error("{given} poses of shapes are given, but the object has {has} shapes: give as many, or none")]
+    ShapePoses { given: usize, has: usize },
     #[error("link_name: the robot has no link '{0}'")]
     UnknownLink(String),
     #[error("operation: no object '{0}' is attached")]
@@ -183,7 +187,12 @@ impl World {
         if !object.shapes.is_empty() {
             remarks.push("its shapes are not used: it is only moved".to_owned());
         }
-        self.move_to(&object.id, found.pose_rf * object.pose_fo)?;
+        let known =
+            self.obstacle_by_name(&object.id).ok_or_else(|| ObjectError::Unknown(object.id.clone()))?;
+        let (given, has) = (object.shape_poses.len(), known.shapes.len());
+        let moved =
+            known.with_shapes_at(&object.shape_poses).ok_or(ObjectError::ShapePoses { given, has })?;
+        self.replace(Obstacle { pose_ro: found.pose_rf * object.pose_fo, ..moved })?;
         Ok(remarks)
     }
 

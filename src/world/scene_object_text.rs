@@ -20,13 +20,18 @@ impl SceneObject {
         let primitives = all(&text.primitives, "primitives", solid_of)?;
         let meshes = all(&text.meshes, "meshes", |m| surface_of(m, files, remarks))?;
         let planes = all(&text.planes, "planes", |p| plane(p.coef))?;
-        let mut shapes = Vec::new();
+        let operation = text.operation.map_or(Ok(Operation::Add), operation_of)?;
+        let (mut shapes, mut shape_poses) = (Vec::new(), Vec::new());
         for (kind, poses, field) in [
             (primitives, &text.primitive_poses, "primitive_poses"),
             (meshes, &text.mesh_poses, "mesh_poses"),
             (planes, &text.plane_poses, "plane_poses"),
         ] {
-            shapes.extend(placed_shapes(kind, &poses_of(poses, field)?, field, remarks)?);
+            let mut poses = poses_of(poses, field)?;
+            if operation == Operation::Move {
+                shape_poses.append(&mut poses);
+            }
+            shapes.extend(placed_shapes(kind, &poses, field, remarks)?);
         }
         let (names, places) = (text.subframe_names, poses_of(&text.subframe_poses, "subframe_poses")?);
         if names.len() != places.len() {
@@ -37,8 +42,9 @@ impl SceneObject {
             frame: text.header.frame_id,
             pose_fo,
             shapes,
+            shape_poses,
             subframes: names.into_iter().zip(places).collect(),
-            operation: text.operation.map_or(Ok(Operation::Add), operation_of)?,
+            operation,
         })
     }
 }

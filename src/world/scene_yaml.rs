@@ -234,6 +234,8 @@ impl Situation {
             let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
             if virtual_joints.any(|j| j.name == *name && j.child_link == robot.root()) {
                 self.pose_vr = Some(pose);
+            } else if robot.joint_by_name(name).is_some_and(|joint| robot.first_position(joint).is_some()) {
+                return Err(format!("'{name}' is a joint of the robot: give its positions in joint_state"));
             } else if pose != Pose::identity() {
                 remarks.push(format!(
                     "robot_state.multi_dof_joint_state: '{name}' is no virtual joint of the robot's root: it is not read"

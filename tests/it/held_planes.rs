@@ -300,3 +300,34 @@ fn a_held_plane_hides_nothing_else() {
     let report = both.check_motion(&from, &to, &mut both.workspace());
     assert!(!report.is_free(), "{report:?}");
 }
+
+/// What a plane sweeps over is everything, which is told of nothing else; and it makes motions of others no dearer than it has to.
+#[test]
+fn a_held_plane_costs_little() {
+    let mut random = Random::new(12);
+    for checker in checkers() {
+        let swept = |world: World| {
+            let checker =
+                CollisionChecker::new(checker.robot().clone(), &world, Settings::default()).unwrap();
+            let from = random_state(&checker, &mut Random::new(13));
+            let to: Vec<f64> = from.positions().iter().map(|q| q + 0.01).collect();
+            let to = checker.robot().configuration(&to).unwrap();
+            let segment = MotionSegment::straight(checker.robot(), &from, &to);
+            let mut workspace = checker.workspace();
+            let report = checker.check_motion_with(&segment, &MotionOptions::default(), &mut workspace);
+            (checker.swept_volumes(&segment, 2, &mut workspace), report)
+        };
+        let mut bare = checker.world().clone();
+        bare.drop_attached("shield").unwrap();
+        let ((with, report), (without, other)) = (swept(checker.world().clone()), swept(bare));
+        let numbers = with.iter().flat_map(|v| [v.a.x, v.b.x, v.radius]);
+        assert!(numbers.clone().all(f64::is_finite) && numbers.count() > 0);
+        assert_eq!(with.len(), without.len());
+        assert!(report.looks < other.looks + 100, "{} looks instead of {}", report.looks, other.looks);
+        // where obstacles come in pieces, the plane is asked about each obstacle once
+        let q = random_state(&checker, &mut random);
+        let least = Question::Distance { limit: f64::INFINITY };
+        let work = checker.check(&q, least, &mut checker.workspace()).work;
+        assert!(work.volume_tests < 100_000, "{work:?}");
+    }
+}

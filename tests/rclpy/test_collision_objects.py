@@ -104,7 +104,8 @@ def test_adding_once_more_replaces(scene):
 def test_appending_adds_shapes_to_an_object(scene):
     place = pose(2, 1)
     scene.change(obstacle("thing", sphere(0.1), at=place))
-    more = obstacle("thing", (sphere(0.1), pose(0.3, -1)), (sphere(0.1), pose(0, 3)), at=place)
+    # as in MoveIt, the pose of the message counts for nothing
+    more = obstacle("thing", (sphere(0.1), pose(0.3, -1)), (sphere(0.1), pose(0, 3)))
     more.operation = CollisionObject.APPEND
     state = scene.change(more)
 
@@ -112,6 +113,29 @@ def test_appending_adds_shapes_to_an_object(scene):
     # The first shape is still there: 0.8 above the ball.
     state = scene.change(move("thing", pose(2, 0.5)))
     assert near(state) == pytest.approx(0.3, abs=ACCURACY)
+
+
+def test_a_move_with_poses_of_shapes_moves_these(scene):
+    scene.change(obstacle("thing", (sphere(0.1), pose(0, 1)), (sphere(0.1), pose(0, 2)), at=pose(2.3, 3)))
+    elsewhere = move("thing", pose(2.3))
+    elsewhere.primitive_poses = [pose(0, 2), pose()]
+    assert near(scene.change(elsewhere)) == pytest.approx(0.1, abs=ACCURACY)
+    scene.refused(move_with_one_pose(), "thing", "1 poses of shapes are given, but the object has 2 shapes")
+
+
+def move_with_one_pose():
+    message = move("thing", pose(9))
+    message.primitive_poses = [pose()]
+    return message
+
+
+def test_an_obstacle_that_was_refused_is_missed_until_something_about_it_is_not(scene):
+    """What is right about others makes nobody forget that it is not there."""
+    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    state = scene.change(ball("other", 5))
+    assert any("'thing'" in warning for warning in state.warnings)
+    state = scene.change(ball("thing", 5))
+    assert not any("'thing'" in warning for warning in state.warnings)
 
 
 def test_appending_to_nothing_adds(scene):

@@ -133,6 +133,13 @@ def test_a_diff_without_a_map_keeps_it_and_a_world_without_one_does_not(scene):
     assert near(scene.change(full(allowed=matrix(("base", "upper"), ("upper", "tip"))))) is None
 
 
+def test_a_diff_with_an_empty_map_takes_it_away(scene):
+    scene.change(NEAR.message(), topic="octomap_binary")
+    message = diff()
+    message.world.octomap.octomap.id = "OcTree"
+    assert near(scene.change(message)) is None
+
+
 def test_clear_octomap(cell, scene):
     scene.change(octree((2.05, 0.05, 0.05)).message(), topic="octomap_binary")
     scene.change(ball("a", 2.3, 0.3))

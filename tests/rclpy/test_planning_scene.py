@@ -132,6 +132,24 @@ def test_padding_and_scale_of_a_link(scene):
     assert distance(state, "tip", "a") == pytest.approx(0.1, abs=ACCURACY)
 
 
+def test_a_scene_that_pads_less_takes_nothing_off_the_parameter(start):
+    """MoveIt's scenes have an entry for every link, most of them zero."""
+    cell = start(parameters=NEARBY | {"padding": 0.05})
+    cell.judged(joint1=0, joint2=0)
+    scene = SceneClient(cell)
+    assert distance(scene.change(ball("a", 2.3)), "tip", "a") == pytest.approx(0.05, abs=ACCURACY)
+    state = scene.change(diff(padding={"tip": 0.0}))
+    assert distance(state, "tip", "a") == pytest.approx(0.05, abs=ACCURACY)
+    state = scene.change(diff(padding={"tip": 0.07}))
+    assert distance(state, "tip", "a") == pytest.approx(0.03, abs=ACCURACY)
+
+
+def test_what_a_link_holds_grows_with_it(scene):
+    scene.change(attached("tip", ball("part", 1.3, frame="tip")), ball("a", 2.7))
+    state = scene.change(diff(scale={"tip": 1.5}))
+    assert distance(state, "part", "a") == pytest.approx(0.15, abs=ACCURACY)
+
+
 @pytest.mark.parametrize(
     "message",
     [diff(padding={"tip": nan}), diff(padding={"tip": -0.01}), diff(scale={"tip": 0.0}), diff(padding={"hand": 0.1})],

@@ -10,7 +10,7 @@ from clearance_msgs.msg import CollisionState
 from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
 from moveit_msgs.srv import GetPlanningScene
 
-from scene import attached, ball, box, cube_mesh, cylinder, diff, fine_mesh, matrix, obstacle, plane, pose, xyz
+from scene import attached, ball, box, cube_mesh, cylinder, detachment, diff, fine_mesh, matrix, obstacle, plane, pose, xyz
 from scene_client import SceneClient, distance, distances
 from two_link import JOINTS
 
@@ -278,6 +278,24 @@ def test_a_whole_state_holds_only_what_it_says(cell, scene):
     assert not scene.validity(FOLDED).valid
     assert not scene.validity(FOLDED, is_diff=False, attached=[HELD]).valid
     assert scene.validity(FOLDED, is_diff=False).valid
+
+
+def test_what_a_request_takes_up_from_the_world_is_taken_up_where_the_robot_is_now(cell, scene):
+    """Ahead of the tip; asked about a state in which that is elsewhere, it is elsewhere too."""
+    cell.judged(**STRETCHED)
+    scene.change(ball("part", 2.3), ball("wall", 0, 2.3))
+    upright = {"joint1": pi / 2, "joint2": 0}
+    assert scene.validity(upright).valid
+    answer = scene.validity(upright, attached=[attached("tip", "part")])
+    assert contacts(answer) == [{("obstacle", "wall"), ("attached", "part")}]
+
+
+def test_what_a_request_lets_go_is_gone(cell, scene):
+    """As in MoveIt: it does not come into the world."""
+    scene.change(HELD)
+    assert not scene.validity(FOLDED).valid
+    assert scene.validity(FOLDED, attached=[detachment("part")]).valid
+    assert not scene.validity(FOLDED).valid
 
 
 def test_a_broken_attached_object_makes_the_state_invalid(scene):

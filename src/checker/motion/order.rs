@@ -43,7 +43,9 @@ impl Prover<'_> {
         }
         self.checker.approach_speeds(self.segment, &mut self.motion.ways, &mut self.motion.speeds);
         self.checker.tolerated(self.segment, &mut self.motion.ways, &mut self.motion.off);
-        let fastest = self.motion.speeds.iter().copied().fold(0.0, f32::greater);
+        // level 0 leaves what has no end in every interval
+        let speeds = self.motion.speeds.iter().copied().filter(|speed| speed.is_finite());
+        let fastest = speeds.fold(0.0, f32::greater);
         let blocks = blocks(fastest);
         match self.options.order {
             MotionOrder::Earliest if 0.5 * fastest <= SHORT_MOTION => self.short(),

@@ -92,7 +92,7 @@ pub enum UndecidedReason {
     /// Whoever watches has stopped it.
     Canceled,
     Budget,
-    /// Nothing bounds the motion: it is that of two planes, or numbers are too large to be computed with.
+    /// The pair is two planes, of which nothing is proven, or numbers are too large to be computed with.
     Overflow,
     /// The motion is of another robot, or moves an obstacle that the world has not.
     Mismatch,
@@ -122,9 +122,7 @@ impl std::fmt::Display for UndecidedReason {
             Self::Deadline => "deadline exceeded",
             Self::Canceled => "canceled",
             Self::Budget => "budget used up",
-            Self::Overflow => {
-                "nothing bounds the motion: it is that of two planes, or of numbers too large to compute with"
-            }
+            Self::Overflow => "nothing is proven of two planes, or of numbers too large to compute with",
             Self::Mismatch => "the motion is not one of this robot in this world",
         })
     }

@@ -21,7 +21,7 @@ pub struct SweptVolume {
 
 impl CollisionChecker {
     /// The volumes of all links and attached objects with geometry, in intervals of even length; more intervals make smaller volumes. Padding is not
-    /// part of them.
+    /// part of them, and what holds a plane, which sweeps over everything, has none.
     #[must_use]
     pub fn swept_volumes(
         &self,
@@ -37,7 +37,8 @@ impl CollisionChecker {
             let end = |i: usize| i as f64 / intervals.max(1) as f64;
             let t = [end(interval), end(interval + 1)];
             segment.positions_at(0.5 * (t[0] + t[1]), &mut positions);
-            for (rider, between) in self.riders.iter().zip(&self.to_root) {
+            let all = self.riders.iter().zip(&self.to_root);
+            for (rider, between) in all.filter(|(rider, _)| rider.capsule.radius.is_finite()) {
                 let frames = &mut workspace.frames;
                 dispatch!(workspace.scratch.level(), simd => {
                     self.chain.frames_between(simd, between, &positions, frames);

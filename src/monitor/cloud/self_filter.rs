@@ -100,8 +100,10 @@ impl SelfFilter {
 
 impl Part {
     fn new(link: LinkId, shapes: &[(Pose, &Shape)]) -> Option<Self> {
+        // no sensor sees a plane that somebody drew
+        let seen = shapes.iter().filter(|(_, shape)| !matches!(shape, Shape::Plane(_)));
         // what a closed mesh encloses is the robot too
-        let body = CollisionBody::with_solid_meshes(shapes.iter().map(|(pose, shape)| (pose, *shape)))?;
+        let body = CollisionBody::with_solid_meshes(seen.map(|(pose, shape)| (pose, *shape)))?;
         Some(Self { link, body })
     }
 

@@ -114,7 +114,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geometry::{Primitive, Shape};
+    use crate::geometry::{Plane, Primitive, Shape};
     use crate::robot::{MeshFiles, RobotModel};
     use crate::world::{AttachedObject, ObstacleShape, World};
 
@@ -167,6 +167,16 @@ mod tests {
         filter.hold(&world);
         let sieved = sieve.sift(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!(sieved.of_robot, 3);
+        // a plane that a link holds hides nothing that a sensor sees
+        let plane = Shape::Plane(Plane::from_coefficients([0.0, 0.0, 1.0, 0.0]).unwrap());
+        let part = world.attached()[0].as_ref().clone();
+        let shapes = [plane, part.shapes[0].shape.clone()];
+        let shapes = shapes.map(|shape| ObstacleShape { pose_os: Pose::identity(), shape });
+        world.attach(AttachedObject { shapes: shapes.into(), ..part }).unwrap();
+        filter.hold(&world);
+        let wall = [[9.0, 9.0, 2.0], [2.0, 0.0, 2.0]];
+        let sieved = sieve.sift(&wall, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
+        assert_eq!((sieved.of_robot, points(&sieved)), (1, vec![[9.0, 9.0, 2.0]]));
         filter.hold(&World::default());
         let sieved = sieve.sift(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!(sieved.of_robot, 2);

@@ -6,7 +6,7 @@ use super::{AttachedChange, ObjectChange, Operation, PlanningSceneState, SceneCo
 use crate::math::Pose;
 use crate::monitor::status::quoted;
 use crate::robot::LinkId;
-use crate::world::{AttachedObject, ObstacleShape};
+use crate::world::AttachedObject;
 
 impl PlanningSceneState {
     pub(super) fn change_attached(
@@ -30,6 +30,7 @@ impl PlanningSceneState {
                 warnings.extend(unknown.map(warn));
                 let object = self.object_to_attach(change, context, warnings)?;
                 (self.world.attach(object)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+                self.anchors.remove(id);
                 self.note_kind(&change.object);
                 Ok(())
             }
@@ -91,29 +92,39 @@ impl PlanningSceneState {
         Ok(pose_rl.inverse() * self.pose_of(object, context)?)
     }
 
-    fn detach(&mut self, change: &AttachedChange, context: &SceneContext) -> Result<(), SceneRefusal> {
+    /// What a change takes from the robot.
+    fn held(
+        &self,
+        change: &AttachedChange,
+        context: &SceneContext,
+    ) -> Result<Vec<Arc<AttachedObject>>, SceneRefusal> {
         let AttachedChange { link, object: ObjectChange { id, .. }, .. } = change;
         if !link.is_empty() && context.robot.link_by_name(link).is_none() {
             return Err(unknown_link(id, link));
         }
-        let held: Vec<Arc<AttachedObject>> = if id.is_empty() {
+        if id.is_empty() {
             let of_link = |o: &&Arc<AttachedObject>| link.is_empty() || o.link == *link;
-            self.world.attached().iter().filter(of_link).cloned().collect()
-        } else {
-            let object = self.world.attached_by_name(id).ok_or_else(|| {
-                SceneRefusal::of(id, "object.operation: it can not be detached, because no link holds it")
-            })?;
-            if !link.is_empty() && object.link != *link {
-                let holder = &object.link;
-                return Err(SceneRefusal::of(
-                    id,
-                    format!(
-                        "link_name: it is attached to '{holder}', not to '{link}'; leave link_name empty or correct it"
-                    ),
-                ));
-            }
-            vec![Arc::clone(object)]
-        };
+            return Ok(self.world.attached().iter().filter(of_link).cloned().collect());
+        }
+        let object = self.world.attached_by_name(id).ok_or_else(|| {
+            SceneRefusal::of(id, "object.operation: it can not be detached, because no link holds it")
+                .of_nothing()
+        })?;
+        if !link.is_empty() && object.link != *link {
+            let holder = &object.link;
+            return Err(SceneRefusal::of(
+                id,
+                format!(
+                    "link_name: it is attached to '{holder}', not to '{link}'; leave link_name empty or correct it"
+                ),
+            ));
+        }
+        Ok(vec![Arc::clone(object)])
+    }
+
+    /// Puts what links hold into the world where it is.
+    fn detach(&mut self, change: &AttachedChange, context: &SceneContext) -> Result<(), SceneRefusal> {
+        let held = self.held(change, context)?;
         // all poses first: what cannot be done for one is done for none
         let mut placed = Vec::new();
         for object in &held {
@@ -124,26 +135,33 @@ impl PlanningSceneState {
         for (object, pose_rl) in placed {
             let done = self.world.detach(&object.name, &pose_rl);
             done.map_err(|error| SceneRefusal::of(&object.name, error.to_string()))?;
+            self.anchor(&object.name, &object.link, context);
+        }
+        Ok(())
+    }
+
+    /// Takes what links hold away altogether.
+    pub fn let_go(&mut self, change: &AttachedChange, context: &SceneContext) -> Result<(), SceneRefusal> {
+        for object in self.held(change, context)? {
+            let _ = self.world.drop_attached(&object.name);
         }
         Ok(())
     }
 }
 
-/// What is held already, with more shapes; it stays where it is.
+/// What is held already, with more shapes in its frame as in `MoveIt`; it stays where it is.
 fn extended(held: &AttachedObject, given: &AttachedObject) -> Result<AttachedObject, SceneRefusal> {
     if held.link != given.link {
         let message = format!("link_name: it is attached to '{}', not to '{}'", held.link, given.link);
         return Err(SceneRefusal::of(&held.name, message));
     }
-    let pose_og = held.pose_lo.inverse() * given.pose_lo;
-    let moved = |s: &ObstacleShape| ObstacleShape { pose_os: pose_og * s.pose_os, shape: s.shape.clone() };
     let mut touch_links = held.touch_links.clone();
     touch_links.extend(given.touch_links.iter().filter(|l| !held.touch_links.contains(l)).cloned());
     let mut subframes = held.subframes.clone();
     subframes.retain(|(name, _)| given.subframes.iter().all(|(other, _)| other != name));
-    subframes.extend(given.subframes.iter().map(|(name, pose_gs)| (name.clone(), pose_og * pose_gs)));
+    subframes.extend(given.subframes.iter().cloned());
     Ok(AttachedObject {
-        shapes: held.shapes.iter().cloned().chain(given.shapes.iter().map(moved)).collect(),
+        shapes: held.shapes.iter().chain(given.shapes.iter()).cloned().collect(),
         subframes,
         touch_links,
         ..held.clone()

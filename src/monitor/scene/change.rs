@@ -29,6 +29,8 @@ pub struct ObjectChange {
     pub pose_fo: Pose,
     /// With poses in the frame of the object.
     pub shapes: Vec<ObstacleShape>,
+    /// For [`Operation::Move`]: where in the object its shapes are from now on; they stay where they are if none is given.
+    pub shape_poses: Vec<Pose>,
     pub subframes: Vec<(String, Pose)>,
     /// What it is: database and key of `object_recognition_msgs/ObjectType`, or nothing.
     pub kind: [String; 2],
@@ -44,6 +46,7 @@ impl ObjectChange {
             frame: String::new(),
             pose_fo: Pose::identity(),
             shapes: Vec::new(),
+            shape_poses: Vec::new(),
             subframes: Vec::new(),
             kind: Default::default(),
         }
@@ -104,6 +107,26 @@ pub struct SceneChange {
     pub link_padding: Vec<(String, f64)>,
     pub link_scale: Vec<(String, f64)>,
     pub world: WorldChange,
+}
+
+impl SceneUpdate {
+    /// Whether it says something about an object.
+    #[must_use]
+    pub fn is_about(&self, id: &str) -> bool {
+        let is_it = |object: &ObjectChange| {
+            object.id == id || (object.id.is_empty() && object.operation == Operation::Remove)
+        };
+        match self {
+            Self::Object(object) => is_it(object),
+            Self::Attached(attached) => is_it(&attached.object),
+            Self::World(_) => true,
+            Self::Scene(scene) => {
+                let mut attached = scene.robot_state.attached.iter().map(|attached| &attached.object);
+                !scene.is_diff || scene.world.objects.iter().any(is_it) || attached.any(is_it)
+            }
+            Self::Octomap(_) => id == super::OCTOMAP,
+        }
+    }
 }
 
 /// Whatever may change a scene.

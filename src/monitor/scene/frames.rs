@@ -68,11 +68,13 @@ impl<'c> SceneContext<'c> {
         if let Some(pose) = self.object_pose(frame, scene) {
             return pose;
         }
-        if let Some(pose) = scene.fixed_frames.get(frame) {
+        let above = self.transforms.ancestors(frame);
+        let told = self.by_tf(&above);
+        // as in MoveIt: what tf says now comes before what a scene said of the frame once
+        if let (Some(pose), None | Some(Err(_))) = (scene.fixed_frames.get(frame), &told) {
             return Ok(*pose);
         }
-        let above = self.transforms.ancestors(frame);
-        let found = self.by_tf(&above).or_else(|| {
+        let found = told.or_else(|| {
             let (ancestor, pose_ra) =
                 above.iter().find_map(|a| Some((a, self.standing_pose(a.name, scene)?)))?;
             Some(self.fresh(ancestor).map(|()| pose_ra * ancestor.pose_af))
@@ -86,6 +88,26 @@ impl<'c> SceneContext<'c> {
         })
     }
 
+    /// What obstacles stand in, and its pose in the root frame as it is now: the parent of the virtual joint or, where `tf` does not connect
+    /// that with the root, the topmost frame above the root; `None` if there is none. `frame` is that of a message.
+    pub(super) fn ground(&self, frame: &str) -> Option<(String, Pose)> {
+        let joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
+        let planning = joints.filter(|j| j.child_link == self.robot.root()).map(|j| j.parent_frame.as_str());
+        let known = |name: &str| Some((name.to_owned(), self.pose_by_tf(name)?));
+        let ground = planning.clone().find_map(known);
+        let topmost = || self.transforms.topmost_above(self.root_name()).and_then(known);
+        ground.or_else(topmost).or_else(|| {
+            // as long as tf knows nothing about it, it stands at zero
+            let named = planning.clone().find(|name| *name == frame.trim_start_matches('/'))?;
+            Some((named.to_owned(), Pose::identity()))
+        })
+    }
+
+    /// Pose of a frame in the root frame, however old what `tf` says of it is.
+    pub(super) fn pose_by_tf(&self, frame: &str) -> Option<Pose> {
+        self.transforms.pose_between(self.root_name(), frame).map(|(pose, _)| pose)
+    }
+
     /// Whether a frame always stays where it is against the root, as far as it is a part of the robot or of what it holds.
     pub(super) fn stands_still(&self, frame: &str, scene: &PlanningSceneState) -> bool {
         let frame = frame.trim_start_matches('/');
@@ -95,7 +117,7 @@ impl<'c> SceneContext<'c> {
         }
     }
 
-    fn root_name(&self) -> &str {
+    pub(super) fn root_name(&self) -> &str {
         &self.robot.link(self.robot.root()).name
     }
 

@@ -8,9 +8,10 @@
 //! | [`WorldChange`] | takes the place of all obstacles |
 //! | [`SceneChange`] | a whole scene takes the place of everything; a difference changes what it names |
 //!
-//! Where it departs from `MoveIt`, on purpose: a whole scene without allowed collision matrix goes back to what the SRDF says;
-//! appended shapes are where the message puts them; a name that cannot be resolved is refused, never taken for another one.
+//! Where it departs from `MoveIt`, on purpose: a whole scene without allowed collision matrix goes back to what the SRDF says; a name that
+//! cannot be resolved is refused, never taken for another one.
 
+mod anchors;
 mod attached;
 mod change;
 mod frames;
@@ -22,6 +23,7 @@ mod state;
 mod tests;
 mod transform_tree;
 
+pub use anchors::Grounds;
 pub use change::{
     AttachedChange, FixedFrame, ObjectChange, OctomapPlacement, Operation, RobotStateChange, SceneChange,
     SceneUpdate, WorldChange,

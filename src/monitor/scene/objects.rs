@@ -1,11 +1,9 @@
 //! Obstacles: added, replaced, extended, moved and removed.
 
-use std::sync::Arc;
-
 use super::state::OCTOMAP;
 use super::{ObjectChange, OctomapPlacement, Operation, PlanningSceneState, SceneContext, SceneRefusal};
 use crate::math::Pose;
-use crate::world::{Obstacle, ObstacleShape};
+use crate::world::Obstacle;
 
 impl PlanningSceneState {
     pub(super) fn change_object(
@@ -52,18 +50,21 @@ impl PlanningSceneState {
                 format!("id: it is attached to link '{link}'; detach it first"),
             ));
         }
-        let pose_ro = self.pose_of(change, context)?;
-        let known = self.world.obstacle_by_name(id).filter(|_| change.operation == Operation::Append);
-        let obstacle = match known {
-            Some(known) => extended(known, change, &pose_ro),
-            None => Obstacle {
+        if change.operation == Operation::Append
+            && let Some(known) = self.world.obstacle_by_name(id)
+        {
+            let obstacle = extended(known, change);
+            (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+        } else {
+            let obstacle = Obstacle {
                 name: id.clone(),
-                pose_ro,
+                pose_ro: self.pose_of(change, context)?,
                 shapes: change.shapes.as_slice().into(),
                 subframes: change.subframes.clone(),
-            },
-        };
-        (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+            };
+            (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+            self.anchor(id, &change.frame, context);
+        }
         self.note_kind(change);
         Ok(())
     }
@@ -94,12 +95,22 @@ impl PlanningSceneState {
         let id = &change.id;
         self.check_name(id, context)?;
         let pose_ro = self.pose_of(change, context)?;
-        (self.world.move_to(id, pose_ro)).map_err(|_| {
+        let known = self.world.obstacle_by_name(id).ok_or_else(|| {
             SceneRefusal::of(
                 id,
                 "operation: it can not be moved, because there is no such object in the world",
             )
         })?;
+        let moved = known.with_shapes_at(&change.shape_poses).ok_or_else(|| {
+            let (given, has) = (change.shape_poses.len(), known.shapes.len());
+            let message = format!(
+                "{given} poses of shapes are given, but the object has {has} shapes: give as many, or none"
+            );
+            SceneRefusal::of(id, message)
+        })?;
+        (self.world.replace(Obstacle { pose_ro, ..moved }))
+            .map_err(|error| SceneRefusal::of(id, error.to_string()))?;
+        self.anchor(id, &change.frame, context);
         if !change.shapes.is_empty() {
             warnings.push(format!("object '{id}' is moved; the shapes given with the move are ignored"));
         }
@@ -118,8 +129,10 @@ impl PlanningSceneState {
                 id,
                 "operation: it can not be removed, because there is no such object in the world",
             )
+            .of_nothing()
         })?;
         self.kinds.remove(id);
+        self.anchors.remove(id);
         // as in MoveIt: who bears the name next is another thing
         if let Some(matrix) = &mut self.matrix {
             matrix.forget(id);
@@ -131,6 +144,7 @@ impl PlanningSceneState {
     pub(super) fn remove_all_objects(&mut self) {
         for name in self.given_names() {
             self.kinds.remove(&name);
+            self.anchors.remove(&name);
             if self.world.remove(&name).is_ok()
                 && let Some(matrix) = &mut self.matrix
             {
@@ -153,27 +167,26 @@ impl PlanningSceneState {
     ) -> Result<(), SceneRefusal> {
         let placed = octomap.and_then(|o| Some((o, o.shape.clone()?)));
         let Some((octomap, shape)) = placed else {
+            self.anchors.remove(OCTOMAP);
             let _ = self.world.remove(OCTOMAP);
             return Ok(());
         };
         let pose_rf = (context.frame_pose(&octomap.frame, self))
             .map_err(|message| SceneRefusal::of(OCTOMAP, format!("header.frame_id: {message}")))?;
         let obstacle = Obstacle::of_shape(OCTOMAP, pose_rf * octomap.pose_fo, shape);
-        let placed = self.world.replace(obstacle);
-        placed.map(|_| ()).map_err(|error| SceneRefusal::of(OCTOMAP, error.to_string()))
+        (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(OCTOMAP, error.to_string()))?;
+        self.anchor(OCTOMAP, &octomap.frame, context);
+        Ok(())
     }
 }
 
-/// An obstacle with more shapes, whose poses are in the frame of the change.
-fn extended(known: &Obstacle, change: &ObjectChange, pose_rc: &Pose) -> Obstacle {
-    let pose_oc = known.pose_ro.inverse() * pose_rc;
-    let moved = |s: &ObstacleShape| ObstacleShape { pose_os: pose_oc * s.pose_os, shape: s.shape.clone() };
-    let shapes: Arc<[ObstacleShape]> =
-        known.shapes.iter().cloned().chain(change.shapes.iter().map(moved)).collect();
+/// An obstacle with more shapes, in its own frame as in `MoveIt`.
+fn extended(known: &Obstacle, change: &ObjectChange) -> Obstacle {
     let mut subframes = known.subframes.clone();
-    for (name, pose_cs) in &change.subframes {
+    for (name, pose_os) in &change.subframes {
         subframes.retain(|(other, _)| other != name);
-        subframes.push((name.clone(), pose_oc * pose_cs));
+        subframes.push((name.clone(), *pose_os));
     }
+    let shapes = known.shapes.iter().chain(&change.shapes).cloned().collect();
     Obstacle { name: known.name.clone(), pose_ro: known.pose_ro, shapes, subframes }
 }

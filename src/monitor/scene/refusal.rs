@@ -7,17 +7,25 @@ pub struct SceneRefusal {
     pub object: Option<String>,
     /// Begins with the field, where one is at fault.
     pub message: String,
+    /// Whether something that was meant to be in the scene, or to be elsewhere in it, is not.
+    pub leaves_out: bool,
 }
 
 impl SceneRefusal {
     #[must_use]
     pub fn new(message: impl Into<String>) -> Self {
-        Self { object: None, message: message.into() }
+        Self { object: None, message: message.into(), leaves_out: false }
     }
 
     #[must_use]
     pub fn of(object: &str, message: impl Into<String>) -> Self {
-        Self { object: Some(object.to_owned()), message: message.into() }
+        Self { object: Some(object.to_owned()), message: message.into(), leaves_out: true }
+    }
+
+    /// The same of something that was to be taken away and is not there.
+    #[must_use]
+    pub(super) fn of_nothing(self) -> Self {
+        Self { leaves_out: false, ..self }
     }
 }
 

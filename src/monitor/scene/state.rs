@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::anchors::Anchor;
 use super::{SceneContext, SceneRefusal, SceneUpdate};
 use crate::checker::AllowedCollisionMatrix;
 use crate::math::Pose;
@@ -24,6 +25,8 @@ pub struct PlanningSceneState {
     pub kinds: BTreeMap<String, [String; 2]>,
     /// Poses of frames in the root frame.
     pub fixed_frames: BTreeMap<String, Pose>,
+    /// By name of an obstacle: what it stands in while the robot moves in that.
+    pub(super) anchors: BTreeMap<String, Anchor>,
     /// Obstacles that sensors see: only who saw them takes them away.
     pub sensed: BTreeSet<String>,
 }

@@ -173,18 +173,82 @@ fn objects_are_added_replaced_moved_and_removed() {
     assert!(cell.scene.world.is_empty());
 }
 
+/// As in `MoveIt`: the pose of the message counts for nothing.
 #[test]
-fn appended_shapes_are_where_the_message_puts_them() {
+fn appended_shapes_are_in_the_frame_of_the_object() {
     let mut cell = Cell::new();
     let append = |id, pose_fo| ObjectChange { operation: Operation::Append, ..add(id, "", pose_fo) };
     cell.object(append("a", at(1.0, 0.0, 0.0))).unwrap();
-    let place = vec![("top".to_owned(), at(0.0, 0.0, 2.0))];
-    cell.object(ObjectChange { subframes: place, ..append("a", at(0.0, 7.0, 0.0)) }).unwrap();
-    assert_eq!(cell.places("a"), [[1.0, 0.0, 0.0], [0.0, 7.0, 0.0]]);
+    let more = ObjectChange {
+        shapes: vec![placed(at(0.0, 7.0, 0.0))],
+        subframes: vec![("top".to_owned(), at(0.0, 0.0, 2.0))],
+        ..append("a", at(0.0, 0.0, 9.0))
+    };
+    cell.object(more).unwrap();
+    assert_eq!(cell.places("a"), [[1.0, 0.0, 0.0], [1.0, 7.0, 0.0]]);
     cell.object(shift("a", "", at(2.0, 0.0, 0.0))).unwrap();
-    assert_eq!(cell.places("a"), [[2.0, 0.0, 0.0], [1.0, 7.0, 0.0]]);
+    assert_eq!(cell.places("a"), [[2.0, 0.0, 0.0], [2.0, 7.0, 0.0]]);
     cell.object(add("on_top", "a/top", at(0.0, 0.0, 0.0))).unwrap();
-    assert_eq!(cell.places("on_top"), [[1.0, 7.0, 2.0]]);
+    assert_eq!(cell.places("on_top"), [[2.0, 0.0, 2.0]]);
+}
+
+#[test]
+fn a_move_may_say_where_shapes_are() {
+    let mut cell = Cell::new();
+    let two = vec![placed(at(0.0, 1.0, 0.0)), placed(at(0.0, 2.0, 0.0))];
+    cell.object(ObjectChange { shapes: two, ..add("a", "", at(5.0, 0.0, 0.0)) }).unwrap();
+    let shape_poses = vec![at(0.0, 0.0, 1.0), at(0.0, 0.0, 2.0)];
+    cell.object(ObjectChange { shape_poses, ..shift("a", "", at(6.0, 0.0, 0.0)) }).unwrap();
+    assert_eq!(cell.places("a"), [[6.0, 0.0, 1.0], [6.0, 0.0, 2.0]]);
+    let one = ObjectChange { shape_poses: vec![at(0.0, 0.0, 0.0)], ..shift("a", "", at(0.0, 0.0, 0.0)) };
+    cell.refuses_object(one, "1 poses of shapes are given, but the object has 2 shapes");
+}
+
+/// The robot's root drives along x through what `tf` calls `map`, or below `map` through `odom`.
+fn drive(cell: &mut Cell, x: f64) -> bool {
+    let transform = |parent: &str, x| Transform {
+        parent: parent.to_owned(),
+        pose_pf: at(x, 0.0, 0.0),
+        stamp: Some(seconds(99.9 + 1e-3 * x)),
+    };
+    cell.transforms.note("base", transform("odom", x));
+    cell.transforms.note("odom", Transform { stamp: None, ..transform("map", 0.0) });
+    let is_due = cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms);
+    let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
+    let moved = cell.scene.follow_frames(&context);
+    assert!(is_due || !moved);
+    assert!(!cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms));
+    moved
+}
+
+#[test]
+fn obstacles_stay_where_they_are_while_the_robot_drives() {
+    let mut cell = Cell::new();
+    // before tf says anything, what stands in the parent of the virtual joint is where it is if the robot stands at zero
+    cell.object(add("early", "map", at(5.0, 0.0, 0.0))).unwrap();
+    cell.object(add("beside", "", at(7.0, 0.0, 0.0))).unwrap();
+    assert!(drive(&mut cell, 1.0));
+    assert_eq!(cell.places("early"), [[4.0, 0.0, 0.0]]);
+    assert_eq!(cell.places("beside"), [[7.0, 0.0, 0.0]], "nobody knows where the root was before");
+    cell.object(add("table", "odom", at(5.0, 0.0, 0.0))).unwrap();
+    cell.object(add("crate", "base", at(2.0, 0.0, 0.0))).unwrap();
+    cell.attach(hold("flange", add("part", "base", at(3.0, 0.0, 0.0)))).unwrap();
+    assert!(!drive(&mut cell, 1.0 + 1e-6));
+    assert!(drive(&mut cell, 2.0));
+    let xs = |cell: &Cell| ["early", "beside", "table", "crate"].map(|name| cell.places(name)[0][0]);
+    assert_eq!(xs(&cell), [3.0, 6.0, 3.0, 1.0]);
+    // what a link holds rides along, and stays where it is put down
+    cell.attach(hold("", ObjectChange::named("part", Operation::Remove))).unwrap();
+    assert_eq!(cell.places("part"), [[3.0, 0.0, 0.0]]);
+    assert!(drive(&mut cell, 3.0));
+    assert_eq!((xs(&cell), cell.places("part")[0][0]), ([2.0, 5.0, 2.0, 0.0], 2.0));
+    // what is moved stands where it was put
+    cell.object(shift("table", "hand", at(0.0, 0.0, 0.0))).unwrap();
+    cell.object(remove("crate")).unwrap();
+    assert!(drive(&mut cell, 4.0));
+    assert_eq!(cell.places("table"), [[0.0, 0.0, 3.0]]);
+    cell.object(remove("")).unwrap();
+    assert!(!drive(&mut cell, 5.0));
 }
 
 #[test]
@@ -259,6 +323,11 @@ fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
     cell.transforms.note("hand", transform);
     cell.object(add("probe", "optical", Pose::identity())).unwrap();
     assert_eq!(cell.places("probe"), [[0.0, 4.0, 0.5]]);
+    // what tf says of a frame now comes before what a scene said of it once
+    let transform = Transform { parent: "odom".to_owned(), pose_pf: at(7.0, 0.0, 0.0), stamp };
+    cell.transforms.note("shelf", transform);
+    cell.object(add("probe", "shelf", Pose::identity())).unwrap();
+    assert_eq!(cell.places("probe"), [[7.0, -1.0, 0.0]]);
 }
 
 #[test]
@@ -316,7 +385,11 @@ fn an_object_is_attached_with_shapes_of_its_own_and_extended() {
     cell.attach(hold("hand", add("part", "base", at(1.0, 0.0, 5.0)))).unwrap();
     assert!(cell.names().is_empty());
     assert_eq!(cell.scene.world.attached()[0].pose_lo, at(0.0, 0.0, 2.0));
-    let append = ObjectChange { operation: Operation::Append, ..add("part", "hand", at(0.0, 0.0, 3.0)) };
+    let append = ObjectChange {
+        operation: Operation::Append,
+        shapes: vec![placed(at(0.0, 0.0, 1.0))],
+        ..add("part", "hand", at(0.0, 0.0, 3.0))
+    };
     cell.attach(hold("hand", append.clone())).unwrap();
     let held = &cell.scene.world.attached()[0];
     assert_eq!(held.pose_lo, at(0.0, 0.0, 2.0));

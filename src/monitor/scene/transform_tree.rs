@@ -70,6 +70,18 @@ impl TransformTree {
         Some((below.pose_af.inverse() * above.pose_af, stamps.min()))
     }
 
+    /// The highest frame above another one, if there is one above it.
+    #[must_use]
+    pub fn topmost_above<'t>(&'t self, frame: &'t str) -> Option<&'t str> {
+        let mut above = frame;
+        // loops end where they would come around
+        for _ in 0..self.by_frame.len() {
+            let Some(transform) = self.by_frame.get(above).filter(|t| t.parent != frame) else { break };
+            above = &transform.parent;
+        }
+        (above != frame).then_some(above)
+    }
+
     /// The frame itself and those above it, nearest first; ends before it would come around.
     pub(super) fn ancestors<'t>(&'t self, frame: &'t str) -> Vec<Ancestor<'t>> {
         let mut above = vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None }];

@@ -84,6 +84,39 @@ fn without_velocities_the_last_state_tells_the_way() {
     assert!((folding - by_velocity(2.61, 0.1)).abs() < 1e-3, "{folding}");
 }
 
+/// Two drivers, of which one tells no velocities: what each says comes between what the other says.
+#[test]
+fn drivers_that_tell_no_velocities_hide_none_of_others() {
+    let arm = |seconds: f64, elbow: f64, velocity: f64| JointStateInput {
+        velocities: vec![velocity],
+        ..input(seconds, &[("elbow", elbow)])
+    };
+    let turntable =
+        |seconds: f64| JointStateInput { source: SourceId([2; 16]), ..input(seconds, &[("shoulder", 0.0)]) };
+    for (velocity, velocities_told) in [(0.2, true), (-0.2, true), (0.2, false), (-0.2, false)] {
+        let speed = SpeedSettings { trigger_count: 3, release_count: 3, ..SPEED };
+        let mut monitor = governed(speed);
+        let mut scales = Vec::new();
+        for i in 0..20 {
+            let (seconds, elbow) = (0.02 * f64::from(i), 2.6 + velocity * 0.02 * f64::from(i));
+            let told = arm(seconds, elbow, velocity);
+            let told = JointStateInput {
+                velocities: if velocities_told { told.velocities.clone() } else { vec![] },
+                ..told
+            };
+            monitor.on_joint_state(told, at(seconds));
+            let judgement = monitor.on_joint_state(turntable(seconds + 0.01), at(seconds + 0.01));
+            scales.push((judgement.speed_scale, elbow));
+        }
+        for (scale, elbow) in &scales[8..] {
+            // the share lags by the counts
+            let wanted =
+                governed(SPEED).on_joint_state(moving(0.0, [0.0, *elbow], &[0.0, velocity]), at(0.0));
+            assert!((scale - wanted.speed_scale).abs() < 0.05, "{velocity} at {elbow}: {scale}, {wanted:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_not_free_has_no_speed() {
     let mut monitor = governed(SpeedSettings { release_count: 2, ..SpeedSettings::default() });

@@ -26,7 +26,7 @@ use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
 use rustdds::{QosPolicies, QosPolicyBuilder, RTPSEntity, TopicKind};
 
-use self::complaints::Complaints;
+pub use self::complaints::Complaints;
 use self::peers::Peers;
 use super::logging::Line;
 use super::names::{FullName, NameError};

@@ -1,7 +1,14 @@
 //! One parameter: its name, its unit, what it means and which values it takes.
 
 use super::Parameters;
+use crate::node::names::fault_of_topic;
 use crate::node::parameter_value::Value;
+
+/// What the names of topics are names of.
+pub(super) const TOPICS: &str = "topics";
+
+/// Topics that one list may have: each is a subscription.
+const MOST_TOPICS: usize = 32;
 
 /// A parameter as it is described to its users.
 pub struct Declaration {
@@ -55,7 +62,7 @@ impl Declaration {
     /// Whether it counts at the start only.
     #[must_use]
     pub fn is_fixed(&self) -> bool {
-        self.name.starts_with("record_")
+        self.name.starts_with("record_") || self.name == "use_realtime_priority"
     }
 
     /// The value in force.
@@ -155,6 +162,22 @@ impl Declaration {
                 return Err(format!("{} is a list of strings, but {} was given", self.name, other.kind()));
             }
         };
+        if self.range == Range::Names(TOPICS) {
+            if texts.len() > MOST_TOPICS {
+                return Err(format!(
+                    "{} has {} topics, but at most {MOST_TOPICS} are watched",
+                    self.name,
+                    texts.len()
+                ));
+            }
+            if let Some((topic, why)) = texts.iter().find_map(|topic| Some((topic, fault_of_topic(topic)?))) {
+                return Err(format!(
+                    "{}: '{}' is no name of a topic: {why}",
+                    self.name,
+                    topic.escape_debug()
+                ));
+            }
+        }
         match texts.iter().enumerate().find(|(i, text)| text.is_empty() || texts[..*i].contains(text)) {
             Some((_, text)) => Err(format!("{}: '{text}' is empty or given twice", self.name)),
             None => Ok(texts),
@@ -165,8 +188,6 @@ impl Declaration {
         let numbers = match value {
             Value::Doubles(numbers) => numbers.clone(),
             Value::EmptyList => Vec::new(),
-            // an empty list on the command line of ros2 param is one of strings
-            Value::Texts(texts) if texts.is_empty() => Vec::new(),
             other => {
                 return Err(format!("{} is a list of numbers, but {} was given", self.name, other.kind()));
             }

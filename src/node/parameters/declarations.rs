@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::declaration::{Access, Declaration, Range};
+use super::declaration::{Access, Declaration, Range, TOPICS};
 use super::{Parameters, STALE_SOURCE_POLICIES, UNKNOWN_SPACES};
 
 /// The parameter called `name`.
@@ -162,7 +162,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Age of a point cloud beyond which it says nothing about the world any more.",
         ),
         Declaration {
-            range: Range::Names("topics"),
+            range: Range::Names(TOPICS),
             access: Access::Texts(|p| &mut p.point_cloud_topics),
             ..described("point_cloud_topics", "", "Topics of point clouds that have to be avoided.")
         },

@@ -69,6 +69,9 @@ fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
         ("unknown_space", Value::Bool(true), "a bool"),
         ("point_cloud_topics", Value::Text("/a".into()), "a list of strings, but a string"),
         ("point_cloud_topics", Value::Texts(vec!["/a".into(), "/a".into()]), "twice"),
+        ("point_cloud_topics", Value::Texts(vec!["a//b".into()]), "'a//b' is no name of a topic"),
+        ("point_cloud_topics", Value::Texts(vec!["bad topic".into()]), "only letters"),
+        ("point_cloud_topics", Value::Texts((0..40).map(|i| format!("/cloud{i}")).collect()), "at most 32"),
         ("cloud_crop_min", Value::Doubles(vec![0.0; 2]), "three finite numbers"),
         ("cloud_crop_min", Value::Doubles(vec![0.0, f64::NAN, 0.0]), "three finite numbers"),
     ] {
@@ -84,4 +87,20 @@ fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
     parameters.set("cloud_crop_max", &Value::EmptyList).unwrap();
     parameters.set("heartbeat_rate", &Value::Integer(20)).unwrap();
     assert_eq!(declaration("heartbeat_rate").unwrap().get(&parameters), Value::Double(20.0));
+}
+
+/// What is set together is looked at together.
+#[test]
+fn parameters_of_a_node_that_runs_change_together() {
+    let corner = |name: &str, x: f64| (name.to_owned(), Value::Doubles(vec![x; 3]));
+    let mut parameters = Parameters::default();
+    parameters.set_live(&[corner("cloud_crop_min", -1.0), corner("cloud_crop_max", 1.0)]).unwrap();
+    parameters.set_live(&[corner("cloud_crop_min", 2.0), corner("cloud_crop_max", 3.0)]).unwrap();
+    let before = parameters.clone();
+    let wrong = [corner("cloud_crop_min", 5.0), corner("cloud_crop_max", 4.0)];
+    assert!(parameters.set_live(&wrong).unwrap_err().contains("must be below"));
+    let late = [("use_realtime_priority".to_owned(), Value::Bool(true))];
+    assert!(parameters.set_live(&late).unwrap_err().contains("at the start only"));
+    assert_eq!(parameters, before);
+    parameters.set_live(&[("use_realtime_priority".to_owned(), Value::Bool(false))]).unwrap();
 }

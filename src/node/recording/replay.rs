@@ -213,7 +213,7 @@ impl Run {
             }
             Step::Transforms { now, fixed } => {
                 let now = now.map(Time::from_nanoseconds);
-                note_transforms(&mut self.transforms, messages.next("a transform")?, now, fixed);
+                drop(note_transforms(&mut self.transforms, messages.next("a transform")?, now, fixed));
             }
             Step::Enabled(enabled) => self.monitor.set_enabled(enabled),
             Step::Looked => self.monitor.note_transforms(&self.transforms),
@@ -374,6 +374,7 @@ fn read_order(order: OrderStep, messages: &mut Messages) -> Result<Order, String
         OrderStep::Parameters => Order::Parameters,
         OrderStep::Clouds => Order::Clouds,
         OrderStep::Display => Order::Display,
+        OrderStep::Frames => Order::Frames,
         OrderStep::ClearOctomap => Order::Scene(Box::new(clear_octomap())),
         OrderStep::Scene { by, came, unknown_is_occupied } => {
             Order::Scene(Box::new(read_scene_order(by, came, unknown_is_occupied, messages)?))

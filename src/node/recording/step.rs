@@ -89,6 +89,8 @@ pub enum OrderStep {
     Semantic,
     Parameters,
     Clouds,
+    /// The robot is elsewhere in what obstacles stand in.
+    Frames,
     /// Something else is to be shown.
     Display,
     ClearOctomap,

@@ -446,7 +446,7 @@ fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused()
 fn parameters_go_both_ways() {
     let mut parameters = Parameters { padding: 0.1 + 0.2, ..Parameters::default() };
     parameters.record_file = "true".to_owned();
-    parameters.point_cloud_topics = vec!["1.0".to_owned(), "/a".to_owned()];
+    parameters.point_cloud_topics = vec!["true".to_owned(), "/a".to_owned()];
     (parameters.cloud_crop_min, parameters.cloud_crop_max) = (vec![5.0, 0.0, 0.0], vec![6.0, 1.0, 1.0]);
     let json = parameters_to_json(&parameters);
     let text = serde_json::to_string(&json).unwrap();

@@ -60,7 +60,8 @@ impl CloudMessages {
 pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
     let (width, height) = (size(cloud.width), size(cloud.height));
     let (point_step, row_step) = (size(cloud.point_step), size(cloud.row_step));
-    let mut points = CloudPoints::default();
+    // drivers mark what they did not see by large numbers as well
+    let mut points = CloudPoints { drops_far: true, ..CloudPoints::default() };
     let mut xyz = [0, 1, 2].map(|_| None);
     for (column, name) in xyz.iter_mut().zip(["x", "y", "z"]) {
         *column = Some(coordinate(cloud, name, point_step)?);

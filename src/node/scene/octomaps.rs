@@ -21,12 +21,12 @@ pub fn octomap_placement(
     Ok(OctomapPlacement { frame, pose_fo: Pose::identity(), shape })
 }
 
-/// That of a scene; `None` when the scene says nothing about it.
+/// That of a scene, which as in `MoveIt` takes the map away where it has an id and no data; `None` when the scene says nothing about it.
 pub fn octomap_with_pose(
     message: &OctomapWithPose,
     unknown_is_occupied: bool,
 ) -> Result<Option<OctomapPlacement>, SceneRefusal> {
-    if message.octomap.data.is_empty() {
+    if message.octomap.data.is_empty() && message.octomap.id.is_empty() {
         return Ok(None);
     }
     let pose_fo = pose(&message.origin, "octomap.origin").map_err(|why| SceneRefusal::of(OCTOMAP, why))?;

@@ -9,7 +9,7 @@ use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, Plane, SolidPrimitive};
 
 use super::octomaps::octomap_with_pose;
 use crate::geometry::Shape;
-use crate::math::Pose;
+use crate::math::{Pose, pose_from_xyz_quaternion};
 use crate::monitor::scene::{
     AttachedChange, FixedFrame, ObjectChange, Operation, RobotStateChange, SceneChange, SceneRefusal,
     WorldChange,
@@ -28,10 +28,12 @@ pub fn pose(message: &PoseMessage, field: &str) -> Result<Pose, String> {
     message_pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]).map_err(|why| format!("{field}: {why}"))
 }
 
-/// A transform as a pose of its child in its parent.
+/// A transform as a pose of its child in its parent. A rotation of length zero, which a publisher forgot to set, is none.
 pub fn transform_pose(message: &Transform) -> Result<Pose, String> {
     let (p, q) = (&message.translation, &message.rotation);
-    message_pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w])
+    pose_from_xyz_quaternion([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]).ok_or_else(|| {
+        "translation and rotation must be finite, the translation near and the quaternion not zero".to_owned()
+    })
 }
 
 /// A `moveit_msgs/CollisionObject`.
@@ -55,6 +57,11 @@ pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRef
     }
     change.frame.clone_from(&message.header.frame_id);
     change.pose_fo = pose(&message.pose, "pose").map_err(refuse)?;
+    if operation == Operation::Move {
+        change.shape_poses = shape_poses(message).map_err(refuse)?;
+        change.shapes = bare_shapes(message).map_err(refuse)?;
+        return Ok(change);
+    }
     change.shapes = shapes(message).map_err(refuse)?;
     change.subframes = subframes(message).map_err(refuse)?;
     // as in MoveIt: the only pose that is given is that of the object
@@ -96,6 +103,25 @@ fn shapes(message: &CollisionObject) -> Result<Vec<ObstacleShape>, String> {
     let planes = message.planes.iter().map(|Plane { coef }| plane(*coef)).collect();
     add("plane", planes, &message.plane_poses)?;
     Ok(placed)
+}
+
+/// The poses of shapes alone, in the same order.
+fn shape_poses(message: &CollisionObject) -> Result<Vec<Pose>, String> {
+    let CollisionObject { primitive_poses, mesh_poses, plane_poses, .. } = message;
+    let fields = [("primitive", primitive_poses), ("mesh", mesh_poses), ("plane", plane_poses)];
+    let all = fields.into_iter().flat_map(|(field, poses)| poses.iter().enumerate().map(move |p| (field, p)));
+    all.map(|(field, (i, given))| pose(given, &format!("{field}_poses[{i}]"))).collect()
+}
+
+/// The shapes of a message without their poses.
+fn bare_shapes(message: &CollisionObject) -> Result<Vec<ObstacleShape>, String> {
+    let bare = CollisionObject {
+        primitive_poses: Vec::new(),
+        mesh_poses: Vec::new(),
+        plane_poses: Vec::new(),
+        ..message.clone()
+    };
+    shapes(&bare)
 }
 
 fn primitive(message: &SolidPrimitive) -> Result<Shape, String> {

@@ -16,12 +16,12 @@ use smol::channel::{Receiver, Sender};
 use super::clouds::{CloudMessage, CloudMessages};
 use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
 use super::reading::transform_pose;
-use crate::monitor::scene::{OCTOMAP, Transform, TransformTree};
+use crate::monitor::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 use crate::monitor::{Now, Time};
 use crate::node::clock::RosClock;
 use crate::node::loader::Order;
 use crate::node::messages::time_of;
-use crate::node::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
+use crate::node::middleware::{Complaints, MessageKind, Middleware, MiddlewareError, Quality, Subscription};
 use crate::node::names::Names;
 use crate::node::parameter_services::ParameterStore;
 use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
@@ -52,6 +52,8 @@ pub struct SceneTopics {
 #[derive(Clone)]
 pub struct Shared {
     pub transforms: Transforms,
+    /// What the loader has obstacles stand in.
+    pub grounds: Arc<Mutex<Grounds>>,
     pub clouds: Arc<CloudMessages>,
     pub store: ParameterStore,
     pub clock: Arc<RosClock>,
@@ -195,14 +197,23 @@ impl SceneTopics {
     }
 
     async fn follow(&self, topic: &Subscription<TFMessage>, fixed: bool) {
+        let complaints = Complaints::default();
         loop {
             let (message, _) = topic.next().await;
-            let Shared { transforms, clock, tape, .. } = &self.shared;
+            let Shared { transforms, grounds, clock, tape, .. } = &self.shared;
             let now = clock.now();
             let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
             // a recording has it before whatever is made of this tree
             tape.note(|| Happening::Transforms { message: message.clone(), now, fixed });
-            note_transforms(&mut tree, message, now, fixed);
+            let fault = note_transforms(&mut tree, message, now, fixed);
+            let is_elsewhere = grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree);
+            drop(tree);
+            if let Some(fault) = fault {
+                complaints.warn(|| fault);
+            }
+            if is_elsewhere && self.orders.send(Order::Frames).await.is_err() {
+                return;
+            }
         }
     }
 
@@ -250,28 +261,35 @@ impl SceneTopics {
     }
 }
 
-/// Puts what came at `now` into the tree; `fixed` transforms stay for ever.
-pub fn note_transforms(tree: &mut TransformTree, message: TFMessage, now: Option<Time>, fixed: bool) {
+/// Puts what came at `now` into the tree, and says what is wrong with it; `fixed` transforms stay for ever.
+pub fn note_transforms(
+    tree: &mut TransformTree,
+    message: TFMessage,
+    now: Option<Time>,
+    fixed: bool,
+) -> Option<String> {
     let (mut wrong, mut too_many) = (None, false);
     for transform in message.transforms {
         let stamp = match time_of(&transform.header.stamp) {
             Time::ZERO => now.unwrap_or_default(),
             stamp => stamp,
         };
-        let Ok(pose_pf) = transform_pose(&transform.transform) else {
-            wrong = Some(transform.child_frame_id);
-            continue;
+        let pose_pf = match transform_pose(&transform.transform) {
+            Ok(pose_pf) => pose_pf,
+            Err(why) => {
+                wrong = Some((transform.child_frame_id, why));
+                continue;
+            }
         };
         let parent = transform.header.frame_id;
         let stamp = (!fixed).then_some(stamp);
         too_many |= !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp });
     }
-    // once a message: others wait for the tree
-    if let Some(frame) = wrong {
-        log::warn!("tf: the transform of '{}' is no pose", frame.escape_debug());
-    }
-    if too_many {
-        log::warn!("tf: there are too many frames; the rest is not heeded");
+    match wrong {
+        Some((frame, why)) => {
+            Some(format!("tf: the transform of '{}' is no pose: {why}", frame.escape_debug()))
+        }
+        None => too_many.then(|| "tf: there are too many frames; the rest is not heeded".to_owned()),
     }
 }
 

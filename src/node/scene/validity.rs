@@ -11,8 +11,11 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use super::reading::{robot_state_change, transform_pose};
 use crate::checker::{Body, CollisionChecker, Contact, Question};
 use crate::math::{Point, Pose, Vector};
-use crate::monitor::scene::{Applied, PlanningSceneState, SceneContext, TransformTree};
-use crate::monitor::{Judgement, Now, quoted_list};
+use crate::monitor::scene::{
+    Applied, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate,
+    TransformTree,
+};
+use crate::monitor::{Evidence, Judgement, Now, quoted_list};
 use crate::node::loader::checker_of;
 use crate::node::messages::{point_message, stamp_message};
 use crate::node::scene_keeper::SceneInForce;
@@ -135,12 +138,8 @@ fn configuration(
         let (names, positions) = (given.name.len(), given.position.len());
         return Err(format!("robot_state.joint_state has {names} names and {positions} positions"));
     }
-    let placement = situation.judgement.and_then(|judgement| {
-        let same = judgement.revision.as_ref()?.model == situation.scene.revision.model;
-        judgement.placement.as_ref().filter(|_| same)
-    });
     let usual;
-    let rest = if let Some(evidence) = placement {
+    let rest = if let Some(evidence) = placement(situation) {
         &evidence.configuration
     } else {
         let named = |position: &&String| !given.name.contains(position);
@@ -156,6 +155,13 @@ fn configuration(
     };
     let named = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
     robot.configuration_over(rest, named).map_err(|error| format!("robot_state.joint_state: {error}"))
+}
+
+/// Where the robot is now, if that is known.
+fn placement<'s>(situation: &Situation<'s>) -> Option<&'s Evidence> {
+    let judgement = situation.judgement?;
+    let same = judgement.revision.as_ref()?.model == situation.scene.revision.model;
+    judgement.placement.as_deref().filter(|_| same)
 }
 
 /// Joints of several degrees of freedom stand in the URDF under names of their own; the virtual joint must stand at zero.
@@ -177,25 +183,49 @@ fn refuse_moved_root(robot: &RobotModel, state: &RobotState) -> Result<(), Strin
     Ok(())
 }
 
-/// The scene with what the request says that the robot holds; `None` if that changes nothing.
+/// The scene with what the request says that the robot holds; `None` if that changes nothing. As in `MoveIt`, what the robot no longer holds in it
+/// is gone, and not put into the world.
 fn with_request(
     state: &RobotState,
     scene: &PlanningSceneState,
     poses: &LinkPoses,
     situation: &Situation,
 ) -> Result<Option<PlanningSceneState>, String> {
-    let read = robot_state_change(state);
+    let named = |refusal: &SceneRefusal| format!("robot_state.attached_collision_objects: {refusal}");
+    let mut read = robot_state_change(state);
     if let Some(refusal) = read.refusals.first() {
-        return Err(format!("robot_state.attached_collision_objects: {refusal}"));
+        return Err(named(refusal));
     }
     let SceneInForce { revision, parameters, .. } = situation.scene;
     let robot = revision.checker.robot();
     let (transforms, now) = (situation.transforms, situation.now.ros);
-    let context = SceneContext::new(robot, Some(poses), transforms, now, parameters.transform_ttl);
+    let context_at = |poses| SceneContext::new(robot, poses, transforms, now, parameters.transform_ttl);
+    let asked = context_at(Some(poses));
+    // what is taken up from the world is taken up where the robot is now
+    let placement = placement(situation);
+    let today = context_at(placement.map(|evidence| &evidence.poses));
     let (mut changed, mut applied) = (scene.clone(), Applied::default());
-    changed.change_robot_state(&read.change, true, &context, &mut applied);
+    let attached = std::mem::take(&mut read.change.attached);
+    // what a state that is no difference may not say is refused with the rest of it
+    let is_diff = read.change.is_diff;
+    let (possible, refused): (Vec<_>, Vec<_>) =
+        attached.into_iter().partition(|change| is_diff || change.object.operation == Operation::Add);
+    read.change.attached = refused;
+    changed.change_robot_state(&read.change, true, &asked, &mut applied);
+    for change in possible {
+        let ObjectChange { operation, shapes, .. } = &change.object;
+        if *operation == Operation::Remove {
+            changed.let_go(&change, &asked).map_err(|refusal| named(&refusal))?;
+            applied.changed = true;
+            continue;
+        }
+        let context = if shapes.is_empty() { &today } else { &asked };
+        let taken = changed.apply(&SceneUpdate::Attached(Box::new(change)), context);
+        applied.changed |= taken.changed;
+        applied.refusals.extend(taken.refusals);
+    }
     match applied.refusals.first() {
-        Some(refusal) => Err(format!("robot_state.attached_collision_objects: {refusal}")),
+        Some(refusal) => Err(named(refusal)),
         None => Ok(applied.changed.then_some(changed)),
     }
 }

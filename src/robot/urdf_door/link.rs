@@ -16,6 +16,14 @@ impl<'d> Door<'d> {
         self.writer.open("link", &[("name", name)]);
         let mut notes =
             LinkNotes { place: self.xml.place(link, format!("link '{name}'")), collisions: Vec::new() };
+        for child in link.children().filter(Node::is_element) {
+            let given = child.tag_name().name();
+            if given != "collision" && is_nearly(given, "collision") {
+                let message =
+                    format!("element '{}' is not read: did you mean 'collision'?", shortened(given));
+                self.warn(child, format!("link '{name}'"), message);
+            }
+        }
         for (collision, number) in children(link, "collision").zip(1..) {
             let element = match collision.attribute("name").unwrap_or_default() {
                 "" => format!("link '{name}' collision {number}"),
@@ -183,4 +191,12 @@ impl<'d> Door<'d> {
             }
         }
     }
+}
+
+/// Whether a name is another one but for a letter or two that are missing, too many or wrong: what both begin and end with is nearly all of it.
+fn is_nearly(name: &str, other: &str) -> bool {
+    let alike = |(a, b): &(char, char)| a.eq_ignore_ascii_case(b);
+    let front = name.chars().zip(other.chars()).take_while(alike).count();
+    let back = name.chars().rev().zip(other.chars().rev()).take_while(alike).count();
+    front + back + 2 >= other.len() && name.len().abs_diff(other.len()) <= 2
 }

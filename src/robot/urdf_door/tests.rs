@@ -47,6 +47,14 @@ fn warned(text: &str, words: &[&str]) -> RobotModel {
 }
 
 #[test]
+fn a_misspelled_collision_is_told() {
+    warned(
+        &urdf("<colision><geometry><sphere radius='1'/></geometry></colision>", "fixed", ""),
+        &["colision", "did you mean"],
+    );
+}
+
+#[test]
 fn every_shape_is_read() {
     for (geometry, kind) in [
         ("<box size='1 2 3'/>", "box"),

@@ -443,3 +443,24 @@ fn random_motions() {
     println!("{accepted} of 60 were free");
     assert!(accepted > 20, "{accepted}");
 }
+
+/// What is proven of links and objects as they are says nothing about larger ones.
+#[test]
+fn larger_bodies_are_verified_as_large_as_they_are() {
+    let (robot, world) = (two_link(), balls());
+    let unscaled = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    for (larger, holds) in [
+        (Settings { link_scale: [("tip".to_owned(), 4.0)].into(), ..settings() }, false),
+        (Settings { object_scale: [("still".to_owned(), 20.0)].into(), ..settings() }, false),
+        (Settings { link_scale: [("tip".to_owned(), 0.5)].into(), ..settings() }, true),
+    ] {
+        // as if the proofs were about the larger ones
+        let forged = prove(&unscaled, &larger, &tour(&robot)).unwrap();
+        let verifier = Verifier::new(&robot, &world, &larger, None).unwrap();
+        assert_eq!(verifier.verify(&forged).is_ok(), holds, "{larger:?}");
+        let own = prove(&verifier, &larger, &tour(&robot));
+        assert!(own.is_err() || verifier.verify(&own.unwrap()).is_ok());
+    }
+    let bad = Settings { link_scale: [("tip".to_owned(), -1.0)].into(), ..settings() };
+    assert!(matches!(Verifier::new(&robot, &world, &bad, None), Err(Refusal::CannotScale { .. })));
+}

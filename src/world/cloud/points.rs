@@ -13,6 +13,8 @@ pub struct CloudPoints {
     pub points: Vec<[f32; 3]>,
     /// How many points had a coordinate that is no number, and were left out: sensors mark so what they did not see.
     pub dropped: usize,
+    /// Whether those that are too far away to be computed with are left out as well.
+    pub drops_far: bool,
     /// How far (m) rounding to 32-bit floats moved a point at most.
     pub rounding: f64,
     /// What was odd, as complete clauses.
@@ -119,14 +121,15 @@ impl CloudPoints {
     /// Adds one point; one that is not finite is dropped and counted.
     ///
     /// # Errors
-    /// When the point is farther than [`LARGEST_COORDINATE`].
+    /// When the point is farther than [`LARGEST_COORDINATE`], unless such are dropped too.
     #[allow(clippy::cast_possible_truncation)] // what is lost is counted
     pub fn push(&mut self, point: [f64; 3]) -> Result<(), CloudError> {
-        if !point.iter().all(|c| c.is_finite()) {
+        let is_far = point.iter().any(|c| c.abs() > LARGEST_COORDINATE);
+        if !point.iter().all(|c| c.is_finite()) || (is_far && self.drops_far) {
             self.dropped += 1;
             return Ok(());
         }
-        if point.iter().any(|c| c.abs() > LARGEST_COORDINATE) {
+        if is_far {
             let index = self.points.len() + self.dropped;
             return Err(CloudError(format!(
                 "point {index} at {point:?} is farther than {LARGEST_COORDINATE:e} m"

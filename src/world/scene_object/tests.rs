@@ -59,6 +59,7 @@ fn object(id: &str, operation: Operation, pose_fo: Pose, shapes: Vec<ObstacleSha
         frame,
         pose_fo,
         shapes,
+        shape_poses: vec![],
         subframes: vec![("top".to_owned(), at(0.0, 0.0, 1.0))],
         operation,
     }

@@ -21,17 +21,42 @@ pub struct TransformText {
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "it must be a list of three numbers, or x, y and z")]
 pub enum XyzText {
     List([f64; 3]),
-    Map { x: f64, y: f64, z: f64 },
+    Map(XyzMap),
+}
+
+/// What is left out is zero, as in a message.
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct XyzMap {
+    x: f64,
+    y: f64,
+    z: f64,
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "it must be a list of four numbers, or x, y, z and w")]
 pub enum QuaternionText {
     List([f64; 4]),
-    Map { x: f64, y: f64, z: f64, w: f64 },
+    Map(QuaternionMap),
+}
+
+/// What is left out is that of no rotation, as in a message.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct QuaternionMap {
+    x: f64,
+    y: f64,
+    z: f64,
+    w: f64,
+}
+
+impl Default for QuaternionMap {
+    fn default() -> Self {
+        Self { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }
+    }
 }
 
 impl Default for XyzText {
@@ -50,7 +75,7 @@ impl XyzText {
     pub fn numbers(self) -> [f64; 3] {
         match self {
             Self::List(list) => list,
-            Self::Map { x, y, z } => [x, y, z],
+            Self::Map(XyzMap { x, y, z }) => [x, y, z],
         }
     }
 }
@@ -59,7 +84,7 @@ impl QuaternionText {
     pub fn numbers(self) -> [f64; 4] {
         match self {
             Self::List(list) => list,
-            Self::Map { x, y, z, w } => [x, y, z, w],
+            Self::Map(QuaternionMap { x, y, z, w }) => [x, y, z, w],
         }
     }
 }

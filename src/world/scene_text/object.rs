@@ -90,7 +90,7 @@ pub struct MeshText {
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "it must be a list of three numbers of vertices, or vertex_indices")]
 pub enum FaceText {
     List([u32; 3]),
     Map { vertex_indices: [u32; 3] },

@@ -1,0 +1,40 @@
+//! What is said of what changes all the time: not everything.
+
+use std::time::Duration;
+
+/// A second, and how much may be said in one.
+const PERIOD: Duration = Duration::from_secs(1);
+const MOST: u32 = 10;
+
+/// Counts what was said of late.
+#[derive(Debug, Default)]
+pub struct Flood {
+    /// Steady time at which counting began.
+    since: Duration,
+    said: u32,
+}
+
+impl Flood {
+    /// Whether one thing more may be said at this steady time.
+    pub fn admit(&mut self, now: Duration) -> bool {
+        if now.saturating_sub(self.since) >= PERIOD {
+            *self = Self { since: now, said: 0 };
+        }
+        self.said += 1;
+        self.said <= MOST
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_has_room_for_some() {
+        let mut flood = Flood::default();
+        let mut admitted = |from: u64| -> usize {
+            (from..from + 900).filter(|ms| flood.admit(Duration::from_millis(*ms))).count()
+        };
+        assert_eq!([admitted(5000), admitted(6000), admitted(6950)], [10, 10, 10]);
+    }
+}

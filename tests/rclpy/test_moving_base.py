@@ -1,0 +1,77 @@
+"""A robot whose root drives through the room: what stands in the room stays there."""
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from scene import attached, ball, detachment, removal
+from scene_client import SceneClient, distance
+
+STRETCHED = {"joint1": 0, "joint2": 0}  # the tip's ball of 0.1 is at (2, 0)
+FAR = {"influence_distance": 10.0, "distance_limit": 10.0}
+ACCURACY = 1e-4  # [m] less is no motion of the root
+
+
+class Localization:
+    """Publishes where the root is in `odom`, 50 times a second."""
+
+    def __init__(self, cell):
+        self.x = 0.0
+        self.turn = 1.0  # the real part of the quaternion; there is no other
+        self._peer = cell.peer
+        self._publisher = cell.peer.node.create_publisher(TFMessage, cell.node.relative("tf"), 10)
+        self._timer = cell.peer.node.create_timer(0.02, self._tick)
+
+    def _tick(self):
+        message = TransformStamped(child_frame_id="base")
+        message.header.frame_id = "odom"
+        message.header.stamp = self._peer.now().to_msg()
+        message.transform.translation.x = self.x
+        message.transform.rotation.w = self.turn
+        self._publisher.publish(TFMessage(transforms=[message]))
+
+
+def status_with(cell, status, what):
+    return cell.states.wait_for(lambda state: state.status == status, what, after=len(cell.states.messages))
+
+
+def test_obstacles_stay_in_the_room_while_the_robot_drives(start):
+    cell = start(parameters=FAR)
+    scene = SceneClient(cell)
+    localization = Localization(cell)
+    cell.judged(**STRETCHED)
+
+    def placed():
+        scene.publish(ball("pillar", 5.0, frame="odom"))
+        return distance(cell.states.next(), "tip", "pillar") == pytest.approx(2.8, abs=ACCURACY)
+
+    cell.peer.wait_for(placed, "an obstacle in the frame of the room")
+    localization.x = 3.0
+    state = status_with(cell, CollisionState.COLLIDING, "the robot drove into the pillar")
+    assert (state.colliding_pairs[0].body_a, state.colliding_pairs[0].body_b) == ("tip", "pillar")
+    localization.x = 1.0
+    state = status_with(cell, CollisionState.FREE, "the robot drove back")
+    assert distance(state, "tip", "pillar") == pytest.approx(1.8, abs=ACCURACY)
+
+    # given in the frame of a link, and put down by one, it stands in the room as well
+    scene.change(removal("pillar"))
+    scene.change(attached("tip", ball("part", 1.3, frame="tip")))
+    scene.change(detachment("part"))
+    before = distance(cell.states.next(), "tip", "part")
+    localization.x = 0.5
+    cell.states.wait_for(
+        lambda state: distance(state, "tip", "part") == pytest.approx(before + 0.5, abs=ACCURACY),
+        "the part stayed behind",
+        after=len(cell.states.messages),
+    )
+
+
+def test_a_rotation_that_nobody_set_places_nothing(start):
+    cell = start(parameters=FAR)
+    scene = SceneClient(cell)
+    localization = Localization(cell)
+    localization.turn = 0.0
+    cell.judged(**STRETCHED)
+    scene.refused(ball("pillar", 5.0, frame="odom"), "unknown frame 'odom'")
+    cell.peer.wait_for(lambda: "the transform of 'base' is no pose" in cell.node.output(), "a word about it")
