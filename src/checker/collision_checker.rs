@@ -197,6 +197,12 @@ impl CollisionChecker {
         &self.pairs
     }
 
+    /// A length (m) that no distance changes by more than while joints go from some positions to others; infinite where nothing is known.
+    #[must_use]
+    pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
+        self.rates.between(from, to)
+    }
+
     /// The name of a link or an object.
     #[must_use]
     pub fn body_name(&self, body: Body) -> &str {

@@ -1,8 +1,8 @@
 //! How fast two bodies approach each other.
 
-use super::Evidence;
+use super::{Evidence, SpeedSettings};
 use crate::checker::{Body, CollisionChecker, PairDistance};
-use crate::math::{Point, Vector};
+use crate::math::{Extremes, Point, Vector};
 use crate::robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
 
 /// How far ahead (s) links are moved by their velocities: far above rounding, far below any curve.
@@ -10,6 +10,24 @@ const STEP: f64 = 1e-5;
 
 /// Points nearer than this (m) have no direction between them.
 const LEAST_DISTANCE: f64 = 1e-9;
+
+/// The way (m) of what approaches that is looked ahead at most.
+const LONGEST_WAY: f64 = 1.0;
+
+/// The distance (m) up to which pairs may slow the robot down: what moves may be nearer once the reaction time is over.
+pub(super) fn slows_within(
+    checker: &CollisionChecker,
+    configuration: &Configuration,
+    rates: Option<&[f64]>,
+    settings: &SpeedSettings,
+) -> f64 {
+    let reach = settings.reach();
+    let Some(rates) = rates.filter(|_| reach > 0.0) else { return reach };
+    let positions = configuration.positions();
+    let later: Vec<f64> =
+        positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect();
+    reach + checker.travel(positions, &later).lesser(LONGEST_WAY)
+}
 
 /// Where the links are at another time.
 #[derive(Clone, Debug)]

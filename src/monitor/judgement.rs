@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::scene::Grounds;
 use super::{Now, Reason, Status, Time, WorldSource};
-use crate::checker::{CollisionChecker, CollisionReport, LookAhead};
+use crate::checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance};
 use crate::math::Extremes;
 use crate::robot::{Configuration, LinkPoses};
 
@@ -20,13 +21,15 @@ pub struct Revision {
     pub sources: Vec<WorldSource>,
     /// What has to be known about the world beside that.
     pub warnings: Vec<String>,
+    /// The frames that obstacles stand in.
+    pub grounds: Grounds,
 }
 
 impl Revision {
     /// Of a world that only messages and files change.
     #[must_use]
     pub fn new(checker: CollisionChecker, model: u64, world: u64) -> Self {
-        Self { checker, model, world, sources: Vec::new(), warnings: Vec::new() }
+        Self { checker, model, world, sources: Vec::new(), warnings: Vec::new(), grounds: Grounds::default() }
     }
 
     /// Why the world is not known now, if it is not.
@@ -47,6 +50,8 @@ impl Revision {
 #[derive(Clone, Debug)]
 pub struct Evidence {
     pub report: CollisionReport,
+    /// Pairs beyond those that are told, which may come near before the robot has slowed down.
+    pub coming: Vec<PairDistance>,
     /// What was checked.
     pub configuration: Configuration,
     /// Where the links were.

@@ -32,6 +32,7 @@
 mod approach;
 pub mod cloud;
 mod contribution;
+mod ground;
 mod hearing;
 mod input;
 mod judgement;

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::approach::slows_within;
 use super::contribution::Contributions;
+use super::ground::GroundWatch;
 use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
 use super::placement::Placements;
@@ -15,7 +17,9 @@ use super::{
     Evidence, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
+use crate::query::Effort;
 use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -43,6 +47,7 @@ pub struct Monitor {
     set_back: Option<f64>,
     /// What `tf` tells about joints.
     placements: Placements,
+    ground: GroundWatch,
     verdict: Verdict,
     governor: SpeedGovernor,
     /// The model or a setting changed since the verdict.
@@ -92,6 +97,7 @@ impl Monitor {
             contributions: Contributions::default(),
             set_back: None,
             placements: Placements::default(),
+            ground: GroundWatch::default(),
             verdict: Verdict::unknown(Reason::NoModel { fault: None }),
             governor: SpeedGovernor::default(),
             outdated: true,
@@ -155,9 +161,17 @@ impl Monitor {
         }
     }
 
+    /// Whether judgements need to know what `tf` tells.
+    #[must_use]
+    pub fn heeds_transforms(&self) -> bool {
+        let stands = |subject: &Subject| !subject.revision.grounds.is_empty();
+        !self.settings.transform_joints.is_empty() || self.subject.as_ref().is_some_and(stands)
+    }
+
     /// What `tf` tells now; judgements from now on use it.
     pub fn note_transforms(&mut self, tree: &TransformTree) {
         let Some(subject) = &self.subject else { return };
+        self.ground.look(&subject.revision.grounds, tree);
         let mut placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
         placements.inherit(&self.placements);
         if placements != self.placements {
@@ -281,12 +295,14 @@ impl Monitor {
     /// The verdict as it holds now: what was right when it was judged may have become stale.
     fn say(&mut self, now: Now) -> Judgement {
         self.said_at = Some(now.steady);
+        self.ground.note_seen(now);
         let subject = self.subject.as_ref();
         let messages = self.hearing.messages();
         let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
         let heeded = subject.filter(|_| !unheeded);
         let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
-        let stale_world = subject.and_then(|subject| subject.revision.stale_world(now));
+        let ground = || self.ground.freshness(now, self.settings.transform_ttl).err();
+        let stale_world = subject.and_then(|subject| subject.revision.stale_world(now).or_else(ground));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
             (Some(reason), _) => Status::Unknown(self.with_other_fault(reason)),
@@ -353,16 +369,23 @@ impl Subject {
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
     ) -> Verdict {
-        let Reading { configuration, velocities, rates, spread, mut warnings } = reading;
+        let Reading { configuration, velocities, rates, are_of_joints, spread, mut warnings } = reading;
         let checker = &self.revision.checker;
         let started = stopwatch();
+        let slows_within = slows_within(checker, &configuration, rates.as_deref(), &settings.speed);
         let survey = Question::Survey {
-            influence_distance: settings.influence_distance.greater(settings.speed.reach()),
+            influence_distance: settings.influence_distance.greater(slows_within),
             limit: settings.distance_limit,
         };
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
+        // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
+        let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
+        let effort = Effort { exact_within, ..effort };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
         report.tell_certain_distances();
+        let told = settings.influence_distance.greater(settings.speed.reach());
+        let (told, coming) = report.pair_distances.into_iter().partition(|pair| pair.distance <= told);
+        report.pair_distances = told;
         let mut left_out = fixed.unwrap_or_default();
         if !report.undecided.is_empty() {
             left_out = LeftOut::Pairs;
@@ -388,11 +411,12 @@ impl Subject {
         checker.robot().forward_kinematics(&configuration, &mut poses);
         let evidence = Some(Arc::new(Evidence {
             report,
+            coming,
             configuration,
             poses,
             look_ahead,
             velocities,
-            rates,
+            rates: rates.filter(|_| are_of_joints),
             compute_time,
         }));
         Verdict { status, evidence, left_out, warnings }

@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use super::SpeedSettings;
-use crate::constants::CONTACT_DISTANCE;
 use crate::query::Effort;
 
 /// Longer than any check.
@@ -79,10 +78,7 @@ impl MonitorSettings {
         Effort {
             relative_tolerance: self.distance_relative_tolerance,
             absolute_tolerance: self.distance_absolute_tolerance,
-            // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
-            exact_within: Some(self.speed.reach())
-                .filter(|reach| *reach > 0.0)
-                .map_or(0.0, |reach| reach + CONTACT_DISTANCE),
+            exact_within: 0.0,
             deadline,
         }
     }

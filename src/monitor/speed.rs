@@ -1,7 +1,8 @@
 //! The share of its speed that a robot may have, from the distances of its bodies and how fast they approach.
 //!
 //! Each near pair asks for a share: all of it from the slow-down distance on, none of it up to the stop distance, between them
-//! in proportion; what approaches counts as nearer by the way of its reaction time, what moves away asks for nothing. The least share counts.
+//! in proportion; what approaches counts as nearer by the way of its reaction time, also from beyond the slow-down distance, what moves away asks
+//! for nothing. The least share counts.
 //! Where nobody knows how fast something near approaches, the share does not rise, but for a first state, which counts as at rest.
 //! It falls when so many states in a row ask for less as the trigger count says, to the most that they ask for, and rises when
 //! so many as the release count says ask for more, to the least of them. Where nothing is known it is zero at once.
@@ -9,7 +10,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::approach::{OtherTime, a_moment_later, approach_rate};
+use super::approach::{OtherTime, a_moment_later, approach_rate, slows_within};
 use super::{Evidence, Status, Time};
 use crate::checker::{Body, CollisionChecker, PairDistance};
 use crate::math::Extremes;
@@ -62,7 +63,7 @@ impl SpeedSettings {
 }
 
 impl SpeedDistances {
-    /// The distance (m) beyond which nothing is slowed.
+    /// The distance (m) beyond which nothing at rest is slowed.
     fn reach(self) -> f64 {
         self.slowdown.greater(self.stop)
     }
@@ -70,7 +71,8 @@ impl SpeedDistances {
     /// The share that a pair asks for which approaches by `rate` (m/s), if that is known.
     fn share(self, distance: f64, rate: Option<f64>, reaction_time: f64) -> f64 {
         let rate = rate.unwrap_or(0.0);
-        if distance > self.reach() || rate < -REST {
+        let is_off = self.reach() == 0.0 && distance > 0.0;
+        if is_off || rate < -REST {
             return 1.0;
         }
         let left = distance - rate.greater(0.0) * reaction_time;
@@ -124,8 +126,13 @@ impl SpeedGovernor {
             self.last = stamp.zip(evidence.cloned());
             return;
         };
-        let near = |pair: &&PairDistance| pair.distance <= distances_of(pair, settings).reach();
-        let mut near = evidence.report.pair_distances.iter().filter(near).peekable();
+        let slows_within =
+            slows_within(checker, &evidence.configuration, evidence.rates.as_deref(), settings);
+        let near = |pair: &&PairDistance| {
+            let reach = distances_of(pair, settings).reach();
+            reach > 0.0 && pair.distance <= reach.greater(slows_within) || pair.distance <= 0.0
+        };
+        let mut near = evidence.report.pair_distances.iter().chain(&evidence.coming).filter(near).peekable();
         // where nothing is near, nothing needs to be moved
         let other = near
             .peek()
@@ -133,7 +140,8 @@ impl SpeedGovernor {
         let (mut asked, mut are_known) = (1.0_f64, true);
         for pair in near {
             let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, &evidence.poses, other));
-            are_known &= rate.is_some();
+            // what is farther than that is known to be slow enough where its rate is not
+            are_known &= rate.is_some() || pair.distance > distances_of(pair, settings).reach();
             asked =
                 asked.lesser(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
         }
@@ -207,8 +215,10 @@ mod tests {
             // what moves away is never slowed
             (0.2, Some(-0.1), 1.0),
             (0.01, Some(-0.1), 1.0),
-            // beyond the slow-down distance nothing is
-            (0.31, Some(2.0), 1.0),
+            // beyond the slow-down distance what will soon be within it
+            (0.31, Some(0.0), 1.0),
+            (0.31, Some(2.0), 0.05),
+            (0.6, Some(2.0), 1.0),
         ] {
             let found = DISTANCES.share(distance, rate, 0.1);
             assert!((found - share).abs() < 1e-12, "{distance} m, {rate:?} m/s: {found}");

@@ -6,12 +6,16 @@ use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
 use super::placement::Placed;
 use super::status::{quoted, quoted_list};
-use super::{JointStateInput, Reason, Time};
+use super::{JointStateInput, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
 use crate::robot::{Configuration, JointId, RobotModel};
 
 /// How far (rad, m) a joint that follows others may be reported from where it should be without a word: gears have play.
 const MIMIC_SLACK: f64 = 0.02;
+
+/// How far apart (rad, m) two publishers may report a joint at about the same time (s) without a word.
+const CONTRADICTION: f64 = 0.05;
+const SAME_TIME: f64 = 0.1;
 
 /// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
 const MOST_STRANGERS: usize = 1000;
@@ -45,8 +49,10 @@ pub(super) struct Reading {
     pub configuration: Configuration,
     /// One for each position, if all are given and finite.
     pub velocities: Option<Vec<f64>>,
-    /// The same, where only some of several streams give them by what the others said before.
+    /// The same, where streams give none by what they said before.
     pub rates: Option<Vec<f64>>,
+    /// Whether these rates are of streams that know them differently, or of one that gives them itself.
+    pub are_of_joints: bool,
     /// How far (s) the times are apart at which joints were measured.
     pub spread: f64,
     pub warnings: Vec<String>,
@@ -90,6 +96,8 @@ struct Merge<'t> {
     prefix: &'t str,
     /// By position: the message that counts, and what it says.
     named_by: Vec<Option<usize>>,
+    /// By position: who said so, and of which time.
+    told: Vec<Option<(SourceId, Time)>>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
     rates: Vec<f64>,
@@ -108,6 +116,7 @@ impl<'t> Merge<'t> {
             tracker,
             prefix,
             named_by: vec![None; count],
+            told: vec![None; count],
             positions: vec![f64::NAN; count],
             velocities: vec![f64::NAN; count],
             rates: vec![f64::NAN; count],
@@ -147,9 +156,20 @@ impl<'t> Merge<'t> {
                         let twice = format!("joint {} stands in it twice", quoted(name));
                         fault.get_or_insert(Reason::Malformed(twice));
                     }
-                    Some(_) => is_superseded = true,
+                    Some(_) => {
+                        is_superseded = true;
+                        if is_whole && is_fresh {
+                            self.note_contradiction(
+                                name,
+                                index,
+                                (heard.input.source, heard.stamp),
+                                positions[i],
+                            );
+                        }
+                    }
                     None => {
                         self.named_by[index] = Some(message);
+                        self.told[index] = Some((heard.input.source, heard.stamp));
                         mine.push(index);
                         if is_whole {
                             self.positions[index] = positions[i];
@@ -197,6 +217,25 @@ impl<'t> Merge<'t> {
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
 
+    /// Warns if another publisher says something else about a joint: one of the two is wrong, and which counts is chance.
+    fn note_contradiction(
+        &mut self,
+        name: &str,
+        index: usize,
+        (source, stamp): (SourceId, Time),
+        position: f64,
+    ) {
+        let Some((other, told)) = self.told[index] else { return };
+        let counts = self.positions[index];
+        let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
+        if at_once && (position - counts).abs() > CONTRADICTION {
+            self.warnings.push(format!(
+                "joint {} is reported at {counts} and at {position} by two publishers: is one of them left over?",
+                quoted(name)
+            ));
+        }
+    }
+
     fn finish(
         mut self,
         robot: &RobotModel,
@@ -223,13 +262,14 @@ impl<'t> Merge<'t> {
         self.warnings.extend(mimic_warnings(robot, &configuration, &self.followers));
         let all = |numbers: Vec<f64>| numbers.iter().all(|v| v.is_finite()).then_some(numbers);
         let velocities = all(self.velocities);
-        // one stream that gives no velocities: the whole states before tell the way
-        let is_mixed = velocities.is_some() || contributions.0.len() > 1;
-        let rates = all(self.rates).filter(|_| is_mixed);
+        // of one stream that gives no velocities whole states tell the way
+        let are_of_joints = velocities.is_some() || contributions.0.len() > 1;
+        let rates = all(self.rates);
         Ok(Reading {
             configuration,
             velocities,
             rates,
+            are_of_joints,
             spread: contributions.spread(),
             warnings: self.warnings,
         })

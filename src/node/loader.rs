@@ -398,6 +398,7 @@ impl Loader {
             world,
             sources: self.keeper.sources(parameters),
             warnings: self.keeper.warnings(),
+            grounds: scene.grounds(robot),
         });
         (self.model_revision, self.world_revision) = (model, world);
         *lock(&self.scene) = Some(Arc::new(SceneInForce {

@@ -179,7 +179,7 @@ impl MonitorLoop {
     }
 
     fn look_at_transforms(&mut self) {
-        if self.parameters.transform_joints.is_empty() {
+        if !self.monitor.heeds_transforms() {
             return;
         }
         let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);

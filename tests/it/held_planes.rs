@@ -95,15 +95,12 @@ fn from_the_plane(checker: &CollisionChecker, q: &Configuration, displaced: &Pos
     let (robot, world) = (checker.robot(), checker.world());
     let mut poses = LinkPoses::new(robot);
     robot.forward_kinematics(q, &mut poses);
-    let (plane, at) = match world.attached().first() {
-        Some(shield) => {
-            let link = robot.link_by_name(&shield.link).unwrap();
-            (&shield.shapes[0], poses.pose(link) * shield.pose_lo)
-        }
-        None => {
-            let wall = world.obstacle_by_name("wall").unwrap();
-            (&wall.shapes[0], displaced * wall.pose_ro)
-        }
+    let (plane, at) = if let Some(shield) = world.attached().first() {
+        let link = robot.link_by_name(&shield.link).unwrap();
+        (&shield.shapes[0], poses.pose(link) * shield.pose_lo)
+    } else {
+        let wall = world.obstacle_by_name("wall").unwrap();
+        (&wall.shapes[0], displaced * wall.pose_ro)
     };
     let Shape::Plane(held) = &plane.shape else { unreachable!() };
     let plane = held.transformed(&(at * plane.pose_os));

@@ -16,7 +16,10 @@ from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
 import two_link
+from localization import Localization
 from node_process import ROOT
+from scene import ball
+from scene_client import SceneClient
 
 HEADING = "### When the answer is UNKNOWN"
 STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
@@ -218,6 +221,18 @@ def stale_world(s):
     cell.driver.report(**ZERO)
 
 
+def lost_root(s):
+    cell = s.start(parameters={"transform_ttl": 1.0})
+    cell.driver.report(**ZERO)
+    scene = SceneClient(cell)
+    localization = Localization(cell)
+    s.peer.wait_for(lambda: scene.publish(ball("pillar", 9.0, frame="odom")) or "pillar" in scene.obstacles(), "a pillar")
+    moved = scene.world_revision()
+    localization.x = 1.0
+    s.peer.wait_for(lambda: scene.world_revision() > moved, "a pillar that stays behind")
+    localization.fall_silent()
+
+
 def deadline(s):
     s.start(parameters={"check_deadline": 1e-9})
 
@@ -237,6 +252,20 @@ def mimic(s):
     cell = s.start(urdf=None, namespace="/mimic")
     cell.has_model()
     cell.driver.report(**ZERO, follower=0.5)
+
+
+def contradiction(s):
+    cell = s.judging()
+    other = s.peer.node.create_publisher(JointState, cell.node.relative("joint_states"), 10)
+
+    def publish():
+        stamp = s.peer.now()
+        cell.driver.publish(ZERO, stamp)
+        message = JointState(name=list(ZERO), position=[0.0, 0.5])
+        message.header.stamp = stamp.to_msg()
+        other.publish(message)
+
+    s.until("two publishers", publish)
 
 
 def no_stamp(s):
@@ -269,10 +298,12 @@ SCENARIOS = {
     "a joint of the robot has never been named": partial,
     "tf does not tell where a joint of `transform_joints` is, or its transform is older than `transform_ttl`": no_transform,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
+    "the robot's root has moved in the frame that obstacles stand in, and its transform is older than `transform_ttl`": lost_root,
     "`check_deadline` passed before every pair was decided": deadline,
     "a joint comes that the robot has not": unknown_joint,
     "a joint is outside its limits": outside_limits,
     "a joint is reported elsewhere than the joint it mimics takes it": mimic,
+    "two publishers report a joint at different places at about the same time": contradiction,
     "the joint state has no stamp": no_stamp,
     "the last robot description was refused, and the one before counts": refused_description,
 }

@@ -2,34 +2,14 @@
 
 import pytest
 from clearance_msgs.msg import CollisionState
-from geometry_msgs.msg import TransformStamped
-from tf2_msgs.msg import TFMessage
 
+from localization import Localization
 from scene import attached, ball, detachment, removal
 from scene_client import SceneClient, distance
 
 STRETCHED = {"joint1": 0, "joint2": 0}  # the tip's ball of 0.1 is at (2, 0)
 FAR = {"influence_distance": 10.0, "distance_limit": 10.0}
 ACCURACY = 1e-4  # [m] less is no motion of the root
-
-
-class Localization:
-    """Publishes where the root is in `odom`, 50 times a second."""
-
-    def __init__(self, cell):
-        self.x = 0.0
-        self.turn = 1.0  # the real part of the quaternion; there is no other
-        self._peer = cell.peer
-        self._publisher = cell.peer.node.create_publisher(TFMessage, cell.node.relative("tf"), 10)
-        self._timer = cell.peer.node.create_timer(0.02, self._tick)
-
-    def _tick(self):
-        message = TransformStamped(child_frame_id="base")
-        message.header.frame_id = "odom"
-        message.header.stamp = self._peer.now().to_msg()
-        message.transform.translation.x = self.x
-        message.transform.rotation.w = self.turn
-        self._publisher.publish(TFMessage(transforms=[message]))
 
 
 def status_with(cell, status, what):

@@ -6,6 +6,7 @@
 
 use super::{PlanningSceneState, SceneContext, TransformTree};
 use crate::math::Pose;
+use crate::monitor::Time;
 use crate::robot::RobotModel;
 
 /// Less than this (m, rad) is no motion of the root.
@@ -88,6 +89,23 @@ impl Grounds {
         };
         (self.any_ungrounded && transforms.topmost_above(&self.root).is_some())
             || self.frames.iter().any(is_one)
+    }
+}
+
+impl Grounds {
+    /// Whether anything stands in a frame.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Of the frames whose place changes with time the one that was told of longest ago: its pose in the root's frame, and when.
+    pub(in crate::monitor) fn least_known(&self, transforms: &TransformTree) -> Option<(String, Pose, Time)> {
+        let known = self.frames.iter().filter_map(|(frame, _)| {
+            let (pose, stamp) = transforms.pose_between(&self.root, frame)?;
+            Some((frame.clone(), pose, stamp?))
+        });
+        known.min_by_key(|(.., stamp)| *stamp)
     }
 }
 

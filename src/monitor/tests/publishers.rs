@@ -103,3 +103,23 @@ fn more_publishers_than_are_remembered_do_no_harm() {
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "partial");
     assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.2))), "FREE");
 }
+
+/// A publisher that somebody forgot beside the driver: the state is as the last one says, and that there are two is told.
+#[test]
+fn publishers_that_contradict_each_other_are_told() {
+    let mut monitor = monitor();
+    let driver = |seconds| part(1, seconds, &[("shoulder", 0.0), ("elbow", 1.2)]);
+    monitor.on_joint_state(driver(0.0), at(0.0));
+    let told = monitor.on_joint_state(part(2, 0.02, &[("shoulder", 0.0), ("elbow", COLLIDING[1])]), at(0.02));
+    assert_eq!(code(&told), "COLLIDING");
+    assert_eq!(told.warnings.len(), 1, "{:?}", told.warnings);
+    assert!(
+        told.warnings[0].contains("joint 'elbow' is reported at 3.14")
+            && told.warnings[0].contains("at 1.2 by two")
+    );
+    // one that is a little behind, or has been silent for a while, contradicts nobody
+    let near = monitor.on_joint_state(part(2, 0.04, &[("shoulder", 0.0), ("elbow", 1.21)]), at(0.04));
+    assert!(near.warnings.is_empty(), "{:?}", near.warnings);
+    let later = monitor.on_joint_state(part(2, 0.4, &[("shoulder", 0.0), ("elbow", 2.0)]), at(0.4));
+    assert!(later.warnings.is_empty(), "{:?}", later.warnings);
+}

@@ -200,14 +200,7 @@ impl SceneTopics {
         let complaints = Complaints::default();
         loop {
             let (message, _) = topic.next().await;
-            let Shared { transforms, grounds, clock, tape, .. } = &self.shared;
-            let now = clock.now();
-            let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
-            // a recording has it before whatever is made of this tree
-            tape.note(|| Happening::Transforms { message: message.clone(), now, fixed });
-            let fault = note_transforms(&mut tree, message, now, fixed);
-            let is_elsewhere = grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree);
-            drop(tree);
+            let (fault, is_elsewhere) = self.heed(message, fixed);
             if let Some(fault) = fault {
                 complaints.warn(|| fault);
             }
@@ -215,6 +208,17 @@ impl SceneTopics {
                 return;
             }
         }
+    }
+
+    /// Takes note of transforms: what is wrong with them, and whether obstacles have to be put elsewhere now.
+    fn heed(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
+        let Shared { transforms, grounds, clock, tape, .. } = &self.shared;
+        let now = clock.now();
+        let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
+        // a recording has it before whatever is made of this tree
+        tape.note(|| Happening::Transforms { message: message.clone(), now, fixed });
+        let fault = note_transforms(&mut tree, message, now, fixed);
+        (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }
 
     /// Listens to the clouds that the parameters name, for ever.
