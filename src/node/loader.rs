@@ -230,7 +230,13 @@ impl Loader {
 
     /// The next order, or none when enough time passed without one; `None` when there will be none.
     fn await_orders(&mut self, orders: &Receiver<Order>, outlook: &Outlook) -> Option<Vec<Order>> {
-        let Shared { store, clock, .. } = &outlook.shared;
+        let Shared { transforms, grounds, store, clock, .. } = &outlook.shared;
+        // what tf said while the last orders were followed was compared with where obstacles were before
+        let tree = lock(transforms);
+        if lock(grounds).are_elsewhere(&tree) {
+            return Some(vec![Order::Frames]);
+        }
+        drop(tree);
         let due = self.keeper.time_to_drop(clock.read(), &store.get());
         let order = smol::block_on(future::or(async { orders.recv().await.map(Some) }, async {
             match due {

@@ -37,9 +37,9 @@ impl PlanningSceneState {
             self.anchor(&name, "", context);
         }
         let place = |(name, Anchor { frame, pose_fo }): (&String, &Anchor)| {
-            let pose_ro = context.pose_by_tf(frame)? * pose_fo;
-            let before = self.world.obstacle_by_name(name)?.pose_ro;
-            is_elsewhere(&before, &pose_ro).then(|| (name.clone(), pose_ro))
+            let now = context.pose_by_tf(frame)?;
+            let before = self.world.obstacle_by_name(name)?.pose_ro * pose_fo.inverse();
+            is_elsewhere(&before, &now).then(|| (name.clone(), now * pose_fo))
         };
         let moved: Vec<(String, Pose)> = self.anchors.iter().filter_map(place).collect();
         for (name, pose_ro) in &moved {
