@@ -31,6 +31,8 @@ pub fn start(level: LevelFilter) {
         .filter_level(level)
         .filter_module("rustdds", very_quiet)
         .filter_module("ros2_client", quiet)
+        // of empty texts it says that they end nowhere
+        .filter_module("cdr_encoding", quiet)
         // it misses ROS_DISTRO, which says nothing about the peers
         .filter_module("ros2_client::distributions", very_quiet)
         .format_timestamp_millis()

@@ -22,10 +22,6 @@ use crate::robot::{Configuration, RobotModel};
 /// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
 const LONGEST_CERTIFICATE: usize = 200_000;
 
-/// Bytes of message and certificate together in an answer. What does not fit into one datagram (1452 bytes on Ethernet, some 300 of
-/// which go to the rest) is cut into fragments that nobody can read (decision 18).
-const LONGEST_TEXTS: usize = 1000;
-
 /// No proof takes fewer bytes of a certificate: `[0,0.0,1.0,0.1,0.1],`.
 const SHORTEST_PROOF: usize = 20;
 
@@ -247,9 +243,7 @@ fn verdict(
     motion.message = shortened(notes.join("; "));
     if let (Some(text), Some(proof)) = (&text, proof) {
         motion.certificate_digest = proof.digest;
-        if text.len() + motion.message.len() <= LONGEST_TEXTS {
-            motion.certificate.clone_from(text);
-        }
+        motion.certificate.clone_from(text);
     }
     Answered { response, certificate: text, swept_volume: swept_volume.flatten() }
 }

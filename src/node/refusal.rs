@@ -1,6 +1,6 @@
 //! Why a request is not answered, as services say it.
 
-/// Bytes of a message at most: it must not grow with hostile input, and the answer has to fit into a datagram.
+/// Bytes of a message at most: it must not grow with hostile input.
 pub const LONGEST_MESSAGE: usize = 480;
 
 /// Why nothing is checked.

@@ -16,11 +16,11 @@ use crate::monitor::{Judgement, quoted_list};
 use crate::query::Effort;
 use crate::robot::Configuration;
 
-/// States of one request at most: the answer about so many takes some 50 kB, and has to fit into a datagram (decision 18).
-const STATES: usize = 3000;
+/// States of one request at most: with distances they take a second, and others wait for their turn.
+const STATES: usize = 10_000;
 
-/// Bytes of pairs in an answer at most, for the same reason.
-const LONGEST_PAIRS: usize = 60_000;
+/// Bytes of pairs in an answer at most: some 6000 of them.
+const LONGEST_PAIRS: usize = 1_000_000;
 
 /// Bytes of bodies' names in the answer to a batch at most.
 const LONGEST_NAMES: usize = 10_000;

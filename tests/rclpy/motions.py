@@ -45,12 +45,12 @@ class Motions:
         return self._peer.result(self._trajectories.call_async(request), "an answer of check_trajectory")
 
     def certificate(self, answer):
-        """The certificate that belongs to an answer, read from its topic; one in the answer has to be the same."""
+        """The certificate of an answer; the same is published on its topic."""
         assert answer.certificate_digest
         message = self._certificates.wait_for(
             lambda message: json.loads(message.data)["digest"] == answer.certificate_digest, "the certificate"
         )
-        assert answer.certificate in ("", message.data)
+        assert answer.certificate == message.data
         return message.data
 
     def with_swept_volume(self, ask):

@@ -290,8 +290,7 @@ def test_a_long_certificate_arrives_whole_and_a_longer_one_is_left_out(cell):
 
     answer = cell.motions.follow(zigzag(400), certificate=True)
     assert answer.verdict == CheckTrajectory.Response.FREE
-    assert answer.certificate == ""
-    assert len(cell.motions.certificate(answer)) > 50_000
+    assert len(answer.certificate) > 50_000
     assert_proven(cell.motions.certificate(answer), 399, ((0, 0), (1, 0)))
 
     answer = cell.motions.follow(zigzag(4000), certificate=True)

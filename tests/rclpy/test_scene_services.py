@@ -124,8 +124,20 @@ def test_what_was_told_can_be_applied_again(cell, scene):
     assert after.pairs_checked == before.pairs_checked
 
 
-def test_an_answer_too_large_to_be_sent_is_told(cell, scene):
-    """The DDS library can not send more than a datagram of an answer; topics have no such limit."""
+@pytest.mark.parametrize("triangles", [3000, 30_000])
+def test_a_scene_of_any_size_arrives_whole(scene, triangles):
+    scene.change(obstacle("strip", (fine_mesh(triangles), pose(3))))
+    for _ in range(2):
+        (mesh,) = scene.obstacles()["strip"].meshes
+        assert [tuple(triangle.vertex_indices) for triangle in mesh.triangles] == [
+            tuple(triangle.vertex_indices) for triangle in fine_mesh(triangles).triangles
+        ]
+        # a short one comes between the long ones
+        (named,) = scene.get("WORLD_OBJECT_NAMES").world.collision_objects
+        assert named.id == "strip"
+
+
+def test_a_fine_mesh_is_told_by_topic(cell, scene):
     monitored = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"))
     cell.peer.wait_for(
         lambda: cell.peer.node.count_publishers(cell.node.relative("monitored_planning_scene")), "the topic"
@@ -135,10 +147,6 @@ def test_an_answer_too_large_to_be_sent_is_told(cell, scene):
         lambda told: any(len(mesh.triangles) == 3000 for item in told.world.collision_objects for mesh in item.meshes),
         "the whole strip by topic",
     )
-    scene.request(GetPlanningScene, "get_planning_scene", GetPlanningScene.Request())
-    cell.peer.wait_for(lambda: "get_planning_scene has" in cell.node.output(), "a word about it")
-    (named,) = scene.get("WORLD_OBJECT_NAMES").world.collision_objects
-    assert named.id == "strip"
 
 
 # apply_planning_scene

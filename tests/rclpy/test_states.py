@@ -20,6 +20,7 @@ ERROR, FREE, COLLIDING, UNKNOWN = (
     CheckStates.Response.UNKNOWN,
 )
 ACCURACY = 1e-9  # [m]
+MOST = 10_000  # states of a batch
 ONTO = (0, pi)
 
 
@@ -165,11 +166,11 @@ def test_a_bad_question_for_distances_is_refused_by_name(cell, state, terms, nam
 
 
 def test_a_batch_of_the_most_states_arrives_whole(cell):
-    states = [(0, pi * i / 3000) for i in range(3000)]
+    states = [(0, pi * i / MOST) for i in range(MOST)]
     answer = cell.questions.check(states, with_distance=True)
 
     assert answer.compute_time > 0
-    assert len(answer.verdicts) == len(answer.distances) == 3000
+    assert len(answer.verdicts) == len(answer.distances) == MOST
     free = [joint2 < two_link.FIRST_TOUCH for _, joint2 in states]
     assert [verdict == FREE for verdict in answer.verdicts] == free
     assert [distance > 0 for distance in answer.distances] == free
@@ -312,7 +313,7 @@ def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
 
     # batches that take longer than they take to come, however fast the machine is
     per_state = questions.check(batch(100), **terms).compute_time / 100
-    size = min(max(int(0.3 / per_state), 1), 3000)
+    size = min(max(int(0.3 / per_state), 1), MOST)
     heard = len(cell.states.messages)
     futures = [questions.ask(batch(size), **terms) for _ in range(40)]
     answers = [peer.result(future) for future in futures]

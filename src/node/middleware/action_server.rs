@@ -15,6 +15,7 @@ use ros2_client::builtin_interfaces::Time as Stamp;
 use rustdds::GUID;
 use serde::{Deserialize, Serialize};
 
+use super::answering::Answering;
 use super::complaints::Complaints;
 use super::peers::Peers;
 use super::{Message, RequestId, lock};
@@ -37,6 +38,8 @@ where
     inner: Mutex<ros2_client::ActionServer<Goal, Outcome, Progress>>,
     name: FullName,
     peers: Arc<Peers>,
+    /// Results, which may be long.
+    results: Answering,
     complaints: Complaints,
 }
 
@@ -78,7 +81,8 @@ where
         name: FullName,
         peers: Arc<Peers>,
     ) -> Self {
-        Self { inner: Mutex::new(inner), name, peers, complaints: Complaints::default() }
+        let results = Answering::new(name.clone(), &format!("{name}/_action/get_result"), Arc::clone(&peers));
+        Self { inner: Mutex::new(inner), name, peers, results, complaints: Complaints::default() }
     }
 
     pub async fn next_goal(&self) -> (RequestId, GoalId, Goal) {
@@ -123,8 +127,8 @@ where
     }
 
     pub async fn answer_result(&self, RequestId(id): RequestId, status: Standing, result: Outcome) {
-        self.await_reader(&id).await;
-        self.check(lock(&self.inner).send_result(id, GetResultResponse { status, result }));
+        let write = |id, response| lock(&self.inner).send_result(id, response);
+        self.results.send(id, GetResultResponse { status, result }, write).await;
     }
 
     pub fn tell_progress(&self, goal_id: GoalId, feedback: Progress) {

@@ -4,10 +4,13 @@
 
 mod action_server;
 mod announcement;
+mod answering;
 mod complaints;
 mod deafness;
 mod first_request;
+mod fragments;
 mod peers;
+mod rtps;
 mod server;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -9,8 +9,9 @@ use futures_lite::StreamExt;
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
 use smol::Timer;
 
-use super::first_request::FirstRequest;
+use super::first_request::question;
 use super::lock;
+use super::rtps::Wire;
 use crate::node::environment::Reach;
 use crate::node::names::FullName;
 
@@ -25,8 +26,29 @@ pub struct Peers {
     /// DDS topics of which nothing may be lost here.
     reliably_read: Mutex<HashSet<String>>,
     /// Readers of others that hear something of ours.
-    readers: Mutex<HashSet<GUID>>,
-    first_request: Option<FirstRequest>,
+    hearers: Mutex<HashMap<GUID, Hearer>>,
+    wire: Option<Wire>,
+}
+
+/// A reader of another that hears a writer of ours.
+#[derive(Clone)]
+pub struct Hearer {
+    pub reader: GUID,
+    pub writer: GUID,
+    pub addresses: Vec<SocketAddr>,
+    /// The DDS topic.
+    topic: String,
+}
+
+impl Hearer {
+    /// Whether it hears answers for a client. Fast DDS names this reader in its requests, others a writer of the same participant.
+    pub fn is_of(&self, client: GUID) -> bool {
+        if is_reader(client) { self.reader == client } else { self.reader.prefix == client.prefix }
+    }
+
+    pub fn is_on_loopback(&self) -> bool {
+        !self.addresses.is_empty() && self.addresses.iter().all(|address| address.ip().is_loopback())
+    }
 }
 
 /// A topic of ours.
@@ -41,8 +63,8 @@ impl Peers {
             node: format!("{}/{node}", namespace.trim_end_matches('/')),
             endpoints: Mutex::default(),
             reliably_read: Mutex::default(),
-            readers: Mutex::default(),
-            first_request: FirstRequest::new(reach),
+            hearers: Mutex::default(),
+            wire: Wire::open(reach),
         }
     }
 
@@ -61,17 +83,29 @@ impl Peers {
     pub async fn await_reader(&self, client: GUID, service: &FullName) {
         const PERIOD: Duration = Duration::from_millis(2);
         const PERIODS: usize = 500;
-        // Fast DDS names the reader of the answer in its requests; others name the writer, which says nothing
+        // a writer that a client is named by says nothing
         if !is_reader(client) {
             return;
         }
         for _ in 0..PERIODS {
-            if lock(&self.readers).contains(&client) {
+            if lock(&self.hearers).contains_key(&client) {
                 return;
             }
             Timer::after(PERIOD).await;
         }
         log::warn!("a client of {service} does not listen to answers");
+    }
+
+    /// Who hears a DDS topic of ours.
+    pub fn hearers(&self, topic: &str) -> Vec<Hearer> {
+        lock(&self.hearers).values().filter(|hearer| hearer.topic == topic).cloned().collect()
+    }
+
+    /// Sends a message beside the DDS library; what does not arrive is lost.
+    pub fn send(&self, message: &[u8], addresses: &[SocketAddr]) {
+        if let Some(wire) = &self.wire {
+            wire.send(message, addresses);
+        }
     }
 
     /// Meets peers for ever.
@@ -93,11 +127,11 @@ impl Peers {
 
     fn note_event(&self, participant: &DomainParticipant, event: &DomainParticipantStatusEvent) {
         match *event {
-            DomainParticipantStatusEvent::RemoteReaderMatched { remote_reader, .. } => {
-                lock(&self.readers).insert(remote_reader);
+            DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, remote_reader } => {
+                self.note_hearer(participant, local_writer, remote_reader);
             }
             DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
-                lock(&self.readers).remove(&guid);
+                lock(&self.hearers).remove(&guid);
             }
             DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
                 self.ask_for_the_past(participant, local_reader, remote_writer);
@@ -106,21 +140,28 @@ impl Peers {
         }
     }
 
-    fn ask_for_the_past(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
-        let Some(first_request) = &self.first_request else {
-            return;
+    fn note_hearer(&self, participant: &DomainParticipant, writer: GUID, reader: GUID) {
+        let known = participant.discovered_readers();
+        let peer = known.iter().find(|r| r.reader_proxy.remote_reader_guid == reader);
+        let hearer = Hearer {
+            reader,
+            writer,
+            addresses: peer.map(|r| addresses(&r.reader_proxy.unicast_locator_list)).unwrap_or_default(),
+            topic: peer.map(|r| r.subscription_topic_data.topic_name().clone()).unwrap_or_default(),
         };
+        lock(&self.hearers).insert(reader, hearer);
+    }
+
+    fn ask_for_the_past(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
         let known = participant.discovered_writers();
         let Some(peer) = known.iter().find(|w| w.writer_proxy.remote_writer_guid == writer) else {
             return;
         };
-        if lock(&self.reliably_read).contains(&peer.publication_topic_data.topic_name) {
-            // shared memory and other transports stand among them
-            let addresses = (peer.writer_proxy.unicast_locator_list.iter())
-                .filter(|locator| locator.is_udp())
-                .map(|locator| SocketAddr::from(*locator))
-                .filter(SocketAddr::is_ipv4);
-            first_request.send(reader, writer, addresses);
+        if lock(&self.reliably_read).contains(&peer.publication_topic_data.topic_name)
+            && let Some(question) = question(&reader.to_bytes(), &writer.to_bytes())
+        {
+            // what does not arrive is asked for by the library's own means later
+            self.send(&question, &addresses(&peer.writer_proxy.unicast_locator_list));
         }
     }
 
@@ -183,6 +224,14 @@ impl Peers {
     }
 }
 
+/// Where an endpoint is heard; shared memory and other transports stand among its locators.
+fn addresses<L: Copy + Into<SocketAddr>>(locators: &[L]) -> Vec<SocketAddr> {
+    (locators.iter())
+        .map(|locator| (*locator).into())
+        .filter(|address: &SocketAddr| address.is_ipv4() && !address.ip().is_unspecified())
+        .collect()
+}
+
 /// Whether an entity is a reader, by the last byte of its identifier (RTPS 9.3.1.2).
 fn is_reader(entity: GUID) -> bool {
     matches!(entity.to_bytes()[15] & 0x3f, 0x04 | 0x07)
@@ -199,4 +248,30 @@ fn in_words(qos: &QosPolicies) -> String {
         Some(_) => "transient local",
     };
     format!("{reliability}, {durability}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entity(participant: u8, kind: u8) -> GUID {
+        let mut bytes = [participant; 16];
+        bytes[15] = kind;
+        GUID::from_bytes(bytes)
+    }
+
+    #[test]
+    fn a_client_hears_by_its_own_reader_or_by_that_of_its_participant() {
+        const READER: u8 = 0x04;
+        const WRITER: u8 = 0x03;
+        let addresses = vec![SocketAddr::from(([127, 0, 0, 1], 7411))];
+        let (reader, writer) = (entity(5, READER), entity(1, WRITER));
+        let hearer = Hearer { reader, writer, addresses, topic: String::new() };
+        assert!(hearer.is_of(reader) && hearer.is_of(entity(5, WRITER)));
+        assert!(!hearer.is_of(entity(6, READER)) && !hearer.is_of(entity(6, WRITER)));
+        assert!(hearer.is_on_loopback());
+        let across = SocketAddr::from(([192, 0, 2, 1], 7411));
+        assert!(!Hearer { addresses: vec![across], ..hearer.clone() }.is_on_loopback());
+        assert!(!Hearer { addresses: Vec::new(), ..hearer }.is_on_loopback());
+    }
 }

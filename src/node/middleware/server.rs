@@ -4,27 +4,19 @@ use std::sync::Arc;
 
 use futures_lite::future;
 use ros2_client::RmwRequestId;
-use rustdds::GUID;
 
 use super::Message;
+use super::answering::Answering;
 use super::complaints::Complaints;
 use super::peers::Peers;
-use crate::node::cdr;
 use crate::node::names::FullName;
-
-/// Bytes of an answer at most. The DDS library sends larger ones in fragments that nobody can read, and does so already from 1.4 kB on
-/// once a client of the service is across Ethernet, which is not known here.
-const LARGEST: usize = 65_000;
 
 /// Answers requests of one service.
 pub struct Server<Request: Message, Response: Message> {
     inner: ros2_client::Server<Request, Response>,
     name: FullName,
-    peers: Arc<Peers>,
-    /// About requests.
+    answering: Answering,
     unread: Complaints,
-    /// About answers.
-    unsent: Complaints,
 }
 
 /// Names a request in its answer.
@@ -36,7 +28,8 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         name: FullName,
         peers: Arc<Peers>,
     ) -> Self {
-        Self { inner, name, peers, unread: Complaints::default(), unsent: Complaints::default() }
+        let answering = Answering::new(name.clone(), name.as_str(), peers);
+        Self { inner, name, answering, unread: Complaints::default() }
     }
 
     /// The next request, waiting for it. What can not be decoded is logged and passed over.
@@ -53,21 +46,8 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         }
     }
 
-    /// Answers a request, as soon as its client can hear it. An answer too large to be sent is logged instead.
+    /// Answers a request, as soon as its client can hear it.
     pub async fn answer(&self, RequestId(id): RequestId, response: Response) {
-        let size = cdr::size_of(&response);
-        if size > LARGEST {
-            self.unsent.warn(|| {
-                format!(
-                    "an answer of {} has {size} bytes, of which only {LARGEST} can be sent: it was dropped; ask for less at a time",
-                    self.name
-                )
-            });
-            return;
-        }
-        self.peers.await_reader(GUID::from(id.writer_gid), &self.name).await;
-        if let Err(error) = self.inner.send_response(id, response) {
-            log::warn!("an answer of {} was dropped: {error}", self.name);
-        }
+        self.answering.send(id, response, |id, response| self.inner.send_response(id, response)).await;
     }
 }

@@ -259,7 +259,7 @@ fn broken_requests_are_refused_by_name() {
         (|r| r.joint_names[1] = "wrist".into(), "state 0: the robot has no joint 'wrist'"),
         (|r| r.joint_names[1] = "joint1".into(), "joint 'joint1' is given twice"),
         (|r| r.joint_names[0] = "x".repeat(1 << 20), "the robot has no joint 'xxx"),
-        (|r| r.positions = vec![0.0; 2 * STATES + 2], "positions has 3001 states, but at most 3000"),
+        (|r| r.positions = vec![0.0; 2 * STATES + 2], "positions has 10001 states, but at most 10000"),
         (|r| r.timeout = f64::NAN, "timeout is NaN"),
         (|r| r.distance_limit = -1.0, "distance_limit is -1 m"),
     ];

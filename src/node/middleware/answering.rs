@@ -1,0 +1,145 @@
+//! How answers reach those who asked.
+//!
+//! `RustDDS` 0.15.1 spoils the fragments of answers (decision 18). What does not fit into a datagram goes beside it: in fragments of
+//! our own, in the name of the library's writer, and under the number that its next sample will have. Then the library sends an
+//! empty answer of that number which nobody asked for. Who has all fragments has that number already, and passes over
+//! it; who lost one hears nothing, as if the answer had been lost.
+
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use ros2_client::{Message, RmwRequestId};
+use rustdds::GUID;
+use smol::Timer;
+use smol::lock::Mutex;
+
+use super::complaints::Complaints;
+use super::fragments::Answer;
+use super::peers::{Hearer, Peers};
+use crate::node::cdr;
+use crate::node::names::FullName;
+
+/// Bytes of an answer that the library sends in one piece on any common network.
+const SHORT: usize = 1000;
+
+/// The same where everybody who hears the answers is on the loopback network.
+const SHORT_ON_LOOPBACK: usize = 65_000;
+
+/// Bytes of an answer at most.
+const LONGEST: usize = 64 << 20;
+
+/// Datagrams sent without a pause: receivers have room for some two hundred kilobytes.
+const BURST: usize = 48;
+
+/// Between two bursts.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// Nobody asks again for a fragment, so each is sent more than once.
+const PASSES: usize = 2;
+
+/// Answers of one service.
+pub struct Answering {
+    name: FullName,
+    /// DDS topic of the answers.
+    topic: String,
+    peers: Arc<Peers>,
+    /// Samples written so far: one is sent at a time.
+    sent: Mutex<i64>,
+    complaints: Complaints,
+}
+
+impl Answering {
+    /// Of a service with that full name, which nobody has answered yet.
+    pub fn new(name: FullName, service: &str, peers: Arc<Peers>) -> Self {
+        Self {
+            topic: format!("rr{service}Reply"),
+            name,
+            peers,
+            sent: Mutex::new(0),
+            complaints: Complaints::default(),
+        }
+    }
+
+    /// Answers a request as soon as its client can hear it; `write` sends a sample by way of the library. What can not be sent is
+    /// logged.
+    pub async fn send<Response, Fault>(
+        &self,
+        id: RmwRequestId,
+        response: Response,
+        write: impl Fn(RmwRequestId, Response) -> Result<(), Fault>,
+    ) where
+        Response: Message,
+        Fault: fmt::Display,
+    {
+        let client = GUID::from(id.writer_gid);
+        self.peers.await_reader(client, &self.name).await;
+        let mut sent = self.sent.lock().await;
+        let written = self.send_next(id, response, *sent + 1, write).await;
+        match written {
+            Ok(()) => *sent += 1,
+            Err(why) => self.complaints.warn(|| format!("an answer of {} was dropped: {why}", self.name)),
+        }
+    }
+
+    /// Sends the sample of that number.
+    async fn send_next<Response, Fault>(
+        &self,
+        id: RmwRequestId,
+        response: Response,
+        number: i64,
+        write: impl Fn(RmwRequestId, Response) -> Result<(), Fault>,
+    ) -> Result<(), String>
+    where
+        Response: Message,
+        Fault: fmt::Display,
+    {
+        let size = cdr::size_of(&response);
+        let hearers = self.peers.hearers(&self.topic);
+        let short = if hearers.iter().all(Hearer::is_on_loopback) { SHORT_ON_LOOPBACK } else { SHORT };
+        if size <= short {
+            return write(id, response).map_err(|fault| fault.to_string());
+        }
+        if size > LONGEST {
+            return Err(format!(
+                "it has {size} bytes, of which only {LONGEST} can be sent; ask for less at a time"
+            ));
+        }
+        let bytes = cdr::encode(&response)?;
+        // without a stand-in nothing may be sent
+        cdr::blank::<Response>()?;
+        let client = GUID::from(id.writer_gid);
+        let own: Vec<&Hearer> = hearers.iter().filter(|hearer| hearer.is_of(client)).collect();
+        self.send_fragments(&own, id, number, &bytes).await;
+        let nobody = RmwRequestId::default();
+        stand_in(|| write(nobody, cdr::blank()?).map_err(|fault| fault.to_string())).await
+    }
+
+    async fn send_fragments(&self, hearers: &[&Hearer], id: RmwRequestId, number: i64, bytes: &[u8]) {
+        let asked = (GUID::from(id.writer_gid).to_bytes(), id.sequence_number);
+        let mut since_pause = 0;
+        for hearer in std::iter::repeat_n(hearers, PASSES).flatten() {
+            let answer = Answer { writer: hearer.writer.to_bytes(), number, asked, bytes };
+            for fragment in answer.fragments(hearer.reader.to_bytes()) {
+                if since_pause >= BURST {
+                    Timer::after(PAUSE).await;
+                    since_pause = 0;
+                }
+                self.peers.send(&fragment, &hearer.addresses);
+                since_pause += hearer.addresses.len();
+            }
+        }
+    }
+}
+
+/// Lets the library have the number that the fragments took. While its window is full it takes none.
+async fn stand_in(write: impl Fn() -> Result<(), String>) -> Result<(), String> {
+    const TRIES: usize = 100;
+    for _ in 1..TRIES {
+        if write().is_ok() {
+            return Ok(());
+        }
+        Timer::after(PAUSE).await;
+    }
+    write()
+}
