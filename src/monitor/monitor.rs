@@ -112,6 +112,10 @@ impl Monitor {
         if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
             self.governor.forget_poses();
             self.placements = Placements::default();
+            self.ground = GroundWatch::default();
+        }
+        if revision.grounds.is_empty() {
+            self.ground = GroundWatch::default();
         }
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),

@@ -293,6 +293,14 @@ impl SceneKeeper {
                     cloud.seen = Some(Sight { stamp, at: message.came.steady });
                     cloud.since = Some(since);
                     self.state.set_sensed(&topic, obstacle);
+                    let context = SceneContext::new(
+                        robot,
+                        None,
+                        &glimpse.transforms,
+                        glimpse.now.ros,
+                        parameters.transform_ttl,
+                    );
+                    self.state.anchor(&topic, &message.cloud.header.frame_id, &context);
                     self.dropped.retain(|name| *name != topic);
                     changed = true;
                 }

@@ -2,7 +2,7 @@
 //!
 //! All poses of the world are kept in the root's frame, so an obstacle remembers where it is in the frame that `MoveIt` plans in, the parent of the
 //! SRDF's virtual joint, if `tf` connects that with the root, or else in the topmost frame of `tf` above the root. Whenever `tf` says that the
-//! root is elsewhere in that frame, the obstacle is put where it belongs.
+//! root is elsewhere in that frame, the obstacle is put where it belongs. So are the frames that a scene told of.
 
 use super::{PlanningSceneState, SceneContext, TransformTree};
 use crate::math::Pose;
@@ -12,58 +12,118 @@ use crate::robot::RobotModel;
 /// Less than this (m, rad) is no motion of the root.
 const STILL: f64 = 1e-4;
 
-/// Where an obstacle is in a frame that is no part of the robot.
+/// Where something is in a frame that is no part of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Anchor {
     frame: String,
-    /// Pose of the obstacle in that frame.
     pose_fo: Pose,
+    certainty: Certainty,
+}
+
+/// A frame that things stand in.
+pub(super) struct Ground {
+    pub frame: String,
+    /// Its pose in the root's frame now.
+    pub pose_rf: Pose,
+    pub certainty: Certainty,
+}
+
+/// How it is known where a frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Certainty {
+    /// `tf` told it, at least once.
+    Told,
+    /// A virtual joint that never moves puts the root at zero in it.
+    Fixed,
+    /// As nobody has told, the root counts as standing at zero in it.
+    Assumed,
+}
+
+impl Anchor {
+    fn new(Ground { frame, pose_rf, certainty }: Ground, pose_ro: &Pose) -> Self {
+        Self { frame, pose_fo: pose_rf.inverse() * pose_ro, certainty }
+    }
+
+    /// Where it has to be now, if that is elsewhere than it is.
+    fn follow(&mut self, pose_ro: &Pose, context: &SceneContext) -> Option<Pose> {
+        let now = context.pose_by_tf(&self.frame)?;
+        self.certainty = Certainty::Told;
+        is_elsewhere(&(pose_ro * self.pose_fo.inverse()), &now).then(|| now * self.pose_fo)
+    }
 }
 
 impl PlanningSceneState {
-    /// Lets an obstacle, which a message placed in a frame just now, stay where it is in what it stands in.
-    pub(super) fn anchor(&mut self, name: &str, frame: &str, context: &SceneContext) {
+    /// Lets an obstacle, which was placed in a frame just now, stay where it is in what it stands in.
+    pub fn anchor(&mut self, name: &str, frame: &str, context: &SceneContext) {
         self.anchors.remove(name);
         let Some(obstacle) = self.world.obstacle_by_name(name) else { return };
-        let Some((frame, pose_rf)) = context.ground(frame) else { return };
-        let pose_fo = pose_rf.inverse() * obstacle.pose_ro;
-        self.anchors.insert(name.to_owned(), Anchor { frame, pose_fo });
+        if let Some(ground) = self.ground(frame, context) {
+            self.anchors.insert(name.to_owned(), Anchor::new(ground, &obstacle.pose_ro));
+        }
     }
 
-    /// Puts obstacles where they belong now that the root may be elsewhere; whether any had to be. Those that stand in nothing yet stand from
-    /// now on in what `tf` has come to know.
+    /// The same for a frame that a scene told of.
+    pub(super) fn anchor_frame(&mut self, name: &str, parent: &str, context: &SceneContext) {
+        self.frame_anchors.remove(name);
+        let Some(pose_rf) = self.fixed_frames.get(name) else { return };
+        if let Some(ground) = self.ground(parent, context) {
+            self.frame_anchors.insert(name.to_owned(), Anchor::new(ground, pose_rf));
+        }
+    }
+
+    /// What stands in a frame, stands in this.
+    fn ground(&self, frame: &str, context: &SceneContext) -> Option<Ground> {
+        let frame = frame.trim_start_matches('/');
+        let object = frame.rsplit_once('/').map_or(frame, |(object, _)| object);
+        let below = self.frame_anchors.get(frame).or(self.anchors.get(frame)).or(self.anchors.get(object));
+        // what is not by tf holds for what was placed in it, too
+        let assumed =
+            below.filter(|anchor| anchor.certainty != Certainty::Told).map(|anchor| anchor.frame.as_str());
+        context.ground(assumed.unwrap_or(frame))
+    }
+
+    /// Puts everything where it belongs now that the root may be elsewhere; whether that changed anything. What stands in nothing yet stands
+    /// from now on in what `tf` has come to know.
     pub fn follow_frames(&mut self, context: &SceneContext) -> bool {
+        self.anchors.retain(|name, _| self.world.obstacle_by_name(name).is_some());
+        let before = self.anchors.len();
         for name in self.ungrounded().cloned().collect::<Vec<String>>() {
             self.anchor(&name, "", context);
         }
-        let place = |(name, Anchor { frame, pose_fo }): (&String, &Anchor)| {
-            let now = context.pose_by_tf(frame)?;
-            let before = self.world.obstacle_by_name(name)?.pose_ro * pose_fo.inverse();
-            is_elsewhere(&before, &now).then(|| (name.clone(), now * pose_fo))
-        };
-        let moved: Vec<(String, Pose)> = self.anchors.iter().filter_map(place).collect();
-        for (name, pose_ro) in &moved {
-            // it was there right now
-            let _ = self.world.move_to(name, *pose_ro);
+        let mut has_changed = self.anchors.len() > before;
+        for (name, anchor) in &mut self.anchors {
+            let obstacle = self.world.obstacle_by_name(name);
+            if let Some(pose_ro) = obstacle.and_then(|obstacle| anchor.follow(&obstacle.pose_ro, context)) {
+                has_changed = true;
+                // it was there right now
+                let _ = self.world.move_to(name, pose_ro);
+            }
         }
-        !moved.is_empty()
+        for (name, pose_rf) in &mut self.fixed_frames {
+            let anchor = self.frame_anchors.get_mut(name);
+            if let Some(now) = anchor.and_then(|anchor| anchor.follow(pose_rf, context)) {
+                has_changed = true;
+                *pose_rf = now;
+            }
+        }
+        has_changed
     }
 
-    /// Obstacles that messages and files gave, and that stand in nothing.
+    /// Obstacles that stand in nothing.
     fn ungrounded(&self) -> impl Iterator<Item = &String> {
-        let names = self.world.obstacles().map(|obstacle| &obstacle.name);
-        names.filter(|name| !self.is_sensed(name) && !self.anchors.contains_key(*name))
+        self.world.obstacles().map(|obstacle| &obstacle.name).filter(|name| !self.anchors.contains_key(*name))
     }
 
     /// What has to be looked at to know whether obstacles are where they belong.
     #[must_use]
     pub fn grounds(&self, robot: &RobotModel) -> Grounds {
-        let mut frames: Vec<(String, Pose)> = Vec::new();
-        for (name, Anchor { frame, pose_fo }) in &self.anchors {
-            if frames.iter().all(|(known, _)| known != frame)
+        let mut frames: Vec<Watched> = Vec::new();
+        for (name, Anchor { frame, pose_fo, certainty }) in &self.anchors {
+            if frames.iter().all(|known| known.frame != *frame)
                 && let Some(obstacle) = self.world.obstacle_by_name(name)
             {
-                frames.push((frame.clone(), obstacle.pose_ro * pose_fo.inverse()));
+                let pose_rf = obstacle.pose_ro * pose_fo.inverse();
+                frames.push(Watched { frame: frame.clone(), pose_rf, certainty: *certainty });
             }
         }
         let root = robot.link(robot.root()).name.clone();
@@ -75,41 +135,63 @@ impl PlanningSceneState {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grounds {
     root: String,
-    frames: Vec<(String, Pose)>,
+    frames: Vec<Watched>,
     any_ungrounded: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Watched {
+    frame: String,
+    pose_rf: Pose,
+    certainty: Certainty,
 }
 
 impl Grounds {
     /// Whether obstacles have to be put elsewhere now.
     #[must_use]
     pub fn are_elsewhere(&self, transforms: &TransformTree) -> bool {
-        let is_one = |(frame, before): &(String, Pose)| {
+        let is_one = |Watched { frame, pose_rf, .. }: &Watched| {
             let now = transforms.pose_between(&self.root, frame);
-            now.is_some_and(|(now, _)| is_elsewhere(before, &now))
+            now.is_some_and(|(now, _)| is_elsewhere(pose_rf, &now))
         };
         (self.any_ungrounded && transforms.topmost_above(&self.root).is_some())
             || self.frames.iter().any(is_one)
     }
-}
 
-impl Grounds {
-    /// Whether anything stands in a frame.
+    /// Whether nothing stands in a frame.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Of the frames whose place changes with time the one that was told of longest ago: its pose in the root's frame, and when.
-    pub(in crate::monitor) fn least_known(&self, transforms: &TransformTree) -> Option<(String, Pose, Time)> {
-        let known = self.frames.iter().filter_map(|(frame, _)| {
-            let (pose, stamp) = transforms.pose_between(&self.root, frame)?;
-            Some((frame.clone(), pose, stamp?))
-        });
-        known.min_by_key(|(.., stamp)| *stamp)
+    /// A frame in which the root might be anywhere: `tf` connected it with the root once, or it connects the root with others only. A root of
+    /// which `tf` knows nothing stands at zero.
+    pub(in crate::monitor) fn lost(&self, transforms: &TransformTree) -> Option<&str> {
+        let is_lost = |watched: &&Watched| {
+            transforms.pose_between(&self.root, &watched.frame).is_none()
+                && match watched.certainty {
+                    Certainty::Told => true,
+                    Certainty::Fixed => false,
+                    Certainty::Assumed => transforms.topmost_above(&self.root).is_some(),
+                }
+        };
+        self.frames.iter().find(is_lost).map(|watched| watched.frame.as_str())
+    }
+
+    /// The frames in which the root's place changes with time, and when `tf` told last of each.
+    pub(in crate::monitor) fn told_of<'g>(
+        &'g self,
+        transforms: &TransformTree,
+    ) -> impl Iterator<Item = (&'g str, Time)> {
+        self.frames.iter().filter_map(|Watched { frame, .. }| {
+            let (_, stamp) = transforms.pose_between(&self.root, frame)?;
+            Some((frame.as_str(), stamp?))
+        })
     }
 }
 
+/// Whether a frame's pose in the root's frame has changed, as seen from the root.
 fn is_elsewhere(before: &Pose, now: &Pose) -> bool {
-    let way = before.inverse() * now;
+    let way = now * before.inverse();
     way.translation.vector.norm() > STILL || way.rotation.angle() > STILL
 }

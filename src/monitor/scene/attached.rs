@@ -1,5 +1,6 @@
 //! What the robot holds: taken up and put down.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::{AttachedChange, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal};
@@ -57,15 +58,21 @@ impl PlanningSceneState {
             let pose_rl = where_is(id, link_id, context)?;
             return Ok(AttachedObject::grasped(obstacle, link, &pose_rl, touch_links.clone()));
         }
+        let held = self.world.attached_by_name(id).filter(|_| object.operation == Operation::Append);
+        let object = if held.is_some() { Cow::Borrowed(object) } else { object.as_new() };
+        // as in MoveIt: what is extended stays where it is, unless the message says where else
+        let pose_lo = match held {
+            Some(held) if object.pose_fo == Pose::identity() => held.pose_lo,
+            _ => self.pose_in_link(&object, link_id, context)?,
+        };
         let given = AttachedObject {
             name: id.clone(),
             link: link.clone(),
-            pose_lo: self.pose_in_link(object, link_id, context)?,
+            pose_lo,
             shapes: object.shapes.as_slice().into(),
             subframes: object.subframes.clone(),
             touch_links: touch_links.clone(),
         };
-        let held = self.world.attached_by_name(id).filter(|_| object.operation == Operation::Append);
         if let Some(held) = held {
             return extended(held, &given);
         }
@@ -149,7 +156,7 @@ impl PlanningSceneState {
     }
 }
 
-/// What is held already, with more shapes in its frame as in `MoveIt`; it stays where it is.
+/// What is held already, with more shapes in its own frame as in `MoveIt`, where the change has it.
 fn extended(held: &AttachedObject, given: &AttachedObject) -> Result<AttachedObject, SceneRefusal> {
     if held.link != given.link {
         let message = format!("link_name: it is attached to '{}', not to '{}'", held.link, given.link);
@@ -162,6 +169,7 @@ fn extended(held: &AttachedObject, given: &AttachedObject) -> Result<AttachedObj
     subframes.extend(given.subframes.iter().cloned());
     Ok(AttachedObject {
         shapes: held.shapes.iter().chain(given.shapes.iter()).cloned().collect(),
+        pose_lo: given.pose_lo,
         subframes,
         touch_links,
         ..held.clone()

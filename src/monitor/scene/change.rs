@@ -1,5 +1,7 @@
 //! Changes of the world, as messages describe them: numbers checked, frames still by name.
 
+use std::borrow::Cow;
+
 use crate::geometry::Shape;
 use crate::math::Pose;
 use crate::world::{MatrixEntries, ObstacleShape};
@@ -9,8 +11,8 @@ use crate::world::{MatrixEntries, ObstacleShape};
 pub enum Operation {
     /// It takes the place of one of its name.
     Add,
-    /// Its shapes come to those of the object of its name, if there is one: where the message puts them, and that object stays
-    /// where it is.
+    /// Its shapes come to those of the object of its name, if there is one, in the frame of that object. In the world that object stays where it
+    /// is; what a link holds goes where the change puts it, if it says so.
     Append,
     /// Only its pose changes.
     Move,
@@ -50,6 +52,16 @@ impl ObjectChange {
             subframes: Vec::new(),
             kind: Default::default(),
         }
+    }
+
+    /// As in `MoveIt`, if an object of its name is not there yet: the only pose that is given is that of the object.
+    pub(super) fn as_new(&self) -> Cow<'_, Self> {
+        let [only] = self.shapes.as_slice() else { return Cow::Borrowed(self) };
+        if self.pose_fo != Pose::identity() {
+            return Cow::Borrowed(self);
+        }
+        let shape = ObstacleShape { pose_os: Pose::identity(), ..only.clone() };
+        Cow::Owned(Self { pose_fo: only.pose_os, shapes: vec![shape], ..self.clone() })
     }
 }
 

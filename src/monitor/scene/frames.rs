@@ -1,6 +1,7 @@
 //! Where frames are that messages name.
 
 use super::PlanningSceneState;
+use super::anchors::{Certainty, Ground};
 use super::transform_tree::{Ancestor, TransformTree};
 use crate::math::Pose;
 use crate::monitor::Time;
@@ -55,8 +56,8 @@ impl<'c> SceneContext<'c> {
             .ok_or_else(|| format!("link '{name}' moves, and no fresh joint state tells where it is"))
     }
 
-    /// Pose of a frame in the root frame: links first, then objects and their subframes, fixed frames, the parent frame of the
-    /// virtual joint, `tf`.
+    /// Pose of a frame in the root frame: links first, then objects and their subframes, `tf`, fixed frames, the parent frame of the
+    /// virtual joint.
     pub fn frame_pose(&self, frame: &str, scene: &PlanningSceneState) -> Result<Pose, String> {
         let frame = frame.trim_start_matches('/');
         if frame.is_empty() {
@@ -70,8 +71,8 @@ impl<'c> SceneContext<'c> {
         }
         let above = self.transforms.ancestors(frame);
         let told = self.by_tf(&above);
-        // as in MoveIt: what tf says now comes before what a scene said of the frame once
-        if let (Some(pose), None | Some(Err(_))) = (scene.fixed_frames.get(frame), &told) {
+        // as in MoveIt: what tf says comes before what a scene said of the frame once
+        if let (Some(pose), None) = (scene.fixed_frames.get(frame), &told) {
             return Ok(*pose);
         }
         let found = told.or_else(|| {
@@ -88,19 +89,23 @@ impl<'c> SceneContext<'c> {
         })
     }
 
-    /// What obstacles stand in, and its pose in the root frame as it is now: the parent of the virtual joint or, where `tf` does not connect
-    /// that with the root, the topmost frame above the root; `None` if there is none. `frame` is that of a message.
-    pub(super) fn ground(&self, frame: &str) -> Option<(String, Pose)> {
+    /// What stands in a frame that stays where it is, stands in this: the parent of the virtual joint or, where `tf` does not connect that with the
+    /// root and the frame is not below it, the topmost frame above the root; `None` if there is none.
+    pub(super) fn ground(&self, frame: &str) -> Option<Ground> {
         let joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-        let planning = joints.filter(|j| j.child_link == self.robot.root()).map(|j| j.parent_frame.as_str());
-        let known = |name: &str| Some((name.to_owned(), self.pose_by_tf(name)?));
-        let ground = planning.clone().find_map(known);
+        let planning = joints.filter(|joint| joint.child_link == self.robot.root());
+        let known = |name: &str| {
+            let pose_rf = self.pose_by_tf(name)?;
+            Some(Ground { frame: name.to_owned(), pose_rf, certainty: Certainty::Told })
+        };
+        let assumed = || {
+            let above = self.transforms.ancestors(frame);
+            let joint = planning.clone().find(|joint| above.iter().any(|a| a.name == joint.parent_frame))?;
+            let certainty = if joint.kind == "fixed" { Certainty::Fixed } else { Certainty::Assumed };
+            Some(Ground { frame: joint.parent_frame.clone(), pose_rf: Pose::identity(), certainty })
+        };
         let topmost = || self.transforms.topmost_above(self.root_name()).and_then(known);
-        ground.or_else(topmost).or_else(|| {
-            // as long as tf knows nothing about it, it stands at zero
-            let named = planning.clone().find(|name| *name == frame.trim_start_matches('/'))?;
-            Some((named.to_owned(), Pose::identity()))
-        })
+        planning.clone().find_map(|joint| known(&joint.parent_frame)).or_else(assumed).or_else(topmost)
     }
 
     /// Pose of a frame in the root frame, however old what `tf` says of it is.

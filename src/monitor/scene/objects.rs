@@ -56,9 +56,10 @@ impl PlanningSceneState {
             let obstacle = extended(known, change);
             (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(id, error.to_string()))?;
         } else {
+            let change = change.as_new();
             let obstacle = Obstacle {
                 name: id.clone(),
-                pose_ro: self.pose_of(change, context)?,
+                pose_ro: self.pose_of(&change, context)?,
                 shapes: change.shapes.as_slice().into(),
                 subframes: change.subframes.clone(),
             };

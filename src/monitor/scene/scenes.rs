@@ -23,8 +23,10 @@ impl PlanningSceneState {
         applied.changed = true;
         for name in self.given_names() {
             let _ = self.world.remove(&name);
+            self.anchors.remove(&name);
         }
         let _ = self.world.remove(OCTOMAP);
+        self.anchors.remove(OCTOMAP);
         self.kinds.retain(|name, _| self.world.attached_by_name(name).is_some());
         self.change_world(change, context, applied);
     }
@@ -63,6 +65,7 @@ impl PlanningSceneState {
         if !change.is_diff {
             applied.changed = true;
             self.fixed_frames.clear();
+            self.frame_anchors.clear();
             self.matrix = None;
             self.link_padding.clear();
             self.link_scale.clear();
@@ -107,6 +110,7 @@ impl PlanningSceneState {
         let pose_rp = context.frame_pose(parent, self);
         let pose_rp = pose_rp.map_err(|why| refuse(format!("header.frame_id: {why}")))?;
         self.fixed_frames.insert(name.to_owned(), pose_rp * pose_pf);
+        self.anchor_frame(name, parent, context);
         Ok(())
     }
 

@@ -27,6 +27,8 @@ pub struct PlanningSceneState {
     pub fixed_frames: BTreeMap<String, Pose>,
     /// By name of an obstacle: what it stands in while the robot moves in that.
     pub(super) anchors: BTreeMap<String, Anchor>,
+    /// The same for fixed frames.
+    pub(super) frame_anchors: BTreeMap<String, Anchor>,
     /// Obstacles that sensors see: only who saw them takes them away.
     pub sensed: BTreeSet<String>,
 }
@@ -80,6 +82,7 @@ impl PlanningSceneState {
 
     /// What a sensor sees now, under the name of its topic; nothing takes it away.
     pub fn set_sensed(&mut self, name: &str, seen: Option<Obstacle>) {
+        self.anchors.remove(name);
         // a message never gets at this name, so whatever bears it was seen
         if let Some(Ok(_)) = seen.map(|obstacle| self.world.replace(obstacle)) {
             self.sensed.insert(name.to_owned());

@@ -175,6 +175,24 @@ fn objects_are_added_replaced_moved_and_removed() {
     assert!(cell.scene.world.is_empty());
 }
 
+/// As in `MoveIt`.
+#[test]
+fn an_only_shape_lends_a_new_object_its_pose() {
+    let mut cell = Cell::new();
+    for operation in [Operation::Add, Operation::Append] {
+        let id = format!("{operation:?}");
+        let shapes = vec![placed(at(0.0, 3.0, 0.0))];
+        cell.object(ObjectChange { operation, shapes, ..add(&id, "", Pose::identity()) }).unwrap();
+        let object = cell.scene.world.obstacle_by_name(&id).unwrap();
+        assert_eq!((object.pose_ro, object.shapes[0].pose_os), (at(0.0, 3.0, 0.0), Pose::identity()));
+    }
+    // one that is there already keeps its pose, and the shape its own
+    let shapes = vec![placed(at(0.0, 4.0, 0.0))];
+    let append = ObjectChange { shapes, operation: Operation::Append, ..add("Add", "", Pose::identity()) };
+    cell.object(append).unwrap();
+    assert_eq!(cell.places("Add"), [[0.0, 3.0, 0.0], [0.0, 7.0, 0.0]]);
+}
+
 /// As in `MoveIt`: the pose of the message counts for nothing.
 #[test]
 fn appended_shapes_are_in_the_frame_of_the_object() {
@@ -347,9 +365,12 @@ fn an_object_is_attached_with_shapes_of_its_own_and_extended() {
     };
     cell.attach(hold("hand", append.clone())).unwrap();
     let held = &cell.scene.world.attached()[0];
-    assert_eq!(held.pose_lo, at(0.0, 0.0, 2.0));
+    assert_eq!(held.pose_lo, at(0.0, 0.0, 3.0));
     assert_eq!(held.shapes.iter().map(|s| s.pose_os.translation.z).collect::<Vec<_>>(), [0.0, 1.0]);
     cell.refuses_attached(hold("flange", append.clone()), "link_name: it is attached to 'hand'");
+    cell.attach(hold("hand", ObjectChange { pose_fo: Pose::identity(), ..append.clone() })).unwrap();
+    let held = &cell.scene.world.attached()[0];
+    assert_eq!((held.pose_lo, held.shapes.len()), (at(0.0, 0.0, 3.0), 3), "no pose is given");
     // ADD again takes its place
     cell.attach(hold("flange", add("part", "flange", at(0.0, 0.0, 0.0)))).unwrap();
     assert_eq!((cell.held().len(), cell.scene.world.attached()[0].shapes.len()), (1, 1));

@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
 
 mod contact;
+mod ground;
 mod laws;
 mod placement;
 mod publishers;

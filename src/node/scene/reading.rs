@@ -64,19 +64,7 @@ pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRef
     }
     change.shapes = shapes(message).map_err(refuse)?;
     change.subframes = subframes(message).map_err(refuse)?;
-    // as in MoveIt: the only pose that is given is that of the object
-    if let [only] = &mut change.shapes[..]
-        && operation == Operation::Add
-        && is_left_out(&message.pose)
-    {
-        std::mem::swap(&mut only.pose_os, &mut change.pose_fo);
-    }
     Ok(change)
-}
-
-/// Whether a pose is that of a message in which nobody set it.
-fn is_left_out(PoseMessage { position: p, orientation: q }: &PoseMessage) -> bool {
-    [p.x, p.y, p.z, q.x, q.y, q.z] == [0.0; 6] && q.w == 1.0
 }
 
 /// All shapes with their poses in the object: primitives, meshes, planes.

@@ -15,7 +15,7 @@ use crate::monitor::scene::{
     Applied, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate,
     TransformTree,
 };
-use crate::monitor::{Evidence, Judgement, Now, quoted_list};
+use crate::monitor::{Evidence, Judgement, Now, Reason, quoted_list};
 use crate::node::loader::checker_of;
 use crate::node::messages::{point_message, stamp_message};
 use crate::node::scene_keeper::SceneInForce;
@@ -40,8 +40,8 @@ pub fn state_validity(
 ) -> Result<GetStateValidityResponse, String> {
     let SceneInForce { revision, scene, .. } = situation.scene;
     let robot = revision.checker.robot();
-    if let Some(stale) = revision.stale_world(situation.now) {
-        return Err(stale.to_string());
+    if let Some(reason) = unknown_world(situation) {
+        return Err(reason.to_string());
     }
     let group = links_of_group(robot, &request.group_name)?;
     let q = configuration(robot, &request.robot_state, situation)?;
@@ -75,6 +75,15 @@ pub fn state_validity(
         contacts: colliding.iter().take(CONTACTS_TOLD).map(contact).collect(),
         ..GetStateValidityResponse::default()
     })
+}
+
+/// Why it is not known what is around the robot, or which robot it is.
+fn unknown_world(situation: &Situation) -> Option<Reason> {
+    let judgement = situation.judgement;
+    let swap =
+        judgement.and_then(|judgement| judgement.status.reason()).filter(|why| **why == Reason::ModelSwap);
+    let stale = judgement.and_then(|judgement| judgement.stale_world.as_ref());
+    situation.scene.revision.stale_world(situation.now).or_else(|| swap.or(stale).cloned())
 }
 
 fn constraints_given(constraints: &Constraints) -> bool {

@@ -48,3 +48,120 @@ fn obstacles_stay_where_they_are_while_the_robot_drives() {
     cell.object(remove("")).unwrap();
     assert!(!drive(&mut cell, 5.0));
 }
+
+/// The crane, below a frame in which its root may move.
+fn on_wheels() -> Cell {
+    let mut cell = Cell::new();
+    let srdf = SRDF.replace("fixed", "planar");
+    let text = RobotText { urdf: URDF, urdf_name: None, srdf: Some(&srdf), srdf_name: None };
+    cell.robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
+    cell
+}
+
+fn transform(parent: &str, x: f64, stamp: Option<f64>) -> Transform {
+    Transform { parent: parent.to_owned(), pose_pf: at(x, 0.0, 0.0), stamp: stamp.map(seconds) }
+}
+
+fn is_lost(cell: &Cell) -> bool {
+    cell.scene.grounds(&cell.robot).lost(&cell.transforms).is_some()
+}
+
+#[test]
+fn what_stands_below_the_planning_frame_waits_for_the_root_to_be_found_there() {
+    let mut cell = on_wheels();
+    cell.transforms.note("shelf", transform("map", 4.0, None));
+    cell.object(add("box", "shelf", at(1.0, 0.0, 0.0))).unwrap();
+    cell.object(add("lid", "box", at(0.0, 0.0, 1.0))).unwrap();
+    assert_eq!(cell.places("lid"), [[5.0, 0.0, 1.0]]);
+    assert!(!is_lost(&cell), "tf says nothing of the root");
+    assert!(drive(&mut cell, 2.0));
+    assert_eq!(cell.places("box"), [[3.0, 0.0, 0.0]]);
+    assert_eq!(cell.places("lid"), [[3.0, 0.0, 1.0]]);
+}
+
+#[test]
+fn frames_that_a_scene_told_of_stay_where_they_are() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1.0);
+    let station =
+        FixedFrame { name: "station".to_owned(), parent: "map".to_owned(), pose_pf: at(6.0, 0.0, 0.0) };
+    cell.scene(SceneChange { fixed_frames: vec![station], ..difference(Vec::new(), Vec::new()) }).unwrap();
+    cell.object(add("before", "station", at(0.0, 0.0, 0.0))).unwrap();
+    assert!(drive(&mut cell, 3.0));
+    cell.object(add("after", "station", at(0.0, 0.0, 0.0))).unwrap();
+    assert_eq!(cell.places("before"), [[3.0, 0.0, 0.0]]);
+    assert_eq!(cell.places("after"), [[3.0, 0.0, 0.0]]);
+    // another scene knows nothing of them
+    cell.scene(SceneChange::default()).unwrap();
+    assert!(!drive(&mut cell, 5.0));
+}
+
+#[test]
+fn clouds_stay_in_the_room_until_the_next_one() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1.0);
+    let see = |cell: &mut Cell, x| {
+        let cloud = Obstacle::of_shape("points".to_owned(), at(x, 0.0, 0.0), ball());
+        cell.scene.set_sensed("points", Some(cloud));
+        let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
+        cell.scene.anchor("points", "hand", &context);
+    };
+    see(&mut cell, 5.0);
+    assert!(drive(&mut cell, 2.0));
+    assert_eq!(cell.places("points"), [[4.0, 0.0, 0.0]]);
+    see(&mut cell, 5.0);
+    assert!(!drive(&mut cell, 2.0));
+    assert_eq!(cell.places("points"), [[5.0, 0.0, 0.0]]);
+    cell.scene.set_sensed("points", None);
+    assert!(!drive(&mut cell, 3.0));
+    assert!(cell.scene.grounds(&cell.robot).is_empty());
+}
+
+#[test]
+fn a_world_that_goes_takes_its_frames_along() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1.0);
+    cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
+    assert!(!cell.scene.grounds(&cell.robot).is_empty());
+    cell.object(remove("table")).unwrap();
+    assert!(cell.scene.grounds(&cell.robot).is_empty());
+    cell.object(add("table", "", at(5.0, 0.0, 0.0))).unwrap();
+    cell.apply(&SceneUpdate::World(Box::default())).unwrap();
+    assert!(cell.scene.grounds(&cell.robot).is_empty());
+}
+
+#[test]
+fn a_frame_that_tf_connects_with_the_root_no_more_is_lost() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1.0);
+    cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
+    assert!(!is_lost(&cell));
+    cell.transforms.note("odom", transform("elsewhere", 0.0, None));
+    assert!(is_lost(&cell));
+}
+
+#[test]
+fn a_root_that_tf_knows_elsewhere_only_is_lost_unless_it_never_moves() {
+    for (mut cell, expected) in [(on_wheels(), true), (Cell::new(), false)] {
+        cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
+        assert!(!is_lost(&cell), "without tf the root is at zero");
+        cell.transforms.note("base", transform("odom", 1.0, Some(99.9)));
+        assert_eq!(is_lost(&cell), expected);
+        assert_eq!(cell.places("table"), [[5.0, 0.0, 0.0]]);
+    }
+}
+
+/// A turn of the root moves the origin of a frame that is far away by much, and what is near the root by little.
+#[test]
+fn a_root_has_moved_by_as_much_as_it_moved_itself() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1e6);
+    cell.object(add("table", "map", at(1e6 + 1.0, 0.0, 0.0))).unwrap();
+    let mut turn = |angle| {
+        let pose_pf = crate::math::pose_from_xyz_rpy([1e6, 0.0, 0.0], [0.0, 0.0, angle]);
+        cell.transforms.note("base", Transform { parent: "odom".to_owned(), pose_pf, stamp: None });
+        cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms)
+    };
+    assert!(!turn(1e-5));
+    assert!(turn(1e-3));
+}

@@ -1,0 +1,137 @@
+//! A root that `tf` moves through the room that obstacles stand in.
+
+use super::*;
+use crate::math::Pose;
+use crate::monitor::scene::{
+    ObjectChange, Operation, PlanningSceneState, SceneContext, SceneUpdate, Transform, TransformTree,
+};
+
+/// A room, the robot in it, and its monitor.
+struct Room {
+    robot: Arc<RobotModel>,
+    monitor: Monitor,
+    scene: PlanningSceneState,
+    transforms: TransformTree,
+}
+
+impl Room {
+    /// With one obstacle in `map`, seen from a root that was told of once.
+    fn new() -> Self {
+        let (scene, transforms) = (PlanningSceneState::default(), TransformTree::default());
+        let mut room =
+            Self { robot: Arc::clone(revision(1).checker.robot()), monitor: monitor(), scene, transforms };
+        room.tell(0.0, 0.0);
+        let pillar =
+            ObjectChange { frame: "map".to_owned(), ..ObjectChange::named("pillar", Operation::Add) };
+        let ball = crate::geometry::Shape::Primitive(crate::geometry::Primitive::sphere(0.1).unwrap());
+        let shapes = vec![crate::world::ObstacleShape { pose_os: Pose::identity(), shape: ball }];
+        room.change(ObjectChange { shapes, pose_fo: Pose::translation(9.0, 0.0, 0.0), ..pillar });
+        room
+    }
+
+    /// `tf` says how far along x the root is.
+    fn tell(&mut self, x: f64, seconds: f64) {
+        let stamp = Some(time(START + seconds));
+        let pose_pf = Pose::translation(x, 0.0, 0.0);
+        self.transforms.note("base", Transform { parent: "map".to_owned(), pose_pf, stamp });
+    }
+
+    fn change(&mut self, change: ObjectChange) {
+        let context = SceneContext::new(&self.robot, None, &self.transforms, Some(time(START)), 1e9);
+        let applied = self.scene.apply(&SceneUpdate::Object(Box::new(change)), &context);
+        assert!(applied.refusals.is_empty());
+        self.put_in_force();
+    }
+
+    /// Puts obstacles where they belong, as the loader does.
+    fn follow(&mut self) {
+        let context = SceneContext::new(&self.robot, None, &self.transforms, Some(time(START)), 1.0);
+        self.scene.follow_frames(&context);
+        self.put_in_force();
+    }
+
+    fn put_in_force(&mut self) {
+        let checker =
+            CollisionChecker::new(Arc::clone(&self.robot), &self.scene.world, Settings::default()).unwrap();
+        let mut revision = Revision::new(checker, 1, 0);
+        revision.grounds = self.scene.grounds(&self.robot);
+        self.monitor.set_checker(Arc::new(revision));
+    }
+
+    /// What a fresh joint state is judged as.
+    fn judged(&mut self, seconds: f64) -> Judgement {
+        self.monitor.note_transforms(&self.transforms);
+        self.monitor.on_joint_state(state(seconds, FREE), at(seconds))
+    }
+}
+
+#[test]
+fn a_root_that_was_told_of_once_may_be_told_of_never_again() {
+    let mut room = Room::new();
+    for seconds in [0.0, 0.5, 5.0, 500.0] {
+        assert_eq!(code(&room.judged(seconds)), "FREE");
+    }
+}
+
+#[test]
+fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
+    let mut room = Room::new();
+    for seconds in [0.0, 0.5, 1.0] {
+        // it stands where it stood
+        room.tell(0.0, seconds);
+        assert_eq!(code(&room.judged(seconds)), "FREE");
+    }
+    assert_eq!(code(&room.judged(1.99)), "FREE");
+    let silent = room.judged(2.01);
+    assert_eq!(code(&silent), "stale_world");
+    assert!(silent.status.reason().unwrap().to_string().contains("the robot's root in map"));
+    // a clock that stands does not hide it
+    room.tell(0.0, 3.0);
+    assert_eq!(code(&room.judged(3.0)), "FREE");
+    room.monitor.note_transforms(&room.transforms);
+    let standing = Now { steady: Duration::from_secs(5), ..at(3.0) };
+    let judgement = room.monitor.on_joint_state(state(3.001, FREE), standing);
+    assert_eq!(code(&judgement), "stale_world");
+}
+
+#[test]
+fn without_obstacles_nobody_has_to_know_where_the_root_is() {
+    let mut room = Room::new();
+    for seconds in [0.0, 0.5] {
+        room.tell(0.0, seconds);
+        room.judged(seconds);
+    }
+    assert_eq!(code(&room.judged(9.0)), "stale_world");
+    room.change(ObjectChange::named("pillar", Operation::Remove));
+    assert!(!room.monitor.heeds_transforms());
+    assert_eq!(code(&room.monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+}
+
+#[test]
+fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
+    let mut room = Room::new();
+    for (x, seconds) in [(0.0, 0.0), (1.0, 0.1), (2.0, 0.9)] {
+        room.tell(x, seconds);
+        assert_eq!(code(&room.judged(seconds)), "FREE", "they are on their way");
+    }
+    room.tell(3.0, 1.2);
+    let late = room.judged(1.2);
+    assert_eq!(code(&late), "stale_world");
+    assert!(late.status.reason().unwrap().to_string().contains("where tf has them"));
+    room.tell(7.0, 1.3);
+    room.follow();
+    // the ball is at (2, 0, 0), and so is the pillar now
+    assert_eq!(code(&room.judged(1.3)), "COLLIDING");
+}
+
+#[test]
+fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
+    let mut room = Room::new();
+    assert_eq!(code(&room.judged(0.0)), "FREE");
+    let pose_pf = Pose::identity();
+    room.transforms
+        .note("base", Transform { parent: "elsewhere".to_owned(), pose_pf, stamp: Some(time(START + 0.1)) });
+    let lost = room.judged(0.1);
+    assert_eq!(code(&lost), "stale_world");
+    assert!(lost.stale_world.is_some() && lost.placement.is_some());
+}
