@@ -1,10 +1,10 @@
 //! The boxes around the parts of a robot at one level of their hierarchies, for eyes.
 
 use super::CollisionChecker;
-use super::bodies::pose;
+use super::bodies::{Rider, pose};
 use super::report::Body;
-use crate::math::{Pose, Vector};
-use crate::robot::LinkId;
+use crate::math::{Extremes, Pose, Vector};
+use crate::robot::{LinkId, LinkPoses};
 
 /// A box of the hierarchy of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,17 @@ impl CollisionChecker {
                 half_extents: volume.half_extents,
             })
         })
+    }
+
+    /// No point of the robot and of what it holds is farther (m) from its root, padding included.
+    #[must_use]
+    pub fn extent(&self, poses: &LinkPoses) -> f64 {
+        let of_part = |rider: &Rider| {
+            let pose_rb = poses.pose(rider.link) * pose(&rider.seat().place).inverse();
+            let ends = [rider.capsule.a, rider.capsule.b].map(|end| (pose_rb * end).coords.norm());
+            ends[0].greater(ends[1]) + rider.capsule.radius + rider.padding
+        };
+        self.riders.iter().map(of_part).fold(0.0, f64::greater)
     }
 }
 

@@ -1,8 +1,9 @@
 //! How fast two bodies approach each other.
 
+use super::drift::Drift;
 use super::{Evidence, SpeedSettings};
 use crate::checker::{Body, CollisionChecker, PairDistance};
-use crate::math::{Extremes, Point, Vector};
+use crate::math::{Extremes, Point, Pose, Vector};
 use crate::robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
 
 /// How far ahead (s) links are moved by their velocities: far above rounding, far below any curve.
@@ -17,16 +18,22 @@ const LONGEST_WAY: f64 = 1.0;
 /// The distance (m) up to which pairs may slow the robot down: what moves may be nearer once the reaction time is over.
 pub(super) fn slows_within(
     checker: &CollisionChecker,
-    configuration: &Configuration,
-    rates: Option<&[f64]>,
+    (configuration, poses): (&Configuration, &LinkPoses),
+    (rates, drifts): (Option<&[f64]>, &[Drift]),
     settings: &SpeedSettings,
 ) -> f64 {
     let reach = settings.reach();
-    let Some(rates) = rates.filter(|_| reach > 0.0) else { return reach };
+    if reach == 0.0 {
+        return reach;
+    }
     let positions = configuration.positions();
-    let later: Vec<f64> =
-        positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect();
-    reach + checker.travel(positions, &later).lesser(LONGEST_WAY)
+    let later = |rates: &[f64]| -> Vec<f64> {
+        positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect()
+    };
+    let of_joints = rates.map_or(0.0, |rates| checker.travel(positions, &later(rates)));
+    let moving = drifts.iter().filter(|drift| !drift.is_none());
+    let of_root = moving.map(|drift| drift.farthest(checker.extent(poses), settings.reaction_time));
+    reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_WAY)
 }
 
 /// Where the links are at another time.
@@ -51,36 +58,54 @@ pub(super) fn a_moment_later(robot: &RobotModel, evidence: &Evidence) -> Option<
     Some(OtherTime { poses, after: STEP })
 }
 
-/// By how much (m/s) the distance of a pair shrinks; negative when it grows, `None` when the bodies touch. Obstacles stand still.
+/// By how much (m/s) the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// The nearest points move with their bodies; how fast they move along the line between them is how fast the distance changes.
+/// Obstacles stand still in what they stand in. Of several frames that may be, the one in which the pair approaches fastest counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,
-    now: &LinkPoses,
+    evidence: &Evidence,
     other: &OtherTime,
+) -> Option<f64> {
+    let rate = |drift| approach_rate_in(checker, pair, (&evidence.poses, other), drift);
+    let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, Body::Obstacle(_)));
+    if !is_of_world || evidence.drifts.is_empty() {
+        return rate(None);
+    }
+    evidence
+        .drifts
+        .iter()
+        .map(|drift| rate(Some(drift)))
+        .collect::<Option<Vec<f64>>>()?
+        .into_iter()
+        .reduce(f64::greater)
+}
+
+/// The nearest points move with their bodies; how fast they move along the line between them is how fast the distance changes.
+fn approach_rate_in(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    (now, other): (&LinkPoses, &OtherTime),
+    drift: Option<&Drift>,
 ) -> Option<f64> {
     let [a, b] = pair.witness_points;
     let way = b - a;
     if way.norm() < LEAST_DISTANCE || pair.distance <= 0.0 {
         return None;
     }
-    let moved = |body, point| displacement(checker, body, point, (now, &other.poses));
+    let moved = |body, point| match carrier(checker, body) {
+        Some(link) => displacement(&point, now.pose(link), other.poses.pose(link)),
+        None => drift.map_or_else(Vector::zeros, |drift| drift.way_of(&point, other.after)),
+    };
     let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
     rate.is_finite().then_some(rate)
 }
 
-/// How far a point of a body moves from one time to the other.
-fn displacement(
-    checker: &CollisionChecker,
-    body: Body,
-    point_r: Point,
-    (now, then): (&LinkPoses, &LinkPoses),
-) -> Vector {
-    let Some(link) = carrier(checker, body) else { return Vector::zeros() };
-    let point_l = now.pose(link).inverse_transform_point(&point_r);
+/// How far a point of a link moves from one pose to another.
+fn displacement(point_r: &Point, now: &Pose, then: &Pose) -> Vector {
+    let point_l = now.inverse_transform_point(point_r);
     // both from the point on the link, so that rounding is the same
-    then.pose(link) * point_l - now.pose(link) * point_l
+    then * point_l - now * point_l
 }
 
 /// The link that a body moves with.

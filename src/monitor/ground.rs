@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use super::drift::{Drift, Track};
 use super::scene::{Grounds, TransformTree};
 use super::world_source::{Sight, WorldSource};
 use super::{Now, Reason, Time};
@@ -24,6 +25,7 @@ struct Seen {
     since: Option<Duration>,
     /// Whether it was ever told anew; of what was told once it need not be.
     is_alive: bool,
+    track: Track,
 }
 
 /// Obstacles that are not where `tf` has them: they are being put there.
@@ -38,11 +40,12 @@ impl GroundWatch {
     pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
         self.lost = grounds.lost(tree).map(str::to_owned);
         let mut before = std::mem::take(&mut self.seen);
-        for (frame, stamp) in grounds.told_of(tree) {
+        for (frame, pose_rf, stamp) in grounds.told_of(tree) {
             let seen = before.remove(frame);
             let is_alive = seen.as_ref().is_some_and(|seen| seen.is_alive || seen.stamp != stamp);
-            let since = seen.filter(|seen| seen.stamp == stamp).and_then(|seen| seen.since);
-            self.seen.insert(frame.to_owned(), Seen { stamp, since, is_alive });
+            let since = seen.as_ref().filter(|seen| seen.stamp == stamp).and_then(|seen| seen.since);
+            let track = seen.map(|seen| seen.track).unwrap_or_default().to(pose_rf);
+            self.seen.insert(frame.to_owned(), Seen { stamp, since, is_alive, track });
         }
         let late = self.late.take();
         self.late = grounds.are_elsewhere(tree).then(|| match late {
@@ -53,10 +56,18 @@ impl GroundWatch {
 
     /// What was looked at is judged by now.
     pub fn note_seen(&mut self, now: Now) {
+        for seen in self.seen.values_mut() {
+            seen.track.note(now.steady);
+        }
         let frames = self.seen.values_mut().map(|seen| &mut seen.since);
         for since in frames.chain(self.late.as_mut().map(|late| &mut late.since)) {
             since.get_or_insert(now.steady);
         }
+    }
+
+    /// How what stands in these frames moves past the root just now.
+    pub fn drifts(&self) -> Vec<Drift> {
+        self.seen.iter().map(|(frame, seen)| seen.track.drift(frame)).collect()
     }
 
     /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.

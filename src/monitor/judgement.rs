@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::drift::Drift;
 use super::scene::Grounds;
 use super::{Now, Reason, Status, Time, WorldSource};
 use crate::checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance};
@@ -62,6 +63,10 @@ pub struct Evidence {
     pub velocities: Option<Vec<f64>>,
     /// The same, where only some of several drivers give them by what the others said before.
     pub rates: Option<Vec<f64>>,
+    /// How what the world stands in moves past the robot's root: as many as frames are watched.
+    pub drifts: Vec<Drift>,
+    /// The distance (m) up to which pairs may slow the robot down.
+    pub slows_within: f64,
     /// Wall time that the check took.
     pub compute_time: Duration,
 }

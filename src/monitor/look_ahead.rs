@@ -1,6 +1,7 @@
 //! Until when nothing can touch, from one joint state with velocities.
 
 use super::MonitorSettings;
+use super::drift::Drift;
 use crate::checker::{CollisionChecker, CollisionReport, LookAhead, Workspace};
 use crate::robot::{Configuration, JointKind, RobotModel};
 
@@ -27,7 +28,7 @@ impl Lookout {
         &mut self,
         checker: &CollisionChecker,
         (q, velocities, spread): (&Configuration, Option<&[f64]>, f64),
-        report: &CollisionReport,
+        (report, drifts): (&CollisionReport, &[Drift]),
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
@@ -36,6 +37,9 @@ impl Lookout {
         }
         if self.floats {
             return unknown("the robot has a floating joint");
+        }
+        if let Some(Drift { frame, .. }) = drifts.iter().find(|drift| !drift.is_none()) {
+            return unknown(&format!("the robot's root moves in {frame}"));
         }
         let Some(velocities) = velocities else {
             return unknown("the joint state does not give every joint a finite velocity");

@@ -32,6 +32,7 @@
 mod approach;
 pub mod cloud;
 mod contribution;
+mod drift;
 mod ground;
 mod hearing;
 mod input;
@@ -51,6 +52,7 @@ mod world_source;
 #[cfg(test)]
 mod tests;
 
+pub use drift::Drift;
 pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Judgement, LeftOut, Revision};
 pub use monitor::{Monitor, Stopwatch};

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::approach::slows_within;
 use super::contribution::Contributions;
+use super::drift::Drift;
 use super::ground::GroundWatch;
 use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
@@ -205,11 +206,14 @@ impl Monitor {
         }
     }
 
-    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed.
+    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed, or the robot's root moves.
     pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
         self.note_clock(now);
         let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
-        if self.outdated || waits_for_clock {
+        self.ground.note_seen(now);
+        let evidence = self.verdict.evidence.as_ref();
+        let has_drifted = evidence.is_some_and(|evidence| evidence.drifts != self.ground.drifts());
+        if self.outdated || waits_for_clock || has_drifted {
             self.judge(now);
         }
         self.say(now)
@@ -282,6 +286,7 @@ impl Monitor {
             return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
         self.placements.note_seen(now);
+        self.ground.note_seen(now);
         let placed = self.placements.read(robot, now, &self.settings);
         let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
         let (reading, contributions) =
@@ -291,7 +296,8 @@ impl Monitor {
         reading.warnings.extend_from_slice(&self.placements.warnings);
         // checking what is stale already would be wasted
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
-        let verdict = subject.judge(reading, &self.settings, self.left_out, self.stopwatch);
+        let verdict =
+            subject.judge((reading, self.ground.drifts()), &self.settings, self.left_out, self.stopwatch);
         self.hearing.note_judged();
         Ok(verdict)
     }
@@ -368,7 +374,7 @@ impl Subject {
     /// What a check of a whole joint state finds.
     fn judge(
         &mut self,
-        reading: Reading,
+        (reading, drifts): (Reading, Vec<Drift>),
         settings: &MonitorSettings,
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
@@ -376,7 +382,10 @@ impl Subject {
         let Reading { configuration, velocities, rates, are_of_joints, spread, mut warnings } = reading;
         let checker = &self.revision.checker;
         let started = stopwatch();
-        let slows_within = slows_within(checker, &configuration, rates.as_deref(), &settings.speed);
+        let mut poses = LinkPoses::new(checker.robot());
+        checker.robot().forward_kinematics(&configuration, &mut poses);
+        let motion = (rates.as_deref(), drifts.as_slice());
+        let slows_within = slows_within(checker, (&configuration, &poses), motion, &settings.speed);
         let survey = Question::Survey {
             influence_distance: settings.influence_distance.greater(slows_within),
             limit: settings.distance_limit,
@@ -400,7 +409,7 @@ impl Subject {
             warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
         } else if settings.look_ahead_horizon > 0.0 {
             let state = (&configuration, velocities.as_deref(), spread);
-            match self.lookout.look(checker, state, &report, settings) {
+            match self.lookout.look(checker, state, (&report, &drifts), settings) {
                 Ok(found) => look_ahead = Some(found),
                 Err(why) => warnings.push(why),
             }
@@ -411,8 +420,6 @@ impl Subject {
             let (deadline, pair) = (settings.check_deadline, Default::default());
             status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
         }
-        let mut poses = LinkPoses::new(checker.robot());
-        checker.robot().forward_kinematics(&configuration, &mut poses);
         let evidence = Some(Arc::new(Evidence {
             report,
             coming,
@@ -421,6 +428,8 @@ impl Subject {
             look_ahead,
             velocities,
             rates: rates.filter(|_| are_of_joints),
+            drifts,
+            slows_within,
             compute_time,
         }));
         Verdict { status, evidence, left_out, warnings }

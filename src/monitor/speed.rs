@@ -10,7 +10,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::approach::{OtherTime, a_moment_later, approach_rate, slows_within};
+use super::approach::{OtherTime, a_moment_later, approach_rate};
 use super::{Evidence, Status, Time};
 use crate::checker::{Body, CollisionChecker, PairDistance};
 use crate::math::Extremes;
@@ -126,11 +126,9 @@ impl SpeedGovernor {
             self.last = stamp.zip(evidence.cloned());
             return;
         };
-        let slows_within =
-            slows_within(checker, &evidence.configuration, evidence.rates.as_deref(), settings);
         let near = |pair: &&PairDistance| {
             let reach = distances_of(pair, settings).reach();
-            reach > 0.0 && pair.distance <= reach.greater(slows_within) || pair.distance <= 0.0
+            reach > 0.0 && pair.distance <= reach.greater(evidence.slows_within) || pair.distance <= 0.0
         };
         let mut near = evidence.report.pair_distances.iter().chain(&evidence.coming).filter(near).peekable();
         // where nothing is near, nothing needs to be moved
@@ -139,7 +137,7 @@ impl SpeedGovernor {
             .and_then(|_| a_moment_later(checker.robot(), evidence).or_else(|| self.before(stamp)));
         let (mut asked, mut are_known) = (1.0_f64, true);
         for pair in near {
-            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, &evidence.poses, other));
+            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, evidence, other));
             // what is farther than that is known to be slow enough where its rate is not
             are_known &= rate.is_some() || pair.distance > distances_of(pair, settings).reach();
             asked =

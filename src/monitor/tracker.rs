@@ -1,6 +1,6 @@
 //! From names and numbers to a configuration, or why not.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
@@ -16,6 +16,9 @@ const MIMIC_SLACK: f64 = 0.02;
 /// How far apart (rad, m) two publishers may report a joint at about the same time (s) without a word.
 const CONTRADICTION: f64 = 0.05;
 const SAME_TIME: f64 = 0.1;
+
+/// Joints about which publishers contradict each other that are told at most.
+const CONTRADICTIONS_TOLD: usize = 8;
 
 /// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
 const MOST_STRANGERS: usize = 1000;
@@ -107,6 +110,8 @@ struct Merge<'t> {
     fault: Option<Reason>,
     strangers: Vec<String>,
     warnings: Vec<String>,
+    /// By position: between which publishers there is one.
+    contradictions: BTreeMap<usize, String>,
 }
 
 impl<'t> Merge<'t> {
@@ -125,6 +130,7 @@ impl<'t> Merge<'t> {
             fault: None,
             strangers: Vec::new(),
             warnings: Vec::new(),
+            contradictions: BTreeMap::new(),
         }
     }
 
@@ -229,7 +235,7 @@ impl<'t> Merge<'t> {
         let counts = self.positions[index];
         let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
         if at_once && (position - counts).abs() > CONTRADICTION {
-            self.warnings.push(format!(
+            self.contradictions.entry(index).or_insert_with(|| format!(
                 "joint {} is reported at {counts} and at {position} by two publishers: is one of them left over?",
                 quoted(name)
             ));
@@ -253,6 +259,12 @@ impl<'t> Merge<'t> {
         }
         let configuration =
             (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
+        let others = self.contradictions.len().saturating_sub(CONTRADICTIONS_TOLD);
+        self.warnings.extend(self.contradictions.into_values().take(CONTRADICTIONS_TOLD));
+        if others > 0 {
+            self.warnings
+                .push(format!("{others} more joints are reported at different places by two publishers"));
+        }
         self.warnings.extend(robot.outside_limits(configuration.positions()).map(|joint| joint.to_string()));
         if !self.strangers.is_empty() {
             self.strangers.sort_unstable();

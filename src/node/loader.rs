@@ -362,6 +362,7 @@ impl Loader {
             world = world.max(u64::from(!self.keeper.state.world.is_empty()));
         } else {
             self.keeper.fit_to(&robot);
+            self.keeper.follow_frames(&robot, glimpse);
         }
         for order in self.keeper.awaited() {
             let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));

@@ -40,6 +40,7 @@ pub mod logging;
 mod markers;
 mod messages;
 mod middleware;
+mod missing_objects;
 mod monitor_loop;
 mod motion;
 mod motion_requests;

@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
+use super::flood::Flood;
 use super::messages::time_of;
+use super::missing_objects::MissingObjects;
 use super::parameters::Parameters;
 use super::recording::{OrderStep, Original};
 use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
@@ -26,9 +28,6 @@ const WAITING: usize = 1000;
 
 /// Refusals of one message that are told at most.
 const TOLD: usize = 20;
-
-/// Objects of which it is remembered that they were refused, at most.
-const MISSING: usize = 20;
 
 /// Something to be done to the scene.
 pub struct SceneOrder {
@@ -119,8 +118,9 @@ pub struct SceneKeeper {
     waiting: VecDeque<SceneOrder>,
     /// What was refused of the last message that changed the scene, or was meant to.
     faults: Vec<String>,
-    /// What was refused of objects, by their names, until something about them is not.
-    missing: BTreeMap<String, String>,
+    missing: MissingObjects,
+    /// Messages with faults that were logged of late.
+    flood: Flood,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
     /// Whether a message or sensor ever changed the scene.
@@ -187,7 +187,7 @@ impl SceneKeeper {
     pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
         let SceneOrder { source, update, mut refusals, octomap, done, .. } = order;
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
-        let mut changed = false;
+        let (mut changed, mut warnings) = (false, Vec::new());
         if let Some(update) = &update {
             let evidence = glimpse.evidence(robot);
             let poses = evidence.as_ref().map(|e| &e.poses);
@@ -196,9 +196,7 @@ impl SceneKeeper {
             let applied = self.state.apply(update, &context);
             changed = applied.changed;
             refusals.extend(applied.refusals);
-            for warning in applied.warnings {
-                log::warn!("{source}: {warning}");
-            }
+            warnings.extend(applied.warnings.iter().map(|warning| format!("{source}: {warning}")));
         }
         let after = self.state.world.obstacle_by_name(OCTOMAP);
         let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
@@ -206,6 +204,12 @@ impl SceneKeeper {
             self.note_octomap(octomap, &refusals, update.as_ref());
         }
         self.note_refusals(source, &refusals, update.as_ref());
+        warnings.extend_from_slice(&self.faults);
+        if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
+            for warning in warnings {
+                log::warn!("{warning}");
+            }
+        }
         self.touched |= changed;
         if let Some(done) = done {
             self.unanswered.push((done, refusals.is_empty()));
@@ -244,18 +248,10 @@ impl SceneKeeper {
     }
 
     fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal], update: Option<&SceneUpdate>) {
-        self.missing.retain(|id, _| !update.is_some_and(|update| update.is_about(id)));
-        for refusal in refusals.iter().filter(|refusal| refusal.leaves_out) {
-            if let Some(id) = refusal.object.as_ref().filter(|_| self.missing.len() < MISSING) {
-                self.missing.insert(id.clone(), format!("{source}: {refusal}"));
-            }
-        }
+        self.missing.heed(source, update, refusals);
         self.faults = refusals.iter().take(TOLD).map(|refusal| format!("{source}: {refusal}")).collect();
         if refusals.len() > TOLD {
             self.faults.push(format!("{source}: and {} more faults", refusals.len() - TOLD));
-        }
-        for fault in &self.faults {
-            log::warn!("{fault}");
         }
     }
 
@@ -433,8 +429,8 @@ impl SceneKeeper {
         let of_clouds = self.clouds.iter().filter_map(|(topic, cloud)| {
             Some(format!("the last cloud of '{topic}' was not taken: {}", cloud.report.fault.as_ref()?))
         });
-        let missing = self.missing.values().filter(|fault| !self.faults.contains(fault));
-        self.faults.iter().chain(missing).cloned().chain(of_clouds).collect()
+        let missing = self.missing.told().filter(|fault| !self.faults.contains(fault));
+        self.faults.iter().cloned().chain(missing).chain(of_clouds).collect()
     }
 
     /// What came is in use from now on.

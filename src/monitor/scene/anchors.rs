@@ -178,20 +178,20 @@ impl Grounds {
         self.frames.iter().find(is_lost).map(|watched| watched.frame.as_str())
     }
 
-    /// The frames in which the root's place changes with time, and when `tf` told last of each.
+    /// The frames in which the root's place changes with time, their poses in the root's frame, and when `tf` told last of each.
     pub(in crate::monitor) fn told_of<'g>(
         &'g self,
         transforms: &TransformTree,
-    ) -> impl Iterator<Item = (&'g str, Time)> {
+    ) -> impl Iterator<Item = (&'g str, Pose, Time)> {
         self.frames.iter().filter_map(|Watched { frame, .. }| {
-            let (_, stamp) = transforms.pose_between(&self.root, frame)?;
-            Some((frame.as_str(), stamp?))
+            let (pose_rf, stamp) = transforms.pose_between(&self.root, frame)?;
+            Some((frame.as_str(), pose_rf, stamp?))
         })
     }
 }
 
 /// Whether a frame's pose in the root's frame has changed, as seen from the root.
-fn is_elsewhere(before: &Pose, now: &Pose) -> bool {
+pub(in crate::monitor) fn is_elsewhere(before: &Pose, now: &Pose) -> bool {
     let way = now * before.inverse();
     way.translation.vector.norm() > STILL || way.rotation.angle() > STILL
 }

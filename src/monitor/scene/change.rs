@@ -122,21 +122,35 @@ pub struct SceneChange {
 }
 
 impl SceneUpdate {
-    /// Whether it says something about an object.
+    /// Whether it says something anew about an object that was refused before, as something in the world or as what a link was to hold.
     #[must_use]
-    pub fn is_about(&self, id: &str) -> bool {
+    pub fn settles(&self, id: &str, is_attached: bool) -> bool {
         let is_it = |object: &ObjectChange| {
             object.id == id || (object.id.is_empty() && object.operation == Operation::Remove)
         };
         match self {
             Self::Object(object) => is_it(object),
             Self::Attached(attached) => is_it(&attached.object),
-            Self::World(_) => true,
+            Self::World(_) => !is_attached,
             Self::Scene(scene) => {
-                let mut attached = scene.robot_state.attached.iter().map(|attached| &attached.object);
-                !scene.is_diff || scene.world.objects.iter().any(is_it) || attached.any(is_it)
+                let SceneChange { is_diff, world, robot_state, .. } = scene.as_ref();
+                let mut attached = robot_state.attached.iter().map(|attached| &attached.object);
+                !is_diff
+                    || world.objects.iter().any(is_it)
+                    || attached.any(is_it)
+                    || (id == super::OCTOMAP && world.octomap.is_some())
             }
             Self::Octomap(_) => id == super::OCTOMAP,
+        }
+    }
+
+    /// Whether a link is to hold an object.
+    #[must_use]
+    pub fn attaches(&self, id: &str) -> bool {
+        match self {
+            Self::Attached(attached) => attached.object.id == id,
+            Self::Scene(scene) => scene.robot_state.attached.iter().any(|attached| attached.object.id == id),
+            Self::Object(_) | Self::World(_) | Self::Octomap(_) => false,
         }
     }
 }

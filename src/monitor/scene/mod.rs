@@ -24,6 +24,7 @@ mod tests;
 mod transform_tree;
 
 pub use anchors::Grounds;
+pub(super) use anchors::is_elsewhere;
 pub use change::{
     AttachedChange, FixedFrame, ObjectChange, OctomapPlacement, Operation, RobotStateChange, SceneChange,
     SceneUpdate, WorldChange,

@@ -135,3 +135,54 @@ fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
     assert_eq!(code(&lost), "stale_world");
     assert!(lost.stale_world.is_some() && lost.placement.is_some());
 }
+
+/// The pillar is 6.8 m in front of the ball, and the root drives at 1 m/s, told of 50 times a second.
+fn drive(settings: MonitorSettings, speed: f64, seconds: f64) -> (Room, Judgement) {
+    let mut room = Room::new();
+    room.monitor.set_settings(settings);
+    let mut last = None;
+    for i in 0..=100 {
+        let share = f64::from(i) / 100.0;
+        room.tell(seconds * speed * share, seconds * share);
+        room.follow();
+        room.monitor.note_transforms(&room.transforms);
+        last = Some(
+            room.monitor.on_joint_state(moving(seconds * share, FREE, &[0.0, 0.0]), at(seconds * share)),
+        );
+    }
+    (room, last.unwrap())
+}
+
+#[test]
+fn driving_towards_an_obstacle_slows_the_robot_down_and_away_from_it_does_not() {
+    let distances =
+        |world| SpeedSettings { world, reaction_time: 0.5, release_count: 1, ..SpeedSettings::default() };
+    let with = |slowdown| MonitorSettings {
+        speed: distances(SpeedDistances { slowdown, stop: 0.2 }),
+        ..MonitorSettings::default()
+    };
+    // 0.8 m are left, of which the reaction takes 0.5
+    let (_, judgement) = drive(with(1.0), 3.0, 2.0);
+    assert!((judgement.speed_scale - 0.0).abs() < 1e-9, "1.5 m in half a second: {}", judgement.speed_scale);
+    let (_, judgement) = drive(with(1.0), 1.0, 6.0);
+    assert!((judgement.speed_scale - 0.125).abs() < 1e-6, "{}", judgement.speed_scale);
+    // 1.3 m are left: more than the slow-down distance
+    let (_, judgement) = drive(with(1.0), 1.0, 5.5);
+    assert!((judgement.speed_scale - 0.75).abs() < 1e-6, "{}", judgement.speed_scale);
+    let (_, judgement) = drive(with(8.0), -1.0, 0.5);
+    assert!((judgement.speed_scale - 1.0).abs() < 1e-9, "{}", judgement.speed_scale);
+}
+
+#[test]
+fn of_a_root_that_moves_no_time_to_contact_is_certain() {
+    let (mut room, judgement) = drive(settings_of_lookout(), 1.0, 2.0);
+    assert!(judgement.time_to_contact() <= 0.0);
+    assert!(judgement.warnings.iter().any(|warning| warning.contains("the robot's root moves in map")));
+    // it stops, and nobody says anything of the joints
+    room.tell(2.0, 2.1);
+    room.monitor.note_transforms(&room.transforms);
+    assert!(room.monitor.on_heartbeat(at(2.1)).time_to_contact() > 0.0);
+    room.tell(2.1, 2.2);
+    room.monitor.note_transforms(&room.transforms);
+    assert!(room.monitor.on_heartbeat(at(2.2)).time_to_contact() <= 0.0, "it moves on");
+}

@@ -123,3 +123,46 @@ fn publishers_that_contradict_each_other_are_told() {
     let later = monitor.on_joint_state(part(2, 0.4, &[("shoulder", 0.0), ("elbow", 2.0)]), at(0.4));
     assert!(later.warnings.is_empty(), "{:?}", later.warnings);
 }
+
+/// A third publisher that contradicts makes no second warning about a joint, and a joint that comes twice neither.
+#[test]
+fn a_joint_is_told_of_once_whoever_contradicts() {
+    let mut monitor = monitor();
+    for source in 1..=5 {
+        let elbow = 0.2 * f64::from(source);
+        let told = monitor.on_joint_state(
+            part(source, 0.01 * f64::from(source), &[("shoulder", 0.0), ("elbow", elbow)]),
+            at(0.01 * f64::from(source)),
+        );
+        assert_eq!(told.warnings.len(), usize::from(source > 1), "{:?}", told.warnings);
+    }
+}
+
+/// A chain of sliding joints.
+#[test]
+fn of_many_contradictions_some_are_told_and_the_rest_counted() {
+    const JOINTS: usize = 12;
+    let joint = |i: usize| {
+        format!(
+            r#"<link name="l{}"/><joint name="j{i}" type="prismatic"><parent link="l{i}"/><child link="l{}"/><axis xyz="0 0 1"/>
+            <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>"#,
+            i + 1,
+            i + 1
+        )
+    };
+    let text = format!(
+        r#"<robot name="chain"><link name="l0"/>{}</robot>"#,
+        (0..JOINTS).map(joint).collect::<String>()
+    );
+    let robot = RobotModel::from_urdf(&text, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    let mut monitor = monitor();
+    monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
+    let names: Vec<String> = (0..JOINTS).map(|i| format!("j{i}")).collect();
+    let all =
+        |position: f64| -> Vec<(&str, f64)> { names.iter().map(|name| (name.as_str(), position)).collect() };
+    monitor.on_joint_state(part(1, 0.0, &all(0.0)), at(0.0));
+    let told = monitor.on_joint_state(part(2, 0.01, &all(1.0)), at(0.01));
+    assert_eq!(told.warnings.len(), 9, "{:?}", told.warnings);
+    assert!(told.warnings[8].contains("4 more joints"), "{:?}", told.warnings);
+}

@@ -117,6 +117,27 @@ fn drivers_that_tell_no_velocities_hide_none_of_others() {
     }
 }
 
+/// The slow-down distance is 0.5 m, and what is farther comes within it before the robot has reacted.
+#[test]
+fn what_comes_fast_is_slowed_down_from_beyond_also_without_velocities() {
+    let mut monitor = governed(SPEED);
+    let (rate, period) = (2.0, 0.01);
+    let at_elbow = |i: i32| 2.1 + rate * period * f64::from(i);
+    assert!(distance_at(at_elbow(5)) > 0.5);
+    let mut from_beyond = 0;
+    for i in 0..6 {
+        let (elbow, seconds) = (at_elbow(i), period * f64::from(i));
+        let told = monitor.on_joint_state(state(seconds, [0.0, elbow]), at(seconds)).speed_scale;
+        let wanted =
+            governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, rate]), at(0.0)).speed_scale;
+        if i > 0 {
+            assert!((told - wanted).abs() < 0.05, "{told} at {elbow}, and {wanted} with velocities");
+            from_beyond += u32::from(told < 0.95);
+        }
+    }
+    assert!(from_beyond > 0);
+}
+
 #[test]
 fn what_is_not_free_has_no_speed() {
     let mut monitor = governed(SpeedSettings { release_count: 2, ..SpeedSettings::default() });

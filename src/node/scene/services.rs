@@ -12,13 +12,15 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{
 use serde::{Deserialize, Serialize};
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
+use smol::lock::Semaphore;
 
 use super::orders::clear_octomap;
 use super::telling::{Told, scene_message};
 use super::topics::{SceneTopics, Shared};
-use super::validity::{Situation, state_validity};
+use super::validity::{Situation, constraints_given, state_validity};
+use crate::node::flood::Flood;
 use crate::node::loader::Order;
-use crate::node::middleware::{Message, Middleware, MiddlewareError, RequestId, Server};
+use crate::node::middleware::{Complaints, Message, Middleware, MiddlewareError, RequestId, Server};
 use crate::node::monitor_loop::CurrentJudgement;
 use crate::node::names::Names;
 use crate::node::recording::{OrderStep, SceneDoor};
@@ -26,6 +28,9 @@ use crate::node::scene_keeper::{CurrentScene, SceneInForce, SceneOrder};
 
 /// Questions about states that wait at most; who comes then is told at once that the state is not valid.
 const WAITING: usize = 64;
+
+/// Scenes that are being sent, each of which may be large, at most.
+const MOST_SCENES: usize = 8;
 
 /// `std_srvs/srv/Empty`, either way: ROS sends one byte where there is nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,6 +51,8 @@ pub struct SceneServices {
     orders: Sender<Order>,
     questions: Sender<(RequestId, GetStateValidityRequest)>,
     answers: Receiver<(RequestId, GetStateValidityResponse)>,
+    busy: Complaints,
+    empty: Complaints,
 }
 
 /// The side that checks states.
@@ -81,6 +88,8 @@ impl SceneServices {
             orders,
             questions,
             answers: answers_in,
+            busy: Complaints::default(),
+            empty: Complaints::default(),
         };
         Ok((services, ValidityDesk { questions: questions_in, answers, scene, judgement, shared }))
     }
@@ -89,11 +98,17 @@ impl SceneServices {
     pub async fn serve(&self, topics: &SceneTopics) {
         // each answer waits for its own client only
         let answering = LocalExecutor::new();
+        let scenes_on_their_way = Arc::new(Semaphore::new(MOST_SCENES));
         let get = async {
             loop {
                 let (id, request) = self.get.next().await;
+                let on_its_way = scenes_on_their_way.acquire_arc().await;
                 let response = GetPlanningSceneResponse { scene: self.told(request.components.components) };
-                answering.spawn(self.get.answer(id, response)).detach();
+                let answer = async move {
+                    self.get.answer(id, response).await;
+                    drop(on_its_way);
+                };
+                answering.spawn(answer).detach();
             }
         };
         let apply = async {
@@ -121,9 +136,9 @@ impl SceneServices {
             loop {
                 let question = self.validity.next().await;
                 if let Err(refused) = self.questions.try_send(question) {
-                    log::warn!(
-                        "check_state_validity: {WAITING} requests are waiting already: ask again later"
-                    );
+                    self.busy.warn(|| {
+                        format!("check_state_validity: not valid: {WAITING} requests are waiting already: ask again later")
+                    });
                     let (id, _) = refused.into_inner();
                     answering.spawn(self.validity.answer(id, GetStateValidityResponse::default())).detach();
                 }
@@ -149,7 +164,7 @@ impl SceneServices {
     fn told(&self, components: u32) -> ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let Some(scene) = scene else {
-            log::warn!("get_planning_scene: there is no robot model yet");
+            self.empty.warn(|| "get_planning_scene: there is no robot model yet".to_owned());
             return ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene::default();
         };
         let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -172,12 +187,21 @@ impl SceneServices {
 impl ValidityDesk {
     /// Checks what is asked until there is no one left to ask.
     pub fn work(self) {
+        let mut flood = Flood::default();
+        let mut warn = |why: &str| {
+            if flood.admit(self.shared.clock.read().steady) {
+                log::warn!("check_state_validity: not valid: {why}");
+            }
+        };
         while let Ok((id, request)) = self.questions.recv_blocking() {
+            if constraints_given(&request.constraints) {
+                warn("constraints are not evaluated here; leave them out");
+            }
             let answered = catch_unwind(AssertUnwindSafe(|| self.answer(&request)));
             let response = match answered {
                 Ok(Ok(response)) => response,
                 Ok(Err(why)) => {
-                    log::warn!("check_state_validity: not valid: {why}");
+                    warn(&why);
                     GetStateValidityResponse::default()
                 }
                 Err(_) => {

@@ -67,9 +67,6 @@ pub fn state_validity(
         contact(checker, *bodies, found, &poses, situation.now)
     };
     let unanswered = constraints_given(&request.constraints);
-    if unanswered {
-        log::warn!("check_state_validity: not valid: constraints are not evaluated here; leave them out");
-    }
     Ok(GetStateValidityResponse {
         valid: colliding.is_empty() && report.undecided.is_empty() && !unanswered,
         contacts: colliding.iter().take(CONTACTS_TOLD).map(contact).collect(),
@@ -86,7 +83,8 @@ fn unknown_world(situation: &Situation) -> Option<Reason> {
     situation.scene.revision.stale_world(situation.now).or_else(|| swap.or(stale).cloned())
 }
 
-fn constraints_given(constraints: &Constraints) -> bool {
+/// Whether an answer would have to evaluate constraints.
+pub fn constraints_given(constraints: &Constraints) -> bool {
     let Constraints { joint_constraints, position_constraints, orientation_constraints, .. } = constraints;
     !(joint_constraints.is_empty()
         && position_constraints.is_empty()
