@@ -16,6 +16,8 @@ pub enum ParameterFault {
     File { file: PathBuf, why: String },
     #[error("parameter '{name}': {why}")]
     Single { name: String, why: String },
+    #[error("parameters: {0}")]
+    Together(String),
 }
 
 /// The values at the start: defaults, then the files in turn, then the single parameters; the later wins.
@@ -38,10 +40,11 @@ pub fn initial(
         if let ParameterSource::Single { node, name, value } = source
             && node.as_deref().is_none_or(|node| is_this_node(node, names))
         {
-            (parameters.set(name, value))
+            (parameters.assign(name, value))
                 .map_err(|why| ParameterFault::Single { name: name.clone(), why })?;
         }
     }
+    parameters.check_together().map_err(ParameterFault::Together)?;
     Ok((parameters, passed_over))
 }
 
@@ -80,7 +83,7 @@ fn apply_text(
                 passed_over.push(format!("{name}{meant} of {} in {}", section.pattern, file.display()));
                 continue;
             }
-            (parameters.set(name, value)).map_err(|why| format!("{}: {why}", section.pattern))?;
+            (parameters.assign(name, value)).map_err(|why| format!("{}: {why}", section.pattern))?;
         }
     }
     Ok(())
@@ -238,6 +241,18 @@ mod tests {
         assert_eq!(parameters.padding, 0.125);
         assert_eq!(parameters.stale_after, 2.0);
         assert_eq!(parameters.heartbeat_rate, 10.0);
+        // what does not fit together is refused when all are known, whatever their order
+        let crop = |end, x| single(None, end, Value::Doubles(vec![x, -9.0, -9.0]));
+        let beyond = single(None, "cloud_crop_max", Value::Doubles(vec![20.0; 3]));
+        let (parameters, _) =
+            initial(Parameters::default(), &[crop("cloud_crop_min", 15.0), beyond], &names("/")).unwrap();
+        assert_eq!(parameters.cloud_crop_min[0], 15.0);
+        let error = initial(
+            Parameters::default(),
+            &[crop("cloud_crop_max", -20.0), crop("cloud_crop_min", 0.0)],
+            &names("/"),
+        );
+        assert!(error.unwrap_err().to_string().contains("cloud_crop_min must be below"));
         let missing = [ParameterSource::File("/nowhere.yaml".into())];
         let error = initial(Parameters::default(), &missing, &names("/")).unwrap_err();
         assert!(error.to_string().contains("/nowhere.yaml"), "{error}");

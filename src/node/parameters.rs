@@ -182,21 +182,13 @@ impl Parameters {
         Ok(())
     }
 
-    /// Sets one parameter, or says why not.
-    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
-        let mut changed = self.clone();
-        changed.assign(name, value)?;
-        changed.check_together().map_err(|why| format!("{name}: {why}"))?;
-        *self = changed;
-        Ok(())
-    }
-
-    fn assign(&mut self, name: &str, value: &Value) -> Result<(), String> {
+    /// Sets one parameter of several, or says why not; [`Self::check_together`] belongs after the last.
+    pub fn assign(&mut self, name: &str, value: &Value) -> Result<(), String> {
         declaration(name).ok_or_else(|| unknown(name))?.set(self, value)
     }
 
     /// Whether values that are right by themselves are so together.
-    fn check_together(&self) -> Result<(), String> {
+    pub fn check_together(&self) -> Result<(), String> {
         // a box that holds nothing would make every cloud empty
         let below = |(min, max): (&f64, &f64)| min < max;
         if !self.cloud_crop_min.iter().zip(&self.cloud_crop_max).all(below) {

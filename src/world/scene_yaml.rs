@@ -1,5 +1,7 @@
 //! Planning scenes out of YAML.
 
+mod text;
+
 use super::octomap::Octomap;
 use super::planning_scene::{PlanningScene, SceneError, Situation};
 use super::scene_object::{OCTOMAP_NAME, Operation, SceneAttachment, SceneObject};
@@ -40,8 +42,7 @@ impl PlanningScene {
         files: &MeshFiles,
     ) -> Result<(), SceneError> {
         let fault = |message: String| SceneError::of_file(file, message);
-        let scene: SceneText =
-            serde_saphyr::from_str_with_options(text, yaml_limits()).map_err(|e| fault(e.to_string()))?;
+        let scene = text::read(text, file)?;
         if says_nothing(&scene) {
             return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }
@@ -254,20 +255,6 @@ fn says_nothing(scene: &SceneText) -> bool {
         && scene.octomap.is_none()
         && scene.link_padding.is_empty()
         && scene.link_scale.is_empty()
-}
-
-/// Limits that admit large inline meshes but no text that expands without end.
-fn yaml_limits() -> serde_saphyr::Options {
-    const LARGEST_COUNT: usize = 20_000_000;
-    serde_saphyr::options! {
-        // else the keys y and n of a position or a normal are booleans
-        strict_booleans: true,
-        budget: serde_saphyr::budget! {
-            max_events: LARGEST_COUNT,
-            max_nodes: LARGEST_COUNT,
-            max_total_scalar_bytes: 16 * LARGEST_COUNT,
-        },
-    }
 }
 
 #[cfg(test)]

@@ -22,6 +22,15 @@ fn declaration_test_start(name: &str) -> Parameters {
     parameters
 }
 
+/// Sets one parameter alone.
+fn set(parameters: &mut Parameters, name: &str, value: &Value) -> Result<(), String> {
+    let mut changed = parameters.clone();
+    changed.assign(name, value)?;
+    changed.check_together()?;
+    *parameters = changed;
+    Ok(())
+}
+
 #[test]
 fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
     let manual: serde_json::Value = serde_saphyr::from_str(MANUAL).unwrap();
@@ -30,7 +39,7 @@ fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
     for declaration in DECLARATIONS.iter() {
         let name = declaration.name;
         let mut as_written = declaration_test_start(name);
-        as_written.set(name, &parameter_value::from_node(&values[name])).unwrap();
+        set(&mut as_written, name, &parameter_value::from_node(&values[name])).unwrap();
         assert_eq!(declaration.get(&as_written), declaration.get(&defaults), "{name}");
         let begins = match declaration.range {
             Range::Bool => " true or false.".to_owned(),
@@ -76,16 +85,16 @@ fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
         ("cloud_crop_min", Value::Doubles(vec![0.0, f64::NAN, 0.0]), "three finite numbers"),
     ] {
         let mut parameters = Parameters::default();
-        let error = parameters.set(name, &value).unwrap_err();
+        let error = set(&mut parameters, name, &value).unwrap_err();
         assert!(error.contains(name) && error.contains(reason), "{error}");
         assert_eq!(parameters, Parameters::default());
     }
     let mut parameters = Parameters::default();
-    parameters.set("cloud_crop_min", &Value::Doubles(vec![0.0; 3])).unwrap();
-    let error = parameters.set("cloud_crop_max", &Value::Doubles(vec![1.0, 0.0, 1.0])).unwrap_err();
+    set(&mut parameters, "cloud_crop_min", &Value::Doubles(vec![0.0; 3])).unwrap();
+    let error = set(&mut parameters, "cloud_crop_max", &Value::Doubles(vec![1.0, 0.0, 1.0])).unwrap_err();
     assert!(error.contains("must be below"), "{error}");
-    parameters.set("cloud_crop_max", &Value::EmptyList).unwrap();
-    parameters.set("heartbeat_rate", &Value::Integer(20)).unwrap();
+    set(&mut parameters, "cloud_crop_max", &Value::EmptyList).unwrap();
+    set(&mut parameters, "heartbeat_rate", &Value::Integer(20)).unwrap();
     assert_eq!(declaration("heartbeat_rate").unwrap().get(&parameters), Value::Double(20.0));
 }
 

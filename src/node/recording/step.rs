@@ -195,24 +195,12 @@ pub fn parameters_to_json(parameters: &Parameters) -> Map<String, Json> {
 /// The parameter that this build does not have, or not with this value.
 pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, String> {
     let mut parameters = Parameters::default();
-    let mut left: Vec<_> = json.iter().collect();
-    // what one may be can depend on another: in some order all can be set
-    while !left.is_empty() {
-        let mut refused = Vec::new();
-        let mut why = String::new();
-        for &(name, value) in &left {
-            // a text stays one, whatever it would mean in YAML
-            let text = value.as_str().map(|text| Value::Text(text.to_owned()));
-            let value = text.unwrap_or_else(|| parameter_value::from_node(value));
-            if let Err(fault) = parameters.set(name, &value) {
-                refused.push(name);
-                why = fault;
-            }
-        }
-        if refused.len() == left.len() {
-            return Err(why);
-        }
-        left.retain(|(name, _)| refused.contains(name));
+    for (name, value) in json {
+        // a text stays one, whatever it would mean in YAML
+        let text = value.as_str().map(|text| Value::Text(text.to_owned()));
+        let value = text.unwrap_or_else(|| parameter_value::from_node(value));
+        parameters.assign(name, &value)?;
     }
+    parameters.check_together()?;
     Ok(parameters)
 }

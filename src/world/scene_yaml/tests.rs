@@ -150,7 +150,19 @@ fn faults_name_object_and_field() {
     let octomap = |fields: &str| format!("world: {{octomap: {{octomap: {{{fields}}}}}}}");
     for (text, words) in [
         (object("planes: [{coef: [0, 0, 0, 1]}]"), vec!["'o'", "planes[0]", "coef"]),
-        (object("planes: [{coef: [0, 0, 1]}]"), vec!["coef"]),
+        (object("planes: [{coef: [0, 0, 1]}]"), vec!["'o'", "planes[0].coef"]),
+        (
+            object("primitives: [{type: box, dimensions: [1, wide, 1]}]"),
+            vec!["'o'", "primitives[0].dimensions[1]: "],
+        ),
+        (object("pose: {position: 7}"), vec!["'o'", "pose.position: "]),
+        ("collision_objects: [{id: [1]}]".to_owned(), vec!["collision_objects[0].id"]),
+        ("world: {collision_objects: 7}".to_owned(), vec!["world.collision_objects: "]),
+        (
+            "robot_state: {attached_collision_objects: [{link_name: hand, object: {id: p, pose: 7}}]}"
+                .to_owned(),
+            vec!["'p'", "pose: "],
+        ),
         (
             object("primitives: [{type: cone, dimensions: [1]}]"),
             vec!["'o'", "primitives[0]", "cone takes two"],
