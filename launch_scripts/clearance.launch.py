@@ -26,14 +26,14 @@ ARGUMENTS = {
     "urdf": ("", "the robot; without it the topic robot_description is awaited"),
     "srdf": ("", "its SRDF: the pairs of links that need no check"),
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
-    "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene"),
+    "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene, MoveIt's .scene text, an octree (.bt, .ot) or a cloud (.pcd, .ply)"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
     "record": ("", "an MCAP file to record inputs and answers to"),
     "joint_states": ("joint_states", "the topic with the joint states"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
-    "rviz": ("false", "whether RViz is started, with clearance.rviz"),
+    "rviz": ("false", "whether RViz is started, with clearance.rviz; it shows the robot beside a robot_state_publisher"),
     "fixed_frame": ("", "the fixed frame of RViz; without it the root link of the URDF, or base_link"),
 }
 

@@ -20,7 +20,7 @@ RVIZ_CONFIG = Path(__file__).resolve().with_name("clearance.rviz")
 
 ARGUMENTS = {
     "urdf": (str(ROOT / "urdf/demo_arm/demo_arm.urdf"), "the robot"),
-    "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene"),
+    "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene, MoveIt's .scene text, an octree (.bt, .ot) or a cloud (.pcd, .ply)"),
     "executable": ("", "the program, if it is not that of the installed package"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz"),
     "fixed_frame": ("base", "the fixed frame of RViz: the robot's root link"),

@@ -15,7 +15,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 ARGUMENTS = {
-    "scene": ("/monitored_planning_scene", "the topic on which it does"),
+    "scene": ("/monitored_planning_scene", "the topic on which move_group tells its scene"),
     "description": ("/robot_description", "the topic with the URDF"),
     "semantic": ("/robot_description_semantic", "the topic with the SRDF"),
     "joint_states": ("/joint_states", "the topic with the joint states"),

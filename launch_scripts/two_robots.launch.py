@@ -23,7 +23,7 @@ OF_EACH = {
     "": ("{side}", "namespace of the {side} robot"),
     "_urdf": ("", "the {side} robot; without it the topic robot_description of its namespace is awaited"),
     "_srdf": ("", "its SRDF: the pairs of links that need no check"),
-    "_world": ("", "obstacles in the {side} robot's root frame: the YAML of a moveit_msgs/PlanningScene"),
+    "_world": ("", "obstacles in the {side} robot's root frame, as for clearance.launch.py"),
 }
 OF_BOTH = {
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),

@@ -1,4 +1,4 @@
-"""Measures the node and writes docs/node_benchmarks.md; README.md says how. Called by run.sh."""
+"""Measures the node and writes what was found; README.md says how. Called by run.sh."""
 
 import argparse
 import itertools
@@ -26,7 +26,7 @@ def arguments():
     parser.add_argument("--binary", type=Path, default=ROOT / "target/release/clearance", help="the program that is measured")
     parser.add_argument("--robot", default="g1", help="whose joint states come at 1 kHz (the table is about g1)")
     parser.add_argument("--rows", default=",".join(ROWS), help=f"some of {','.join(ROWS)}")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs/node_benchmarks.md")
+    parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args()
     options.rows = options.rows.split(",")
     if unknown := [row for row in options.rows if row not in ROWS]:

@@ -11,12 +11,17 @@ pub fn open_meshes(robot: &RobotModel, world: &World) -> Vec<String> {
     let of_links = robot.links().iter().flat_map(|link| {
         (link.collisions.iter().enumerate())
             .filter(|(_, c)| is_open(&c.shape))
-            .map(|(i, _)| format!("mesh of link '{}', collision {i},", link.name))
+            .map(|(i, _)| format!("mesh of link '{}' (collision {i})", link.name))
     });
     let of_obstacles = world.obstacles().flat_map(|obstacle| {
         (obstacle.shapes.iter().enumerate())
             .filter(|(_, s)| is_open(&s.shape))
             .map(|(i, _)| format!("mesh {i} of object '{}'", obstacle.name))
     });
-    of_links.chain(of_obstacles).collect()
+    let of_attached = world.attached().iter().flat_map(|object| {
+        (object.shapes.iter().enumerate())
+            .filter(|(_, s)| is_open(&s.shape))
+            .map(|(i, _)| format!("mesh {i} of attached object '{}'", object.name))
+    });
+    of_links.chain(of_obstacles).chain(of_attached).collect()
 }

@@ -229,7 +229,7 @@ pub fn checker(
     loaded.add_to(&mut settings);
     if settings.mesh_model == MeshModel::Solid {
         for mesh in clearance::checker::open_meshes(&robot, &loaded.world) {
-            log::warn!("{mesh} is not closed: it stays a surface");
+            log::warn!("{mesh}: not closed, so it stays a surface");
         }
     }
     CollisionChecker::with_matrix(Arc::new(robot), &loaded.world, settings, loaded.allowed.as_ref())

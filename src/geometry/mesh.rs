@@ -1,16 +1,25 @@
 //! Triangle meshes, validated once: every index in range, every coordinate finite.
 
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use super::Triangle;
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
 
 /// A set of triangles over shared vertices, in metres, in its own frame. Never empty.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: Vec<Point>,
     triangles: Vec<[u32; 3]>,
+    /// Found when it is asked for: that costs a pass over all edges.
+    is_closed: OnceLock<bool>,
+}
+
+impl PartialEq for TriangleMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertices == other.vertices && self.triangles == other.triangles
+    }
 }
 
 /// Why a list of vertices and faces is no mesh.
@@ -44,7 +53,7 @@ impl TriangleMesh {
         let usable = |p: &Point| p.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
         match vertices.iter().position(|p| !usable(p)) {
             Some(vertex) => Err(MeshError::BadVertex { vertex }),
-            None => Ok(Self { vertices, triangles }),
+            None => Ok(Self { vertices, triangles, is_closed: OnceLock::new() }),
         }
     }
 
@@ -121,6 +130,10 @@ impl TriangleMesh {
     /// inside and outside are defined.
     #[must_use]
     pub fn is_closed(&self) -> bool {
+        *self.is_closed.get_or_init(|| self.has_balanced_edges())
+    }
+
+    fn has_balanced_edges(&self) -> bool {
         let mut name_of_position: HashMap<[u64; 3], u32> = HashMap::new();
         let names: Vec<u32> = (self.vertices.iter().zip(0..))
             .map(|(p, own)| {

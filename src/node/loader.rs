@@ -15,7 +15,7 @@ use super::parameters::Parameters;
 use super::recording::{Happening, OrderStep, Original};
 use super::scene::{CloudMessage, Monitored, Shared};
 use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper, SceneOrder};
-use crate::checker::{CollisionChecker, MeshModel, Settings};
+use crate::checker::{CollisionChecker, MeshModel, Settings, open_meshes};
 use crate::math::Extremes;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Now, Revision};
@@ -399,12 +399,14 @@ impl Loader {
         let before = lock(&self.scene).clone();
         let known = before.as_ref().map(|before| &before.revision.checker);
         let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
+        let mut warnings = self.keeper.warnings();
+        warnings.extend(told_solid_in_vain(&checker));
         let revision = Arc::new(Revision {
             checker,
             model,
             world,
             sources: self.keeper.sources(parameters),
-            warnings: self.keeper.warnings(),
+            warnings,
             grounds: scene.grounds(robot),
         });
         (self.model_revision, self.world_revision) = (model, world);
@@ -498,6 +500,22 @@ pub fn checker_of(
         None => CollisionChecker::with_matrix(Arc::clone(robot), &scene.world, settings, matrix),
     };
     built.map_err(|error| error.to_string())
+}
+
+/// Meshes that are to be solid and cannot be: nothing inside of them is found.
+fn told_solid_in_vain(checker: &CollisionChecker) -> Option<String> {
+    const TOLD: usize = 5;
+    if checker.settings().mesh_model != MeshModel::Solid {
+        return None;
+    }
+    let mut open = open_meshes(checker.robot(), checker.world());
+    let left = open.len().saturating_sub(TOLD);
+    open.truncate(TOLD);
+    let more = if left > 0 { format!(" and {left} more") } else { String::new() };
+    (!open.is_empty()).then(|| {
+        let open = open.join(", ");
+        format!("not solid, because not closed, and whatever is wholly inside touches nothing: {open}{more}")
+    })
 }
 
 /// What names of joints and of links begin with.

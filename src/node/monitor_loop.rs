@@ -76,7 +76,6 @@ pub struct OwnMotion {
 pub struct Report {
     activity: Activity,
     arrivals: Arrivals,
-    model_fault: Option<String>,
     clouds: CloudReports,
     /// Status and code of the reason that were logged last.
     logged: Option<(&'static str, Option<&'static str>)>,
@@ -143,10 +142,7 @@ impl MonitorLoop {
         self.note(&event);
         match event {
             Event::Stop => {}
-            Event::Checker(revision) => {
-                self.report.model_fault = None;
-                self.monitor.set_checker(revision);
-            }
+            Event::Checker(revision) => self.monitor.set_checker(revision),
             Event::ModelSwap => self.monitor.note_model_swap(),
             Event::Enabled(enabled, heeded) => {
                 self.monitor.set_enabled(enabled);
@@ -155,7 +151,6 @@ impl MonitorLoop {
                 let _ = heeded.try_send(());
             }
             Event::ModelFault(fault) => {
-                self.report.model_fault = Some(fault.clone());
                 self.report.is_due = true;
                 self.monitor.note_model_fault(fault);
             }
@@ -284,7 +279,7 @@ impl MonitorLoop {
         let interval = report.last.map_or(steady, |(_, at)| since(at));
         report.last = Some((status, steady));
         let now = self.clock.now().unwrap_or_default();
-        let fault = report.model_fault.as_deref();
+        let fault = self.monitor.model_fault();
         let message =
             diagnostics(&self.node, now, judgement, &report.activity, interval, fault, &report.clouds);
         report.activity.begin_anew();

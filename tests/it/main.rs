@@ -9,6 +9,7 @@ mod effort;
 mod held_planes;
 mod hostile;
 mod hostile_requests;
+mod large_worlds;
 mod layers;
 mod motions;
 mod moving;

@@ -1,5 +1,4 @@
-//! Worlds that are large, that change, and that a robot carries a part of: against every pair asked one by one, against worlds built
-//! anew, and against robots that have the part as a link.
+//! Worlds that change, and that a robot carries a part of: against worlds built anew, and against robots that have the part as a link.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,20 +10,19 @@ use clearance::checker::{
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
-use clearance::query::{self, CollisionBody, Scratch};
 use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel};
 use clearance::verifier::verify;
 use clearance::world::{AttachedObject, Obstacle, ObstacleShape, World, WorldError};
 
 use crate::random::Random;
 
-fn demo_arm() -> Arc<RobotModel> {
+pub fn demo_arm() -> Arc<RobotModel> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf/demo_arm");
     let srdf = folder.join("demo_arm.srdf");
     Arc::new(RobotModel::load(&folder.join("demo_arm.urdf"), Some(&srdf), &[]).unwrap())
 }
 
-fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
+pub fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
     let within = |joint| {
         let limits = robot.joint(joint).limits;
         limits.map_or([-3.0, 3.0], |limits| [limits.lower.max(-3.0), limits.upper.min(3.0)])
@@ -39,7 +37,7 @@ fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
     robot.configuration(&positions).unwrap()
 }
 
-fn obstacle(name: String, random: &mut Random, reach: f64, size: f64) -> Obstacle {
+pub fn obstacle(name: String, random: &mut Random, reach: f64, size: f64) -> Obstacle {
     let pose = Pose::from_parts(random.vector(reach).into(), random.rotation());
     let mut edge = || random.within(0.1, 1.0) * size;
     let (x, y, z) = (edge(), edge(), edge());
@@ -49,91 +47,6 @@ fn obstacle(name: String, random: &mut Random, reach: f64, size: f64) -> Obstacl
         _ => Primitive::cylinder(0.5 * x, y),
     };
     Obstacle::of_shape(name, pose, Shape::Primitive(primitive.unwrap()))
-}
-
-/// The distance of each link from each obstacle, all asked one by one: by link, then by obstacle.
-struct OneByOne {
-    links: Vec<(Body, CollisionBody)>,
-    obstacles: Vec<(Body, Pose, CollisionBody)>,
-}
-
-impl OneByOne {
-    fn new(robot: &RobotModel, world: &World) -> Self {
-        let links = robot.link_ids().filter_map(|id| {
-            let shapes = robot.link(id).collisions.iter().map(|c| (&c.pose_ls, &c.shape));
-            Some((Body::Link(id), CollisionBody::new(shapes)?))
-        });
-        let obstacles = world.ids().map(|id| {
-            let obstacle = world.obstacle(id);
-            let body = CollisionBody::new(obstacle.shapes.iter().map(|s| (&s.pose_os, &s.shape)));
-            (Body::Obstacle(id), obstacle.pose_ro, body.unwrap())
-        });
-        Self { links: links.collect(), obstacles: obstacles.collect() }
-    }
-
-    fn distances(&self, robot: &RobotModel, q: &Configuration, limit: f64) -> Vec<(Body, Body, f64)> {
-        let mut poses = LinkPoses::new(robot);
-        robot.forward_kinematics(q, &mut poses);
-        let mut scratch = Scratch::default();
-        let mut found = Vec::new();
-        for (link, a) in &self.links {
-            let Body::Link(id) = link else { unreachable!() };
-            for (obstacle, pose, b) in &self.obstacles {
-                let pose_ab = poses.pose(*id).inverse() * pose;
-                if let Some(near) = query::distance(a, b, &pose_ab, limit, &mut scratch) {
-                    found.push((*link, *obstacle, near.distance));
-                }
-            }
-        }
-        found
-    }
-}
-
-#[test]
-fn a_large_world_is_as_all_its_pairs_one_by_one() {
-    let robot = demo_arm();
-    let mut random = Random::new(7);
-    let mut world = World::default();
-    for i in 0..600 {
-        world.add(obstacle(format!("o{i}"), &mut random, 2.5, 0.15)).unwrap();
-    }
-    let settings = Settings { check_self: false, ..Settings::default() };
-    let checker = CollisionChecker::new(robot.clone(), &world, settings).unwrap();
-    let slow = OneByOne::new(&robot, &world);
-    let (mut workspace, mut stream) = (checker.workspace(), checker.streaming_workspace());
-    let states: Vec<_> = (0..60).map(|_| state(&robot, &mut random)).collect();
-    let mut free = 0;
-    for q in &states {
-        let near = slow.distances(&robot, q, 0.2);
-        let touching: Vec<_> = near.iter().filter(|(_, _, d)| *d == 0.0).map(|(a, b, _)| (*a, *b)).collect();
-        free += usize::from(touching.is_empty());
-        assert_eq!(checker.is_free(q, &mut workspace), touching.is_empty());
-        let report = checker.check(q, Question::PairDistances { limit: 0.2 }, &mut workspace);
-        assert_eq!(report.colliding_pairs, touching);
-        assert_eq!(checker.check(q, Question::Pairs, &mut workspace).colliding_pairs, touching);
-        let told: Vec<_> = report.pair_distances.iter().map(|p| (p.a, p.b)).collect();
-        assert_eq!(told, near.iter().map(|(a, b, _)| (*a, *b)).collect::<Vec<_>>());
-        for (pair, (_, _, distance)) in report.pair_distances.iter().zip(&near) {
-            assert!((pair.distance - distance).abs() < 1e-5, "{pair:?} {distance}");
-        }
-        let least = checker.check(q, Question::Distance { limit: f64::INFINITY }, &mut workspace);
-        let all = slow.distances(&robot, q, f64::INFINITY);
-        let expected = all.iter().map(|(_, _, d)| *d).fold(f64::INFINITY, f64::min);
-        assert!((least.nearest.unwrap().distance - expected).abs() < 1e-5);
-        for question in [
-            Question::Free,
-            Question::Survey { influence_distance: 0.05, limit: 2.0 },
-            Question::Distance { limit: f64::INFINITY },
-        ] {
-            let (cold, mut warm) =
-                (checker.check(q, question, &mut workspace), checker.check(q, question, &mut stream));
-            warm.work = cold.work;
-            assert_eq!(cold, warm);
-        }
-    }
-    assert!((5..55).contains(&free), "{free} of 60 are free: the world is too dense or too thin");
-    let expected: Vec<_> = states.iter().map(|q| checker.is_free(q, &mut workspace)).collect();
-    assert_eq!(checker.are_free(&states), expected);
 }
 
 #[test]
@@ -161,33 +74,6 @@ fn a_batch_asks_every_state_about_what_hits_another() {
     }
 }
 
-#[test]
-fn the_price_of_a_state_hardly_grows_with_the_world() {
-    let robot = demo_arm();
-    let mut random = Random::new(3);
-    let states: Vec<_> = (0..50).map(|_| state(&robot, &mut random)).collect();
-    let near: Vec<_> = (0..10).map(|i| obstacle(format!("near{i}"), &mut random, 0.8, 0.1)).collect();
-    let volume_tests = |far: u32| {
-        let mut world = World::default();
-        for o in &near {
-            world.add(o.clone()).unwrap();
-        }
-        let mut random = Random::new(5);
-        for i in 0..far {
-            let mut o = obstacle(format!("far{i}"), &mut random, 20.0, 0.1);
-            o.pose_ro.translation.vector += Vector::new(30.0, 0.0, 0.0);
-            world.add(o).unwrap();
-        }
-        let checker = CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap();
-        let mut workspace = checker.workspace();
-        let tests = |q| checker.check(q, Question::Free, &mut workspace).work.volume_tests;
-        states.iter().map(tests).sum::<u64>()
-    };
-    let (few, many) = (volume_tests(0), volume_tests(10_000));
-    // a thousand times as many objects are three or four nodes more to go down for each link
-    assert!(many < 4 * few, "{few} volume tests among ten obstacles, {many} among ten thousand");
-}
-
 /// The same answers, about this state and the way to the next.
 fn assert_agree(
     (changed, anew): (&CollisionChecker, &CollisionChecker),
@@ -212,6 +98,18 @@ fn assert_agree(
         checker.check_motion_with(&segment, options, workspace).is_free()
     };
     assert_eq!(free(changed, &any, mine), free(anew, &any, theirs));
+}
+
+/// A primitive, a mesh, a cloud or an octree.
+fn of_any_shape(name: String, random: &mut Random) -> Obstacle {
+    let shape = match random.below(12) {
+        0 => Shape::Mesh(random.blob(4, 0.1).into()),
+        1 => Shape::Mesh(random.soup(20, 0.1, 0.05).into()),
+        2 => random.points(50, 0.1, 0.01),
+        3 => random.voxels(30, 0.1, 0.02),
+        _ => return obstacle(name, random, 1.0, 0.2),
+    };
+    Obstacle::of_shape(name, random.pose(1.0), shape)
 }
 
 #[test]
@@ -251,7 +149,7 @@ fn random_edits_agree_with_a_world_built_anew() {
                 let name = world.attached()[0].name.clone();
                 world.detach(&name, &Pose::from_parts(random.vector(1.0).into(), random.rotation())).unwrap();
             }
-            _ => drop(world.replace(obstacle(name, &mut random, 1.0, 0.2)).unwrap()),
+            _ => drop(world.replace(of_any_shape(name, &mut random)).unwrap()),
         }
         changed.set_world(&world).unwrap();
         let anew = alone.with_world(&world, settings.clone(), None).unwrap();

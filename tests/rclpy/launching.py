@@ -115,6 +115,14 @@ class LaunchFile:
 
     def command(self, folder, **given):
         """The command line of its one node of ours, with the binary under test."""
-        (node,) = (node for node in self.nodes(executable=BINARY, **given) if node.executable == BINARY)
-        assert node.package is None
-        return node.command(folder)
+        (command,) = self.commands(folder, **given)
+        return command
+
+    def commands(self, folder, **given):
+        """Those of all its nodes of ours."""
+        nodes = [node for node in self.nodes(executable=BINARY, **given) if node.executable == BINARY]
+        assert all(node.package is None for node in nodes)
+        folders = [folder / str(number) for number in range(len(nodes))]
+        for one in folders:
+            one.mkdir()
+        return [node.command(one) for node, one in zip(nodes, folders, strict=True)]

@@ -142,14 +142,17 @@ class SceneClient:
     def clear_octomap(self):
         self.call(Empty, "clear_octomap", Empty.Request())
 
-    def validity(self, joints=None, group="", attached=(), is_diff=True, **request):
+    def validity(self, *state, **request):
         """`check_state_validity` of these joint positions by name; those that are not named are the current ones."""
+        return self._peer.result(self.ask_validity(*state, **request), "an answer of check_state_validity")
+
+    def ask_validity(self, joints=None, group="", attached=(), is_diff=True, **request):
         request = GetStateValidity.Request(group_name=group, **request)
         request.robot_state.is_diff = is_diff
         request.robot_state.joint_state.name = list(joints or {})
         request.robot_state.joint_state.position = [float(position) for position in (joints or {}).values()]
         request.robot_state.attached_collision_objects = list(attached)
-        return self.call(GetStateValidity, "check_state_validity", request)
+        return self.request(GetStateValidity, "check_state_validity", request)
 
 
 class Complaints:

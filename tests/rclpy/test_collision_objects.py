@@ -13,7 +13,7 @@ from shape_msgs.msg import SolidPrimitive
 from tf2_msgs.msg import TFMessage
 
 from cell import Cell
-from scene import ball, box, cone, cube_mesh, cylinder, mesh, move, obstacle, plane, pose, removal, sphere
+from scene import attached, ball, box, cone, cube_mesh, cylinder, mesh, move, obstacle, plane, pose, removal, sphere
 from scene_client import SceneClient, bodies, colliding, distance
 
 ACCURACY = 1e-6  # [m] curved primitives; boxes and balls do far better
@@ -64,6 +64,29 @@ def test_every_shape_is_where_it_is_said_to_be(shared, shape, placed):
     assert near(state) == pytest.approx(0.1, abs=ACCURACY)
     assert ("obstacle", "thing") in bodies(state.nearest.pair)
     assert near(shared.change(removal("thing"))) is None
+
+
+def test_solid_meshes_hold_what_is_inside_and_open_ones_are_named(start):
+    cell = start("--mesh", "solid", parameters=NEARBY)
+    cell.judged(joint1=0, joint2=0)
+    scene = SceneClient(cell)
+    state = scene.change(obstacle("closed", cube_mesh(0.8), at=pose(2)))
+    assert colliding(state) == [{("link", "tip"), ("obstacle", "closed")}]
+    assert not state.warnings
+
+    scene.change(removal("closed"))
+    state = scene.change(obstacle("open", opened(cube_mesh(0.8)), at=pose(2)))
+    assert state.status == CollisionState.FREE
+    (warning,) = state.warnings
+    assert "not solid" in warning and "mesh 0 of object 'open'" in warning
+    state = scene.change(attached("tip", "open"))
+    (warning,) = state.warnings
+    assert "mesh 0 of attached object 'open'" in warning
+
+
+def opened(mesh):
+    mesh.triangles = mesh.triangles[1:]
+    return mesh
 
 
 def test_poses_of_object_and_shape_are_composed(shared):

@@ -50,6 +50,43 @@ def test_one_robot(peer, domain_id, tmp_path):
         assert state.nearest.distance == pytest.approx(0.7)
 
 
+def test_what_is_given_reaches_the_node():
+    given = {"urdf": "robot.urdf", "srdf": "robot.srdf", "package_path": "packages", "world": "cell.yaml", "record": "day.mcap"}
+    file = LaunchFile("clearance.launch.py")
+    options = [word for name, value in given.items() for word in (f"--{name.replace('_', '-')}", value)]
+    for view, viewed in {"": [], "false": [], "true": ["--view"], "8080": ["--view", "8080"]}.items():
+        (node,) = file.nodes(view=view, **given)
+        assert node.arguments == ["node", *options, *viewed]
+    (node,) = file.nodes(use_sim_time="true", params_file="config/clearance.yaml")
+    assert node.arguments == ["node"]
+    assert node.parameters == ["config/clearance.yaml", {"use_sim_time": True}]
+
+
+def test_rviz_shows_what_the_node_of_a_namespace_says():
+    ours, rviz = LaunchFile("clearance.launch.py").nodes(rviz="true", namespace="/left", urdf=two_link.URDF, use_sim_time="true")
+    assert (ours.executable, rviz.executable) == ("clearance", "rviz2")
+    assert rviz.arguments[-2:] == ["-f", "base"]
+    assert ("/clearance/markers", "/left/clearance/markers") in rviz.remappings
+    assert rviz.parameters == [{"use_sim_time": True}]
+    (_, rviz) = LaunchFile("clearance.launch.py").nodes(rviz="true", fixed_frame="map")
+    assert rviz.arguments[-2:] == ["-f", "map"]
+    assert rviz.remappings == []
+
+
+def test_two_robots(peer, domain_id, tmp_path):
+    world = tmp_path / "right.yaml"
+    world.write_text("collision_objects: [{id: ball, pose: {position: [2, 0, 0]}, primitives: [{type: sphere, dimensions: [0.1]}]}]")
+    of_both = {"params_file": "config/clearance.yaml", "left_urdf": two_link.URDF, "right_urdf": two_link.URDF}
+    left, right = LaunchFile("two_robots.launch.py").commands(tmp_path, right_world=world, **of_both)
+    for side in ("left", "right"):
+        two_link.Driver(peer, f"/{side}/joint_states")
+    states = {side: peer.record(CollisionState, f"/{side}/clearance/state") for side in ("left", "right")}
+    with started(left, domain_id), started(right, domain_id):
+        states["left"].wait_for(lambda state: state.status == CollisionState.FREE, "FREE on the left")
+        state = states["right"].wait_for(lambda state: state.status == CollisionState.COLLIDING, "the ball on the right")
+        assert "ball" in (state.colliding_pairs[0].body_a, state.colliding_pairs[0].body_b)
+
+
 def test_the_demo(peer, domain_id, tmp_path):
     command = LaunchFile("demo.launch.py").command(tmp_path, urdf=two_link.URDF)
     states = peer.record(CollisionState, "/clearance/state")

@@ -8,7 +8,7 @@ from math import nan, pi
 import pytest
 from clearance_msgs.msg import CollisionState
 from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
-from moveit_msgs.srv import GetPlanningScene
+from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
 
 from scene import attached, ball, box, cube_mesh, cylinder, detachment, diff, fine_mesh, matrix, obstacle, plane, pose, xyz
 from scene_client import SceneClient, distance, distances
@@ -178,6 +178,23 @@ def test_an_empty_diff_succeeds_and_changes_nothing(scene):
     before = scene.get()
     assert scene.apply(PlanningScene(is_diff=True))
     assert scene.get("WORLD_OBJECT_GEOMETRY").world == before.world
+
+
+def test_whoever_asks_at_once_hears_the_answer_to_what_he_asked(cell):
+    clients = [SceneClient(cell) for _ in range(4)]
+    for turn in range(8):
+        asked = []
+        for number, client in enumerate(clients):
+            scene = diff(ball(f"of_{number}", 5 + turn, number))
+            applied = client.request(ApplyPlanningScene, "apply_planning_scene", ApplyPlanningScene.Request(scene=scene))
+            valid = (turn + number) % 2 == 0
+            asked.append((applied, client.ask_validity(FOLDED if valid else ON_BASE), valid))
+        for applied, answer, valid in asked:
+            assert cell.peer.result(applied).success
+            assert cell.peer.result(answer).valid == valid
+        for client in clients:
+            places = {name: xyz(item.pose.position)[:2] for name, item in client.obstacles().items()}
+            assert places == {f"of_{number}": pytest.approx([5 + turn, number]) for number in range(len(clients))}
 
 
 # check_state_validity
