@@ -1,6 +1,8 @@
 //! One state that something is asked about: what is looked at, in which order, and what is found.
 
 use super::collision_checker::CollisionChecker;
+use super::memory::Memory;
+use super::pair::Roughly;
 use super::report::{Body, CollisionReport, PairDistance, Question};
 use super::stream::Due;
 use super::workspace::{QueuedPair, Workspace};
@@ -97,6 +99,11 @@ impl Asked<'_> {
         }
     }
 
+    /// What a distance may really be when it is told as `upper`, with what this state has cost so far.
+    pub fn certain(&self, upper: f64) -> f64 {
+        self.effort.lower_after(&self.workspace.scratch.work, upper)
+    }
+
     /// What was found of a pair, with contact decided where a tolerance left it open.
     fn decided(&mut self, pair: QueuedPair, found: PairDistance) -> PairDistance {
         if found.lower == found.distance || found.lower > CONTACT_DISTANCE {
@@ -144,6 +151,9 @@ impl Asked<'_> {
         if self.effort.is_exact() {
             return self.exact_distance(queued, limit);
         }
+        if self.tries_exactly(index) {
+            return self.distance_while_exact(queued, limit);
+        }
         let exact_within = self.effort.exact_within;
         if exact_within <= 0.0 || lower > exact_within || self.effort.deadline.is_some() {
             return self.distance_with_effort(queued, limit);
@@ -169,12 +179,40 @@ impl Asked<'_> {
             }
             None => pair.separation(limit, scratch),
         };
-        let raw = found?;
-        if raw.distance == 0.0 {
-            // which common point is found depends on the limit, which must not tell what was asked before
-            return Some(pair.padded(&pair.separation(CONTACT_DISTANCE, scratch).unwrap_or(raw)));
+        Some(pair.told(&found?, scratch))
+    }
+
+    /// Whether the state has cost so little that a pair is asked exactly, and that is not known to be in vain.
+    fn tries_exactly(&mut self, index: usize) -> bool {
+        let Workspace { scratch, stream, .. } = &mut *self.workspace;
+        let stream = stream.as_mut().filter(|s| s.is_of(self.checker.revision));
+        self.effort.deadline.is_none()
+            && self.effort.exact_cost > 0
+            && scratch.work.cost() < self.effort.exact_cost
+            && stream.and_then(|s| s.memory(index).as_mut()).is_none_or(Memory::tries_exactly)
+    }
+
+    /// As [`Self::exact_distance`], but within the tolerances from when the state has cost too much.
+    fn distance_while_exact(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
+        let index = queued.index;
+        let pair = self.checker.pair(index, &self.workspace.frames);
+        let effort = &self.raw_effort(pair.info.padding);
+        let Workspace { scratch, stream, .. } = &mut *self.workspace;
+        let limit = (limit + pair.info.padding).next_up();
+        let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
+            Some(stream) => {
+                let found = pair.separation_remembering_while(limit, effort, stream.memory(index), scratch);
+                stream.learn_from_memory(index, &pair);
+                found
+            }
+            None => pair.separation_while(limit, effort, scratch),
+        };
+        match found {
+            Ok(exact) => Some(pair.told(&exact?, scratch)),
+            Err(Roughly { lower, upper }) => {
+                Some(PairDistance { lower: (lower - pair.info.padding).greater(0.0), ..pair.padded(&upper) })
+            }
         }
-        Some(pair.padded(&raw))
     }
 
     fn distance_with_effort(
@@ -187,7 +225,7 @@ impl Asked<'_> {
             self.report.undecided.push(pair.undecided(lower + pair.info.padding, None));
             return None;
         }
-        let effort = &self.raw_effort(pair.info.padding);
+        let effort = &Effort { exact_cost: 0, ..self.raw_effort(pair.info.padding) };
         let Workspace { scratch, stream, .. } = &mut *self.workspace;
         let limit = (limit + pair.info.padding).greater(CONTACT_DISTANCE);
         let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {

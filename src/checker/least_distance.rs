@@ -83,7 +83,7 @@ impl Asked<'_> {
         self.measure(&mut least);
         self.report.nearest = least.nearest.map(|(_, found)| PairDistance {
             // of others it is only known that they are not nearer than the tolerance allows
-            lower: least.lower.lesser(self.effort.lower(found.distance).greater(0.0)),
+            lower: least.lower.lesser(self.certain(found.distance).greater(0.0)),
             ..found
         });
     }
@@ -226,12 +226,7 @@ impl Asked<'_> {
 
     fn told(&mut self, best: &Measured) -> PairDistance {
         let pair = self.checker.pair(best.index, &self.workspace.frames);
-        if best.raw.distance > 0.0 {
-            return pair.padded(&best.raw);
-        }
-        // which common point was found depends on what was looked at before
-        let alone = pair.separation(CONTACT_DISTANCE, &mut self.workspace.scratch);
-        pair.padded(&alone.unwrap_or(best.raw))
+        pair.told(&best.raw, &mut self.workspace.scratch)
     }
 
     /// Capsules around all parts, where they are.
@@ -256,7 +251,7 @@ impl Asked<'_> {
 impl Least {
     /// Nothing that is farther (m) matters.
     fn bound(&self, asked: &Asked) -> f64 {
-        let measured = self.nearest.map_or(self.limit, |(_, n)| asked.effort.lower(n.distance));
+        let measured = self.nearest.map_or(self.limit, |(_, n)| asked.certain(n.distance));
         measured.lesser(self.upper)
     }
 

@@ -10,7 +10,7 @@
 
 mod tolerant;
 
-use super::pair::Pair;
+use super::pair::{Pair, Roughly};
 use crate::constants::CONTACT_DISTANCE;
 use crate::geometry::PointPair;
 use crate::math::{Extremes, MatrixPose};
@@ -50,6 +50,9 @@ pub(super) struct Memory {
     /// States until the next front is collected, and how many they were the last time.
     pause: u32,
     last_pause: u32,
+    /// States until the exact distance is tried for again, and how many they were the last time.
+    given_up: u32,
+    last_given_up: u32,
 }
 
 impl Memory {
@@ -68,7 +71,26 @@ impl Memory {
             served: 0,
             pause: 0,
             last_pause: WORTH,
+            given_up: 0,
+            last_given_up: 0,
         }
+    }
+
+    /// Whether it is time to try for the exact distance, which cost too much the last times; asked once a state.
+    pub fn tries_exactly(&mut self) -> bool {
+        let tries = self.given_up == 0;
+        self.given_up = self.given_up.saturating_sub(1);
+        tries
+    }
+
+    /// Notes what was found within a tolerance because the exact distance cost too much. It is tried for again after a pause, each
+    /// twice as long as the last.
+    fn give_up(&mut self, pair: &Pair, found: &Roughly) {
+        self.renew(pair, found.lower, None);
+        self.near_points = Some(found.upper.witness_points);
+        (self.left, self.is_due) = (f64::INFINITY, false);
+        self.last_given_up = (2 * self.last_given_up).clamp(1, LONGEST_PAUSE);
+        self.given_up = self.last_given_up;
     }
 
     /// As [`Self::new`], but keeps the front, and points that were near where no nearer ones were found.
@@ -158,24 +180,37 @@ impl Pair<'_> {
         memory: &mut Option<Memory>,
         scratch: &mut Scratch,
     ) -> Option<Separation> {
+        let found = self.separation_remembering_while(limit, &Effort::default(), memory, scratch);
+        // with no tolerance nothing is told roughly
+        found.unwrap_or_else(|_| self.separation(limit, scratch))
+    }
+
+    /// As [`Pair::separation_while`], with what is remembered.
+    pub fn separation_remembering_while(
+        &self,
+        limit: f64,
+        effort: &Effort,
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Separation>, Roughly> {
         let limit = limit.greater(CONTACT_DISTANCE);
         let Some(known) = memory else {
-            let found = self.separation(limit, scratch);
-            *memory = Some(Memory::new(self, limit, found));
-            return found;
+            let found = self.separation_while(limit, effort, scratch);
+            let known = memory.insert(Memory::new(self, limit, found.ok().flatten()));
+            return found.inspect_err(|roughly| known.give_up(self, roughly));
         };
         if known.lower_at(self) > limit {
-            return None;
+            return Ok(None);
         }
         if known.pose_ab == self.pose_ab
             && let Some(found) = known.found
         {
-            return (found.distance <= limit).then_some(found);
+            return Ok((found.distance <= limit).then_some(found));
         }
         if let Some(found) = known.front.distance(self.bodies, &self.pose_ab, limit, scratch) {
             known.renew(self, limit, found);
             known.served = known.served.saturating_add(1);
-            return found;
+            return Ok(found);
         }
         known.drop_front();
         let mut tight = known.upper_at(&self.pose_ab);
@@ -187,16 +222,21 @@ impl Pair<'_> {
             if far.lower > limit {
                 known.renew(self, far.lower, None);
                 known.near_points = far.upper.map(|upper| upper.witness_points).or(known.near_points);
-                return None;
+                return Ok(None);
             }
             tight = far.upper.map_or(farther, |upper| upper.distance).lesser(tight);
         }
-        let found = self.separation(tight, scratch).or_else(|| self.separation(limit, scratch));
+        let found = match self.separation_while(tight, effort, scratch) {
+            Ok(None) => self.separation_while(limit, effort, scratch),
+            found => found,
+        };
+        let found = found.inspect_err(|roughly| known.give_up(self, roughly))?;
         known.renew(self, limit, found);
-        let found = found.filter(|found| found.distance <= limit)?;
+        known.last_given_up = 0;
+        let Some(found) = found.filter(|found| found.distance <= limit) else { return Ok(None) };
         if found.distance > 0.0 {
             known.collect_if_worth(self, &found, scratch);
         }
-        Some(found)
+        Ok(Some(found))
     }
 }

@@ -1,6 +1,7 @@
 //! One pair of bodies at their poses, ready to be asked about.
 
 use super::report::{Body, PairDistance, UndecidedPair};
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::{Extremes, MatrixPose};
 use crate::query::{
     self, CollisionBody, DistanceBounds, Effort, ElementPair, Piece, Postponed, Scratch, Separation,
@@ -23,6 +24,13 @@ pub(super) struct Pair<'c> {
     /// Pose of a in the root frame.
     pub pose_ra: MatrixPose,
     pub pose_ab: MatrixPose,
+}
+
+/// What is certain about a distance without padding where the exact one would cost too much.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roughly {
+    pub lower: f64,
+    pub upper: Separation,
 }
 
 impl Pair<'_> {
@@ -70,6 +78,29 @@ impl Pair<'_> {
     pub fn separation_bounds(&self, limit: f64, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
         let (a, b) = self.bodies;
         query::distance_bounds(a, b, self.pose_ab, limit, effort, scratch)
+    }
+
+    /// As [`Self::separation`], but within the tolerances from when the state has cost too much.
+    pub fn separation_while(
+        &self,
+        limit: f64,
+        effort: &Effort,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Separation>, Roughly> {
+        let DistanceBounds { lower, upper, .. } = self.separation_bounds(limit, effort, scratch);
+        match upper {
+            Some(upper) if lower < upper.distance => Err(Roughly { lower, upper }),
+            exact => Ok(exact),
+        }
+    }
+
+    /// An exact separation as it is told: which common point of bodies that touch is found depends on the limit, which must not tell
+    /// what was asked before.
+    pub fn told(&self, exact: &Separation, scratch: &mut Scratch) -> PairDistance {
+        if exact.distance > 0.0 {
+            return self.padded(exact);
+        }
+        self.padded(&self.separation(CONTACT_DISTANCE, scratch).unwrap_or(*exact))
     }
 
     /// As [`Self::touches`], until a deadline.

@@ -91,6 +91,13 @@ impl CollisionReport {
         self.nearest = nearest.copied().or(self.nearest);
     }
 
+    /// Whether every distance is exact: none is told that may be smaller, and the deadline left nothing open.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        let is_exact = |pair: &PairDistance| pair.lower == pair.distance;
+        self.undecided.is_empty() && self.pair_distances.iter().chain(&self.nearest).all(is_exact)
+    }
+
     /// A number (m) that no pair's distance is below, of those within the question's limit; infinite if there are none.
     #[must_use]
     pub fn least_distance_lower(&self) -> f64 {

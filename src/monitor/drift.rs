@@ -1,38 +1,31 @@
 //! How what stands in the room moves past the robot while its root drives.
 
 use std::collections::VecDeque;
-use std::time::Duration;
 
+use super::Time;
 use super::scene::is_elsewhere;
 use crate::math::{Point, Pose, Vector};
 
-/// Time that a motion is measured over: `tf` comes in steps.
-const WINDOW: Duration = Duration::from_millis(100);
+/// Time (s) that a motion is measured over at least: `tf` comes in steps.
+const WINDOW: f64 = 0.1;
 
-/// Where a frame was in the root's frame lately.
+/// Where a frame was in the root's frame lately, whenever `tf` told of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
-    /// The last of them is where it is now; the first, if there are several, a window ago or all that is known.
-    places: VecDeque<(Duration, Pose)>,
-    /// As `tf` has it.
-    now: Pose,
+    /// By stamp; the first, if there are several, is a window before the last or all that is known.
+    places: VecDeque<(Time, Pose)>,
 }
 
 impl Track {
-    /// The same, with the frame somewhere else.
-    pub fn to(self, pose_rf: Pose) -> Self {
-        Self { now: pose_rf, ..self }
-    }
-
-    /// That is where it is at a time.
-    pub fn note(&mut self, at: Duration) {
+    /// `tf` has it there. What it does not tell anew says nothing about how it moves.
+    pub fn note(&mut self, stamp: Time, pose_rf: Pose) {
         match self.places.back_mut() {
-            Some((last, place)) if *last == at => return *place = self.now,
-            Some((last, _)) if *last > at => self.places.clear(),
+            Some((last, place)) if *last == stamp => return *place = pose_rf,
+            Some((last, _)) if *last > stamp => self.places.clear(),
             _ => {}
         }
-        self.places.push_back((at, self.now));
-        while self.places.get(1).is_some_and(|(second, _)| at.saturating_sub(*second) >= WINDOW) {
+        self.places.push_back((stamp, pose_rf));
+        while self.places.get(1).is_some_and(|(second, _)| stamp.seconds_since(*second) >= WINDOW) {
             self.places.pop_front();
         }
     }
@@ -40,9 +33,8 @@ impl Track {
     pub fn drift(&self, frame: &str) -> Drift {
         let ends = self.places.front().zip(self.places.back());
         let moved = ends.filter(|((_, before), (_, now))| is_elsewhere(before, now));
-        let motion = moved.map(|((from, before), (to, now))| {
-            (now * before.inverse(), to.saturating_sub(*from).as_secs_f64())
-        });
+        let motion =
+            moved.map(|((from, before), (to, now))| (now * before.inverse(), to.seconds_since(*from)));
         Drift { frame: frame.to_owned(), motion }
     }
 }
@@ -81,23 +73,26 @@ impl Drift {
 mod tests {
     use super::*;
 
-    fn tracked(places: impl IntoIterator<Item = (u64, f64)>) -> Drift {
+    fn tracked(places: impl IntoIterator<Item = (i64, f64)>) -> Drift {
         let mut track = Track::default();
         for (milliseconds, x) in places {
-            track = track.to(Pose::translation(x, 0.0, 0.0));
-            track.note(Duration::from_millis(milliseconds));
+            track.note(Time::from_nanoseconds(milliseconds * 1_000_000), Pose::translation(x, 0.0, 0.0));
         }
         track.drift("map")
     }
 
-    /// Looked at every 5 ms; told of every 20 ms.
+    /// Looked at every 5 ms; told of every 20 or 200 ms.
     #[test]
     fn a_motion_in_steps_is_measured_over_a_while() {
-        for end in 30..60_u32 {
-            let steps = (0..end).map(|i| (u64::from(5 * i), -0.02 * f64::from(i / 4)));
-            let way = tracked(steps).way_of(&Point::new(3.0, 0.0, 0.0), 0.5);
-            // a metre a second, and a step more or less
-            assert!((way.x + 0.5).abs() <= 0.11 && way.y == 0.0, "{way}");
+        for (looks_a_step, first) in [(4, 30), (40, 40)] {
+            let step = 5 * looks_a_step;
+            for end in first..200 {
+                let at = |i: i64| (i / looks_a_step) * step;
+                #[expect(clippy::cast_precision_loss, reason = "seconds")]
+                let steps = (0..=end).map(|i| (at(i), -1e-3 * at(i) as f64));
+                let way = tracked(steps).way_of(&Point::new(3.0, 0.0, 0.0), 0.5);
+                assert!((way.x + 0.5).abs() < 1e-9 && way.y == 0.0, "{way} after {end} looks");
+            }
         }
     }
 
@@ -106,7 +101,7 @@ mod tests {
         assert!(tracked([(0, 1.0)]).is_none());
         assert!(tracked((0..100).map(|i| (10 * i, 1.0))).is_none());
         assert!(tracked([(0, 0.0), (10, 1.0), (20, 1.0), (500, 1.0), (700, 1.0)]).is_none());
-        // a steady clock that is set back begins anew
+        // a clock that is set back begins anew
         assert!(tracked([(10, 0.0), (5, 1.0)]).is_none());
     }
 

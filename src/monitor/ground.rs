@@ -5,63 +5,59 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::drift::{Drift, Track};
-use super::scene::{Grounds, TransformTree};
+use super::scene::{Grounds, Told, TransformTree};
 use super::world_source::{Sight, WorldSource};
 use super::{Now, Reason, Time};
 
 /// What `tf` told last of the frames that obstacles stand in.
 #[derive(Debug, Default)]
 pub(super) struct GroundWatch {
+    /// Those that it tells of again and again.
     seen: BTreeMap<String, Seen>,
     /// A frame that `tf` does not connect with the root.
     lost: Option<String>,
-    late: Option<Late>,
+    /// Whether obstacles are not where `tf` has them: they are being put there.
+    are_elsewhere: bool,
+    /// When they were there last, by the steady clock, as far as that is known.
+    right_at: Option<Duration>,
 }
 
 #[derive(Debug)]
 struct Seen {
+    /// Of the oldest transform on the way.
     stamp: Time,
     /// When that was first judged by, on the steady clock: a clock that stands lets nothing grow old.
     since: Option<Duration>,
-    /// Whether it was ever told anew; of what was told once it need not be.
-    is_alive: bool,
     track: Track,
 }
 
-/// Obstacles that are not where `tf` has them: they are being put there.
-#[derive(Debug)]
-struct Late {
-    grounds: Grounds,
-    since: Option<Duration>,
-}
-
 impl GroundWatch {
+    /// Obstacles are where they belonged at that time, by the steady clock; `None`: where they belong now.
+    pub fn note_placed(&mut self, at: Option<Duration>) {
+        self.right_at = at;
+    }
+
     /// What `tf` tells now.
     pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
         self.lost = grounds.lost(tree).map(str::to_owned);
+        self.are_elsewhere = grounds.are_elsewhere(tree);
         let mut before = std::mem::take(&mut self.seen);
-        for (frame, pose_rf, stamp) in grounds.told_of(tree) {
+        for Told { frame, pose_rf, oldest, newest } in grounds.told_of(tree) {
             let seen = before.remove(frame);
-            let is_alive = seen.as_ref().is_some_and(|seen| seen.is_alive || seen.stamp != stamp);
-            let since = seen.as_ref().filter(|seen| seen.stamp == stamp).and_then(|seen| seen.since);
-            let track = seen.map(|seen| seen.track).unwrap_or_default().to(pose_rf);
-            self.seen.insert(frame.to_owned(), Seen { stamp, since, is_alive, track });
+            let since = seen.as_ref().filter(|seen| seen.stamp == oldest).and_then(|seen| seen.since);
+            let mut track = seen.map(|seen| seen.track).unwrap_or_default();
+            track.note(newest, pose_rf);
+            self.seen.insert(frame.to_owned(), Seen { stamp: oldest, since, track });
         }
-        let late = self.late.take();
-        self.late = grounds.are_elsewhere(tree).then(|| match late {
-            Some(late) if late.grounds == *grounds => late,
-            _ => Late { grounds: grounds.clone(), since: None },
-        });
     }
 
     /// What was looked at is judged by now.
     pub fn note_seen(&mut self, now: Now) {
         for seen in self.seen.values_mut() {
-            seen.track.note(now.steady);
+            seen.since.get_or_insert(now.steady);
         }
-        let frames = self.seen.values_mut().map(|seen| &mut seen.since);
-        for since in frames.chain(self.late.as_mut().map(|late| &mut late.since)) {
-            since.get_or_insert(now.steady);
+        if !self.are_elsewhere || self.right_at.is_none() {
+            self.right_at = Some(now.steady);
         }
     }
 
@@ -72,20 +68,45 @@ impl GroundWatch {
 
     /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.
     pub fn freshness(&self, now: Now, ttl: f64) -> Result<(), Reason> {
-        let of_root = |frame: &str| format!("tf of the robot's root in {frame}");
         if let Some(frame) = &self.lost {
             return Err(Reason::StaleWorld { source: of_root(frame), age: None, ttl });
         }
-        for (frame, seen) in self.seen.iter().filter(|(_, seen)| seen.is_alive) {
-            let sight = Sight { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
-            WorldSource { name: of_root(frame), seen: Some(sight), ttl }.freshness(now)?;
+        for source in self.sources(now, ttl) {
+            source.freshness(now)?;
         }
-        let since = self.late.as_ref().and_then(|late| late.since);
-        let lag = since.map_or(0.0, |since| now.steady.saturating_sub(since).as_secs_f64());
+        let lag = self.lag(now).as_secs_f64();
         if lag > ttl {
             let source = "whoever puts obstacles where tf has them".to_owned();
             return Err(Reason::StaleWorld { source, age: Some(lag), ttl });
         }
         Ok(())
     }
+
+    /// How long the places of obstacles stay known, if `tf` says nothing more.
+    pub fn time_to_stale(&self, now: Now, ttl: f64) -> Option<Duration> {
+        let of_frames = self.sources(now, ttl).filter_map(|source| source.time_to_stale(now));
+        let late = Duration::try_from_secs_f64(ttl).ok().filter(|_| self.are_elsewhere);
+        let of_places = late.and_then(|ttl| {
+            // a little later, so that it has passed whatever way rounding goes
+            Some(ttl.checked_sub(self.lag(now))? + Duration::from_millis(1))
+        });
+        of_frames.chain(of_places).min()
+    }
+
+    /// How long obstacles have not been where they belong.
+    fn lag(&self, now: Now) -> Duration {
+        let right_at = self.right_at.filter(|_| self.are_elsewhere);
+        right_at.map_or(Duration::ZERO, |right_at| now.steady.saturating_sub(right_at))
+    }
+
+    fn sources(&self, now: Now, ttl: f64) -> impl Iterator<Item = WorldSource> {
+        self.seen.iter().map(move |(frame, seen)| {
+            let sight = Sight { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
+            WorldSource { name: of_root(frame), seen: Some(sight), ttl }
+        })
+    }
+}
+
+fn of_root(frame: &str) -> String {
+    format!("tf of the robot's root in {frame}")
 }

@@ -24,13 +24,23 @@ pub struct Revision {
     pub warnings: Vec<String>,
     /// The frames that obstacles stand in.
     pub grounds: Grounds,
+    /// When obstacles were where `tf` had them, by the steady clock; `None`: when this comes into force.
+    pub placed_at: Option<Duration>,
 }
 
 impl Revision {
     /// Of a world that only messages and files change.
     #[must_use]
     pub fn new(checker: CollisionChecker, model: u64, world: u64) -> Self {
-        Self { checker, model, world, sources: Vec::new(), warnings: Vec::new(), grounds: Grounds::default() }
+        Self {
+            checker,
+            model,
+            world,
+            sources: Vec::new(),
+            warnings: Vec::new(),
+            grounds: Grounds::default(),
+            placed_at: None,
+        }
     }
 
     /// Why the world is not known now, if it is not.
@@ -67,6 +77,10 @@ pub struct Evidence {
     pub drifts: Vec<Drift>,
     /// The distance (m) up to which pairs may slow the robot down.
     pub slows_within: f64,
+    /// Whether all distances are exact, not lower bounds within a tolerance.
+    pub is_exact: bool,
+    /// Whether they are not because joint states came too fast.
+    pub is_hurried: bool,
     /// Wall time that the check took.
     pub compute_time: Duration,
 }

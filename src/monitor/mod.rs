@@ -40,6 +40,7 @@ mod judgement;
 mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
+mod pace;
 mod placement;
 pub mod scene;
 mod settings;

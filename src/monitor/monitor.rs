@@ -10,6 +10,7 @@ use super::drift::Drift;
 use super::ground::GroundWatch;
 use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
+use super::pace::Pace;
 use super::placement::Placements;
 use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
@@ -37,11 +38,12 @@ pub struct Monitor {
     subject: Option<Subject>,
     /// Another model is being built, and the subject's does not count any more.
     swapping: bool,
-    /// What was wrong with the last model offered, while there is none.
+    /// What was wrong with the last model offered, until one is taken.
     model_fault: Option<String>,
     /// What was refused of the last changes of the world.
     world_faults: Vec<String>,
     hearing: Hearing,
+    pace: Pace,
     /// What the robot's state is made of, whatever the verdict.
     contributions: Contributions,
     /// By how much (s) the clock was set back since the last joint state, if it was.
@@ -95,6 +97,7 @@ impl Monitor {
             model_fault: None,
             world_faults: Vec::new(),
             hearing: Hearing::default(),
+            pace: Pace::default(),
             contributions: Contributions::default(),
             set_back: None,
             placements: Placements::default(),
@@ -109,6 +112,11 @@ impl Monitor {
 
     /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
+        // a change of the world says nothing about a robot that was described and refused
+        if self.subject.as_ref().is_none_or(|before| before.revision.model != revision.model) {
+            self.model_fault = None;
+            self.swapping = false;
+        }
         let robot = |subject: &Subject| Arc::clone(subject.revision.checker.robot());
         if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
             self.governor.forget_poses();
@@ -118,14 +126,13 @@ impl Monitor {
         if revision.grounds.is_empty() {
             self.ground = GroundWatch::default();
         }
+        self.ground.note_placed(revision.placed_at);
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
             lookout: Lookout::new(&revision.checker),
             revision,
         });
-        self.model_fault = None;
-        self.swapping = false;
         self.outdated = true;
     }
 
@@ -140,6 +147,12 @@ impl Monitor {
         self.model_fault = Some(fault);
         self.swapping = false;
         self.outdated = true;
+    }
+
+    /// What was wrong with the last model offered, if it was refused.
+    #[must_use]
+    pub fn model_fault(&self) -> Option<&str> {
+        self.model_fault.as_deref()
     }
 
     /// Turns checking off and on; while it is off, nothing is known.
@@ -188,6 +201,7 @@ impl Monitor {
     /// Takes note of a joint state that another one follows at once.
     pub fn hear(&mut self, input: JointStateInput, now: Now) {
         self.note_clock(now);
+        self.pace.note(now.steady);
         self.hearing.hear(input, now);
         self.set_back = None;
     }
@@ -206,14 +220,17 @@ impl Monitor {
         }
     }
 
-    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed, or the robot's root moves.
+    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed, the robot's root
+    /// moves, or there was no time for exact distances.
     pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
         self.note_clock(now);
         let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
         self.ground.note_seen(now);
         let evidence = self.verdict.evidence.as_ref();
         let has_drifted = evidence.is_some_and(|evidence| evidence.drifts != self.ground.drifts());
-        if self.outdated || waits_for_clock || has_drifted {
+        let has_rested = self.pace.rests(now.steady);
+        let is_rough = evidence.is_some_and(|evidence| evidence.is_hurried) && has_rested;
+        if self.outdated || waits_for_clock || has_drifted || is_rough {
             self.judge(now);
         }
         self.say(now)
@@ -236,7 +253,8 @@ impl Monitor {
             // a little later, so that it is stale then whatever way rounding goes
             let of_base =
                 Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
-            of_world.chain(of_robot).chain(of_base).min()
+            let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
+            of_world.chain(of_robot).chain(of_base).chain(of_ground).min()
         });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
@@ -296,8 +314,8 @@ impl Monitor {
         reading.warnings.extend_from_slice(&self.placements.warnings);
         // checking what is stale already would be wasted
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
-        let verdict =
-            subject.judge((reading, self.ground.drifts()), &self.settings, self.left_out, self.stopwatch);
+        let knowledge = (reading, self.ground.drifts());
+        let verdict = subject.judge(knowledge, (&self.settings, &self.pace), self.left_out, self.stopwatch);
         self.hearing.note_judged();
         Ok(verdict)
     }
@@ -375,7 +393,7 @@ impl Subject {
     fn judge(
         &mut self,
         (reading, drifts): (Reading, Vec<Drift>),
-        settings: &MonitorSettings,
+        (settings, pace): (&MonitorSettings, &Pace),
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
     ) -> Verdict {
@@ -393,8 +411,9 @@ impl Subject {
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
         // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
         let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
-        let effort = Effort { exact_within, ..effort };
+        let effort = Effort { exact_within, ..pace.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        let is_exact = report.is_exact();
         report.tell_certain_distances();
         let told = settings.influence_distance.greater(settings.speed.reach());
         let (told, coming) = report.pair_distances.into_iter().partition(|pair| pair.distance <= told);
@@ -430,6 +449,8 @@ impl Subject {
             rates: rates.filter(|_| are_of_joints),
             drifts,
             slows_within,
+            is_exact,
+            is_hurried: !is_exact && effort.exact_cost > 0,
             compute_time,
         }));
         Verdict { status, evidence, left_out, warnings }

@@ -115,6 +115,9 @@ fn values(
         tell("age of the joint state (s)", format!("{age:.3}"));
     }
     tell("least distance (m)", format!("{:.4}", judgement.distance()));
+    if let Some(evidence) = &judgement.evidence {
+        tell("distances", if evidence.is_exact { "exact" } else { "lower bounds" }.to_owned());
+    }
     tell("speed scale", format!("{:.3}", judgement.speed_scale));
     let Activity { lately, ever } = activity;
     #[expect(clippy::cast_precision_loss, reason = "nobody hears 2^52 in a second")]

@@ -338,8 +338,7 @@ impl Loader {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        let built =
-            guarded("the world", || self.build(&robot, (self.model_revision, world), &glimpse.parameters));
+        let built = guarded("the world", || self.build(&robot, (self.model_revision, world), glimpse));
         if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
             self.keeper.go_back(&scene.scene, fault);
@@ -359,16 +358,17 @@ impl Loader {
         if self.keeper.is_untouched() {
             // poses in files refer to a robot: each needs them anew
             self.keeper.state = (self.surroundings)(&robot)?;
+            self.keeper.state.stand_as(&before);
             world = world.max(u64::from(!self.keeper.state.world.is_empty()));
         } else {
             self.keeper.fit_to(&robot);
-            self.keeper.follow_frames(&robot, glimpse);
         }
+        self.keeper.follow_frames(&robot, glimpse);
         for order in self.keeper.awaited() {
             let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
             world += u64::from(changed);
         }
-        let revision = match self.build(&robot, (self.model_revision + 1, world), &glimpse.parameters) {
+        let revision = match self.build(&robot, (self.model_revision + 1, world), glimpse) {
             Ok(revision) => revision,
             Err(fault) => {
                 // the robot before stays, in its scene
@@ -393,7 +393,7 @@ impl Loader {
         &mut self,
         robot: &Arc<RobotModel>,
         (model, world): (u64, u64),
-        parameters: &Parameters,
+        Glimpse { now, parameters, .. }: &Glimpse,
     ) -> Result<Arc<Revision>, String> {
         let scene = &self.keeper.state;
         let before = lock(&self.scene).clone();
@@ -408,6 +408,7 @@ impl Loader {
             sources: self.keeper.sources(parameters),
             warnings,
             grounds: scene.grounds(robot),
+            placed_at: Some(now.steady),
         });
         (self.model_revision, self.world_revision) = (model, world);
         *lock(&self.scene) = Some(Arc::new(SceneInForce {

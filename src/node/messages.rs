@@ -16,6 +16,9 @@ pub const PAIRS_TOLD: usize = 1000;
 /// What geometry is checked.
 const FIDELITY: &str = "mesh";
 
+/// The same where distances are not exact.
+const ROUGH_FIDELITY: &str = "mesh, distances as lower bounds";
+
 const NANOSECONDS: i64 = 1_000_000_000;
 
 /// A stamp as it is sent; beyond the year 2038 it stays there.
@@ -58,6 +61,11 @@ pub fn header(judgement: &Judgement) -> Header {
     Header { stamp: stamp_message(judgement.stamp.unwrap_or_default()), frame_id: frame.unwrap_or_default() }
 }
 
+fn fidelity(judgement: &Judgement) -> &'static str {
+    let is_exact = judgement.evidence.as_ref().is_none_or(|evidence| evidence.is_exact);
+    if is_exact { FIDELITY } else { ROUGH_FIDELITY }
+}
+
 /// `~/state`: everything.
 #[must_use]
 pub fn collision_state(judgement: &Judgement) -> CollisionState {
@@ -70,7 +78,7 @@ pub fn collision_state(judgement: &Judgement) -> CollisionState {
         },
         age: judgement.age.unwrap_or_default(),
         warnings: judgement.warnings.to_vec(),
-        fidelity: FIDELITY.to_owned(),
+        fidelity: fidelity(judgement).to_owned(),
         ..CollisionState::default()
     };
     if let Some(reason) = judgement.status.reason() {

@@ -82,6 +82,13 @@ mod tests {
         missing.heed("topic", Some(&attach("held")), &[SceneRefusal::of("held", "no link")]);
         missing.heed("topic", Some(&object("b")), &[]);
         assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
+        // who lets go of all that links hold says nothing of the world
+        missing.heed("topic", Some(&object("c")), &[SceneRefusal::of("c", "no shapes")]);
+        let mut all = AttachedChange { link: String::new(), object: add(""), touch_links: Vec::new() };
+        all.object.operation = Operation::Remove;
+        missing.heed("topic", Some(&SceneUpdate::Attached(Box::new(all))), &[]);
+        assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'c': no shapes"]);
+        missing.heed("topic", Some(&attach("held")), &[SceneRefusal::of("held", "no link")]);
         // a world says nothing of what links hold
         missing.heed("topic", Some(&SceneUpdate::World(Box::default())), &[]);
         assert_eq!(told(&missing), ["topic: object 'held': no link"]);

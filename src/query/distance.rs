@@ -6,6 +6,7 @@ use super::body::CollisionBody;
 use super::element_pair::Separation;
 use super::scratch::Scratch;
 use super::search::{Goal, search};
+use super::work::Work;
 use crate::bounding_volume::BoundingVolume;
 use crate::math::{Extremes, MatrixPose};
 
@@ -36,7 +37,8 @@ pub fn distance_bounds<B: BoundingVolume>(
 ) -> DistanceBounds {
     let goal = Goal { limit, effort: *effort, ..Goal::EXACT };
     let found = search::<B, false>((a, b), &pose_ab.into(), goal, scratch);
-    let seen = found.best.map_or(limit, |best| effort.lower(best.distance).greater(0.0));
+    let certain = |best: Separation| effort.lower_after(&scratch.work, best.distance);
+    let seen = found.best.map_or(limit, |best| certain(best).greater(0.0));
     DistanceBounds {
         lower: seen.lesser(found.unseen),
         upper: found.best,
@@ -53,6 +55,8 @@ pub struct Effort {
     pub absolute_tolerance: f64,
     /// Distances up to this (m) are told exactly all the same.
     pub exact_within: f64,
+    /// Until a state has cost this much ([`Work::cost`]), its distances are told exactly all the same.
+    pub exact_cost: u64,
     /// When to stop with what is known so far.
     pub deadline: Option<Instant>,
 }
@@ -76,6 +80,11 @@ impl Effort {
     pub fn lower(&self, upper: f64) -> f64 {
         let within = upper - self.absolute_tolerance.greater(self.relative_tolerance * upper).greater(0.0);
         if self.exact_within > 0.0 { within.greater(self.exact_within.lesser(upper)) } else { within }
+    }
+
+    /// As [`Self::lower`], after so much work.
+    pub(crate) fn lower_after(&self, work: &Work, upper: f64) -> f64 {
+        if self.exact_cost > 0 && work.cost() < self.exact_cost { upper } else { self.lower(upper) }
     }
 }
 

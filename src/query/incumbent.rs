@@ -35,7 +35,7 @@ impl<'w> Incumbent<'w> {
     pub fn bound(&self) -> f64 {
         match self.best {
             Some(best) if best.distance <= self.goal.enough => f64::NEG_INFINITY,
-            Some(best) => self.goal.effort.lower(best.distance),
+            Some(best) => self.goal.effort.lower_after(self.work, best.distance),
             None => self.goal.limit,
         }
     }

@@ -43,6 +43,7 @@ impl Goal {
             relative_tolerance: 0.0,
             absolute_tolerance: 0.0,
             exact_within: 0.0,
+            exact_cost: 0,
             deadline: None,
         },
         postpones: false,

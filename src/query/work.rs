@@ -12,6 +12,14 @@ pub struct Work {
     pub primitive_tests: u64,
 }
 
+impl Work {
+    /// What all of it costs, in volume tests: a test in f64 costs some six of them, one in f32 hardly more than one.
+    #[must_use]
+    pub fn cost(&self) -> u64 {
+        self.volume_tests + self.screened_pairs + 6 * self.primitive_tests
+    }
+}
+
 impl std::ops::AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.volume_tests += other.volume_tests;

@@ -54,10 +54,20 @@ fn tolerances_are_kept() {
     assert!(saved < full, "{saved} triangles screened instead of {full}");
 }
 
-const SMALL: Effort =
-    Effort { relative_tolerance: 0.1, absolute_tolerance: 0.002, exact_within: 0.0, deadline: None };
-const LARGE: Effort =
-    Effort { relative_tolerance: 0.6, absolute_tolerance: 0.1, exact_within: 0.04, deadline: None };
+const SMALL: Effort = Effort {
+    relative_tolerance: 0.1,
+    absolute_tolerance: 0.002,
+    exact_within: 0.0,
+    exact_cost: 0,
+    deadline: None,
+};
+const LARGE: Effort = Effort {
+    relative_tolerance: 0.6,
+    absolute_tolerance: 0.1,
+    exact_within: 0.04,
+    exact_cost: 0,
+    deadline: None,
+};
 
 const QUESTIONS: [Question; 9] = [
     Question::PairDistances { limit: 0.05 },
@@ -139,6 +149,43 @@ fn tolerant_streams_tell_the_truth_for_less() {
         }
     }
     assert!(hits > 5, "{hits} states collide");
+}
+
+/// Until a state has cost so much its distances are exact, and from then on within the tolerances; so is what streams tell.
+#[test]
+fn distances_are_exact_while_they_cost_little() {
+    const NEVER: u64 = u64::MAX;
+    let mut random = Random::new(76);
+    let mut told_so = [[0; 2]; 5];
+    let budgets = [1, 30, 300, 3000, NEVER];
+    for checker in checkers() {
+        for question in QUESTIONS {
+            let mut streams = budgets.map(|_| checker.streaming_workspace());
+            let mut alone = checker.workspace();
+            for q in walk(&checker, &mut random, 2, 12) {
+                let truth = exact(&checker, &q);
+                for ((exact_cost, stream), told_so) in budgets.iter().zip(&mut streams).zip(&mut told_so) {
+                    let effort = Effort { exact_cost: *exact_cost, ..LARGE };
+                    for workspace in [&mut alone, stream] {
+                        let told = checker.check_with(&q, question, &effort, workspace);
+                        assert_eq!(told.is_free(), truth.is_free(), "{question:?}, {effort:?}");
+                        are_bounds(&checker, (&told, &truth), question, &effort);
+                        assert!(*exact_cost < NEVER || told.is_exact());
+                        told_so[usize::from(told.is_exact())] += 1;
+                        if *exact_cost == NEVER {
+                            let exact = checker.check(&q, question, &mut checker.workspace());
+                            let findings = (exact.nearest, exact.pair_distances);
+                            assert_eq!((told.nearest, told.pair_distances), findings, "{question:?}");
+                        }
+                        checker.prepare(workspace);
+                    }
+                }
+            }
+        }
+    }
+    let [least, .., most] = told_so;
+    assert!(least[0] > most[0] && most[0] == 0, "{told_so:?}: rough and exact reports by budget");
+    assert!(told_so.is_sorted_by(|less, more| less[0] >= more[0]), "{told_so:?}");
 }
 
 /// What goes on as it did is searched before it is asked.

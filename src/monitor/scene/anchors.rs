@@ -4,6 +4,7 @@
 //! SRDF's virtual joint, if `tf` connects that with the root, or else in the topmost frame of `tf` above the root. Whenever `tf` says that the
 //! root is elsewhere in that frame, the obstacle is put where it belongs. So are the frames that a scene told of.
 
+use super::transform_tree::Between;
 use super::{PlanningSceneState, SceneContext, TransformTree};
 use crate::math::Pose;
 use crate::monitor::Time;
@@ -28,15 +29,15 @@ pub(super) struct Ground {
     pub certainty: Certainty,
 }
 
-/// How it is known where a frame is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How it is known where a frame is; what says more about where the root may be is greater.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Certainty {
-    /// `tf` told it, at least once.
-    Told,
     /// A virtual joint that never moves puts the root at zero in it.
     Fixed,
     /// As nobody has told, the root counts as standing at zero in it.
     Assumed,
+    /// `tf` told it, at least once.
+    Told,
 }
 
 impl Anchor {
@@ -82,6 +83,16 @@ impl PlanningSceneState {
         context.ground(assumed.unwrap_or(frame))
     }
 
+    /// Things of the same names that stood somewhere before stand there still.
+    pub fn stand_as(&mut self, before: &Self) {
+        let kept = |(name, anchor): (&String, &Anchor)| (name.clone(), anchor.clone());
+        let is_here = |(name, _): &(&String, &Anchor)| self.world.obstacle_by_name(name).is_some();
+        self.anchors.extend(before.anchors.iter().filter(is_here).map(kept));
+        let frames = &self.fixed_frames;
+        let is_known = |(name, _): &(&String, &Anchor)| frames.contains_key(*name);
+        self.frame_anchors.extend(before.frame_anchors.iter().filter(is_known).map(kept));
+    }
+
     /// Puts everything where it belongs now that the root may be elsewhere; whether that changed anything. What stands in nothing yet stands
     /// from now on in what `tf` has come to know.
     pub fn follow_frames(&mut self, context: &SceneContext) -> bool {
@@ -119,9 +130,9 @@ impl PlanningSceneState {
     pub fn grounds(&self, robot: &RobotModel) -> Grounds {
         let mut frames: Vec<Watched> = Vec::new();
         for (name, Anchor { frame, pose_fo, certainty }) in &self.anchors {
-            if frames.iter().all(|known| known.frame != *frame)
-                && let Some(obstacle) = self.world.obstacle_by_name(name)
-            {
+            if let Some(known) = frames.iter_mut().find(|known| known.frame == *frame) {
+                known.certainty = known.certainty.max(*certainty);
+            } else if let Some(obstacle) = self.world.obstacle_by_name(name) {
                 let pose_rf = obstacle.pose_ro * pose_fo.inverse();
                 frames.push(Watched { frame: frame.clone(), pose_rf, certainty: *certainty });
             }
@@ -151,24 +162,24 @@ impl Grounds {
     #[must_use]
     pub fn are_elsewhere(&self, transforms: &TransformTree) -> bool {
         let is_one = |Watched { frame, pose_rf, .. }: &Watched| {
-            let now = transforms.pose_between(&self.root, frame);
-            now.is_some_and(|(now, _)| is_elsewhere(pose_rf, &now))
+            let now = transforms.between(&self.root, frame);
+            now.is_some_and(|now| is_elsewhere(pose_rf, &now.pose))
         };
         (self.any_ungrounded && transforms.topmost_above(&self.root).is_some())
             || self.frames.iter().any(is_one)
     }
 
-    /// Whether nothing stands in a frame.
+    /// Whether there is nothing that may stand in a frame.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.frames.is_empty()
+        self.frames.is_empty() && !self.any_ungrounded
     }
 
     /// A frame in which the root might be anywhere: `tf` connected it with the root once, or it connects the root with others only. A root of
     /// which `tf` knows nothing stands at zero.
     pub(in crate::monitor) fn lost(&self, transforms: &TransformTree) -> Option<&str> {
         let is_lost = |watched: &&Watched| {
-            transforms.pose_between(&self.root, &watched.frame).is_none()
+            transforms.between(&self.root, &watched.frame).is_none()
                 && match watched.certainty {
                     Certainty::Told => true,
                     Certainty::Fixed => false,
@@ -178,16 +189,27 @@ impl Grounds {
         self.frames.iter().find(is_lost).map(|watched| watched.frame.as_str())
     }
 
-    /// The frames in which the root's place changes with time, their poses in the root's frame, and when `tf` told last of each.
+    /// The frames that `tf` tells of again and again, seen from the root.
     pub(in crate::monitor) fn told_of<'g>(
         &'g self,
         transforms: &TransformTree,
-    ) -> impl Iterator<Item = (&'g str, Pose, Time)> {
+    ) -> impl Iterator<Item = Told<'g>> {
         self.frames.iter().filter_map(|Watched { frame, .. }| {
-            let (pose_rf, stamp) = transforms.pose_between(&self.root, frame)?;
-            Some((frame.as_str(), pose_rf, stamp?))
+            let Between { pose, alive, .. } = transforms.between(&self.root, frame)?;
+            let (oldest, newest) = alive?;
+            Some(Told { frame, pose_rf: pose, oldest, newest })
         })
     }
+}
+
+/// A frame that `tf` tells of again and again.
+pub(in crate::monitor) struct Told<'g> {
+    pub frame: &'g str,
+    /// Its pose in the root's frame.
+    pub pose_rf: Pose,
+    /// Stamps of the transforms on the way that are told anew.
+    pub oldest: Time,
+    pub newest: Time,
 }
 
 /// Whether a frame's pose in the root's frame has changed, as seen from the root.

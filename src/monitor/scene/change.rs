@@ -125,19 +125,19 @@ impl SceneUpdate {
     /// Whether it says something anew about an object that was refused before, as something in the world or as what a link was to hold.
     #[must_use]
     pub fn settles(&self, id: &str, is_attached: bool) -> bool {
-        let is_it = |object: &ObjectChange| {
-            object.id == id || (object.id.is_empty() && object.operation == Operation::Remove)
-        };
+        let takes_all = |object: &ObjectChange| object.id.is_empty() && object.operation == Operation::Remove;
+        let in_world = |object: &ObjectChange| object.id == id || (takes_all(object) && !is_attached);
+        let held = |object: &ObjectChange| object.id == id || (takes_all(object) && is_attached);
         match self {
-            Self::Object(object) => is_it(object),
-            Self::Attached(attached) => is_it(&attached.object),
+            Self::Object(object) => in_world(object),
+            Self::Attached(attached) => held(&attached.object),
             Self::World(_) => !is_attached,
             Self::Scene(scene) => {
                 let SceneChange { is_diff, world, robot_state, .. } = scene.as_ref();
                 let mut attached = robot_state.attached.iter().map(|attached| &attached.object);
                 !is_diff
-                    || world.objects.iter().any(is_it)
-                    || attached.any(is_it)
+                    || world.objects.iter().any(in_world)
+                    || attached.any(held)
                     || (id == super::OCTOMAP && world.octomap.is_some())
             }
             Self::Octomap(_) => id == super::OCTOMAP,

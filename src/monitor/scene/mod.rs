@@ -24,6 +24,7 @@ mod tests;
 mod transform_tree;
 
 pub use anchors::Grounds;
+pub(in crate::monitor) use anchors::Told;
 pub(super) use anchors::is_elsewhere;
 pub use change::{
     AttachedChange, FixedFrame, ObjectChange, OctomapPlacement, Operation, RobotStateChange, SceneChange,
@@ -32,4 +33,4 @@ pub use change::{
 pub use frames::SceneContext;
 pub use refusal::SceneRefusal;
 pub use state::{Applied, OCTOMAP, PlanningSceneState};
-pub use transform_tree::{Transform, TransformTree};
+pub use transform_tree::{Between, Transform, TransformTree};

@@ -87,6 +87,7 @@ impl PlanningSceneState {
             return;
         }
         self.fixed_frames.clear();
+        self.frame_anchors.clear();
         for frame in frames {
             applied.note(self.set_fixed_frame(frame, context));
         }

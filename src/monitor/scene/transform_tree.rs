@@ -21,7 +21,25 @@ pub struct Transform {
 /// The latest transform of every frame.
 #[derive(Clone, Debug, Default)]
 pub struct TransformTree {
-    by_frame: HashMap<String, Transform>,
+    by_frame: HashMap<String, Known>,
+}
+
+/// What was told last of a frame.
+#[derive(Clone, Debug)]
+struct Known {
+    transform: Transform,
+    /// Whether it was ever told anew, with another stamp; what was told once need not be told again.
+    is_alive: bool,
+}
+
+/// One frame in another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Between {
+    pub pose: Pose,
+    /// Stamp of the oldest transform on the way, if one of them changes.
+    pub oldest: Option<Time>,
+    /// Oldest and newest stamp of those that are told again and again, if any is.
+    pub alive: Option<(Time, Time)>,
 }
 
 /// A frame above another one.
@@ -32,6 +50,8 @@ pub(super) struct Ancestor<'t> {
     pub pose_af: Pose,
     /// The oldest transform on the way, if one of them changes: its frame and stamp.
     pub oldest: Option<(&'t str, Time)>,
+    /// Oldest and newest stamp of those on the way that are told again and again.
+    alive: Option<(Time, Time)>,
 }
 
 /// A clock that was set back by more than this (s) starts anew.
@@ -46,28 +66,28 @@ impl TransformTree {
         if known.is_none() && self.by_frame.len() >= MOST_FRAMES {
             return false;
         }
-        let older = known.is_some_and(|known| match (known.stamp, transform.stamp) {
-            (Some(known), Some(new)) => (0.0..SET_BACK).contains(&known.seconds_since(new)) && known != new,
-            _ => false,
-        });
-        if !older {
-            self.by_frame.insert(
-                frame.to_owned(),
-                Transform { parent: transform.parent.trim_start_matches('/').to_owned(), ..transform },
-            );
+        let stamps = known.and_then(|known| known.transform.stamp).zip(transform.stamp);
+        let is_older = stamps
+            .is_some_and(|(known, new)| (0.0..SET_BACK).contains(&known.seconds_since(new)) && known != new);
+        if !is_older {
+            let is_anew = stamps.is_some_and(|(known, new)| known != new);
+            let is_alive = is_anew || known.is_some_and(|known| known.is_alive);
+            let parent = transform.parent.trim_start_matches('/').to_owned();
+            let known = Known { transform: Transform { parent, ..transform }, is_alive };
+            self.by_frame.insert(frame.to_owned(), known);
         }
         true
     }
 
-    /// Pose of `frame` in the frame `reference`, and the stamp of the oldest transform on the way, if one of them changes; `None` if
-    /// nothing connects them.
+    /// The frame `frame` in the frame `reference`; `None` if nothing connects them.
     #[must_use]
-    pub fn pose_between(&self, reference: &str, frame: &str) -> Option<(Pose, Option<Time>)> {
+    pub fn between(&self, reference: &str, frame: &str) -> Option<Between> {
         let (of_frame, of_reference) = (self.ancestors(frame), self.ancestors(reference));
         let (above, below) =
             of_frame.iter().find_map(|a| Some((a, of_reference.iter().find(|r| r.name == a.name)?)))?;
         let stamps = [above, below].into_iter().filter_map(|a| a.oldest).map(|(_, stamp)| stamp);
-        Some((below.pose_af.inverse() * above.pose_af, stamps.min()))
+        let pose = below.pose_af.inverse() * above.pose_af;
+        Some(Between { pose, oldest: stamps.min(), alive: both(above.alive, below.alive) })
     }
 
     /// The highest frame above another one, if there is one above it.
@@ -76,7 +96,8 @@ impl TransformTree {
         let mut above = frame;
         // loops end where they would come around
         for _ in 0..self.by_frame.len() {
-            let Some(transform) = self.by_frame.get(above).filter(|t| t.parent != frame) else { break };
+            let known = self.by_frame.get(above).filter(|known| known.transform.parent != frame);
+            let Some(Known { transform, .. }) = known else { break };
             above = &transform.parent;
         }
         (above != frame).then_some(above)
@@ -84,9 +105,9 @@ impl TransformTree {
 
     /// The frame itself and those above it, nearest first; ends before it would come around.
     pub(super) fn ancestors<'t>(&'t self, frame: &'t str) -> Vec<Ancestor<'t>> {
-        let mut above = vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None }];
+        let mut above = vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None, alive: None }];
         while let Some(last) = above.last()
-            && let Some(transform) = self.by_frame.get(last.name)
+            && let Some(Known { transform, is_alive }) = self.by_frame.get(last.name)
             && above.iter().all(|a| a.name != transform.parent)
         {
             let stamped = transform.stamp.map(|stamp| (last.name, stamp));
@@ -94,9 +115,19 @@ impl TransformTree {
                 (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
                 (a, b) => a.or(b),
             };
+            let stamp = transform.stamp.filter(|_| *is_alive);
+            let alive = both(last.alive, stamp.map(|stamp| (stamp, stamp)));
             let pose_af = transform.pose_pf * last.pose_af;
-            above.push(Ancestor { name: &transform.parent, pose_af, oldest });
+            above.push(Ancestor { name: &transform.parent, pose_af, oldest, alive });
         }
         above
+    }
+}
+
+/// Oldest and newest of both.
+fn both(a: Option<(Time, Time)>, b: Option<(Time, Time)>) -> Option<(Time, Time)> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+        (a, b) => a.or(b),
     }
 }

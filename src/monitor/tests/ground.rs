@@ -51,10 +51,16 @@ impl Room {
     }
 
     fn put_in_force(&mut self) {
+        self.put_in_force_of(None);
+    }
+
+    /// As obstacles had to be placed so many seconds after the start.
+    fn put_in_force_of(&mut self, placed_at: Option<f64>) {
         let checker =
             CollisionChecker::new(Arc::clone(&self.robot), &self.scene.world, Settings::default()).unwrap();
         let mut revision = Revision::new(checker, 1, 0);
         revision.grounds = self.scene.grounds(&self.robot);
+        revision.placed_at = placed_at.map(Duration::from_secs_f64);
         self.monitor.set_checker(Arc::new(revision));
     }
 
@@ -105,6 +111,57 @@ fn without_obstacles_nobody_has_to_know_where_the_root_is() {
     room.change(ObjectChange::named("pillar", Operation::Remove));
     assert!(!room.monitor.heeds_transforms());
     assert_eq!(code(&room.monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+    // whatever comes into the room then, stands in one that nobody has told of for long
+    let ball = crate::geometry::Shape::Primitive(crate::geometry::Primitive::sphere(0.1).unwrap());
+    let shapes = vec![crate::world::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
+    room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
+    assert_eq!(code(&room.judged(9.2)), "stale_world");
+    room.tell(0.0, 9.3);
+    assert_eq!(code(&room.judged(9.3)), "FREE");
+}
+
+#[test]
+fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
+    let mut room = Room::new();
+    let of_map =
+        Transform { parent: "room".to_owned(), pose_pf: Pose::identity(), stamp: Some(time(START - 3.0)) };
+    room.transforms.note("map", of_map);
+    let pillar = ObjectChange::named("pillar", Operation::Move);
+    room.change(ObjectChange {
+        frame: "room".to_owned(),
+        pose_fo: Pose::translation(9.0, 0.0, 0.0),
+        ..pillar
+    });
+    for seconds in [0.0, 0.5, 1.0] {
+        room.tell(0.0, seconds);
+        assert_eq!(code(&room.judged(seconds)), "FREE");
+    }
+    assert_eq!(code(&room.judged(2.1)), "stale_world");
+}
+
+#[test]
+fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
+    let mut room = Room::new();
+    for seconds in [0.0, 0.5] {
+        room.tell(0.0, seconds);
+        room.judged(seconds);
+    }
+    room.monitor.set_settings(MonitorSettings {
+        heartbeat_rate: 0.1,
+        stale_after: 9.0,
+        ..MonitorSettings::default()
+    });
+    room.judged(0.6);
+    let due = room.monitor.time_to_heartbeat(at(0.6)).as_secs_f64();
+    assert!((0.9..0.91).contains(&due), "{due}");
+    assert_eq!(code(&room.monitor.on_heartbeat(at(0.6 + due))), "stale_world");
+    // the same of obstacles that are not put where they belong
+    room.tell(3.0, 2.0);
+    room.judged(2.0);
+    room.tell(3.1, 2.5);
+    room.judged(2.5);
+    let due = room.monitor.time_to_heartbeat(at(2.5)).as_secs_f64();
+    assert!(due < 1.0, "{due}");
 }
 
 #[test]
@@ -122,6 +179,42 @@ fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
     room.follow();
     // the ball is at (2, 0, 0), and so is the pillar now
     assert_eq!(code(&room.judged(1.3)), "COLLIDING");
+}
+
+#[test]
+fn obstacles_that_took_long_to_build_are_as_old_as_what_they_were_placed_by() {
+    let mut room = Room::new();
+    for i in 0..10_u32 {
+        room.tell(0.2 * f64::from(i), 0.2 * f64::from(i));
+        room.judged(0.2 * f64::from(i));
+    }
+    // they are where the root was at 0 s, at whatever time they come into force
+    room.put_in_force_of(Some(0.0));
+    assert_eq!(code(&room.judged(1.8)), "stale_world");
+    room.put_in_force_of(Some(1.0));
+    assert_eq!(code(&room.judged(1.8)), "FREE");
+    room.follow();
+    room.put_in_force_of(Some(1.8));
+    assert_eq!(code(&room.judged(1.8)), "FREE");
+}
+
+#[test]
+fn what_stands_in_nothing_while_the_root_drives_is_not_known() {
+    let mut room = Room::new();
+    let stamp = Some(time(START));
+    room.transforms = TransformTree::default();
+    room.change(ObjectChange::named("pillar", Operation::Remove));
+    let ball = crate::geometry::Shape::Primitive(crate::geometry::Primitive::sphere(0.1).unwrap());
+    let shapes = vec![crate::world::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
+    room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
+    assert!(room.monitor.heeds_transforms());
+    assert_eq!(code(&room.judged(5.0)), "FREE", "tf says nothing of the root");
+    let pose_pf = Pose::identity();
+    room.transforms.note("base", Transform { parent: "odom".to_owned(), pose_pf, stamp });
+    assert_eq!(code(&room.judged(5.1)), "FREE", "it will stand there from now on");
+    assert_eq!(code(&room.judged(6.2)), "stale_world");
+    room.follow();
+    assert_eq!(code(&room.judged(6.3)), "FREE");
 }
 
 #[test]

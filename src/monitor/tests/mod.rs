@@ -4,7 +4,9 @@
 
 mod contact;
 mod ground;
+mod held;
 mod laws;
+mod pace;
 mod placement;
 mod publishers;
 mod speed;
@@ -293,6 +295,12 @@ fn nothing_is_known_until_another_model_is_there_or_refused() {
     let judgement = monitor.on_heartbeat(at(0.2));
     assert_eq!(code(&judgement), "FREE");
     assert!(judgement.warnings[0].contains("not XML"), "{:?}", judgement.warnings);
+
+    // it stays refused while the world changes, and is forgotten with the next model
+    monitor.set_checker(Arc::new(Revision { world: 1, ..Arc::into_inner(revision(2)).unwrap() }));
+    assert!(monitor.on_heartbeat(at(0.3)).warnings[0].contains("not XML"));
+    monitor.set_checker(revision(3));
+    assert!(monitor.on_heartbeat(at(0.4)).warnings.is_empty());
 }
 
 #[test]

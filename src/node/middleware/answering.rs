@@ -44,9 +44,18 @@ pub struct Answering {
     /// DDS topic of the answers.
     topic: String,
     peers: Arc<Peers>,
-    /// Samples written so far: one is sent at a time.
-    sent: Mutex<i64>,
+    /// One is sent at a time.
+    numbers: Mutex<Numbers>,
     complaints: Complaints,
+}
+
+/// Numbers of the samples of a writer.
+#[derive(Default)]
+struct Numbers {
+    /// Samples that the library has written.
+    written: i64,
+    /// Whether fragments have taken the next number, and the library not yet.
+    is_taken: bool,
 }
 
 impl Answering {
@@ -56,7 +65,7 @@ impl Answering {
             topic: format!("rr{service}Reply"),
             name,
             peers,
-            sent: Mutex::new(0),
+            numbers: Mutex::default(),
             complaints: Complaints::default(),
         }
     }
@@ -74,31 +83,35 @@ impl Answering {
     {
         let client = GUID::from(id.writer_gid);
         self.peers.await_reader(client, &self.name).await;
-        let mut sent = self.sent.lock().await;
-        let written = self.send_next(id, response, *sent + 1, write).await;
-        match written {
-            Ok(()) => *sent += 1,
-            Err(why) => self.complaints.warn(|| format!("an answer of {} was dropped: {why}", self.name)),
+        let mut numbers = self.numbers.lock().await;
+        if let Err(why) = self.send_next(id, response, &mut numbers, write).await {
+            self.complaints.warn(|| format!("an answer of {} was dropped: {why}", self.name));
         }
     }
 
-    /// Sends the sample of that number.
     async fn send_next<Response, Fault>(
         &self,
         id: RmwRequestId,
         response: Response,
-        number: i64,
+        numbers: &mut Numbers,
         write: impl Fn(RmwRequestId, Response) -> Result<(), Fault>,
     ) -> Result<(), String>
     where
         Response: Message,
         Fault: fmt::Display,
     {
+        let stand_in = || write(RmwRequestId::default(), cdr::blank()?).map_err(|fault| fault.to_string());
+        if numbers.is_taken {
+            // who has the fragments would pass over anything else of that number
+            numbers.give_back(stand_in).await?;
+        }
         let size = cdr::size_of(&response);
         let hearers = self.peers.hearers(&self.topic);
         let short = if hearers.iter().all(Hearer::is_on_loopback) { SHORT_ON_LOOPBACK } else { SHORT };
         if size <= short {
-            return write(id, response).map_err(|fault| fault.to_string());
+            write(id, response).map_err(|fault| fault.to_string())?;
+            numbers.written += 1;
+            return Ok(());
         }
         if size > LONGEST {
             return Err(format!(
@@ -110,9 +123,16 @@ impl Answering {
         cdr::blank::<Response>()?;
         let client = GUID::from(id.writer_gid);
         let own: Vec<&Hearer> = hearers.iter().filter(|hearer| hearer.is_of(client)).collect();
-        self.send_fragments(&own, id, number, &bytes).await;
-        let nobody = RmwRequestId::default();
-        stand_in(|| write(nobody, cdr::blank()?).map_err(|fault| fault.to_string())).await
+        if !self.peers.reaches(&own) {
+            return Err(format!("it has {size} bytes, and there is no way to send so many to its client"));
+        }
+        self.send_fragments(&own, id, numbers.written + 1, &bytes).await;
+        numbers.is_taken = true;
+        if let Err(why) = numbers.give_back(stand_in).await {
+            // the answer is sent; the next one tries again
+            self.complaints.warn(|| format!("{} waits for clients that do not keep up: {why}", self.name));
+        }
+        Ok(())
     }
 
     async fn send_fragments(&self, hearers: &[&Hearer], id: RmwRequestId, number: i64, bytes: &[u8]) {
@@ -132,14 +152,20 @@ impl Answering {
     }
 }
 
-/// Lets the library have the number that the fragments took. While its window is full it takes none.
-async fn stand_in(write: impl Fn() -> Result<(), String>) -> Result<(), String> {
-    const TRIES: usize = 100;
-    for _ in 1..TRIES {
-        if write().is_ok() {
-            return Ok(());
+impl Numbers {
+    /// Lets the library have the number that the fragments took. While its window is full it takes none.
+    async fn give_back(&mut self, stand_in: impl Fn() -> Result<(), String>) -> Result<(), String> {
+        const TRIES: usize = 100;
+        let mut written = stand_in();
+        for _ in 1..TRIES {
+            if written.is_ok() {
+                break;
+            }
+            Timer::after(PAUSE).await;
+            written = stand_in();
         }
-        Timer::after(PAUSE).await;
+        written?;
+        *self = Self { written: self.written + 1, is_taken: false };
+        Ok(())
     }
-    write()
 }

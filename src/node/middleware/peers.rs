@@ -18,6 +18,9 @@ use crate::node::names::FullName;
 /// Complaints made at most, so that a hostile network can not fill the memory.
 const COMPLAINTS: usize = 1000;
 
+/// Addresses of a reader that messages are sent to at most: who announces thousands would have others flooded.
+const MOST_ADDRESSES: usize = 16;
+
 /// What is ours, to be compared with what others offer and request.
 pub struct Peers {
     /// The full name of the node.
@@ -101,6 +104,11 @@ impl Peers {
         lock(&self.hearers).values().filter(|hearer| hearer.topic == topic).cloned().collect()
     }
 
+    /// Whether anything can be sent to any of these beside the DDS library.
+    pub fn reaches(&self, hearers: &[&Hearer]) -> bool {
+        self.wire.is_some() && hearers.iter().any(|hearer| !hearer.addresses.is_empty())
+    }
+
     /// Sends a message beside the DDS library; what does not arrive is lost.
     pub fn send(&self, message: &[u8], addresses: &[SocketAddr]) {
         if let Some(wire) = &self.wire {
@@ -132,6 +140,10 @@ impl Peers {
             }
             DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
                 lock(&self.hearers).remove(&guid);
+            }
+            // of its readers nothing more is said
+            DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
+                lock(&self.hearers).retain(|reader, _| reader.prefix != id);
             }
             DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
                 self.ask_for_the_past(participant, local_reader, remote_writer);
@@ -224,11 +236,16 @@ impl Peers {
     }
 }
 
-/// Where an endpoint is heard; shared memory and other transports stand among its locators.
+/// Where an endpoint is heard, as far as it is asked for by no more than a few addresses; shared memory and other transports stand among
+/// its locators.
 fn addresses<L: Copy + Into<SocketAddr>>(locators: &[L]) -> Vec<SocketAddr> {
     (locators.iter())
         .map(|locator| (*locator).into())
-        .filter(|address: &SocketAddr| address.is_ipv4() && !address.ip().is_unspecified())
+        .filter(|address: &SocketAddr| {
+            let ip = address.ip();
+            ip.is_ipv4() && !ip.is_unspecified() && !ip.is_multicast()
+        })
+        .take(MOST_ADDRESSES)
         .collect()
 }
 

@@ -77,6 +77,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "By which share of themselves distances may be told too small; the larger of this and distance_absolute_tolerance counts.",
         ),
         double(
+            "exact_distance_share",
+            "s/s",
+            (0.0, 1.0),
+            |p| &mut p.exact_distance_share,
+            "The share of the time between joint states that exact distances may take; beyond it they are told within a tenth or a millimetre. 0: as long as they take.",
+        ),
+        double(
             "heartbeat_rate",
             "Hz",
             (0.1, 1000.0),

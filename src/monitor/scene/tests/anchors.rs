@@ -165,3 +165,49 @@ fn a_root_has_moved_by_as_much_as_it_moved_itself() {
     assert!(!turn(1e-5));
     assert!(turn(1e-3));
 }
+
+#[test]
+fn what_files_placed_stays_in_the_room_when_they_are_read_again() {
+    let from_file = || {
+        let mut cell = on_wheels();
+        cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
+        cell
+    };
+    let mut cell = from_file();
+    drive(&mut cell, 1.0);
+    assert!(drive(&mut cell, 4.0));
+    let mut again = from_file().scene;
+    again.stand_as(&cell.scene);
+    cell.scene = again;
+    drive(&mut cell, 4.0);
+    assert_eq!(cell.places("table"), [[1.0, 0.0, 0.0]]);
+    drive(&mut cell, 5.0);
+    assert_eq!(cell.places("table"), [[0.0, 0.0, 0.0]]);
+}
+
+#[test]
+fn of_things_in_one_frame_the_one_that_knows_most_tells_whether_it_is_lost() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1.0);
+    cell.object(add("z", "map", at(5.0, 0.0, 0.0))).unwrap();
+    cell.transforms.note("odom", transform("elsewhere", 0.0, None));
+    assert!(is_lost(&cell));
+    cell.object(add("a", "map", at(5.0, 0.0, 0.0))).unwrap();
+    assert!(is_lost(&cell), "where z is, nobody knows");
+}
+
+#[test]
+fn frames_of_a_scene_before_hold_nothing_back() {
+    let mut cell = on_wheels();
+    let told = |name: &str| {
+        let frame =
+            FixedFrame { name: name.to_owned(), parent: "map".to_owned(), pose_pf: at(6.0, 0.0, 0.0) };
+        SceneChange { fixed_frames: vec![frame], ..difference(Vec::new(), Vec::new()) }
+    };
+    cell.scene(told("station")).unwrap();
+    cell.scene(told("another")).unwrap();
+    cell.transforms.note("base", transform("yard", 1.0, Some(99.9)));
+    cell.transforms.note("station", transform("yard", 3.0, Some(99.9)));
+    cell.object(add("box", "station", at(0.0, 0.0, 0.0))).unwrap();
+    assert!(!is_lost(&cell), "it stands in what tf tells of");
+}
