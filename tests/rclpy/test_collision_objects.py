@@ -70,12 +70,13 @@ def test_solid_meshes_hold_what_is_inside_and_open_ones_are_named(start):
     cell = start("--mesh", "solid", parameters=NEARBY)
     cell.judged(joint1=0, joint2=0)
     scene = SceneClient(cell)
-    state = scene.change(obstacle("closed", cube_mesh(0.8), at=pose(2)))
-    assert colliding(state) == [{("link", "tip"), ("obstacle", "closed")}]
+    # all of the robot is inside
+    state = scene.change(obstacle("closed", cube_mesh(6)))
+    assert {("link", "tip"), ("obstacle", "closed")} in colliding(state)
     assert not state.warnings
 
     scene.change(removal("closed"))
-    state = scene.change(obstacle("open", opened(cube_mesh(0.8)), at=pose(2)))
+    state = scene.change(obstacle("open", opened(cube_mesh(6))))
     assert state.status == CollisionState.FREE
     (warning,) = state.warnings
     assert "not solid" in warning and "mesh 0 of object 'open'" in warning
