@@ -209,6 +209,8 @@ impl Asked<'_> {
         };
         match found {
             Ok(exact) => Some(pair.told(&exact?, scratch)),
+            // what is certainly beyond the limit is no answer: others may be nearer, of which only that is known
+            Err(Roughly { lower, .. }) if lower > limit => None,
             Err(Roughly { lower, upper }) => {
                 Some(PairDistance { lower: (lower - pair.info.padding).greater(0.0), ..pair.padded(&upper) })
             }

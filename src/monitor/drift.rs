@@ -9,7 +9,7 @@ use crate::math::{Point, Pose, Vector};
 /// Time (s) that a motion is measured over at least: `tf` comes in steps.
 const WINDOW: f64 = 0.1;
 
-/// Where a frame was in the root's frame lately, whenever `tf` told of it.
+/// Where a frame was in its parent lately, whenever `tf` told of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
     /// By stamp; the first, if there are several, is a window before the last or all that is known.
@@ -18,24 +18,22 @@ pub(super) struct Track {
 
 impl Track {
     /// `tf` has it there. What it does not tell anew says nothing about how it moves.
-    pub fn note(&mut self, stamp: Time, pose_rf: Pose) {
+    pub fn note(&mut self, stamp: Time, pose_pf: Pose) {
         match self.places.back_mut() {
-            Some((last, place)) if *last == stamp => return *place = pose_rf,
+            Some((last, place)) if *last == stamp => return *place = pose_pf,
             Some((last, _)) if *last > stamp => self.places.clear(),
             _ => {}
         }
-        self.places.push_back((stamp, pose_rf));
+        self.places.push_back((stamp, pose_pf));
         while self.places.get(1).is_some_and(|(second, _)| stamp.seconds_since(*second) >= WINDOW) {
             self.places.pop_front();
         }
     }
 
-    pub fn drift(&self, frame: &str) -> Drift {
-        let ends = self.places.front().zip(self.places.back());
-        let moved = ends.filter(|((_, before), (_, now))| is_elsewhere(before, now));
-        let motion =
-            moved.map(|((from, before), (to, now))| (now * before.inverse(), to.seconds_since(*from)));
-        Drift { frame: frame.to_owned(), motion }
+    /// Where it was before, and how long (s) ago, if it is elsewhere now.
+    pub fn before(&self) -> Option<(&Pose, f64)> {
+        let ((from, before), (to, now)) = self.places.front().zip(self.places.back())?;
+        is_elsewhere(before, now).then(|| (before, to.seconds_since(*from)))
     }
 }
 
@@ -43,29 +41,29 @@ impl Track {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
     pub frame: String,
-    /// The way of its points in the root's frame, and how long (s) it took; `None`: it stands still.
-    motion: Option<(Pose, f64)>,
+    /// Ways of its points in the root's frame, each by something else that moves, and how long (s) each took; none: it stands still.
+    pub(super) motions: Vec<(Pose, f64)>,
 }
 
 impl Drift {
     #[must_use]
     pub fn is_none(&self) -> bool {
-        self.motion.is_none()
+        self.motions.is_empty()
     }
 
     /// The way (m) of what is at a point, if it goes on like this for some time (s).
     #[must_use]
     pub fn way_of(&self, point_r: &Point, time: f64) -> Vector {
-        let way = self.motion.map(|(way, taken)| (way * point_r - point_r) * (time / taken));
-        way.unwrap_or_else(Vector::zeros)
+        self.motions.iter().map(|(way, taken)| (way * point_r - point_r) * (time / taken)).sum()
     }
 
     /// The most (m) that a point as far (m) from the root moves, if it goes on like this for some time (s).
     #[must_use]
     pub fn farthest(&self, radius: f64, time: f64) -> f64 {
-        self.motion.map_or(0.0, |(way, taken)| {
+        let of = |(way, taken): &(Pose, f64)| {
             (way.translation.vector.norm() + way.rotation.angle() * radius) * (time / taken)
-        })
+        };
+        self.motions.iter().map(of).sum()
     }
 }
 
@@ -78,7 +76,10 @@ mod tests {
         for (milliseconds, x) in places {
             track.note(Time::from_nanoseconds(milliseconds * 1_000_000), Pose::translation(x, 0.0, 0.0));
         }
-        track.drift("map")
+        let moved = track
+            .before()
+            .map(|(before, taken)| (track.places[track.places.len() - 1].1 * before.inverse(), taken));
+        Drift { frame: "map".to_owned(), motions: moved.into_iter().collect() }
     }
 
     /// Looked at every 5 ms; told of every 20 or 200 ms.
@@ -108,7 +109,7 @@ mod tests {
     #[test]
     fn a_turn_moves_what_is_far_away() {
         let turn = crate::math::pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.1]);
-        let drift = Drift { frame: String::new(), motion: Some((turn, 0.1)) };
+        let drift = Drift { frame: String::new(), motions: vec![(turn, 0.1)] };
         let way = drift.way_of(&Point::new(2.0, 0.0, 0.0), 0.1);
         assert!((way.norm() - 0.2).abs() < 1e-3 && way.norm() <= drift.farthest(2.0, 0.1));
     }

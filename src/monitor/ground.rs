@@ -5,15 +5,18 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::drift::{Drift, Track};
-use super::scene::{Grounds, Told, TransformTree};
+use super::scene::{Grounds, Link, Told, TransformTree};
 use super::world_source::{Sight, WorldSource};
 use super::{Now, Reason, Time};
+use crate::math::Pose;
 
 /// What `tf` told last of the frames that obstacles stand in.
 #[derive(Debug, Default)]
 pub(super) struct GroundWatch {
     /// Those that it tells of again and again.
     seen: BTreeMap<String, Seen>,
+    /// Where each frame on the way to them was in its parent.
+    tracks: BTreeMap<String, Track>,
     /// A frame that `tf` does not connect with the root.
     lost: Option<String>,
     /// Whether obstacles are not where `tf` has them: they are being put there.
@@ -28,7 +31,7 @@ struct Seen {
     stamp: Time,
     /// When that was first judged by, on the steady clock: a clock that stands lets nothing grow old.
     since: Option<Duration>,
-    track: Track,
+    drift: Drift,
 }
 
 impl GroundWatch {
@@ -41,14 +44,31 @@ impl GroundWatch {
     pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
         self.lost = grounds.lost(tree).map(str::to_owned);
         self.are_elsewhere = grounds.are_elsewhere(tree);
-        let mut before = std::mem::take(&mut self.seen);
-        for Told { frame, pose_rf, oldest, newest } in grounds.told_of(tree) {
-            let seen = before.remove(frame);
-            let since = seen.as_ref().filter(|seen| seen.stamp == oldest).and_then(|seen| seen.since);
-            let mut track = seen.map(|seen| seen.track).unwrap_or_default();
-            track.note(newest, pose_rf);
-            self.seen.insert(frame.to_owned(), Seen { stamp: oldest, since, track });
+        let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
+        for told in grounds.told_of(tree) {
+            let before = seen.get(told.frame).filter(|seen| seen.stamp == told.stamp);
+            let drift = Drift { frame: told.frame.to_owned(), motions: self.motions(&told, tree, &tracks) };
+            let seen = Seen { stamp: told.stamp, since: before.and_then(|seen| seen.since), drift };
+            self.seen.insert(told.frame.to_owned(), seen);
         }
+    }
+
+    /// How a frame moves in the root's frame by what moves on the way to it.
+    fn motions(
+        &mut self,
+        told: &Told,
+        tree: &TransformTree,
+        tracks: &BTreeMap<String, Track>,
+    ) -> Vec<(Pose, f64)> {
+        let links = told.live_links(tree).into_iter();
+        let moved = links.filter_map(|Link { name, pose_pf, stamp }| {
+            let known = || tracks.get(name).cloned().unwrap_or_default();
+            let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
+            track.note(stamp, pose_pf);
+            let (before, taken) = track.before()?;
+            Some((told.way_since(tree, (name, before)), taken))
+        });
+        moved.collect()
     }
 
     /// What was looked at is judged by now.
@@ -63,7 +83,7 @@ impl GroundWatch {
 
     /// How what stands in these frames moves past the root just now.
     pub fn drifts(&self) -> Vec<Drift> {
-        self.seen.iter().map(|(frame, seen)| seen.track.drift(frame)).collect()
+        self.seen.values().map(|seen| seen.drift.clone()).collect()
     }
 
     /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.

@@ -11,10 +11,7 @@ const TESTS_PER_SECOND: f64 = 2e7;
 /// Joint states over which the time between two of them is averaged; before so many have come there is no hurry.
 const AVERAGED: usize = 16;
 
-/// A gap after which joint states begin anew.
-const LONGEST_GAP: Duration = Duration::from_secs(1);
-
-/// Silence after which there is time for exact distances.
+/// Silence after which there is time for exact distances, and joint states begin anew.
 const REST: Duration = Duration::from_millis(100);
 
 /// What distances are told within where exact ones would take too long: a tenth, or a millimetre.
@@ -34,10 +31,9 @@ pub(super) struct Pace {
 }
 
 impl Pace {
+    /// A joint state is taken in.
     pub fn note(&mut self, arrival: Duration) {
-        if self.arrivals.back().is_some_and(|last| arrival.saturating_sub(*last) > LONGEST_GAP) {
-            self.arrivals.clear();
-        }
+        self.rests(arrival);
         if self.arrivals.len() > AVERAGED {
             self.arrivals.pop_front();
         }

@@ -357,8 +357,7 @@ impl Loader {
         let mut world = self.world_revision;
         if self.keeper.is_untouched() {
             // poses in files refer to a robot: each needs them anew
-            self.keeper.state = (self.surroundings)(&robot)?;
-            self.keeper.state.stand_as(&before);
+            self.keeper.begin_with((self.surroundings)(&robot)?, &robot, glimpse);
             world = world.max(u64::from(!self.keeper.state.world.is_empty()));
         } else {
             self.keeper.fit_to(&robot);

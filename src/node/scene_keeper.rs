@@ -217,6 +217,14 @@ impl SceneKeeper {
         changed
     }
 
+    /// Takes what files hold in place of what they held for another robot; in the room it stays where it was.
+    pub fn begin_with(&mut self, mut state: PlanningSceneState, robot: &Arc<RobotModel>, glimpse: &Glimpse) {
+        let Glimpse { now, parameters, transforms, .. } = glimpse;
+        let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
+        state.stand_as(&self.state, &context);
+        self.state = state;
+    }
+
     /// Puts obstacles where they belong now that the robot may be elsewhere; whether any had to be.
     pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
         let Glimpse { now, parameters, transforms, .. } = glimpse;

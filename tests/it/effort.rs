@@ -160,13 +160,16 @@ fn distances_are_exact_while_they_cost_little() {
     let budgets = [1, 30, 300, 3000, NEVER];
     for checker in checkers() {
         for question in QUESTIONS {
-            let mut streams = budgets.map(|_| checker.streaming_workspace());
+            let mut streams = budgets.map(|_| [(); 2].map(|()| checker.streaming_workspace()));
             let mut alone = checker.workspace();
             for q in walk(&checker, &mut random, 2, 12) {
                 let truth = exact(&checker, &q);
-                for ((exact_cost, stream), told_so) in budgets.iter().zip(&mut streams).zip(&mut told_so) {
-                    let effort = Effort { exact_cost: *exact_cost, ..LARGE };
-                    for workspace in [&mut alone, stream] {
+                for ((exact_cost, [stream, other]), told_so) in
+                    budgets.iter().zip(&mut streams).zip(&mut told_so)
+                {
+                    let [large, small] =
+                        [LARGE, SMALL].map(|effort| Effort { exact_cost: *exact_cost, ..effort });
+                    for (workspace, effort) in [(&mut alone, large), (stream, large), (other, small)] {
                         let told = checker.check_with(&q, question, &effort, workspace);
                         assert_eq!(told.is_free(), truth.is_free(), "{question:?}, {effort:?}");
                         are_bounds(&checker, (&told, &truth), question, &effort);

@@ -4,7 +4,9 @@
 //! SRDF's virtual joint, if `tf` connects that with the root, or else in the topmost frame of `tf` above the root. Whenever `tf` says that the
 //! root is elsewhere in that frame, the obstacle is put where it belongs. So are the frames that a scene told of.
 
-use super::transform_tree::Between;
+use std::collections::BTreeMap;
+
+use super::transform_tree::{Between, Link};
 use super::{PlanningSceneState, SceneContext, TransformTree};
 use crate::math::Pose;
 use crate::monitor::Time;
@@ -83,14 +85,17 @@ impl PlanningSceneState {
         context.ground(assumed.unwrap_or(frame))
     }
 
-    /// Things of the same names that stood somewhere before stand there still.
-    pub fn stand_as(&mut self, before: &Self) {
-        let kept = |(name, anchor): (&String, &Anchor)| (name.clone(), anchor.clone());
-        let is_here = |(name, _): &(&String, &Anchor)| self.world.obstacle_by_name(name).is_some();
-        self.anchors.extend(before.anchors.iter().filter(is_here).map(kept));
-        let frames = &self.fixed_frames;
-        let is_known = |(name, _): &(&String, &Anchor)| frames.contains_key(*name);
-        self.frame_anchors.extend(before.frame_anchors.iter().filter(is_known).map(kept));
+    /// Things of the same names that stood somewhere before stand there still, if `tf` connects that with the root.
+    pub fn stand_as(&mut self, before: &Self, context: &SceneContext) {
+        let known = |anchors: &BTreeMap<String, Anchor>| {
+            let is_known = |(_, anchor): &(&String, &Anchor)| context.pose_by_tf(&anchor.frame).is_some();
+            let known = anchors.iter().filter(is_known).map(|(name, anchor)| (name.clone(), anchor.clone()));
+            known.collect::<Vec<_>>()
+        };
+        let anchors = known(&before.anchors).into_iter();
+        self.anchors.extend(anchors.filter(|(name, _)| self.world.obstacle_by_name(name).is_some()));
+        let frames = known(&before.frame_anchors).into_iter();
+        self.frame_anchors.extend(frames.filter(|(name, _)| self.fixed_frames.contains_key(name)));
     }
 
     /// Puts everything where it belongs now that the root may be elsewhere; whether that changed anything. What stands in nothing yet stands
@@ -195,21 +200,33 @@ impl Grounds {
         transforms: &TransformTree,
     ) -> impl Iterator<Item = Told<'g>> {
         self.frames.iter().filter_map(|Watched { frame, .. }| {
-            let Between { pose, alive, .. } = transforms.between(&self.root, frame)?;
-            let (oldest, newest) = alive?;
-            Some(Told { frame, pose_rf: pose, oldest, newest })
+            let Between { pose, oldest_alive, .. } = transforms.between(&self.root, frame)?;
+            Some(Told { root: &self.root, frame, pose_rf: pose, stamp: oldest_alive? })
         })
     }
 }
 
 /// A frame that `tf` tells of again and again.
 pub(in crate::monitor) struct Told<'g> {
+    root: &'g str,
     pub frame: &'g str,
     /// Its pose in the root's frame.
-    pub pose_rf: Pose,
-    /// Stamps of the transforms on the way that are told anew.
-    pub oldest: Time,
-    pub newest: Time,
+    pose_rf: Pose,
+    /// Of the oldest transform on the way that is told again and again.
+    pub stamp: Time,
+}
+
+impl Told<'_> {
+    /// What is told again and again on the way.
+    pub fn live_links<'t>(&self, transforms: &'t TransformTree) -> Vec<Link<'t>> {
+        transforms.live_links(self.root, self.frame)
+    }
+
+    /// How the frame has moved in the root's frame since one on the way was elsewhere.
+    pub fn way_since(&self, transforms: &TransformTree, before: (&str, &Pose)) -> Pose {
+        let pose_rf = transforms.pose_if(self.root, self.frame, before).unwrap_or(self.pose_rf);
+        self.pose_rf * pose_rf.inverse()
+    }
 }
 
 /// Whether a frame's pose in the root's frame has changed, as seen from the root.

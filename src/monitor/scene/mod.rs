@@ -33,4 +33,4 @@ pub use change::{
 pub use frames::SceneContext;
 pub use refusal::SceneRefusal;
 pub use state::{Applied, OCTOMAP, PlanningSceneState};
-pub use transform_tree::{Between, Transform, TransformTree};
+pub use transform_tree::{Between, Link, Transform, TransformTree};

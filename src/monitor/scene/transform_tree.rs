@@ -38,8 +38,17 @@ pub struct Between {
     pub pose: Pose,
     /// Stamp of the oldest transform on the way, if one of them changes.
     pub oldest: Option<Time>,
-    /// Oldest and newest stamp of those that are told again and again, if any is.
-    pub alive: Option<(Time, Time)>,
+    /// The same of those that are told again and again.
+    pub oldest_alive: Option<Time>,
+}
+
+/// A frame that is told again and again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link<'t> {
+    pub name: &'t str,
+    /// Its pose in its parent.
+    pub pose_pf: Pose,
+    pub stamp: Time,
 }
 
 /// A frame above another one.
@@ -50,8 +59,8 @@ pub(super) struct Ancestor<'t> {
     pub pose_af: Pose,
     /// The oldest transform on the way, if one of them changes: its frame and stamp.
     pub oldest: Option<(&'t str, Time)>,
-    /// Oldest and newest stamp of those on the way that are told again and again.
-    alive: Option<(Time, Time)>,
+    /// The stamp of the oldest on the way that is told again and again.
+    oldest_alive: Option<Time>,
 }
 
 /// A clock that was set back by more than this (s) starts anew.
@@ -82,12 +91,53 @@ impl TransformTree {
     /// The frame `frame` in the frame `reference`; `None` if nothing connects them.
     #[must_use]
     pub fn between(&self, reference: &str, frame: &str) -> Option<Between> {
-        let (of_frame, of_reference) = (self.ancestors(frame), self.ancestors(reference));
-        let (above, below) =
-            of_frame.iter().find_map(|a| Some((a, of_reference.iter().find(|r| r.name == a.name)?)))?;
-        let stamps = [above, below].into_iter().filter_map(|a| a.oldest).map(|(_, stamp)| stamp);
-        let pose = below.pose_af.inverse() * above.pose_af;
-        Some(Between { pose, oldest: stamps.min(), alive: both(above.alive, below.alive) })
+        let ways = self.ways_to_meet(reference, frame)?;
+        let [of_reference, of_frame] = ways.each_ref().map(|way| &way[way.len() - 1]);
+        let ends = [of_reference, of_frame];
+        Some(Between {
+            pose: of_reference.pose_af.inverse() * of_frame.pose_af,
+            oldest: ends.iter().filter_map(|end| end.oldest).map(|(_, stamp)| stamp).min(),
+            oldest_alive: ends.iter().filter_map(|end| end.oldest_alive).min(),
+        })
+    }
+
+    /// The frames between two that are told again and again.
+    #[must_use]
+    pub fn live_links(&self, reference: &str, frame: &str) -> Vec<Link<'_>> {
+        let ways = self.ways_to_meet(reference, frame).unwrap_or_default();
+        let below = ways.iter().flat_map(|way| way.iter().rev().skip(1));
+        let known = below.filter_map(|ancestor| self.by_frame.get_key_value(ancestor.name));
+        let live = known.filter(|(_, known)| known.is_alive).filter_map(|(name, known)| {
+            let Transform { pose_pf, stamp, .. } = &known.transform;
+            Some(Link { name, pose_pf: *pose_pf, stamp: (*stamp)? })
+        });
+        live.collect()
+    }
+
+    /// Pose of `frame` in the frame `reference`, if a frame on the way were elsewhere in its parent.
+    #[must_use]
+    pub fn pose_if(&self, reference: &str, frame: &str, (link, pose_pf): (&str, &Pose)) -> Option<Pose> {
+        let [of_reference, of_frame] = self.ways_to_meet(reference, frame)?.map(|way| {
+            let links = &way[..way.len() - 1];
+            links.iter().fold(Pose::identity(), |pose, ancestor| match self.by_frame.get(ancestor.name) {
+                _ if ancestor.name == link => pose_pf * pose,
+                Some(known) => known.transform.pose_pf * pose,
+                None => pose,
+            })
+        });
+        Some(of_reference.inverse() * of_frame)
+    }
+
+    /// The ways from both frames up to the first that is above both.
+    fn ways_to_meet<'t>(&'t self, reference: &'t str, frame: &'t str) -> Option<[Vec<Ancestor<'t>>; 2]> {
+        let [mut of_reference, mut of_frame] = [reference, frame].map(|frame| self.ancestors(frame));
+        let (above, below) = of_frame
+            .iter()
+            .enumerate()
+            .find_map(|(i, a)| Some((i, of_reference.iter().position(|r| r.name == a.name)?)))?;
+        of_reference.truncate(below + 1);
+        of_frame.truncate(above + 1);
+        Some([of_reference, of_frame])
     }
 
     /// The highest frame above another one, if there is one above it.
@@ -105,7 +155,8 @@ impl TransformTree {
 
     /// The frame itself and those above it, nearest first; ends before it would come around.
     pub(super) fn ancestors<'t>(&'t self, frame: &'t str) -> Vec<Ancestor<'t>> {
-        let mut above = vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None, alive: None }];
+        let mut above =
+            vec![Ancestor { name: frame, pose_af: Pose::identity(), oldest: None, oldest_alive: None }];
         while let Some(last) = above.last()
             && let Some(Known { transform, is_alive }) = self.by_frame.get(last.name)
             && above.iter().all(|a| a.name != transform.parent)
@@ -115,19 +166,11 @@ impl TransformTree {
                 (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
                 (a, b) => a.or(b),
             };
-            let stamp = transform.stamp.filter(|_| *is_alive);
-            let alive = both(last.alive, stamp.map(|stamp| (stamp, stamp)));
+            let alive = transform.stamp.filter(|_| *is_alive);
+            let oldest_alive = [last.oldest_alive, alive].into_iter().flatten().min();
             let pose_af = transform.pose_pf * last.pose_af;
-            above.push(Ancestor { name: &transform.parent, pose_af, oldest, alive });
+            above.push(Ancestor { name: &transform.parent, pose_af, oldest, oldest_alive });
         }
         above
-    }
-}
-
-/// Oldest and newest of both.
-fn both(a: Option<(Time, Time)>, b: Option<(Time, Time)>) -> Option<(Time, Time)> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
-        (a, b) => a.or(b),
     }
 }

@@ -279,3 +279,37 @@ fn of_a_root_that_moves_no_time_to_contact_is_certain() {
     room.monitor.note_transforms(&room.transforms);
     assert!(room.monitor.on_heartbeat(at(2.2)).time_to_contact() <= 0.0, "it moves on");
 }
+
+/// A localiser five times a second, post-dated, above odometry fifty times a second: the base moves by the latter.
+#[test]
+fn a_localiser_that_comes_slowly_hides_no_drive() {
+    let mut room = Room::new();
+    room.transforms = TransformTree::default();
+    room.monitor.set_settings(settings_of_lookout());
+    let told = |parent: &str, x: f64, seconds: f64| Transform {
+        parent: parent.to_owned(),
+        pose_pf: Pose::translation(x, 0.0, 0.0),
+        stamp: Some(time(START + seconds)),
+    };
+    for i in 0..500_u32 {
+        let seconds = 0.004 * f64::from(i);
+        if i % 50 == 0 {
+            room.transforms.note("odom", told("map", 0.0, seconds + 1.0));
+        }
+        if i % 5 == 0 {
+            room.transforms.note("base", told("odom", 0.5 * seconds, seconds));
+        }
+        if i == 0 {
+            room.follow();
+        }
+        room.monitor.note_transforms(&room.transforms);
+        let judgement = room.monitor.on_joint_state(moving(seconds, FREE, &[0.0, 0.0]), at(seconds));
+        if i < 60 {
+            continue;
+        }
+        assert!(judgement.time_to_contact() <= 0.0, "it drives after {seconds} s");
+        let drifts = &judgement.evidence.as_ref().unwrap().drifts;
+        let way = drifts[0].way_of(&crate::math::Point::origin(), 1.0);
+        assert!((way.x + 0.5).abs() < 1e-6, "{way}");
+    }
+}

@@ -29,14 +29,20 @@ const SHORT_ON_LOOPBACK: usize = 65_000;
 /// Bytes of an answer at most.
 const LONGEST: usize = 64 << 20;
 
-/// Datagrams sent without a pause: receivers have room for some two hundred kilobytes.
-const BURST: usize = 48;
+/// Datagrams sent without a pause.
+const BURST: usize = 8;
 
 /// Between two bursts.
 const PAUSE: Duration = Duration::from_millis(1);
 
 /// Nobody asks again for a fragment, so each is sent more than once.
-const PASSES: usize = 2;
+const PASSES: usize = 3;
+
+/// Bytes that receivers have room for while they do not come to read.
+const ROOM: usize = 80_000;
+
+/// Between two passes of more than that: what took a receiver's time may be over then.
+const RESPITE: Duration = Duration::from_millis(20);
 
 /// Answers of one service.
 pub struct Answering {
@@ -138,7 +144,10 @@ impl Answering {
     async fn send_fragments(&self, hearers: &[&Hearer], id: RmwRequestId, number: i64, bytes: &[u8]) {
         let asked = (GUID::from(id.writer_gid).to_bytes(), id.sequence_number);
         let mut since_pause = 0;
-        for hearer in std::iter::repeat_n(hearers, PASSES).flatten() {
+        for (pass, hearer) in (0..PASSES).flat_map(|pass| hearers.iter().map(move |hearer| (pass, hearer))) {
+            if pass > 0 && bytes.len() > ROOM {
+                Timer::after(RESPITE).await;
+            }
             let answer = Answer { writer: hearer.writer.to_bytes(), number, asked, bytes };
             for fragment in answer.fragments(hearer.reader.to_bytes()) {
                 if since_pause >= BURST {

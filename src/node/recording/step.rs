@@ -201,6 +201,10 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
         let value = text.unwrap_or_else(|| parameter_value::from_node(value));
         parameters.assign(name, &value)?;
     }
+    if !json.contains_key("exact_distance_share") {
+        // before there was a choice distances were exact
+        parameters.exact_distance_share = 0.0;
+    }
     parameters.check_together()?;
     Ok(parameters)
 }

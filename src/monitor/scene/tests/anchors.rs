@@ -177,12 +177,20 @@ fn what_files_placed_stays_in_the_room_when_they_are_read_again() {
     drive(&mut cell, 1.0);
     assert!(drive(&mut cell, 4.0));
     let mut again = from_file().scene;
-    again.stand_as(&cell.scene);
+    let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
+    again.stand_as(&cell.scene, &context);
     cell.scene = again;
     drive(&mut cell, 4.0);
     assert_eq!(cell.places("table"), [[1.0, 0.0, 0.0]]);
     drive(&mut cell, 5.0);
     assert_eq!(cell.places("table"), [[0.0, 0.0, 0.0]]);
+    // for a root that tf knows elsewhere only, it is where the file says
+    let mut elsewhere = from_file();
+    elsewhere.transforms.note("base", transform("yard", 1.0, Some(99.9)));
+    let context = SceneContext::new(&cell.robot, None, &elsewhere.transforms, Some(seconds(100.0)), 1.0);
+    let mut again = from_file().scene;
+    again.stand_as(&cell.scene, &context);
+    assert_eq!(again.grounds(&cell.robot), elsewhere.scene.grounds(&cell.robot));
 }
 
 #[test]
