@@ -298,8 +298,6 @@ fn a_localiser_that_comes_slowly_hides_no_drive() {
         }
         if i % 5 == 0 {
             room.transforms.note("base", told("odom", 0.5 * seconds, seconds));
-        }
-        if i == 0 {
             room.follow();
         }
         room.monitor.note_transforms(&room.transforms);
