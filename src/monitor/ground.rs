@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::drift::{Drift, Track};
-use super::scene::{Grounds, Link, Told, TransformTree};
+use super::scene::{Grounds, Link, Lost, Told, TransformTree};
 use super::world_source::{Sight, WorldSource};
 use super::{Now, Reason, Time};
 use crate::math::Pose;
@@ -17,7 +17,7 @@ pub(super) struct GroundWatch {
     seen: BTreeMap<String, Seen>,
     /// Where each frame on the way to them was in its parent.
     tracks: BTreeMap<String, Track>,
-    /// A frame that `tf` does not connect with the root.
+    /// What does not tell where the root is.
     lost: Option<String>,
     /// Whether obstacles are not where `tf` has them: they are being put there.
     are_elsewhere: bool,
@@ -42,31 +42,29 @@ impl GroundWatch {
 
     /// What `tf` tells now.
     pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
-        self.lost = grounds.lost(tree).map(str::to_owned);
+        self.lost = grounds.lost(tree).map(|lost| match lost {
+            Lost::In(frame) => of_root(frame),
+            Lost::Endless => "tf above the robot's root (a circle, or far too many frames)".to_owned(),
+        });
         self.are_elsewhere = grounds.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for told in grounds.told_of(tree) {
             let before = seen.get(told.frame).filter(|seen| seen.stamp == told.stamp);
-            let drift = Drift { frame: told.frame.to_owned(), motions: self.motions(&told, tree, &tracks) };
+            let drift = Drift { frame: told.frame.to_owned(), motions: self.motions(&told, &tracks) };
             let seen = Seen { stamp: told.stamp, since: before.and_then(|seen| seen.since), drift };
             self.seen.insert(told.frame.to_owned(), seen);
         }
     }
 
     /// How a frame moves in the root's frame by what moves on the way to it.
-    fn motions(
-        &mut self,
-        told: &Told,
-        tree: &TransformTree,
-        tracks: &BTreeMap<String, Track>,
-    ) -> Vec<(Pose, f64)> {
-        let links = told.live_links(tree).into_iter();
-        let moved = links.filter_map(|Link { name, pose_pf, stamp }| {
+    fn motions(&mut self, told: &Told, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
+        let pose_rf = told.way.pose();
+        let moved = told.way.live_links().filter_map(|Link { name, pose_pf, stamp }| {
             let known = || tracks.get(name).cloned().unwrap_or_default();
             let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
             track.note(stamp, pose_pf);
             let (before, taken) = track.before()?;
-            Some((told.way_since(tree, (name, before)), taken))
+            Some((pose_rf * told.way.pose_if((name, before)).inverse(), taken))
         });
         moved.collect()
     }
@@ -88,8 +86,8 @@ impl GroundWatch {
 
     /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.
     pub fn freshness(&self, now: Now, ttl: f64) -> Result<(), Reason> {
-        if let Some(frame) = &self.lost {
-            return Err(Reason::StaleWorld { source: of_root(frame), age: None, ttl });
+        if let Some(source) = &self.lost {
+            return Err(Reason::StaleWorld { source: source.clone(), age: None, ttl });
         }
         for source in self.sources(now, ttl) {
             source.freshness(now)?;

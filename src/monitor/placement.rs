@@ -45,7 +45,7 @@ impl Placements {
                 continue;
             };
             let [parent, child] = frames(robot, joint);
-            let found = tree.between(parent, child).map(|between| (between.pose, between.oldest));
+            let found = tree.way(parent, child).map(|way| (way.pose(), way.oldest()));
             all.placements.push(Placement { joint, found, since: None });
         }
         all

@@ -6,8 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::transform_tree::{Between, Link};
-use super::{PlanningSceneState, SceneContext, TransformTree};
+use super::{PlanningSceneState, SceneContext, TransformTree, Way};
 use crate::math::Pose;
 use crate::monitor::Time;
 use crate::robot::RobotModel;
@@ -167,8 +166,8 @@ impl Grounds {
     #[must_use]
     pub fn are_elsewhere(&self, transforms: &TransformTree) -> bool {
         let is_one = |Watched { frame, pose_rf, .. }: &Watched| {
-            let now = transforms.between(&self.root, frame);
-            now.is_some_and(|now| is_elsewhere(pose_rf, &now.pose))
+            let way = transforms.way(&self.root, frame);
+            way.is_some_and(|way| is_elsewhere(pose_rf, &way.pose()))
         };
         (self.any_ungrounded && transforms.topmost_above(&self.root).is_some())
             || self.frames.iter().any(is_one)
@@ -180,53 +179,51 @@ impl Grounds {
         self.frames.is_empty() && !self.any_ungrounded
     }
 
-    /// A frame in which the root might be anywhere: `tf` connected it with the root once, or it connects the root with others only. A root of
-    /// which `tf` knows nothing stands at zero.
-    pub(in crate::monitor) fn lost(&self, transforms: &TransformTree) -> Option<&str> {
+    /// Why the root might be anywhere in what obstacles stand in: `tf` connected the two once, connects the root with others only, or does not
+    /// end above the root. A root of which `tf` knows nothing stands at zero.
+    pub(in crate::monitor) fn lost(&self, transforms: &TransformTree) -> Option<Lost<'_>> {
+        if !self.is_empty() && transforms.is_too_deep(&self.root) {
+            return Some(Lost::Endless);
+        }
         let is_lost = |watched: &&Watched| {
-            transforms.between(&self.root, &watched.frame).is_none()
+            transforms.way(&self.root, &watched.frame).is_none()
                 && match watched.certainty {
                     Certainty::Told => true,
                     Certainty::Fixed => false,
                     Certainty::Assumed => transforms.topmost_above(&self.root).is_some(),
                 }
         };
-        self.frames.iter().find(is_lost).map(|watched| watched.frame.as_str())
+        self.frames.iter().find(is_lost).map(|watched| Lost::In(&watched.frame))
     }
 
     /// The frames that `tf` tells of again and again, seen from the root.
     pub(in crate::monitor) fn told_of<'g>(
         &'g self,
-        transforms: &TransformTree,
+        transforms: &'g TransformTree,
     ) -> impl Iterator<Item = Told<'g>> {
         self.frames.iter().filter_map(|Watched { frame, .. }| {
-            let Between { pose, oldest_alive, .. } = transforms.between(&self.root, frame)?;
-            Some(Told { root: &self.root, frame, pose_rf: pose, stamp: oldest_alive? })
+            let way = transforms.way(&self.root, frame)?;
+            Some(Told { frame, stamp: way.oldest_alive()?, way })
         })
     }
 }
 
-/// A frame that `tf` tells of again and again.
-pub(in crate::monitor) struct Told<'g> {
-    root: &'g str,
-    pub frame: &'g str,
-    /// Its pose in the root's frame.
-    pose_rf: Pose,
-    /// Of the oldest transform on the way that is told again and again.
-    pub stamp: Time,
+/// Why nobody knows where the root is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::monitor) enum Lost<'g> {
+    /// `tf` does not connect it with this frame.
+    In(&'g str),
+    /// Above the root `tf` goes in a circle, or has more frames than are looked at.
+    Endless,
 }
 
-impl Told<'_> {
-    /// What is told again and again on the way.
-    pub fn live_links<'t>(&self, transforms: &'t TransformTree) -> Vec<Link<'t>> {
-        transforms.live_links(self.root, self.frame)
-    }
-
-    /// How the frame has moved in the root's frame since one on the way was elsewhere.
-    pub fn way_since(&self, transforms: &TransformTree, before: (&str, &Pose)) -> Pose {
-        let pose_rf = transforms.pose_if(self.root, self.frame, before).unwrap_or(self.pose_rf);
-        self.pose_rf * pose_rf.inverse()
-    }
+/// A frame that `tf` tells of again and again.
+pub(in crate::monitor) struct Told<'g> {
+    pub frame: &'g str,
+    /// From the root to it.
+    pub way: Way<'g>,
+    /// Of the oldest transform on the way that is told again and again.
+    pub stamp: Time,
 }
 
 /// Whether a frame's pose in the root's frame has changed, as seen from the root.

@@ -110,7 +110,7 @@ impl<'c> SceneContext<'c> {
 
     /// Pose of a frame in the root frame, however old what `tf` says of it is.
     pub(super) fn pose_by_tf(&self, frame: &str) -> Option<Pose> {
-        self.transforms.between(self.root_name(), frame).map(|between| between.pose)
+        self.transforms.way(self.root_name(), frame).map(|way| way.pose())
     }
 
     /// Whether a frame always stays where it is against the root, as far as it is a part of the robot or of what it holds.

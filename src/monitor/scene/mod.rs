@@ -22,10 +22,11 @@ mod state;
 #[cfg(test)]
 mod tests;
 mod transform_tree;
+mod way;
 
 pub use anchors::Grounds;
-pub(in crate::monitor) use anchors::Told;
 pub(super) use anchors::is_elsewhere;
+pub(in crate::monitor) use anchors::{Lost, Told};
 pub use change::{
     AttachedChange, FixedFrame, ObjectChange, OctomapPlacement, Operation, RobotStateChange, SceneChange,
     SceneUpdate, WorldChange,
@@ -33,4 +34,5 @@ pub use change::{
 pub use frames::SceneContext;
 pub use refusal::SceneRefusal;
 pub use state::{Applied, OCTOMAP, PlanningSceneState};
-pub use transform_tree::{Between, Link, Transform, TransformTree};
+pub use transform_tree::{Transform, TransformTree};
+pub(in crate::monitor) use way::{Link, Way};

@@ -219,3 +219,52 @@ fn frames_of_a_scene_before_hold_nothing_back() {
     cell.object(add("box", "station", at(0.0, 0.0, 0.0))).unwrap();
     assert!(!is_lost(&cell), "it stands in what tf tells of");
 }
+
+/// A chain of frames above the root, each told twice, and an obstacle beside the robot.
+fn below_a_chain(frames: usize) -> Cell {
+    let mut cell = Cell::new();
+    cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
+    let name = |i| if i == 0 { "base".to_owned() } else { format!("f{i}") };
+    for stamp in [99.8, 99.9] {
+        for i in 0..frames {
+            cell.transforms.note(&name(i), transform(&name(i + 1), 1.0, Some(stamp)));
+        }
+    }
+    cell
+}
+
+#[test]
+fn a_chain_of_frames_is_followed_so_far_and_no_farther() {
+    for (frames, found) in [(1, true), (250, true), (300, false), (9_000, false)] {
+        let mut cell = below_a_chain(frames);
+        assert!(drive_on(&mut cell), "the box stands in the topmost frame that is looked at");
+        assert!(!drive_on(&mut cell));
+        let grounds = cell.scene.grounds(&cell.robot);
+        assert_eq!(grounds.lost(&cell.transforms), (!found).then_some(Lost::Endless), "{frames} frames");
+        let told: Vec<Told> = grounds.told_of(&cell.transforms).collect();
+        let links = told.iter().flat_map(|told| told.way.live_links()).count();
+        assert_eq!(links, frames.min(256));
+    }
+}
+
+#[test]
+fn a_circle_of_frames_above_the_root_tells_nothing() {
+    let mut cell = Cell::new();
+    cell.transforms.note("base", transform("p", 1.0, None));
+    cell.transforms.note("p", transform("q", 1.0, None));
+    cell.transforms.note("q", transform("p", 1.0, None));
+    assert!(!is_lost(&cell), "nothing stands anywhere");
+    cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
+    assert!(is_lost(&cell));
+    assert!(!drive_on(&mut cell) && is_lost(&cell));
+    cell.transforms.note("q", transform("map", 1.0, None));
+    assert!(!is_lost(&cell));
+}
+
+/// Puts everything where it belongs; whether that was due.
+fn drive_on(cell: &mut Cell) -> bool {
+    let is_due = cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms);
+    let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
+    assert_eq!(cell.scene.follow_frames(&context), is_due);
+    is_due
+}
