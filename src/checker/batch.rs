@@ -112,7 +112,7 @@ impl CollisionChecker {
             let memory = (&mut *scratch, &mut *nearby, &mut *part_order);
             hit |= self.states_that_hit(
                 simd,
-                all & !hit,
+                (all & !hit, states.iter().all(|q| self.reachable.expects(q.positions()))),
                 capsules,
                 &|body, lane| eight.frame(body, lane),
                 memory,

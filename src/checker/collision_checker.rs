@@ -13,6 +13,7 @@ use super::nearby::NearbyScratch;
 use super::nearest_first::NearestFirst;
 use super::obstacles::Obstacles;
 use super::pair::PairInfo;
+use super::reachable::Reachable;
 use super::report::Body;
 use super::settings::Settings;
 use super::stream::Stream;
@@ -53,6 +54,7 @@ pub struct CollisionChecker {
     pub(super) ways: Ways,
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
+    pub(super) reachable: Reachable,
     pub(super) obstacles: Obstacles,
     /// Which parts have to be asked about obstacles, once somebody asked.
     pub(super) within_reach: OnceLock<WithinReach>,
@@ -124,7 +126,7 @@ impl CollisionChecker {
         // all that can fail before anything is changed
         for change in self.obstacles.outdated(world, &self.settings)? {
             self.pairs.set_obstacle(change.0, world.place(change.0).map(|obstacle| obstacle.name.as_str()));
-            self.obstacles.set(change);
+            self.obstacles.set(change, &self.reachable);
         }
         self.world = world.clone();
         self.within_reach = OnceLock::new();
@@ -148,7 +150,8 @@ impl CollisionChecker {
         let capsules = capsule_pairs(&riders, &infos);
         let padded_radii = riders.iter().map(|rider| up(rider.capsule.radius + rider.padding)).collect();
         let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::greater);
-        let obstacles = Obstacles::new(world, &settings, known_obstacles)?;
+        let reachable = Reachable::new(&robot, &chain, &riders);
+        let obstacles = Obstacles::new(world, &settings, known_obstacles, &reachable)?;
         let rates = travel_rates(&robot, &chain, &riders);
         let between = joints_between(&chain, &riders, &infos);
         let to_root = joints_to_root(&chain, &riders);
@@ -169,6 +172,7 @@ impl CollisionChecker {
             to_root,
             ways,
             rates,
+            reachable,
             obstacles,
             within_reach: OnceLock::new(),
             fingerprints: OnceLock::new(),

@@ -33,6 +33,7 @@ mod pair;
 mod pairs;
 mod pieces;
 mod questions;
+mod reachable;
 mod report;
 mod root_volume;
 mod settings;

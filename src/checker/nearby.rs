@@ -128,7 +128,7 @@ impl CollisionChecker {
     /// What the broad phase knows: boxes around obstacles, or around their pieces where they are large, each with a number.
     #[must_use]
     pub fn world_boxes(&self) -> Vec<(u32, AxisBox)> {
-        self.obstacles.pieces.tree.items()
+        self.obstacles.pieces.boxes()
     }
 
     /// Obstacles whose padded distance from a part may be within `limit` (m): their pairs, in the order of their numbers, with
@@ -166,8 +166,7 @@ impl CollisionChecker {
         let pieces = &self.obstacles.pieces;
         near.clear();
         found.clear();
-        found.extend_from_slice(&pieces.unbounded);
-        work.volume_tests += pieces.tree.find_overlapping(simd, &capsule.axis_box(limit), stack, found);
+        work.volume_tests += pieces.find(simd, &capsule.axis_box(limit), stack, found);
         work.volume_tests += found.len() as u64;
         for &number in &*found {
             let placed = pieces.at(number);
@@ -195,8 +194,8 @@ impl CollisionChecker {
     ) -> bool {
         let (pieces, limit) = (&self.obstacles.pieces, up(limit));
         found.clear();
-        found.extend_from_slice(&pieces.unbounded);
-        work.volume_tests += pieces.tree.overlapping(level, &capsule.axis_box(limit), stack, found);
+        let around = capsule.axis_box(limit);
+        work.volume_tests += dispatch!(level, simd => pieces.find(simd, &around, stack, found));
         found.iter().any(|&number| {
             work.volume_tests += 1;
             let placed = pieces.at(number);
@@ -205,22 +204,21 @@ impl CollisionChecker {
     }
 
     /// Fills `near_eight` with the pieces of obstacles whose padded distance from some of eight parts may be within `limit` (m), of
-    /// those `among` them; `checks` leaves of some bits those to be checked against what is at a place.
+    /// those `among` them, which are parts of states as expected or not; `checks` leaves of some bits those to be checked against
+    /// what is at a place.
     #[inline(always)]
     pub(super) fn find_near_eight<S: Simd>(
         &self,
         simd: S,
-        (capsules, among): (&RootCapsule<f32x8<S>>, u8),
+        (capsules, among, is_as_expected): (&RootCapsule<f32x8<S>>, u8, bool),
         (limit, checks): (f32, impl Fn(ObstacleId, u8) -> u8),
         NearbyScratch { eight_stack, eight_found, near_eight, .. }: &mut NearbyScratch,
         work: &mut Work,
     ) {
         let pieces = &self.obstacles.pieces;
         eight_found.clear();
-        eight_found.extend(pieces.unbounded.iter().map(|piece| (*piece, among)));
         let boxes = capsules.axis_boxes(limit);
-        work.volume_tests +=
-            pieces.tree.find_overlapping_any(simd, (&boxes, among), eight_stack, eight_found);
+        work.volume_tests += pieces.find_any(simd, (&boxes, among), is_as_expected, eight_stack, eight_found);
         // which are near hangs on chance: without a branch the next is begun before the last is known
         near_eight.resize(eight_found.len(), NearEight::NONE);
         let mut kept = 0;
@@ -266,10 +264,9 @@ impl CollisionChecker {
         let within = at[1..].iter().fold(at[0].axis_box(limit), |all, c| all.union(&c.axis_box(limit)));
         let pieces = &self.obstacles.pieces;
         numbers.clear();
-        numbers.extend_from_slice(&pieces.unbounded);
         let level = scratch.level();
         let work = &mut scratch.work;
-        work.volume_tests += pieces.tree.overlapping(level, &within, stack, numbers);
+        work.volume_tests += dispatch!(level, simd => pieces.find(simd, &within, stack, numbers));
         numbers.sort_unstable_by_key(|number| pieces.at(*number).place);
         for of_one in numbers.chunk_by(|a, b| pieces.at(*a).place == pieces.at(*b).place) {
             let place = pieces.at(of_one[0]).place;
@@ -291,9 +288,9 @@ impl CollisionChecker {
     /// Where the search for the nearest obstacle of a part begins.
     pub(super) fn whole_world(&self, part: usize) -> impl Iterator<Item = Near> {
         let pieces = &self.obstacles.pieces;
-        let root = pieces.tree.root().map(|node| Near::Node { part, node });
+        let roots = pieces.roots().map(move |node| Near::Node { part, node });
         let unbounded = pieces.unbounded.iter().map(move |&piece| Near::Boxed { part, piece });
-        root.into_iter().chain(unbounded).filter(|_| self.pairs().world_len() > 0)
+        roots.chain(unbounded).filter(|_| self.pairs().world_len() > 0)
     }
 
     /// What is in a node, and numbers never larger than the padded distances (m) from a part, less than zero where boxes overlap;
@@ -303,8 +300,8 @@ impl CollisionChecker {
         node: u32,
         (capsule, level): (&RootCapsule, Level),
     ) -> ([f32; LANES], [Child; LANES]) {
-        let (boxes, children) = self.obstacles.pieces.tree.node(node);
-        (dispatch!(level, simd => capsule.bounds_of_boxes(simd, boxes)), *children)
+        let (boxes, children) = self.obstacles.pieces.node(node);
+        (dispatch!(level, simd => capsule.bounds_of_boxes(simd, boxes)), children)
     }
 
     pub(super) fn piece(&self, number: u32) -> Piece {

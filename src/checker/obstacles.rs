@@ -9,6 +9,7 @@ use super::bodies::solid;
 use super::capsule_fit::corners;
 use super::capsules::LinkCapsule;
 use super::pieces::{Pieces, Placed};
+use super::reachable::Reachable;
 use super::root_volume::{RootCapsule, RootVolume};
 use super::settings::{MeshModel, Settings};
 use crate::bvh::AxisBox;
@@ -53,7 +54,12 @@ const MOST_PIECES: usize = 384;
 
 impl Obstacles {
     /// The obstacles of a world; what `known` has is not built again.
-    pub fn new(world: &World, settings: &Settings, known: &Self) -> Result<Self, SettingsError> {
+    pub fn new(
+        world: &World,
+        settings: &Settings,
+        known: &Self,
+        reachable: &Reachable,
+    ) -> Result<Self, SettingsError> {
         let ids = (0..world.place_count()).into_par_iter();
         let places = ids
             .map(|i| {
@@ -64,7 +70,7 @@ impl Obstacles {
             .collect::<Result<Vec<_>, _>>()?;
         let pieces =
             places.iter().map(|place| place.as_deref().map_or_else(Vec::new, PlacedObstacle::pieces));
-        Ok(Self { pieces: Pieces::new(pieces.collect()), places })
+        Ok(Self { pieces: Pieces::new(pieces.collect(), reachable), places })
     }
 
     /// What is to be at the places that do not hold what they hold in a world.
@@ -80,12 +86,13 @@ impl Obstacles {
     }
 
     /// Brings one place up to date, which nothing but its obstacle takes part in.
-    pub fn set(&mut self, (id, found): Change) {
+    pub fn set(&mut self, (id, found): Change, reachable: &Reachable) {
         let place = id.0 as usize;
         if self.places.len() <= place {
             self.places.resize(place + 1, None);
         }
-        self.pieces.set(id.0, found.as_deref().map_or_else(Vec::new, PlacedObstacle::pieces));
+        let placed = found.as_deref().map_or_else(Vec::new, PlacedObstacle::pieces);
+        self.pieces.set(id.0, placed, reachable);
         self.places[place] = found;
     }
 

@@ -30,11 +30,11 @@ impl CollisionChecker {
             return !hit;
         }
         self.place_and_screen(q, workspace);
-        !self.is_hit(workspace)
+        !self.is_hit(q, workspace)
     }
 
     /// Whether a pair touches, of bodies that are placed and screened; likely ones are asked first.
-    fn is_hit(&self, workspace: &mut Workspace) -> bool {
+    fn is_hit(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
         let Workspace { frames, segments, near, likely, scratch, nearby, part_order, .. } = workspace;
         let left = |i: usize| near[i / LANES] & (1 << (i % LANES)) != 0;
         for rank in 0.. {
@@ -50,9 +50,11 @@ impl CollisionChecker {
             likely.hit(hit);
             return true;
         }
-        let origin = self.capsules.origin(frames);
-        dispatch!(scratch.level(), simd => {
-            self.hits_obstacle(simd, (segments, origin), &|body| frames[body], (scratch, nearby, part_order))
+        let segments = (&**segments, self.capsules.origin(frames));
+        let is_as_expected = self.reachable.expects(q.positions());
+        let memory = (scratch, nearby, part_order);
+        dispatch!(memory.0.level(), simd => {
+            self.hits_obstacle(simd, (segments, is_as_expected), &|body| frames[body], memory)
         })
     }
 

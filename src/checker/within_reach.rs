@@ -3,11 +3,9 @@
 use super::capsules::up;
 use super::collision_checker::CollisionChecker;
 use super::nearby::NearbyScratch;
-use super::root_volume::RootCapsule;
-use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
-use crate::math::Extremes;
+use crate::constants::CONTACT_DISTANCE;
 use crate::query::Scratch;
-use crate::robot::{Chain, Frame, Reach, Territory};
+use crate::robot::{Chain, Frame};
 use crate::simd::dispatch;
 
 /// Which parts have to be asked about obstacles.
@@ -15,7 +13,9 @@ use crate::simd::dispatch;
 pub(super) struct WithinReach {
     /// Whether a part that no joint moves touches an obstacle.
     pub fixed_contact: bool,
-    /// Parts that joints move to where obstacles are, the farthest from the base first: it hits most.
+    /// Parts that joints move, the farthest from the base first: it hits most.
+    pub moving: Vec<usize>,
+    /// Those that come to where obstacles are in states as expected.
     pub parts: Vec<usize>,
 }
 
@@ -57,32 +57,16 @@ impl CollisionChecker {
 
     #[cold]
     fn find_within_reach(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> WithinReach {
-        let territories = self.chain.territories();
         let fixed_contact =
             self.parts_on(|body| body == Chain::ROOT).any(|part| self.touches_fixed(part, scratch, nearby));
-        let moving = self.parts_on(|body| body != Chain::ROOT).rev();
-        let parts = moving
-            .filter(|&part| {
-                let territory = self.territory_of(part, &territories);
-                self.anything_near(
-                    part,
-                    &territory,
-                    CONTACT_DISTANCE,
-                    (scratch.level(), nearby, &mut scratch.work),
-                )
-            })
-            .collect();
-        WithinReach { fixed_contact, parts }
-    }
-
-    /// All that a part with its padding can ever reach.
-    fn territory_of(&self, part: usize, territories: &[Territory]) -> RootCapsule {
-        let rider = &self.riders[part];
-        let Territory { centre, radius } = territories[rider.body];
-        let ends = [rider.capsule.a, rider.capsule.b].map(|end| end.coords.norm());
-        let radius =
-            (radius + ends[0].greater(ends[1]) + rider.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK;
-        RootCapsule::of_reach(&Reach { ends: [centre; 2], radius }, rider.padding)
+        let moving: Vec<usize> = self.parts_on(|body| body != Chain::ROOT).rev().collect();
+        let comes_near = |part: &usize| {
+            let Some(ball) = self.reachable.of_part(*part) else { return true };
+            let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
+            self.anything_near(*part, &ball, CONTACT_DISTANCE, memory)
+        };
+        let parts = moving.iter().copied().filter(comes_near).collect();
+        WithinReach { fixed_contact, moving, parts }
     }
 
     fn touches_fixed(&self, part: usize, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> bool {

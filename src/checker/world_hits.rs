@@ -14,12 +14,12 @@ use crate::simd::{LANES, Simd, f32x8};
 pub(super) type WorldScratch<'w> = (&'w mut Scratch, &'w mut NearbyScratch, &'w mut PartOrder);
 
 impl CollisionChecker {
-    /// Whether a part touches an obstacle in a state; `segments` as seen from `origin`.
+    /// Whether a part touches an obstacle in a state, which is as expected or not; `segments` as seen from `origin`.
     #[inline(always)]
     pub(super) fn hits_obstacle<S: Simd>(
         &self,
         simd: S,
-        segments: (&[PlacedSegment], [f32; 3]),
+        (segments, is_as_expected): ((&[PlacedSegment], [f32; 3]), bool),
         frame: &impl Fn(usize) -> Frame<f64>,
         (scratch, nearby, part_order): WorldScratch<'_>,
     ) -> bool {
@@ -31,7 +31,7 @@ impl CollisionChecker {
             return true;
         }
         part_order.suit(self.revision, within_reach);
-        let parts = &part_order.parts;
+        let parts = if is_as_expected { &part_order.parts } else { &within_reach.moving };
         for first in (0..parts.len()).step_by(LANES) {
             let eight = &parts[first..parts.len().min(first + LANES)];
             let capsules = self.eight_capsules(simd, eight, segments);
@@ -47,7 +47,7 @@ impl CollisionChecker {
             let all = u8::MAX >> (LANES - eight.len());
             self.find_near_eight(
                 simd,
-                (&capsules, all),
+                (&capsules, all, is_as_expected),
                 (up(CONTACT_DISTANCE), checks),
                 nearby,
                 &mut scratch.work,
@@ -57,7 +57,9 @@ impl CollisionChecker {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
                 if self.touches_near(eight[lane], lane, frame, (scratch, nearby)) {
-                    part_order.step_forward(first + lane);
+                    if is_as_expected {
+                        part_order.step_forward(first + lane);
+                    }
                     return true;
                 }
             }
@@ -65,12 +67,12 @@ impl CollisionChecker {
         false
     }
 
-    /// In which of eight states a part touches an obstacle, of those whose bits are set in `among`.
+    /// In which of eight states a part touches an obstacle, of those whose bits are set in `among`; all are as expected, or one is not.
     #[inline(always)]
     pub(super) fn states_that_hit<S: Simd>(
         &self,
         simd: S,
-        among: u8,
+        (among, are_as_expected): (u8, bool),
         capsules: impl Fn(usize) -> RootCapsule<f32x8<S>>,
         frame: &impl Fn(usize, usize) -> Frame<f64>,
         (scratch, nearby, part_order): WorldScratch<'_>,
@@ -84,16 +86,17 @@ impl CollisionChecker {
         }
         part_order.suit(self.revision, within_reach);
         let mut hit = 0;
-        for rank in 0..part_order.parts.len() {
+        let parts = if are_as_expected { part_order.parts.len() } else { within_reach.moving.len() };
+        for rank in 0..parts {
             let left = among & !hit;
             if left == 0 {
                 break;
             }
-            let part = part_order.parts[rank];
+            let part = if are_as_expected { part_order.parts[rank] } else { within_reach.moving[rank] };
             let checks = |place, asked| if self.pairs().checks(part, place) { asked } else { 0 };
             self.find_near_eight(
                 simd,
-                (&capsules(part), left),
+                (&capsules(part), left, are_as_expected),
                 (up(CONTACT_DISTANCE), checks),
                 nearby,
                 &mut scratch.work,
@@ -105,8 +108,8 @@ impl CollisionChecker {
                 let touches = self.touches_near(part, lane, &|body| frame(body, lane), (scratch, nearby));
                 found |= u8::from(touches) << lane;
             }
-            if found != 0 {
-                hit |= found;
+            hit |= found;
+            if found != 0 && are_as_expected {
                 part_order.step_forward(rank);
             }
         }

@@ -1,35 +1,61 @@
 //! Where bodies can ever be: known before any position is.
 
-use super::{Chain, Step};
-use crate::math::Vector;
+use std::ops::RangeInclusive;
+
+use super::{Chain, Source, Step};
+use crate::math::{Extremes, Vector};
 
 /// Rounding that is granted to sums of lengths.
 const GRANTED: f64 = 1e-9;
 
-/// A ball (root frame) that something never leaves, whatever the positions are.
+/// A ball (root frame) that something never leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Territory {
     pub centre: Vector,
-    /// Infinite where joints slide or float (m).
+    /// Infinite where a joint floats, or slides by a position that has no range (m).
     pub radius: f64,
 }
 
 impl Chain {
-    /// The territories of the origins of all bodies, by body. Joints turn as far as they like.
+    /// The territories of the origins of all bodies, by body, as long as positions by which joints slide are in their ranges (m).
+    /// Joints turn as far as they like.
     #[must_use]
-    pub fn territories(&self) -> Vec<Territory> {
+    pub fn territories(&self, range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>) -> Vec<Territory> {
         let mut all = vec![Territory { centre: Vector::zeros(), radius: 0.0 }];
         for body in &self.bodies {
             let Territory { centre, radius } = all[body.parent];
             let offset = Vector::from(body.origin);
-            all.push(match body.step {
-                Step::Turn(..) if body.parent == Self::ROOT => Territory { centre: offset, radius: 0.0 },
-                Step::Turn(..) => {
-                    Territory { centre, radius: (radius + offset.norm()) * (1.0 + GRANTED) + GRANTED }
+            let farther = match &body.step {
+                Step::Turn(..) if body.parent == Self::ROOT => {
+                    all.push(Territory { centre: offset, radius: 0.0 });
+                    continue;
                 }
-                Step::Shift(..) | Step::Float(..) => Territory { centre, radius: f64::INFINITY },
-            });
+                Step::Turn(..) => offset.norm(),
+                Step::Shift(axis, source) => {
+                    let slides =
+                        range_of(source.index).map_or(f64::INFINITY, |range| source.farthest(&range));
+                    offset.norm() + Vector::from(*axis).norm() * slides
+                }
+                Step::Float(..) => f64::INFINITY,
+            };
+            all.push(Territory { centre, radius: (radius + farther) * (1.0 + GRANTED) + GRANTED });
         }
         all
+    }
+
+    /// The positions by which joints slide.
+    pub fn sliding_positions(&self) -> impl Iterator<Item = usize> {
+        self.bodies.iter().filter_map(|body| match &body.step {
+            Step::Shift(_, source) => Some(source.index),
+            Step::Turn(..) | Step::Float(..) => None,
+        })
+    }
+}
+
+impl Source {
+    /// The largest number that comes of positions in a range, of either sign.
+    fn farthest(&self, range: &RangeInclusive<f64>) -> f64 {
+        let [lower, upper] = [range.start(), range.end()].map(|q| (self.multiplier * q + self.offset).abs());
+        lower.greater(upper)
     }
 }

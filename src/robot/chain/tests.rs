@@ -25,7 +25,10 @@ fn random_motion(random: &mut Random, count: &mut usize) -> Motion {
     let axis = random.direction();
     match random.below(12) {
         0 | 1 => Motion::Fixed,
-        2 => Motion::Prismatic(axis, free(take(1))),
+        2 => {
+            let (multiplier, offset) = (random.within(2.0), random.within(2.0));
+            Motion::Prismatic(axis, Source { index: take(1), multiplier, offset })
+        }
         3 => Motion::Floating(take(7)),
         4 => Motion::Planar(random.rotation().to_rotation_matrix().into_inner(), take(3)),
         5 if known > 0 => Motion::Revolute(
@@ -201,7 +204,7 @@ fn bodies_never_leave_their_territories() {
     for _ in 0..300 {
         let (joints, count, needed) = random_tree(&mut random, 6);
         let chain = Chain::compile(0, &joints, &needed);
-        let territories = chain.territories();
+        let territories = chain.territories(|_| Some(-4.0..=4.0));
         let mut farthest = vec![0.0_f64; chain.body_count()];
         for _ in 0..200 {
             let frames = frames(&chain, &random_positions(&mut random, &joints, count));
@@ -215,5 +218,17 @@ fn bodies_never_leave_their_territories() {
             tight += usize::from(*farthest > 0.9 * radius && *radius > 0.0);
         }
     }
-    assert!(bounded > 200 && tight > 150, "of {bounded} bodies that turn only {tight} come near the edge");
+    assert!(bounded > 200 && tight > 150, "of {bounded} bodies only {tight} come near the edge");
+    let slides = Chain::compile(
+        0,
+        &[ChainJoint {
+            parent: 0,
+            child: 1,
+            pose_pj: Pose::identity(),
+            motion: Motion::Prismatic(Vector::z_axis(), free(0)),
+        }],
+        &[true; 2],
+    );
+    assert!(slides.territories(|_| None)[1].radius.is_infinite());
+    assert_eq!(slides.sliding_positions().collect::<Vec<_>>(), [0]);
 }
