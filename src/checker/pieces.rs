@@ -4,7 +4,7 @@ use super::reachable::Reachable;
 use super::root_volume::{RootCapsule, RootVolume};
 use crate::bvh::{AxisBox, Child, DynamicTree, EightBoxes};
 use crate::query::Piece;
-use crate::simd::{LANES, Simd, f32x8};
+use crate::simd::{LANES, Level, Simd, dispatch, f32x8};
 
 /// Pieces by number, of which each has a place in one of the trees.
 #[derive(Clone, Debug, Default)]
@@ -161,7 +161,19 @@ impl Pieces {
         if is_as_expected {
             return within;
         }
-        within + self.beyond.find_overlapping_any(simd, (with, among), stack, found)
+        within + self.find_any_beyond(simd.level(), (with, among), stack, found)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find_any_beyond(
+        &self,
+        level: Level,
+        with: (&EightBoxes, u8),
+        stack: &mut Vec<(u32, u8)>,
+        found: &mut Vec<(u32, u8)>,
+    ) -> u64 {
+        dispatch!(level, simd => self.beyond.find_overlapping_any(simd, with, stack, found))
     }
 
     /// The nodes that all others are below.
