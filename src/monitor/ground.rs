@@ -44,7 +44,10 @@ impl GroundWatch {
     pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
         self.lost = grounds.lost(tree).map(|lost| match lost {
             Lost::In(frame) => of_root(frame),
-            Lost::Endless => "tf above the robot's root (a circle, or far too many frames)".to_owned(),
+            Lost::Endless => {
+                "tf above the robot's root or what obstacles stand in (a circle, or far too many frames)"
+                    .to_owned()
+            }
         });
         self.are_elsewhere = grounds.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));

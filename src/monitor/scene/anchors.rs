@@ -180,9 +180,10 @@ impl Grounds {
     }
 
     /// Why the root might be anywhere in what obstacles stand in: `tf` connected the two once, connects the root with others only, or does not
-    /// end above the root. A root of which `tf` knows nothing stands at zero.
+    /// end above one of the two. A root of which `tf` knows nothing stands at zero.
     pub(in crate::monitor) fn lost(&self, transforms: &TransformTree) -> Option<Lost<'_>> {
-        if !self.is_empty() && transforms.is_too_deep(&self.root) {
+        let is_endless = |watched: &Watched| transforms.is_too_deep(&watched.frame);
+        if !self.is_empty() && transforms.is_too_deep(&self.root) || self.frames.iter().any(is_endless) {
             return Some(Lost::Endless);
         }
         let is_lost = |watched: &&Watched| {
@@ -213,7 +214,7 @@ impl Grounds {
 pub(in crate::monitor) enum Lost<'g> {
     /// `tf` does not connect it with this frame.
     In(&'g str),
-    /// Above the root `tf` goes in a circle, or has more frames than are looked at.
+    /// Above the root, or what obstacles stand in, `tf` goes in a circle, or has more frames than are looked at.
     Endless,
 }
 

@@ -76,6 +76,9 @@ impl<'c> SceneContext<'c> {
             return Ok(*pose);
         }
         let found = told.or_else(|| {
+            if self.transforms.is_too_deep(frame) {
+                return None;
+            }
             let (ancestor, pose_ra) =
                 above.iter().find_map(|a| Some((a, self.standing_pose(a.name, scene)?)))?;
             Some(self.fresh(ancestor).map(|()| pose_ra * ancestor.pose_af))

@@ -56,6 +56,10 @@ impl TransformTree {
     #[expect(clippy::needless_pass_by_value, reason = "it is kept")]
     pub fn note(&mut self, frame: &str, transform: Transform) -> bool {
         let frame = frame.trim_start_matches('/');
+        if transform.parent.trim_start_matches('/') == frame {
+            // as in tf2: that tells nothing
+            return true;
+        }
         let known = self.by_frame.get(frame);
         if known.is_none() && self.by_frame.len() >= MOST_FRAMES {
             return false;

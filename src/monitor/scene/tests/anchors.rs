@@ -268,3 +268,24 @@ fn drive_on(cell: &mut Cell) -> bool {
     assert_eq!(cell.scene.follow_frames(&context), is_due);
     is_due
 }
+
+#[test]
+fn a_planning_frame_far_below_the_root_does_not_count_as_where_the_root_is() {
+    let mut cell = Cell::new();
+    cell.object(add("early", "map", at(5.0, 0.0, 0.0))).unwrap();
+    let name = |i| if i == 0 { "map".to_owned() } else { format!("f{i}") };
+    for i in 0..300 {
+        let parent = if i == 299 { "base".to_owned() } else { name(i + 1) };
+        cell.transforms.note(&name(i), transform(&parent, 1.0, None));
+    }
+    assert!(is_lost(&cell));
+    cell.refuses_object(add("late", "map", at(5.0, 0.0, 0.0)), "unknown frame 'map'");
+}
+
+#[test]
+fn a_frame_in_itself_tells_nothing() {
+    let mut cell = Cell::new();
+    cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
+    cell.transforms.note("/base", transform("base", 1.0, None));
+    assert!(!is_lost(&cell));
+}
