@@ -19,6 +19,9 @@ const STILL: f64 = 1e-4;
 pub(super) struct Anchor {
     frame: String,
     pose_fo: Pose,
+    /// Pose of the frame in the root's frame that it was last put by. What it is and where it is do not tell this again: far from the root
+    /// that rounds to more than what counts as motion.
+    pose_rf: Pose,
     certainty: Certainty,
 }
 
@@ -43,14 +46,22 @@ pub(super) enum Certainty {
 
 impl Anchor {
     fn new(Ground { frame, pose_rf, certainty }: Ground, pose_ro: &Pose) -> Self {
-        Self { frame, pose_fo: pose_rf.inverse() * pose_ro, certainty }
+        Self { frame, pose_fo: pose_rf.inverse() * pose_ro, pose_rf, certainty }
+    }
+
+    /// The same place for what was put at a pose of its own.
+    fn of(&self, pose_ro: &Pose) -> Self {
+        Self { pose_rf: pose_ro * self.pose_fo.inverse(), ..self.clone() }
     }
 
     /// Where it has to be now, if that is elsewhere than it is.
-    fn follow(&mut self, pose_ro: &Pose, context: &SceneContext) -> Option<Pose> {
+    fn follow(&mut self, context: &SceneContext) -> Option<Pose> {
         let now = context.pose_by_tf(&self.frame)?;
         self.certainty = Certainty::Told;
-        is_elsewhere(&(pose_ro * self.pose_fo.inverse()), &now).then(|| now * self.pose_fo)
+        is_elsewhere(&self.pose_rf, &now).then(|| {
+            self.pose_rf = now;
+            now * self.pose_fo
+        })
     }
 }
 
@@ -86,15 +97,17 @@ impl PlanningSceneState {
 
     /// Things of the same names that stood somewhere before stand there still, if `tf` connects that with the root.
     pub fn stand_as(&mut self, before: &Self, context: &SceneContext) {
-        let known = |anchors: &BTreeMap<String, Anchor>| {
-            let is_known = |(_, anchor): &(&String, &Anchor)| context.pose_by_tf(&anchor.frame).is_some();
-            let known = anchors.iter().filter(is_known).map(|(name, anchor)| (name.clone(), anchor.clone()));
-            known.collect::<Vec<_>>()
-        };
-        let anchors = known(&before.anchors).into_iter();
-        self.anchors.extend(anchors.filter(|(name, _)| self.world.obstacle_by_name(name).is_some()));
-        let frames = known(&before.frame_anchors).into_iter();
-        self.frame_anchors.extend(frames.filter(|(name, _)| self.fixed_frames.contains_key(name)));
+        let is_known = |(_, anchor): &(&String, &Anchor)| context.pose_by_tf(&anchor.frame).is_some();
+        for (name, anchor) in before.anchors.iter().filter(is_known) {
+            if let Some(obstacle) = self.world.obstacle_by_name(name) {
+                self.anchors.insert(name.clone(), anchor.of(&obstacle.pose_ro));
+            }
+        }
+        for (name, anchor) in before.frame_anchors.iter().filter(is_known) {
+            if let Some(pose_rf) = self.fixed_frames.get(name) {
+                self.frame_anchors.insert(name.clone(), anchor.of(pose_rf));
+            }
+        }
     }
 
     /// Puts everything where it belongs now that the root may be elsewhere; whether that changed anything. What stands in nothing yet stands
@@ -107,8 +120,7 @@ impl PlanningSceneState {
         }
         let mut has_changed = self.anchors.len() > before;
         for (name, anchor) in &mut self.anchors {
-            let obstacle = self.world.obstacle_by_name(name);
-            if let Some(pose_ro) = obstacle.and_then(|obstacle| anchor.follow(&obstacle.pose_ro, context)) {
+            if let Some(pose_ro) = anchor.follow(context) {
                 has_changed = true;
                 // it was there right now
                 let _ = self.world.move_to(name, pose_ro);
@@ -116,7 +128,7 @@ impl PlanningSceneState {
         }
         for (name, pose_rf) in &mut self.fixed_frames {
             let anchor = self.frame_anchors.get_mut(name);
-            if let Some(now) = anchor.and_then(|anchor| anchor.follow(pose_rf, context)) {
+            if let Some(now) = anchor.and_then(|anchor| anchor.follow(context)) {
                 has_changed = true;
                 *pose_rf = now;
             }
@@ -133,12 +145,12 @@ impl PlanningSceneState {
     #[must_use]
     pub fn grounds(&self, robot: &RobotModel) -> Grounds {
         let mut frames: Vec<Watched> = Vec::new();
-        for (name, Anchor { frame, pose_fo, certainty }) in &self.anchors {
+        let is_there = |(name, _): &(&String, &Anchor)| self.world.obstacle_by_name(name).is_some();
+        for (_, Anchor { frame, pose_rf, certainty, .. }) in self.anchors.iter().filter(is_there) {
             if let Some(known) = frames.iter_mut().find(|known| known.frame == *frame) {
                 known.certainty = known.certainty.max(*certainty);
-            } else if let Some(obstacle) = self.world.obstacle_by_name(name) {
-                let pose_rf = obstacle.pose_ro * pose_fo.inverse();
-                frames.push(Watched { frame: frame.clone(), pose_rf, certainty: *certainty });
+            } else {
+                frames.push(Watched { frame: frame.clone(), pose_rf: *pose_rf, certainty: *certainty });
             }
         }
         let root = robot.link(robot.root()).name.clone();

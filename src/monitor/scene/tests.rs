@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::*;
 use crate::checker::AllowedCollisionMatrix;
 use crate::geometry::{Primitive, Shape};
-use crate::math::Pose;
+use crate::math::{Pose, Vector};
 use crate::monitor::Time;
 use crate::robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
 use crate::world::{MatrixEntries, Obstacle, ObstacleShape};

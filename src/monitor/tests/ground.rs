@@ -29,6 +29,16 @@ impl Room {
         room
     }
 
+    /// The same, after half a second of joint states.
+    fn in_use() -> Self {
+        let mut room = Self::new();
+        for seconds in [0.0, 0.5] {
+            room.tell(0.0, seconds);
+            room.judged(seconds);
+        }
+        room
+    }
+
     /// `tf` says how far along x the root is.
     fn tell(&mut self, x: f64, seconds: f64) {
         let stamp = Some(time(START + seconds));
@@ -102,11 +112,7 @@ fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
 
 #[test]
 fn without_obstacles_nobody_has_to_know_where_the_root_is() {
-    let mut room = Room::new();
-    for seconds in [0.0, 0.5] {
-        room.tell(0.0, seconds);
-        room.judged(seconds);
-    }
+    let mut room = Room::in_use();
     assert_eq!(code(&room.judged(9.0)), "stale_world");
     room.change(ObjectChange::named("pillar", Operation::Remove));
     assert!(!room.monitor.heeds_transforms());
@@ -141,11 +147,7 @@ fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
 
 #[test]
 fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
-    let mut room = Room::new();
-    for seconds in [0.0, 0.5] {
-        room.tell(0.0, seconds);
-        room.judged(seconds);
-    }
+    let mut room = Room::in_use();
     room.monitor.set_settings(MonitorSettings {
         heartbeat_rate: 0.1,
         stale_after: 9.0,

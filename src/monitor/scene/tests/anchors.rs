@@ -247,6 +247,24 @@ fn a_chain_of_frames_is_followed_so_far_and_no_farther() {
     }
 }
 
+/// Far from the root a pose rounds to more than what counts as motion.
+#[test]
+fn what_stands_far_away_is_put_once() {
+    let mut cell = Cell::new();
+    let up = Pose::new(Vector::new(1e8, -7e7, 3e7), Vector::new(0.3, 0.7, 0.2));
+    for i in 0..100 {
+        let link = Transform { parent: format!("f{}", i + 1), pose_pf: up, stamp: None };
+        cell.transforms.note(&format!("f{i}"), link);
+    }
+    cell.transforms.note("base", transform("f0", 1.0, None));
+    cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
+    assert!(!drive_on(&mut cell), "it stands where it was put");
+    cell.transforms.note("base", transform("f0", 2.0, None));
+    assert!(drive_on(&mut cell));
+    assert!(!drive_on(&mut cell));
+    assert!((cell.places("box")[0][0] - 4.0).abs() < 0.1, "as exactly as the way tells");
+}
+
 #[test]
 fn a_circle_of_frames_above_the_root_tells_nothing() {
     let mut cell = Cell::new();
