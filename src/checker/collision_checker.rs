@@ -7,6 +7,7 @@ use super::bodies::{
     Rider, capsule_pairs, chain, joints_between, joints_to_root, pair_infos, riders, travel_rates,
 };
 use super::capsules::{CapsulePairs, PlacedSegment, up};
+use super::fixed_nearest::FixedNearest;
 use super::likely::LikelyPairs;
 use super::motion::{MotionScratch, Ways, ways_of};
 use super::nearby::NearbyScratch;
@@ -58,6 +59,8 @@ pub struct CollisionChecker {
     pub(super) obstacles: Obstacles,
     /// Which parts have to be asked about obstacles, once somebody asked.
     pub(super) within_reach: OnceLock<WithinReach>,
+    /// How near obstacles are to parts that no joint moves, once somebody asked.
+    pub(super) fixed_nearest: OnceLock<FixedNearest>,
     /// Of the model and the world, once somebody asked.
     pub(super) fingerprints: OnceLock<[String; 2]>,
     /// No two robots built in one process have the same.
@@ -130,6 +133,7 @@ impl CollisionChecker {
         }
         self.world = world.clone();
         self.within_reach = OnceLock::new();
+        self.fixed_nearest = OnceLock::new();
         self.fingerprints = OnceLock::new();
         self.revision = next_identity();
         Ok(())
@@ -175,6 +179,7 @@ impl CollisionChecker {
             reachable,
             obstacles,
             within_reach: OnceLock::new(),
+            fixed_nearest: OnceLock::new(),
             fingerprints: OnceLock::new(),
             identity: next_identity(),
             revision: next_identity(),

@@ -2,6 +2,7 @@
 //! may still be the nearest of all in the end is measured.
 
 use super::asked::Asked;
+use super::fixed_nearest::FixedNearest;
 use super::nearby::Near;
 use super::nearest_first::{NearestFirst, QueuedNear};
 use super::pair::Pair;
@@ -10,15 +11,18 @@ use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
 use crate::query::{ElementPair, Piece, Postponed, Scratch, Separation};
+use crate::robot::Chain;
 use crate::simd::LANES;
 
 /// What is known of the least distance so far.
-struct Least {
+pub(super) struct Least {
     /// It is not told if it is larger (m).
     limit: f64,
     /// It is certainly not larger (m).
     upper: f64,
-    /// The nearest pair that was measured, of equally near ones the first.
+    /// The nearest that was measured after others had been looked at.
+    measured: Option<Measured>,
+    /// The nearest pair that was asked at once or is told, of equally near ones the first.
     nearest: Option<(usize, PairDistance)>,
     /// No pair that was asked at once is nearer than this (m).
     lower: f64,
@@ -38,11 +42,11 @@ pub(super) struct InDoubt {
 }
 
 /// What was measured, and of which pair it is.
-#[derive(Clone, Copy)]
-struct Measured {
-    /// The padded distance (m), and whether it is within the limit as other ways to ask see it.
-    padded: f64,
-    within: bool,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measured {
+    /// The padded distance (m).
+    pub padded: f64,
+    padding: f64,
     raw: Separation,
     numbers: Option<ElementPair>,
     index: usize,
@@ -61,26 +65,25 @@ impl Measured {
         }
         (self.padded, self.index) < (other.padded, other.index)
     }
+
+    /// Whether it is within a limit (m) as other ways to ask see it.
+    fn is_within(&self, limit: f64) -> bool {
+        self.raw.distance <= (limit + self.padding).next_up()
+    }
 }
 
 impl Asked<'_> {
     /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
     pub fn least_distance(&mut self, limit: f64) {
-        let limit = limit.greater(CONTACT_DISTANCE);
-        let mut least = Least { limit, upper: f64::INFINITY, nearest: None, lower: f64::INFINITY, looks: 0 };
-        self.workspace.asked.clear();
-        self.workspace.in_doubt.clear();
+        let mut least = Least::within(limit.greater(CONTACT_DISTANCE));
         let mut queue = std::mem::take(&mut self.workspace.nearest_first);
-        self.fill(&mut queue, limit);
-        while let Some(queued) = queue.pop() {
-            let bound = least.bound(self);
-            if queued.lower > bound || bound <= 0.0 {
-                break;
-            }
-            self.look(queued, &mut queue, &mut least);
-        }
+        self.fill(&mut queue, &mut least);
+        self.search(&mut queue, &mut least);
         self.workspace.nearest_first = queue;
-        self.measure(&mut least);
+        if let Some(best) = least.measured {
+            let found = self.told(&best);
+            (least.lower, least.nearest) = (found.lower, Some((best.index, found)));
+        }
         self.report.nearest = least.nearest.map(|(_, found)| PairDistance {
             // of others it is only known that they are not nearer than the tolerance allows
             lower: least.lower.lesser(self.certain(found.distance).greater(0.0)),
@@ -88,21 +91,54 @@ impl Asked<'_> {
         });
     }
 
-    /// All that there is to look at, up to `limit` (m).
-    fn fill(&mut self, queue: &mut NearestFirst, limit: f64) {
+    /// All that there is to look at.
+    fn fill(&mut self, queue: &mut NearestFirst, least: &mut Least) {
         queue.clear();
-        if !self.checker.self_candidates(self.q, limit, self.workspace) {
+        if !self.checker.self_candidates(self.q, least.limit, self.workspace) {
             return;
         }
         for pair in &self.workspace.queue {
             queue.push(QueuedNear { lower: pair.lower, near: Near::Pair(pair.index) });
         }
-        if self.checker.pairs().world_len() > 0 {
-            self.place_capsules();
+        if self.checker.pairs().world_len() == 0 {
+            return;
         }
-        for near in (0..self.checker.riders.len()).flat_map(|part| self.checker.whole_world(part)) {
-            queue.push(QueuedNear { lower: 0.0, near });
+        self.place_capsules();
+        let knows_fixed = self.start_from_fixed(least);
+        for part in self.checker.parts_on(|body| !knows_fixed || body != Chain::ROOT) {
+            queue.push_world(self.checker, part);
         }
+    }
+
+    /// Begins with what is known of the parts that no joint moves; whether they need not be looked at.
+    fn start_from_fixed(&mut self, least: &mut Least) -> bool {
+        let nearest = match self.fixed_nearest() {
+            Some(FixedNearest::Apart(nearest)) => nearest,
+            known => return matches!(known, Some(FixedNearest::Nothing)),
+        };
+        if nearest.is_within(least.limit) {
+            if self.postpones() {
+                (least.measured, least.upper) = (Some(nearest), nearest.padded);
+            } else {
+                let found = self.told(&nearest);
+                (least.lower, least.nearest) = (found.lower, Some((nearest.index, found)));
+            }
+        }
+        true
+    }
+
+    /// Looks at what is queued, and measures what may be the nearest.
+    pub fn search(&mut self, queue: &mut NearestFirst, least: &mut Least) {
+        self.workspace.asked.clear();
+        self.workspace.in_doubt.clear();
+        while let Some(queued) = queue.pop() {
+            let bound = least.bound(self);
+            if queued.lower > bound || bound <= 0.0 {
+                break;
+            }
+            self.look(queued, queue, least);
+        }
+        self.measure(least);
     }
 
     /// Looks at what may be nearest.
@@ -200,28 +236,25 @@ impl Asked<'_> {
         let mut in_doubt = std::mem::take(&mut self.workspace.in_doubt);
         in_doubt.retain(|other| other.lower <= least.upper);
         in_doubt.sort_unstable_by(|p, q| p.lower.total_cmp(&q.lower).then(p.look.cmp(&q.look)));
-        let mut best: Option<Measured> = None;
+        let mut best = least.measured;
         for what in in_doubt.drain(..) {
             if best.is_some_and(|best| what.lower > best.padded) {
                 break;
             }
-            let measured = self.measured(&what, least.limit);
+            let measured = self.measured(&what);
             if best.is_none_or(|best| measured.is_before(&best)) {
                 best = Some(measured);
             }
         }
         self.workspace.in_doubt = in_doubt;
-        if let Some(best) = best.filter(|best| best.within) {
-            let found = self.told(&best);
-            (least.lower, least.nearest) = (found.lower, Some((best.index, found)));
-        }
+        least.measured = best.filter(|best| best.is_within(least.limit));
     }
 
-    fn measured(&mut self, InDoubt { look, index, what, .. }: &InDoubt, limit: f64) -> Measured {
+    fn measured(&mut self, InDoubt { look, index, what, .. }: &InDoubt) -> Measured {
         let pair = self.checker.pair(*index, &self.workspace.frames);
         let (raw, numbers) = pair.measured(what, &mut self.workspace.scratch);
-        let within = raw.distance <= (limit + pair.info.padding).next_up();
-        Measured { padded: pair.padded(&raw).distance, within, raw, numbers, index: *index, look: *look }
+        let (padded, padding) = (pair.padded(&raw).distance, pair.info.padding);
+        Measured { padded, padding, raw, numbers, index: *index, look: *look }
     }
 
     fn told(&mut self, best: &Measured) -> PairDistance {
@@ -249,6 +282,17 @@ impl Asked<'_> {
 }
 
 impl Least {
+    /// Nothing is known yet, and what is farther than `limit` (m) does not matter.
+    pub fn within(limit: f64) -> Self {
+        let none = f64::INFINITY;
+        Self { limit, upper: none, measured: None, nearest: None, lower: none, looks: 0 }
+    }
+
+    /// The nearest that was measured.
+    pub fn measured(&self) -> Option<Measured> {
+        self.measured
+    }
+
     /// Nothing that is farther (m) matters.
     fn bound(&self, asked: &Asked) -> f64 {
         let measured = self.nearest.map_or(self.limit, |(_, n)| asked.certain(n.distance));

@@ -20,6 +20,7 @@ mod capsules;
 mod collision_checker;
 mod contact;
 mod fingerprint;
+mod fixed_nearest;
 mod least_distance;
 mod likely;
 mod memory;

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::capsules::up;
+use super::collision_checker::CollisionChecker;
 use super::nearby::Near;
 use crate::bvh::Child;
 use crate::math::Extremes;
@@ -54,6 +55,13 @@ impl NearestFirst {
         // rounded down
         self.order.push(word(-up(-lower), self.all.len()));
         self.all.push(Queued::One(near));
+    }
+
+    /// All obstacles, for a part.
+    pub fn push_world(&mut self, checker: &CollisionChecker, part: usize) {
+        for near in checker.whole_world(part) {
+            self.push(QueuedNear { lower: 0.0, near });
+        }
     }
 
     /// What is in a node, not below these numbers (m); what is no number bounds nothing.

@@ -4,8 +4,6 @@
 //! SRDF's virtual joint, if `tf` connects that with the root, or else in the topmost frame of `tf` above the root. Whenever `tf` says that the
 //! root is elsewhere in that frame, the obstacle is put where it belongs. So are the frames that a scene told of.
 
-use std::collections::BTreeMap;
-
 use super::{PlanningSceneState, SceneContext, TransformTree, Way};
 use crate::math::Pose;
 use crate::monitor::Time;
