@@ -24,6 +24,24 @@ fn rclpy_across_ethernet() {
     run_tests("rclpy across Ethernet", &["-k", "test_states or whole"], &[("CLEARANCE_NETWORK", "ethernet")]);
 }
 
+/// Every row of `benches/node` once, whatever the machine takes for it.
+#[test]
+fn node_benchmarks_on_trial() {
+    let out = std::env::temp_dir().join(format!("clearance-node-benchmarks-{}.md", std::process::id()));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/node/run.sh");
+    let arguments = ["--trial", "--binary", env!("CARGO_BIN_EXE_clearance"), "--out"];
+    if is_skipped() {
+        return;
+    }
+    let output = Command::new(script).args(arguments).arg(&out).output().expect("benches/node/run.sh starts");
+    assert!(output.status.success(), "{}: {}", output.status, String::from_utf8_lossy(&output.stderr));
+    let report = std::fs::read_to_string(&out).expect("a report is written");
+    std::fs::remove_file(&out).expect("it is there");
+    let rows = report.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| measure"));
+    assert_eq!(rows.count(), 9, "{report}");
+    assert!(!report.contains("not measured"), "{report}");
+}
+
 fn run(part: &str) {
     run_tests(&format!("rclpy, part {part}"), &["--part", part], &[]);
 }
@@ -31,8 +49,7 @@ fn run(part: &str) {
 fn run_tests(title: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     /// What `run.sh` says where a machine has no such network.
     const NO_SUCH_NETWORK: i32 = 77;
-    if std::env::var(SKIP).is_ok_and(|value| value == "1") {
-        announce(&format!("\n*** SKIPPED: the tests with rclpy did not run, because {SKIP}=1 ***\n"));
+    if is_skipped() {
         return;
     }
     let output = Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rclpy/run.sh"))
@@ -58,6 +75,14 @@ fn run_tests(title: &str, arguments: &[&str], environment: &[(&str, &str)]) {
         output.status,
     );
     announce(&format!("{title}: {passed} tests passed"));
+}
+
+fn is_skipped() -> bool {
+    let skipped = std::env::var(SKIP).is_ok_and(|value| value == "1");
+    if skipped {
+        announce(&format!("\n*** SKIPPED: the tests with rclpy did not run, because {SKIP}=1 ***\n"));
+    }
+    skipped
 }
 
 /// Past the capture of the test harness, which shows only what failed tests print.

@@ -23,4 +23,5 @@ def measure(restart, times, domain_ids):
         f"{len(seconds)} times{longest}",
         len(seconds) == times,
         fault,
+        works=len(seconds) == times,
     )

@@ -1,4 +1,4 @@
-"""The robots that are measured: those of the shared folder beside the repository."""
+"""The robots that are measured: those of this repository, and of the shared folder beside it."""
 
 import json
 from dataclasses import dataclass
@@ -23,13 +23,19 @@ class Robot:
 
 
 def robot(name):
+    own = ROOT / "urdf" / name
+    if own.is_dir():
+        return _described(name, own / f"{name}.urdf", own / f"{name}.srdf", own)
     listing = SHARED / "robots.json"
     entries = json.loads(listing.read_text()) if listing.is_file() else []
     entry = next((entry for entry in entries if entry["name"] == name), None)
     if not entry:
         raise NotHere(f"no robot {name}: {listing} is not there, or does not list it")
-    urdf = SHARED / entry["urdf"]
-    arguments = ("--urdf", urdf, "--srdf", SHARED / entry["srdf"], "--package-path", SHARED / entry["package_root"])
+    return _described(name, SHARED / entry["urdf"], SHARED / entry["srdf"], SHARED / entry["package_root"])
+
+
+def _described(name, urdf, srdf, packages):
+    arguments = ("--urdf", urdf, "--srdf", srdf, "--package-path", packages)
     tree = ElementTree.parse(urdf).getroot()
     return Robot(name, _root_link(tree), arguments, _free_joints(tree))
 

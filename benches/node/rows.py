@@ -10,6 +10,7 @@ class Row:
     found: str
     reached: bool | None  # None: not measured
     note: str = ""
+    works: bool = True  # whether what is measured was there, however fast
 
     @property
     def word(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures the node: ./run.sh [--short | --long] [--binary PATH] [--rows NAMES] [--out FILE]; README.md says what.
+# Measures the node: ./run.sh [--trial | --short | --long] [--binary PATH] [--rows NAMES] [--out FILE]; README.md says what.
 # Without --out, a run with --long and neither --rows nor --robot writes docs/node_benchmarks.md, any other target/node_benchmarks.md.
 # Without --binary, the release build of this repository is measured. Exit code 1: a row is missed.
 # Everything runs in a private network namespace, with the real rclpy of tests/rclpy (CLEARANCE_ROS: kilted or jazzy).
