@@ -55,7 +55,7 @@ impl Default for MonitorSettings {
             distance_limit: 1.0,
             distance_absolute_tolerance: 0.0,
             distance_relative_tolerance: 0.0,
-            exact_distance_share: 0.2,
+            exact_distance_share: 0.1,
             speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,
