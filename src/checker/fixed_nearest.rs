@@ -77,6 +77,9 @@ mod tests {
         deadline: None,
     };
 
+    /// Where a search for a distance begins changes its last bits.
+    const ROUNDING: f64 = 1e-12;
+
     fn scattered(random: &mut Random, name: &str) -> Obstacle {
         let shape = match random.below(3) {
             0 => Shape::Primitive(Primitive::Sphere { radius: 0.1 }),
@@ -90,13 +93,60 @@ mod tests {
         Obstacle::of_shape(name, random.pose(1.2), shape)
     }
 
+    /// How often which answer came.
+    #[derive(Debug, Default)]
+    struct Counts {
+        of_fixed: u32,
+        of_moving: u32,
+        none: u32,
+        touching: u32,
+    }
+
+    /// Asks checkers of one world, of which the first was there before its last edit.
+    fn compare(
+        robot: &RobotModel,
+        [own, anew]: [&CollisionChecker; 2],
+        random: &mut Random,
+        counts: &mut Counts,
+    ) {
+        let fixed = ["base", "mast"].map(|name| Body::Link(robot.link_by_name(name).unwrap()));
+        let [mut workspace, mut other] = [own.workspace(), anew.workspace()];
+        let mut stream = anew.streaming_workspace();
+        for _ in 0..10 {
+            let q = robot.configuration(&[random.within(3.0)]).unwrap();
+            let limit = [f64::INFINITY, 0.2, 0.0][random.below(3)];
+            let question = Question::Distance { limit };
+            let told = own.check(&q, question, &mut workspace);
+            let all = anew.check(&q, Question::PairDistances { limit }, &mut other);
+            let streamed = anew.check(&q, question, &mut stream);
+            assert_eq!(told.is_free(), all.is_free());
+            let distances = [&told, &all, &streamed].map(|report| report.nearest.map(|n| n.distance));
+            assert_eq!(distances, [distances[0]; 3], "up to {limit}");
+            let Some(nearest) = told.nearest else {
+                counts.none += 1;
+                continue;
+            };
+            for (checker, workspace) in [(own, &mut workspace), (anew, &mut stream)] {
+                let rough = checker.check_with(&q, question, &ROUGH, workspace).nearest.unwrap();
+                assert!(
+                    rough.lower <= nearest.distance + ROUNDING
+                        && nearest.distance <= rough.distance + ROUNDING
+                );
+            }
+            if nearest.distance == 0.0 {
+                counts.touching += 1;
+                continue;
+            }
+            assert_eq!([told.nearest, streamed.nearest], [all.nearest; 2]);
+            *(if fixed.contains(&nearest.a) { &mut counts.of_fixed } else { &mut counts.of_moving }) += 1;
+        }
+    }
+
     #[test]
     fn what_no_joint_moves_is_as_near_as_every_other_question_says() {
         let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
-        let fixed = ["base", "mast"].map(|name| Body::Link(robot.link_by_name(name).unwrap()));
-        let mut random = Random::new(23);
-        let [mut of_fixed, mut of_moving, mut none, mut touching] = [0; 4];
-        for round in 0..40 {
+        let (mut random, mut counts) = (Random::new(23), Counts::default());
+        for _ in 0..40 {
             let padding = [0.0, 1e-7, 0.03][random.below(3)];
             let settings = Settings { padding, ..Settings::default() };
             let mut world = World::default();
@@ -111,40 +161,10 @@ mod tests {
                 }
                 checker.set_world(&world).unwrap();
                 let anew = CollisionChecker::new(Arc::clone(&robot), &world, settings.clone()).unwrap();
-                let [mut own, mut other] = [checker.workspace(), anew.workspace()];
-                let mut stream = anew.streaming_workspace();
-                for _ in 0..10 {
-                    let q = robot.configuration(&[random.within(3.0)]).unwrap();
-                    let limit = [f64::INFINITY, 0.2, 0.0][random.below(3)];
-                    let told = checker.check(&q, Question::Distance { limit }, &mut own);
-                    let all = anew.check(&q, Question::PairDistances { limit }, &mut other);
-                    let streamed = anew.check(&q, Question::Distance { limit }, &mut stream);
-                    assert_eq!(told.is_free(), all.is_free(), "round {round}");
-                    let distances = [&told, &all, &streamed].map(|r| r.nearest.map(|n| n.distance));
-                    assert_eq!(distances, [distances[0]; 3], "round {round}, limit {limit}");
-                    if let Some(nearest) = told.nearest {
-                        let rough =
-                            [(&checker, &mut own), (&anew, &mut stream)].map(|(checker, workspace)| {
-                                checker.check_with(&q, Question::Distance { limit }, &ROUGH, workspace)
-                            });
-                        for rough in rough.map(|report| report.nearest.unwrap()) {
-                            assert!(rough.lower <= nearest.distance && nearest.distance <= rough.distance);
-                        }
-                    }
-                    match told.nearest {
-                        None => none += 1,
-                        Some(nearest) if nearest.distance == 0.0 => touching += 1,
-                        Some(nearest) => {
-                            assert_eq!([told.nearest, streamed.nearest], [all.nearest; 2], "round {round}");
-                            let count =
-                                if fixed.contains(&nearest.a) { &mut of_fixed } else { &mut of_moving };
-                            *count += 1;
-                        }
-                    }
-                }
+                compare(&robot, [&checker, &anew], &mut random, &mut counts);
             }
         }
-        let counts = [of_fixed, of_moving, none, touching];
-        assert!(counts.iter().all(|count| *count > 150), "{counts:?}");
+        let Counts { of_fixed, of_moving, none, touching } = counts;
+        assert!([of_fixed, of_moving, none, touching].iter().all(|count| *count > 150), "{counts:?}");
     }
 }
