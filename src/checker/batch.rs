@@ -107,7 +107,7 @@ impl CollisionChecker {
             for i in 0..eight.near.len() {
                 hit |= self.hits_of(i, eight.near[i] & all & !hit, &eight, scratch, likely);
             }
-            let origins = self.capsules.origin(&eight.frames);
+            let origins = self.capsules.origin(|body| eight.frames[body]);
             let capsules = |part: usize| self.capsule_in_eight(simd, part, (eight.segments[part], origins));
             let memory = (&mut *scratch, &mut *nearby, &mut *part_order);
             hit |= self.states_that_hit(

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference, spheres_near};
 use crate::constants::MOTION_SLACK;
 use crate::math::{Extremes, MatrixPose, Point};
-use crate::robot::{Columns, Frame, Reach};
+use crate::robot::{Columns, Frame, PlacedFrame, Reach};
 use crate::simd::prelude::*;
 use crate::simd::{self, LANES, Real, Simd, Vectors, f32x4, f32x8, f64x4};
 
@@ -177,7 +177,7 @@ impl CapsulePairs {
 
     /// As [`Self::place`] for one state, to the same bits, with a vector for each column of a frame.
     #[inline(always)]
-    pub fn place_one<S: Simd>(&self, simd: S, frames: &[Frame<f64>], segments: &mut [PlacedSegment]) {
+    pub fn place_one<S: Simd>(&self, simd: S, frames: &[PlacedFrame], segments: &mut [PlacedSegment]) {
         let mut placing = self.placing(simd, segments);
         for (body, frame) in frames.iter().enumerate() {
             placing.place(simd, body, &Columns::of(simd, frame));
@@ -193,8 +193,8 @@ impl CapsulePairs {
     /// What segments are relative to (m), in single precision.
     #[inline(always)]
     #[must_use]
-    pub fn origin<T: Real>(&self, frames: &[Frame<T>]) -> [T::Single; 3] {
-        single(frames[self.first_body].t)
+    pub fn origin<T: Real>(&self, frame: impl Fn(usize) -> Frame<T>) -> [T::Single; 3] {
+        single(frame(self.first_body).t)
     }
 
     /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.

@@ -23,7 +23,7 @@ use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::geometry::ScaleError;
 use crate::math::Extremes;
 use crate::query::Scratch;
-use crate::robot::{Between, Chain, Frame, RobotModel, TravelRates};
+use crate::robot::{Between, Chain, PlacedFrame, RobotModel, TravelRates};
 use crate::simd::LANES;
 use crate::world::World;
 
@@ -248,7 +248,7 @@ impl CollisionChecker {
         let groups = self.capsules.group_count();
         Workspace {
             checker: self.identity,
-            frames: vec![Frame::IDENTITY; self.chain.body_count()],
+            frames: vec![PlacedFrame::IDENTITY; self.chain.body_count()],
             segments: vec![PlacedSegment::default(); self.capsules.capsule_count()],
             near: vec![0; groups],
             bounds: vec![[0.0; LANES]; groups],

@@ -269,7 +269,7 @@ impl Asked<'_> {
         nearby.capsules.clear();
         nearby
             .capsules
-            .extend(riders.map(|(part, rider)| self.checker.capsule_of(part, &frames[rider.body])));
+            .extend(riders.map(|(part, rider)| self.checker.capsule_of(part, &frames[rider.body].frame())));
     }
 
     /// What to ask of a piece of the world.

@@ -121,7 +121,7 @@ impl CollisionChecker {
         self.place(q, workspace);
         let parts = self.riders.iter().enumerate();
         parts
-            .map(|(part, rider)| self.capsule_of(part, &workspace.frames[rider.body]).axis_box(0.0))
+            .map(|(part, rider)| self.capsule_of(part, &workspace.frames[rider.body].frame()).axis_box(0.0))
             .collect()
     }
 

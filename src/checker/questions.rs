@@ -10,7 +10,7 @@ use super::workspace::{QueuedPair, Workspace};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
 use crate::query::{Effort, Work};
-use crate::robot::{Configuration, Frame};
+use crate::robot::{Configuration, PlacedFrame};
 use crate::simd::{LANES, Simd, dispatch};
 
 /// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
@@ -50,11 +50,11 @@ impl CollisionChecker {
             likely.hit(hit);
             return true;
         }
-        let segments = (&**segments, self.capsules.origin(frames));
+        let segments = (&**segments, self.capsules.origin(|body| frames[body].frame()));
         let is_as_expected = self.reachable.expects(q.positions());
         let memory = (scratch, nearby, part_order);
         dispatch!(memory.0.level(), simd => {
-            self.hits_obstacle(simd, (segments, is_as_expected), &|body| frames[body], memory)
+            self.hits_obstacle(simd, (segments, is_as_expected), &|body| frames[body].frame(), memory)
         })
     }
 
@@ -119,7 +119,7 @@ impl CollisionChecker {
             if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
                 continue;
             }
-            let capsule = self.capsule_of(part, &frames[self.riders[part].body]);
+            let capsule = self.capsule_of(part, &frames[self.riders[part].body].frame());
             let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
             let begin = queue.len();
             match &mut stream {
@@ -199,7 +199,7 @@ impl CollisionChecker {
         &self,
         simd: S,
         positions: &[f64],
-        frames: &mut [Frame<f64>],
+        frames: &mut [PlacedFrame],
         segments: &mut [PlacedSegment],
     ) {
         let mut placing = self.capsules.placing(simd, segments);
@@ -240,8 +240,8 @@ impl CollisionChecker {
     }
 
     /// Pair number `index` of the pair list.
-    pub(super) fn pair(&self, index: usize, frames: &[Frame<f64>]) -> Pair<'_> {
-        self.pair_with(index, |body| frames[body])
+    pub(super) fn pair(&self, index: usize, frames: &[PlacedFrame]) -> Pair<'_> {
+        self.pair_with(index, |body| frames[body].frame())
     }
 }
 

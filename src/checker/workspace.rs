@@ -9,7 +9,7 @@ use super::nearest_first::NearestFirst;
 use super::stream::Stream;
 use super::within_reach::PartOrder;
 use crate::query::Scratch;
-use crate::robot::Frame;
+use crate::robot::PlacedFrame;
 use crate::simd::LANES;
 
 /// Scratch memory of one thread's queries. Its contents save the next query work, and change no exact answer; given to another
@@ -19,7 +19,7 @@ pub struct Workspace {
     /// The checker that it suits.
     pub(super) checker: u64,
     /// Of the chain's bodies in the root frame.
-    pub(super) frames: Vec<Frame<f64>>,
+    pub(super) frames: Vec<PlacedFrame>,
     /// Of the capsules around bodies.
     pub(super) segments: Vec<PlacedSegment>,
     /// For each group of eight pairs, a bit for each that may be near.

@@ -30,8 +30,8 @@ use crate::simd::{Real, sin_cos};
 
 pub use approach::Approach;
 pub use between::{Between, Deviation, Deviations, Reach, SideMotion};
-pub use one_state::Columns;
 use one_state::EightSources;
+pub use one_state::{Columns, PlacedFrame};
 pub use territory::Territory;
 pub use travel::TravelRates;
 

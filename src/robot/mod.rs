@@ -24,11 +24,11 @@ mod urdf_door;
 mod warning;
 mod xml;
 
-pub(crate) use chain::Columns;
 pub use chain::{
     Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
     Source as PositionSource, Territory, TravelRates,
 };
+pub(crate) use chain::{Columns, PlacedFrame};
 pub use configuration::{Configuration, ConfigurationError};
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};

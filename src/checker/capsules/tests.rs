@@ -83,7 +83,8 @@ fn ask_eight<S: Simd>(
 fn ask_one<S: Simd>(simd: S, pairs: &CapsulePairs, frames: &[Frame<f64>], margin: f64) -> Answers {
     let mut segments = vec![PlacedSegment::default(); pairs.capsule_count()];
     let (mut masks, mut bounds) = (vec![0; pairs.group_count()], vec![[0.0; 8]; pairs.group_count()]);
-    pairs.place_one(simd, frames, &mut segments);
+    let placed: Vec<_> = frames.iter().map(PlacedFrame::from).collect();
+    pairs.place_one(simd, &placed, &mut segments);
     pairs.near_one(simd, &segments, |_| [up(margin); 8], &mut masks);
     pairs.lower_bounds_one(simd, &segments, &mut bounds);
     let count = pairs.pair_count();

@@ -229,7 +229,7 @@ impl CollisionChecker {
         found.extend(near_pairs(near).map(|pair| NearPair { pair, intervals: 1 }));
         let frames = std::mem::take(&mut workspace.frames);
         let motion = |part: usize| motion(self.infos.len() + part);
-        self.screen_obstacles(segment, |body, _| frames[body], motion, workspace, found);
+        self.screen_obstacles(segment, |body, _| frames[body].frame(), motion, workspace, found);
         workspace.frames = frames;
     }
 
@@ -254,11 +254,11 @@ impl CollisionChecker {
         });
         let whole = of_whole_interval(segment, [from, to]);
         let motion = |part: usize| {
-            let reach = self.reach_of(part, &frames[self.riders[part].body]);
+            let reach = self.reach_of(part, &frames[self.riders[part].body].frame());
             let moved = self.chain.side_motion(self.to_root[part].side(0), &reach, &frames, &whole);
             up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };
-        self.screen_obstacles(segment, |body, _| frames[body], motion, workspace, found);
+        self.screen_obstacles(segment, |body, _| frames[body].frame(), motion, workspace, found);
         workspace.frames = frames;
     }
 }

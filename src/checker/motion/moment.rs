@@ -10,7 +10,7 @@ use crate::constants::MOTION_SLACK;
 use crate::math::{Extremes, MatrixPose, UnitVector, Vector};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::query::Scratch;
-use crate::robot::{Approach, Deviation, Deviations, Frame, Reach, SideMotion};
+use crate::robot::{Approach, Deviation, Deviations, PlacedFrame, Reach, SideMotion};
 use crate::simd::dispatch;
 
 /// The positions of a segment around a moment.
@@ -61,7 +61,7 @@ impl CollisionChecker {
         index: usize,
         segment: &MotionSegment,
         t: f64,
-        frames: &mut [Frame<f64>],
+        frames: &mut [PlacedFrame],
         positions: &mut [f64],
         scratch: &Scratch,
     ) -> PlacedPair<'c> {
@@ -96,7 +96,7 @@ impl CollisionChecker {
         index: usize,
         segment: &MotionSegment,
         (middle, half_width): (f64, f64),
-        frames: &mut [Frame<f64>],
+        frames: &mut [PlacedFrame],
         positions: &mut [f64],
         scratch: &Scratch,
     ) -> Moment<'c> {

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::math::{UnitVector, Vector};
     use crate::robot::chain::tests::{frames, random_positions, random_tree};
-    use crate::robot::{Chain, ChainJoint, Deviation, Deviations, Frame, Motion};
+    use crate::robot::{Chain, ChainJoint, Deviation, Deviations, Frame, Motion, PlacedFrame};
     use crate::testing::Random;
 
     /// Positions that change as cubic polynomials of t around a middle at 0, and may be off by a little.
@@ -173,13 +173,13 @@ mod tests {
 
     fn approach(chain: &Chain, bodies: [usize; 2], capsules: &[Reach; 2], wave: &Wave) -> Approach {
         let between = chain.between(bodies[0], bodies[1]);
-        let mut seen = vec![Frame::IDENTITY; chain.body_count()];
+        let mut seen = vec![PlacedFrame::IDENTITY; chain.body_count()];
         let level = crate::simd::Level::new();
         crate::simd::dispatch!(level, simd => {
             chain.frames_between(simd, &between, &wave.middle, &mut seen);
         });
         let reaches = [0, 1].map(|i| Reach {
-            ends: capsules[i].ends.map(|p| Vector::from(seen[bodies[i]].point(<[f64; 3]>::from(p)))),
+            ends: capsules[i].ends.map(|p| Vector::from(seen[bodies[i]].frame().point(<[f64; 3]>::from(p)))),
             radius: capsules[i].radius,
         });
         let sides = [0, 1].map(|i| chain.side_motion(between.side(i), &reaches[i], &seen, wave));

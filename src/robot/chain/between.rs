@@ -3,7 +3,7 @@
 //! All is seen from the bodies' lowest common ancestor; joints nearer to the root move both alike. The bounds are derived in
 //! `docs/derivations/motion-bound.md`, whose symbols are used here.
 
-use super::{Body, Chain, Frame, Step};
+use super::{Body, Chain, Columns, Frame, PlacedFrame, Step};
 use crate::math::{Extremes, UnitVector, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{Simd, f64x8, sin_cos};
@@ -97,11 +97,12 @@ impl Chain {
         simd: S,
         between: &Between,
         positions: &[f64],
-        frames: &mut [Frame<f64>],
+        frames: &mut [PlacedFrame],
     ) {
         let q = |i: usize| positions[i];
-        frames[between.ancestor] = Frame::IDENTITY;
+        frames[between.ancestor] = PlacedFrame::IDENTITY;
         for side in &between.sides {
+            let mut last = Columns::of(simd, &PlacedFrame::IDENTITY);
             for eight in side.rchunks(8) {
                 let mut angles = [0.0; 8];
                 for (angle, body) in angles.iter_mut().zip(eight) {
@@ -109,8 +110,8 @@ impl Chain {
                 }
                 let (sin, cos) = sin_cos(f64x8::simd_from(simd, angles));
                 for (lane, &i) in eight.iter().enumerate().rev() {
-                    let body = &self.bodies[i - 1];
-                    frames[i] = body.frame((), q, &frames[body.parent], |_| (sin[lane], cos[lane]));
+                    last = self.bodies[i - 1].columns(simd, positions, &last, (sin[lane], cos[lane]));
+                    frames[i] = last.placed();
                 }
             }
         }
@@ -122,12 +123,12 @@ impl Chain {
         &self,
         side: &[usize],
         reach: &Reach,
-        frames: &[Frame<f64>],
+        frames: &[PlacedFrame],
         deviations: &impl Deviations,
     ) -> SideMotion {
         let mut motion = SideMotion::default();
         for &i in side {
-            self.bodies[i - 1].add_motion(&mut motion, reach, &frames[i], frames, deviations);
+            self.bodies[i - 1].add_motion(&mut motion, reach, &frames[i].frame(), frames, deviations);
         }
         motion
     }
@@ -210,7 +211,7 @@ impl Body {
         motion: &mut SideMotion,
         reach: &Reach,
         frame: &Frame<f64>,
-        frames: &[Frame<f64>],
+        frames: &[PlacedFrame],
         deviations: &impl Deviations,
     ) {
         motion.extent = motion.extent.greater(Vector::from(frame.t).abs().sum());
@@ -221,10 +222,13 @@ impl Body {
             }
             Step::Shift(axis, source) => {
                 let deviation = deviations.of(source.index).times(source.multiplier);
-                motion.shift(Vector::from(frames[self.parent].turn(*axis)) * deviation.velocity, &deviation);
+                motion.shift(
+                    Vector::from(frames[self.parent].frame().turn(*axis)) * deviation.velocity,
+                    &deviation,
+                );
             }
             Step::Float(columns, first) => {
-                let joint = frames[self.parent].then(&Frame { r: *columns, t: self.origin });
+                let joint = frames[self.parent].frame().then(&Frame { r: *columns, t: self.origin });
                 let out = |v: [f64; 3]| Vector::from(joint.turn(v));
                 if let Some((axis, angle)) = deviations.turn(*first) {
                     let most = angle.abs() * deviations.half_width();

@@ -2,6 +2,7 @@
 //! in the same order, hence the same bits.
 
 use super::{Body, Chain, Frame, Step, Turn};
+use crate::math::MatrixPose;
 use crate::simd::prelude::*;
 use crate::simd::{Simd, f32x8, f64x4, f64x8, sin_cos};
 
@@ -12,6 +13,11 @@ pub struct Columns<S: Simd> {
     t: f64x4<S>,
 }
 
+/// The same in memory: written and read whole, for what is taken apart between two joints costs more than the joint.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub struct PlacedFrame([[f64; 4]; 4]);
+
 /// Where the angles of eight bodies come from; of those that do not turn any number.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(align(32))]
@@ -19,19 +25,31 @@ pub(super) struct EightSources {
     indices: [usize; 8],
     multipliers: [f64; 8],
     offsets: [f64; 8],
+    /// How many turn.
+    turning: usize,
 }
 
 impl EightSources {
     /// Of up to eight bodies.
     pub fn of(bodies: &[Body]) -> Self {
-        let mut sources = Self { indices: [0; 8], multipliers: [0.0; 8], offsets: [0.0; 8] };
+        let mut sources = Self { indices: [0; 8], multipliers: [0.0; 8], offsets: [0.0; 8], turning: 0 };
         for (lane, body) in bodies.iter().enumerate() {
             if let Step::Turn(_, source) = &body.step {
+                sources.turning += 1;
                 sources.indices[lane] = source.index;
                 (sources.multipliers[lane], sources.offsets[lane]) = (source.multiplier, source.offset);
             }
         }
         sources
+    }
+
+    /// The sines and cosines of the angles.
+    #[inline(always)]
+    fn sines<S: Simd>(&self, simd: S, positions: &[f64]) -> (f64x8<S>, f64x8<S>) {
+        if self.turning == 0 {
+            return (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+        }
+        sin_cos(self.angles(simd, positions))
     }
 
     #[inline(always)]
@@ -51,20 +69,20 @@ impl Chain {
         &self,
         simd: S,
         positions: &[f64],
-        frames: &mut [Frame<f64>],
+        frames: &mut [PlacedFrame],
         mut visit: impl FnMut(usize, &Columns<S>),
     ) {
-        frames[0] = Frame::IDENTITY;
+        frames[0] = PlacedFrame::IDENTITY;
         // most bodies hang on the one before: it is kept at hand, for memory just written is slow to read otherwise
-        let mut last = Columns::of(simd, &Frame::IDENTITY);
+        let mut last = Columns::of(simd, &PlacedFrame::IDENTITY);
         visit(0, &last);
         for ((eight, sources), first) in self.bodies.chunks(8).zip(&self.angles).zip((1..).step_by(8)) {
-            let (sin, cos) = sin_cos(sources.angles(simd, positions));
+            let (sin, cos) = sources.sines(simd, positions);
             for (lane, body) in eight.iter().enumerate() {
                 let at_hand = body.parent + 1 == first + lane;
                 let parent = if at_hand { last } else { Columns::of(simd, &frames[body.parent]) };
                 last = body.columns(simd, positions, &parent, (sin[lane], cos[lane]));
-                frames[first + lane] = last.frame();
+                frames[first + lane] = last.placed();
                 visit(first + lane, &last);
             }
         }
@@ -74,7 +92,7 @@ impl Chain {
 impl Body {
     /// The body's frame in the root, from the sine and the cosine of its angle.
     #[inline(always)]
-    fn columns<S: Simd>(
+    pub fn columns<S: Simd>(
         &self,
         simd: S,
         positions: &[f64],
@@ -102,21 +120,49 @@ impl Body {
                 let shifted = [shift * axis[0] + x, shift * axis[1] + y, shift * axis[2] + z];
                 Columns { r: parent.r, t: parent.point(shifted) }
             }
-            Step::Float(..) => Columns::of(simd, &self.frame((), q, &parent.frame(), |_| (sin, cos))),
+            Step::Float(..) => {
+                let frame = self.frame((), q, &parent.placed().frame(), |_| (sin, cos));
+                Columns::of(simd, &PlacedFrame::from(&frame))
+            }
         }
+    }
+}
+
+impl PlacedFrame {
+    pub const IDENTITY: Self =
+        Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]]);
+
+    #[inline(always)]
+    #[must_use]
+    pub fn frame(&self) -> Frame<f64> {
+        let [x, y, z, t] = self.0.map(|[x, y, z, _]| [x, y, z]);
+        Frame { r: [x, y, z], t }
+    }
+}
+
+impl From<&Frame<f64>> for PlacedFrame {
+    fn from(Frame { r: [x, y, z], t }: &Frame<f64>) -> Self {
+        Self([*x, *y, *z, *t].map(|[x, y, z]| [x, y, z, 0.0]))
+    }
+}
+
+impl From<&PlacedFrame> for MatrixPose {
+    fn from(placed: &PlacedFrame) -> Self {
+        Self::from(&placed.frame())
     }
 }
 
 impl<S: Simd> Columns<S> {
     #[inline(always)]
-    pub fn of(simd: S, Frame { r: [x, y, z], t }: &Frame<f64>) -> Self {
-        Self { r: [vector(simd, *x), vector(simd, *y), vector(simd, *z)], t: vector(simd, *t) }
+    pub fn of(simd: S, PlacedFrame([x, y, z, t]): &PlacedFrame) -> Self {
+        let vector = |v: &[f64; 4]| f64x4::from_slice(simd, v);
+        Self { r: [vector(x), vector(y), vector(z)], t: vector(t) }
     }
 
     #[inline(always)]
-    fn frame(&self) -> Frame<f64> {
+    pub fn placed(&self) -> PlacedFrame {
         let [x, y, z] = self.r;
-        Frame { r: [numbers(x), numbers(y), numbers(z)], t: numbers(self.t) }
+        PlacedFrame([x.into(), y.into(), z.into(), self.t.into()])
     }
 
     /// As [`Frame::turn`].
@@ -150,12 +196,6 @@ impl<S: Simd> Columns<S> {
 #[inline(always)]
 fn vector<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> f64x4<S> {
     f64x4::simd_from(simd, [x, y, z, 0.0])
-}
-
-#[inline(always)]
-fn numbers<S: Simd>(v: f64x4<S>) -> [f64; 3] {
-    let [x, y, z, _] = v.into();
-    [x, y, z]
 }
 
 /// Two axes, turned towards each other's place.

@@ -137,8 +137,9 @@ fn eight_states_equal_each_alone_to_the_bit() {
                 // debug text tells all bits, and 0 from -0
                 let text = format!("{:?}", frames(&chain, state));
                 assert_eq!(text, format!("{lane:?}"), "{level:?}");
-                let mut alone = vec![Frame::IDENTITY; chain.body_count()];
+                let mut alone = vec![PlacedFrame::IDENTITY; chain.body_count()];
                 dispatch!(level, simd => chain.frames_of_one(simd, state, &mut alone, |_, _| {}));
+                let alone: Vec<_> = alone.iter().map(PlacedFrame::frame).collect();
                 assert_eq!(text, format!("{alone:?}"), "{level:?}");
             }
         }
