@@ -55,12 +55,14 @@ impl MatrixPose {
     }
 
     /// `pose_ac` of `pose_ab` and `pose_bc`.
+    #[inline]
     #[must_use]
     pub fn compose(&self, next: &Self) -> Self {
         Self { rotation: self.rotation * next.rotation, translation: self.point(&next.translation) }
     }
 
     /// `pose_ab` of `pose_wa` and `pose_wb`.
+    #[inline]
     #[must_use]
     pub fn relative(&self, other: &Self) -> Self {
         let rotation = self.rotation.tr_mul(&other.rotation);
@@ -73,6 +75,7 @@ impl MatrixPose {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
+    #[inline]
     fn point(&self, coordinates: &Vector) -> Vector {
         self.rotation * coordinates + self.translation
     }
@@ -81,6 +84,7 @@ impl MatrixPose {
 impl std::ops::Mul<Point> for &MatrixPose {
     type Output = Point;
 
+    #[inline]
     fn mul(self, point: Point) -> Point {
         Point::from(self.point(&point.coords))
     }

@@ -18,6 +18,7 @@ impl BoundingSphere {
     pub(super) const UNBOUNDED: Self = Self { centre: Point::new(0.0, 0.0, 0.0), radius: f64::INFINITY };
 
     /// A number never larger than the distance (m) of what two spheres hold.
+    #[inline]
     #[must_use]
     pub fn lower_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
         let centre = pose_ab * other.centre;
