@@ -29,13 +29,29 @@ impl CollisionChecker {
             self.settle(workspace);
             return !hit;
         }
-        self.place_and_screen(q, workspace);
         !self.is_hit(q, workspace)
     }
 
-    /// Whether a pair touches, of bodies that are placed and screened; likely ones are asked first.
+    /// Whether a pair touches.
     fn is_hit(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
-        let Workspace { frames, segments, near, likely, scratch, nearby, part_order, .. } = workspace;
+        let level = workspace.scratch.level();
+        dispatch!(level, simd => {
+            self.place_and_screen(simd, q, workspace);
+            if workspace.near.iter().any(|group| *group != 0) && self.hits_itself(workspace) {
+                return true;
+            }
+            let Workspace { frames, segments, scratch, nearby, part_order, .. } = workspace;
+            let segments = (&**segments, self.capsules.origin(|body| frames[body].frame()));
+            let is_as_expected = self.reachable.expects(q.positions());
+            let memory = (scratch, nearby, part_order);
+            self.hits_obstacle(simd, (segments, is_as_expected), &|body| frames[body].frame(), memory)
+        })
+    }
+
+    /// Whether parts touch, of which the bodies are placed and the pairs screened; likely ones are asked first.
+    #[inline(never)]
+    fn hits_itself(&self, workspace: &mut Workspace) -> bool {
+        let Workspace { frames, near, likely, scratch, .. } = workspace;
         let left = |i: usize| near[i / LANES] & (1 << (i % LANES)) != 0;
         for rank in 0.. {
             let Some(i) = likely.get(rank) else { break };
@@ -48,14 +64,8 @@ impl CollisionChecker {
             near_pairs(near).find(|i| !likely.contains(*i) && self.pair(*i, frames).touches(scratch));
         if let Some(hit) = unlikely {
             likely.hit(hit);
-            return true;
         }
-        let segments = (&**segments, self.capsules.origin(|body| frames[body].frame()));
-        let is_as_expected = self.reachable.expects(q.positions());
-        let memory = (scratch, nearby, part_order);
-        dispatch!(memory.0.level(), simd => {
-            self.hits_obstacle(simd, (segments, is_as_expected), &|body| frames[body].frame(), memory)
-        })
+        unlikely.is_some()
     }
 
     /// Answers `question` about the state `q`.
@@ -213,20 +223,19 @@ impl CollisionChecker {
     }
 
     /// Places all bodies, and finds the pairs whose capsules do not prove them apart.
-    fn place_and_screen(&self, q: &Configuration, workspace: &mut Workspace) {
+    #[inline(always)]
+    fn place_and_screen<S: Simd>(&self, simd: S, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, segments, near, scratch, .. } = workspace;
         scratch.work.volume_tests += self.infos.len() as u64;
         let margin = [up(self.largest_padding + CONTACT_DISTANCE); LANES];
-        dispatch!(scratch.level(), simd => {
-            self.place_one(simd, q.positions(), frames, segments);
-            self.capsules.near_one(
-                simd,
-                segments,
-                #[inline(always)]
-                |_| margin,
-                near,
-            );
-        });
+        self.place_one(simd, q.positions(), frames, segments);
+        self.capsules.near_one(
+            simd,
+            segments,
+            #[inline(always)]
+            |_| margin,
+            near,
+        );
     }
 
     /// Bounds the distances of all pairs by their capsules.
