@@ -208,7 +208,7 @@ def test_a_map_does_not_grow_old_by_itself(start):
 
 def test_a_map_that_went_stale_makes_the_state_unknown(start):
     cell = start(parameters=NEARBY)
-    cell.driver.report(**STRETCHED)
+    cell.judged(**STRETCHED)
     scene = SceneClient(cell)
     assert scene.change(NEAR.message(), topic="octomap_binary").status == CollisionState.FREE
 
