@@ -1,7 +1,6 @@
 //! `~/enable`: checking is turned off and on again.
 
 use serde::{Deserialize, Serialize};
-use smol::channel::{self, Sender};
 
 use super::middleware::{Message, Middleware, MiddlewareError, Server};
 use super::monitor_loop::Event;
@@ -26,14 +25,14 @@ impl Message for SetBoolResponse {}
 /// Brings requests to the monitor.
 pub struct EnableService {
     server: Server<SetBoolRequest, SetBoolResponse>,
-    events: Sender<Event>,
+    events: flume::Sender<Event>,
 }
 
 impl EnableService {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        events: Sender<Event>,
+        events: flume::Sender<Event>,
     ) -> Result<Self, MiddlewareError> {
         let server = middleware.server(&names.resolve("~/enable")?, ("std_srvs", "SetBool"))?;
         Ok(Self { server, events })
@@ -43,9 +42,9 @@ impl EnableService {
     pub async fn serve(&self) {
         loop {
             let (id, SetBoolRequest { data }) = self.server.next().await;
-            let (heeded, heeded_in) = channel::bounded(1);
-            let sent = self.events.send(Event::Enabled(data, heeded)).await.is_ok();
-            let success = sent && heeded_in.recv().await.is_ok();
+            let (heeded, heeded_in) = flume::bounded(1);
+            let sent = self.events.send(Event::Enabled(data, heeded)).is_ok();
+            let success = sent && heeded_in.recv_async().await.is_ok();
             let message = match (success, data) {
                 (false, _) => "the monitor has ended",
                 (true, true) => "checking is enabled",

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use futures_lite::future;
 use smol::Timer;
-use smol::channel::{Receiver, Sender};
+use smol::channel::Receiver;
 
 use super::link_volumes::LinkVolumes;
 use super::monitor_loop::{CurrentJudgement, Event};
@@ -23,6 +23,12 @@ use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
+
+/// Waits until the monitor has said what it makes of all that it was told; whether there is one.
+fn heeded(events: &flume::Sender<Event>) -> bool {
+    let (said, is_said) = flume::bounded(1);
+    events.send(Event::Say(said)).is_ok() && is_said.recv().is_ok()
+}
 
 /// What may change what is checked.
 pub enum Order {
@@ -156,7 +162,7 @@ impl Loader {
     }
 
     /// Follows orders until there is no one left to give them.
-    pub fn follow(mut self, orders: &Receiver<Order>, events: &Sender<Event>, outlook: &Outlook) {
+    pub fn follow(mut self, orders: &Receiver<Order>, events: &flume::Sender<Event>, outlook: &Outlook) {
         self.watch_frames(outlook);
         while let Some(mut together) = self.await_orders(orders, outlook) {
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
@@ -166,12 +172,15 @@ impl Loader {
             let mut is_heard = true;
             self.carry_out(outlook.begin(together), |event| {
                 outlook.note_meshes();
-                is_heard &= events.send_blocking(event).is_ok();
+                is_heard &= events.send(event).is_ok();
             });
             if !is_heard {
                 return;
             }
             self.watch_frames(outlook);
+            if self.keeper.is_asked() && !heeded(events) {
+                return;
+            }
             self.keeper.answer();
             self.tell();
         }

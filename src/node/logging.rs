@@ -2,8 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use flume::{Receiver, Sender};
 use log::{Level, LevelFilter, Log, Metadata, Record};
-use smol::channel::{self, Receiver, Sender};
 
 use super::middleware;
 
@@ -49,7 +49,7 @@ pub fn start(level: LevelFilter) {
 /// From now on lines are also given here, for the network.
 #[must_use]
 pub fn listen() -> Receiver<Line> {
-    let (teller, lines) = channel::bounded(WAITING);
+    let (teller, lines) = flume::bounded(WAITING);
     *TELLER.lock().unwrap_or_else(PoisonError::into_inner) = Some(teller);
     lines
 }

@@ -64,6 +64,7 @@ mod thread_priority;
 mod threads;
 mod trajectory_action;
 mod view;
+mod waiting;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
 pub use environment::{Environment, EnvironmentError, Reach};

@@ -3,10 +3,9 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use flume::{Receiver, Sender};
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
-use smol::Timer;
-use smol::channel::{Receiver, Sender};
 
 use super::activity::Activity;
 use super::arrivals::Arrivals;
@@ -20,6 +19,7 @@ use super::publishers::Publishers;
 use super::recording::{Happening, Judged, Tape, Tidings};
 use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
+use super::waiting::wait_at_most;
 use crate::monitor::{Judgement, Monitor, MonitorSettings, Now, Reason, Revision, SourceId};
 
 /// What the other threads tell the monitor.
@@ -30,6 +30,8 @@ pub enum Event {
     ModelFault(String),
     /// Whether states are checked; who asked is told when it is so.
     Enabled(bool, Sender<()>),
+    /// Somebody waits for what came before to count: tell when it is said.
+    Say(Sender<()>),
     /// What sensors see, and what was refused of the last changes of the world.
     World(CloudReports, Vec<String>),
     Parameters(Box<Parameters>),
@@ -103,9 +105,9 @@ enum Wake {
 
 impl MonitorLoop {
     /// Runs until it is told to stop.
-    pub async fn run(mut self) {
+    pub fn run(mut self) {
         loop {
-            match self.wake().await {
+            match self.wake() {
                 Wake::Event(Event::Stop) => return,
                 Wake::Event(event) => self.heed(event),
                 Wake::JointState(message, origin) => self.judge(message, origin),
@@ -114,9 +116,9 @@ impl MonitorLoop {
         }
     }
 
-    async fn wake(&self) -> Wake {
+    fn wake(&self) -> Wake {
         let due = self.monitor.time_to_heartbeat(self.clock.read());
-        let event = async { Wake::Event(self.events.recv().await.unwrap_or(Event::Stop)) };
+        let event = async { Wake::Event(self.events.recv_async().await.unwrap_or(Event::Stop)) };
         let joint_state = async {
             loop {
                 let (message, origin) = self.joint_states.next().await;
@@ -126,16 +128,13 @@ impl MonitorLoop {
             }
         };
         let own_joint_state = async {
-            match (self.own_motion.joint_states.recv().await, self.own_motion.source) {
+            match (self.own_motion.joint_states.recv_async().await, self.own_motion.source) {
                 (Ok(message), Some(source)) => Wake::JointState(message, Origin::here(source)),
                 _ => future::pending().await,
             }
         };
-        let heartbeat = async {
-            Timer::after(due).await;
-            Wake::Heartbeat
-        };
-        future::or(event, future::or(future::or(own_joint_state, joint_state), heartbeat)).await
+        let news = future::or(event, future::or(own_joint_state, joint_state));
+        wait_at_most(due, news).unwrap_or(Wake::Heartbeat)
     }
 
     fn heed(&mut self, event: Event) {
@@ -149,6 +148,10 @@ impl MonitorLoop {
                 self.beat();
                 // who no longer waits need not be told
                 let _ = heeded.try_send(());
+            }
+            Event::Say(said) => {
+                self.beat();
+                let _ = said.try_send(());
             }
             Event::ModelFault(fault) => {
                 self.report.is_due = true;
@@ -186,7 +189,8 @@ impl MonitorLoop {
     /// Tells the recorder what is heeded, and when.
     fn note(&self, event: &Event) {
         let told = match event {
-            Event::Stop => return,
+            // what is said then is recorded as any answer
+            Event::Stop | Event::Say(_) => return,
             Event::Checker(_) => Tidings::Checker,
             Event::ModelSwap => Tidings::ModelSwap,
             Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),

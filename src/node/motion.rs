@@ -8,7 +8,6 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use serde::Deserialize;
 use smol::Timer;
-use smol::channel::Sender;
 
 use super::clock::RosClock;
 use super::loader::CurrentRobot;
@@ -124,14 +123,14 @@ fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
     positions
 }
 
-/// Publishes a motion for ever. The node's own monitor gets it by a shorter way too, the newest only: on a loopback
+/// Publishes a motion for ever. The node's own monitor gets it by a shorter way too, one at a time: on a loopback
 /// interface without multicast, as most machines have it, a process cannot hear itself.
 pub async fn play(
     motion: &Motion,
     robot: &CurrentRobot,
     clock: &RosClock,
     joint_states: &Publisher<JointState>,
-    monitor: &Sender<JointState>,
+    monitor: &flume::Sender<JointState>,
 ) {
     let mut ticks = Timer::interval(PERIOD);
     let start = clock.steady();
@@ -148,8 +147,8 @@ pub async fn play(
             velocity: Vec::new(),
             effort: Vec::new(),
         };
-        // a monitor that has ended needs nothing any more
-        let _ = monitor.force_send(message.clone());
+        // a monitor that has not taken the last one yet is left in peace
+        let _ = monitor.try_send(message.clone());
         joint_states.publish(message);
     }
 }

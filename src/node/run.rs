@@ -108,7 +108,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let names = Names::new(NODE_NAME, &options.arguments.remaps)?;
     let (parameters, priority) = (options.parameters, options.announcement.priority());
     let clock = Arc::new(RosClock::new(parameters.use_sim_time));
-    let (events, events_in) = channel::unbounded();
+    let (events, events_in) = flume::unbounded();
     let (orders, orders_in) = channel::unbounded();
     let (changes, changes_in) = channel::unbounded();
     let (watch, watch_in) = channel::unbounded();
@@ -142,7 +142,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
-    let (own_states, own_states_in) = channel::bounded(1);
+    let (own_states, own_states_in) = flume::bounded(1);
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -166,7 +166,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (scenes, validity_desk) =
         SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
     let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
-    let (states, state_desk) = StateServices::offer(&middleware, &names, Arc::clone(&current))?;
+    let (states, state_desk) =
+        StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
     let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current, Arc::clone(&clock))?;
     let small = (motions, states, EnableService::offer(&middleware, &names, end.events.clone())?);
     let own = (store, tape, Arc::clone(&clock), small);
@@ -213,7 +214,7 @@ fn run_first(monitor_loop: MonitorLoop, priority: ThreadPriority) {
     if let Err(why) = priority.apply() {
         log::error!("the monitor's thread runs at no higher priority than others: {why}");
     }
-    smol::block_on(monitor_loop.run());
+    monitor_loop.run();
 }
 
 /// A part that checks what is asked; a check that takes hours does not hold up the end.
@@ -278,7 +279,7 @@ struct Services {
     clock_topic: FullName,
     orders: Sender<Order>,
     changes: Receiver<()>,
-    lines: Receiver<Line>,
+    lines: flume::Receiver<Line>,
     /// The node's name as loggers have it.
     logger: String,
 }
@@ -330,14 +331,15 @@ impl Services {
         let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
         let tell = async {
-            while let Ok(line) = self.lines.recv().await {
+            while let Ok(line) = self.lines.recv_async().await {
                 self.middleware.tell(&self.logger, &line, self.clock.now().unwrap_or_default());
             }
         };
         let checks = future::zip(self.motions.serve(), self.states.serve());
         let serve = future::zip(self.parameters.serve(), checks);
         let serve = future::zip(future::zip(serve, self.enable.serve()), tell);
-        future::zip(future::zip(listen, serve), self.middleware.meet_peers()).await;
+        let meet = Box::pin(self.middleware.meet_peers());
+        future::zip(future::zip(listen, serve), meet).await;
     }
 }
 
@@ -364,7 +366,7 @@ fn on_change(
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         clock.use_sim_time(parameters.use_sim_time);
         // whoever no longer listens has ended
-        let _ = events.try_send(Event::Parameters(Box::new(parameters.clone())));
+        let _ = events.send(Event::Parameters(Box::new(parameters.clone())));
         if what_is_built(&last) != what_is_built(parameters) {
             let _ = orders.try_send(Order::Parameters);
         }

@@ -1,4 +1,9 @@
 //! Whether the threads between a joint state and its answer run before whatever else the machine does.
+//!
+//! `RustDDS` and its callers speak by queues in which one side waits for the other by yielding (those of `std::sync::mpsc`). A thread of
+//! realtime priority yields to none without it: it would wait for a sender that it has itself taken the processor from, until the system
+//! stops all realtime threads for a moment (`sched_rt_runtime_us`, 0.95 s). So whoever calls that library has the priority of its threads
+//! meanwhile ([`ThreadPriority::lend`]), and in queues between our own threads of both kinds nobody waits like that (`flume`).
 
 use std::thread;
 
@@ -39,33 +44,109 @@ impl ThreadPriority {
     }
 
     /// Gives this priority to the thread that calls it.
-    #[cfg(unix)]
     pub(super) fn apply(self) -> Result<(), String> {
-        use thread_priority::{
-            Error, RealtimeThreadSchedulePolicy, ScheduleParams, ThreadSchedulePolicy,
-            set_thread_priority_and_policy, thread_native_id,
-        };
-        if self == Self::Normal {
-            return Ok(());
-        }
-        let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-        let priority =
-            thread_priority::ThreadPriority::from_posix(ScheduleParams { sched_priority: PRIORITY });
-        set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| match error {
-            Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
-            other => format!("{other:?}"),
-        })
+        if self == Self::Realtime { system::prefer() } else { Ok(()) }
     }
 
-    #[cfg(not(unix))]
-    pub(super) fn apply(self) -> Result<(), String> {
-        match self {
-            Self::Normal => Ok(()),
-            Self::Realtime => Err("there is no SCHED_FIFO here".to_owned()),
+    /// The calling thread has this priority as long as what this gives lives. It costs some microseconds, and nothing where the thread
+    /// has it already.
+    pub(super) fn lend(self) -> Lent {
+        if self == Self::Normal || system::is_preferred() {
+            return Lent { is_borrowed: false };
+        }
+        let borrowed = self.apply().inspect_err(|why| log::warn!("there is no priority to lend: {why}"));
+        Lent { is_borrowed: borrowed.is_ok() }
+    }
+}
+
+/// A priority that its thread gives back, to be as any other.
+#[must_use = "it is given back at once"]
+pub(super) struct Lent {
+    is_borrowed: bool,
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        if self.is_borrowed
+            && let Err(why) = system::be_as_any_other()
+        {
+            log::error!("a thread keeps realtime priority: {why}");
         }
     }
 }
 
-/// Below the kernel's own threads for interrupts, which have 50; as Nav2 does.
 #[cfg(unix)]
-const PRIORITY: i32 = 49;
+mod system {
+    use thread_priority::{
+        Error, NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ScheduleParams, ThreadPriority,
+        ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id, thread_schedule_policy,
+    };
+
+    /// Below the kernel's own threads for interrupts, which have 50; as Nav2 does.
+    const PRIORITY: i32 = 49;
+
+    pub fn prefer() -> Result<(), String> {
+        let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+        let priority = ThreadPriority::from_posix(ScheduleParams { sched_priority: PRIORITY });
+        set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(in_words)
+    }
+
+    pub fn is_preferred() -> bool {
+        matches!(thread_schedule_policy(), Ok(ThreadSchedulePolicy::Realtime(_)))
+    }
+
+    pub fn be_as_any_other() -> Result<(), String> {
+        let other = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+        let not_nice = ThreadPriority::Os(thread_priority::ThreadPriorityOsValue::default());
+        let changed = set_thread_priority_and_policy(thread_native_id(), not_nice, other);
+        // it may have to stay nicer than others
+        if is_preferred() { changed.map_err(in_words) } else { Ok(()) }
+    }
+
+    fn in_words(error: Error) -> String {
+        match error {
+            Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
+            other => format!("{other:?}"),
+        }
+    }
+}
+
+#[cfg(not(unix))]
+mod system {
+    pub fn prefer() -> Result<(), String> {
+        Err("there is no SCHED_FIFO here".to_owned())
+    }
+
+    pub fn is_preferred() -> bool {
+        false
+    }
+
+    pub fn be_as_any_other() -> Result<(), String> {
+        Ok(())
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_priority_is_lent_and_given_back() {
+        let lent_and_back = || {
+            {
+                let _normal = ThreadPriority::Normal.lend();
+                assert!(!system::is_preferred());
+            }
+            let is_allowed = ThreadPriority::allowed(true).is_ok();
+            {
+                let _outer = ThreadPriority::Realtime.lend();
+                {
+                    let _inner = ThreadPriority::Realtime.lend();
+                }
+                assert_eq!(system::is_preferred(), is_allowed);
+            }
+            assert!(!system::is_preferred());
+        };
+        thread::spawn(lent_and_back).join().unwrap();
+    }
+}

@@ -23,7 +23,7 @@ impl Part {
 /// Tells every part to end.
 #[derive(Clone)]
 pub struct End {
-    pub events: Sender<Event>,
+    pub events: flume::Sender<Event>,
     pub orders: Sender<Order>,
     /// Parts that wait for other things wait for this channel to be closed too.
     pub stop: Sender<()>,
@@ -32,7 +32,7 @@ pub struct End {
 impl End {
     pub fn tell(&self) {
         // a closed channel belongs to a part that has ended already
-        let _ = self.events.try_send(Event::Stop);
+        let _ = self.events.send(Event::Stop);
         self.orders.close();
         self.stop.close();
     }

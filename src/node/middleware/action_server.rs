@@ -16,10 +16,12 @@ use rustdds::GUID;
 use serde::{Deserialize, Serialize};
 
 use super::answering::Answering;
+use super::bell;
 use super::complaints::Complaints;
 use super::peers::Peers;
 use super::{Message, RequestId, lock};
 use crate::node::names::FullName;
+use crate::node::thread_priority::ThreadPriority;
 
 pub use ros2_client::action::GoalId;
 pub use ros2_client::action_msgs::{CancelGoalResponseEnum as CancelCode, GoalInfo, GoalStatus};
@@ -41,6 +43,7 @@ where
     /// Results, which may be long.
     results: Answering,
     complaints: Complaints,
+    priority: ThreadPriority,
 }
 
 /// `action_msgs/srv/CancelGoal`, whose fields the library keeps to itself.
@@ -58,7 +61,7 @@ macro_rules! next_request {
                 // what has not come leaves its waker with the reader
                 pin!(inner.$server().async_receive_request()).poll(context)
             });
-            match taken.await {
+            match bell::wait($self.priority, taken).await {
                 Ok((id, request)) => break (RequestId(id), request),
                 Err(error) => {
                     $self
@@ -80,9 +83,17 @@ where
         inner: ros2_client::ActionServer<Goal, Outcome, Progress>,
         name: FullName,
         peers: Arc<Peers>,
+        priority: ThreadPriority,
     ) -> Self {
         let results = Answering::new(name.clone(), &format!("{name}/_action/get_result"), Arc::clone(&peers));
-        Self { inner: Mutex::new(inner), name, peers, results, complaints: Complaints::default() }
+        Self { inner: Mutex::new(inner), name, peers, results, complaints: Complaints::default(), priority }
+    }
+
+    /// Calls the library.
+    fn call<T>(&self, call: impl FnOnce(&mut ros2_client::ActionServer<Goal, Outcome, Progress>) -> T) -> T {
+        let mut inner = lock(&self.inner);
+        let _lent = self.priority.lend();
+        call(&mut inner)
     }
 
     pub async fn next_goal(&self) -> (RequestId, GoalId, Goal) {
@@ -112,7 +123,8 @@ where
 
     pub async fn answer_goal(&self, RequestId(id): RequestId, accepted: bool, stamp: Stamp) {
         self.await_reader(&id).await;
-        self.check(lock(&self.inner).send_goal_response(id, SendGoalResponse { accepted, stamp }));
+        let response = SendGoalResponse { accepted, stamp };
+        self.check(self.call(|inner| inner.send_goal_response(id, response)));
     }
 
     pub async fn answer_cancellation(
@@ -123,22 +135,23 @@ where
     ) {
         self.await_reader(&id).await;
         let response = CancelGoalResponse { return_code, goals_canceling };
-        self.check(lock(&self.inner).send_cancel_response(id, response));
+        self.check(self.call(|inner| inner.send_cancel_response(id, response)));
     }
 
     pub async fn answer_result(&self, RequestId(id): RequestId, status: Standing, result: Outcome) {
-        let write = |id, response| lock(&self.inner).send_result(id, response);
+        let write = |id, response| self.call(|inner| inner.send_result(id, response));
         self.results.send(id, GetResultResponse { status, result }, write).await;
     }
 
     pub fn tell_progress(&self, goal_id: GoalId, feedback: Progress) {
-        let sent = lock(&self.inner).feedback_publisher().publish(FeedbackMessage { goal_id, feedback });
+        let message = FeedbackMessage { goal_id, feedback };
+        let sent = self.call(|inner| inner.feedback_publisher().publish(message));
         self.check(sent);
     }
 
     /// Tells how all known goals stand.
     pub fn tell_standings(&self, status_list: Vec<GoalStatus>) {
-        self.check(lock(&self.inner).send_goal_statuses(GoalStatusArray { status_list }));
+        self.check(self.call(|inner| inner.send_goal_statuses(GoalStatusArray { status_list })));
     }
 
     async fn await_reader(&self, id: &RmwRequestId) {

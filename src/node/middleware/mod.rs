@@ -5,6 +5,7 @@
 mod action_server;
 mod announcement;
 mod answering;
+mod bell;
 mod complaints;
 mod deafness;
 mod first_request;
@@ -33,6 +34,7 @@ pub use self::complaints::Complaints;
 use self::peers::Peers;
 use super::logging::Line;
 use super::names::{FullName, NameError};
+use super::thread_priority::ThreadPriority;
 use crate::monitor::{SourceId, Time};
 
 pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
@@ -112,6 +114,8 @@ pub struct Middleware {
     node: Arc<Mutex<Node>>,
     context: Context,
     peers: Arc<Peers>,
+    /// Of the library's threads, and of all that speaks with them while it does.
+    priority: ThreadPriority,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -122,8 +126,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Middleware {
     /// Joins the network under a node name.
     pub fn join(announcement: Announcement, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
-        let reach = announcement.environment().reach;
+        let (reach, priority) = (announcement.environment().reach, announcement.priority());
         let participant = announcement.heard();
+        let _lent = priority.lend();
         let context =
             Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
         let name = NodeName::new(namespace, node)
@@ -132,7 +137,7 @@ impl Middleware {
         let options = NodeOptions::new().start_parameter_services(false);
         let peers = Arc::new(Peers::new(reach, namespace, node));
         let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
-        Ok(Self { node: Arc::new(Mutex::new(node)), context, peers })
+        Ok(Self { node: Arc::new(Mutex::new(node)), context, peers, priority })
     }
 
     /// Leaves the network, so that peers know at once. All endpoints have to be gone.
@@ -181,6 +186,7 @@ impl Middleware {
         kind: MessageKind,
         quality: Quality,
     ) -> Result<Publisher<M>, MiddlewareError> {
+        let _lent = self.priority.lend();
         let mut node = lock(&self.node);
         let profile = quality.profile();
         let topic = self.topic(&node, name, kind, quality)?;
@@ -188,7 +194,7 @@ impl Middleware {
             .create_publisher(&topic, Some(profile))
             .map_err(refused(format!("cannot publish {name}")))?;
         self.peers.note(inner.guid(), name, &kind.type_name().dds_msg_type());
-        Ok(Publisher { inner, name: name.clone() })
+        Ok(Publisher { inner, name: name.clone(), priority: self.priority })
     }
 
     /// Hears messages of `kind` under a full name.
@@ -198,6 +204,7 @@ impl Middleware {
         kind: MessageKind,
         quality: Quality,
     ) -> Result<Subscription<M>, MiddlewareError> {
+        let _lent = self.priority.lend();
         let mut node = lock(&self.node);
         let profile = quality.profile();
         let topic = self.topic(&node, name, kind, quality)?;
@@ -208,7 +215,12 @@ impl Middleware {
         if !matches!(quality, Quality::BestEffort | Quality::Bulk) {
             self.peers.note_reliably_read(format!("rt{name}"));
         }
-        Ok(Subscription { inner, name: name.clone(), complaints: Complaints::default() })
+        Ok(Subscription {
+            inner,
+            name: name.clone(),
+            complaints: Complaints::default(),
+            priority: self.priority,
+        })
     }
 
     /// Serves requests of the service type `package/kind` under a full name.
@@ -221,6 +233,7 @@ impl Middleware {
         Request: Message + Clone + 'static,
         Response: Message + 'static,
     {
+        let _lent = self.priority.lend();
         let inner = lock(&self.node)
             .create_server(
                 ServiceMapping::Enhanced,
@@ -232,7 +245,7 @@ impl Middleware {
             )
             .map_err(refused(format!("cannot serve {name}")))?;
         self.peers.note_reliably_read(format!("rq{name}Request"));
-        Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers)))
+        Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
     }
 
     /// Serves the action type `package/kind` under a full name.
@@ -254,19 +267,21 @@ impl Middleware {
             status_publisher: Quality::Latched.profile(),
         };
         let kind = ActionTypeName::new(package, kind);
+        let _lent = self.priority.lend();
         let inner = lock(&self.node)
             .create_action_server(ServiceMapping::Enhanced, &name_of(name)?, &kind, qualities)
             .map_err(refused(format!("cannot serve {name}")))?;
         for service in ["send_goal", "cancel_goal", "get_result"] {
             self.peers.note_reliably_read(format!("rq{name}/_action/{service}Request"));
         }
-        Ok(ActionServer::new(inner, name.clone(), Arc::clone(&self.peers)))
+        Ok(ActionServer::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
     }
 
     /// Tells a line of the log on `/rosout`, in the name of a logger.
     pub fn tell(&self, logger: &str, line: &Line, stamp: Time) {
         let writer = lock(&self.node).logging_handle().rosout_writer();
         let Some(writer) = writer.as_ref() else { return };
+        let _lent = self.priority.lend();
         // who is not heard stands on stderr at least
         let _ = writer.publish(LogMessage {
             stamp: StampMessage::from_nanos(stamp.nanoseconds()),
@@ -297,7 +312,7 @@ impl Middleware {
 
     /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.
     pub async fn meet_peers(&self) {
-        self.peers.meet(&self.context.domain_participant()).await;
+        self.peers.meet(&self.context.domain_participant(), self.priority).await;
     }
 }
 
@@ -319,6 +334,7 @@ impl MessageKind {
 pub struct Publisher<M: Message> {
     inner: ros2_client::Publisher<M>,
     name: FullName,
+    priority: ThreadPriority,
 }
 
 impl<M: Message> Publisher<M> {
@@ -330,6 +346,7 @@ impl<M: Message> Publisher<M> {
 
     /// Sends, or says why not; never waits. `false` when the message was dropped.
     pub fn publish(&self, message: M) -> bool {
+        let _lent = self.priority.lend();
         match self.inner.publish(message) {
             Ok(()) => true,
             Err(error) => {
@@ -369,6 +386,7 @@ pub struct Subscription<M> {
     inner: ros2_client::Subscription<M>,
     name: FullName,
     complaints: Complaints,
+    priority: ThreadPriority,
 }
 
 impl<M: Message + 'static> Subscription<M> {
@@ -377,7 +395,7 @@ impl<M: Message + 'static> Subscription<M> {
         loop {
             // a topic that is never silent must not starve what waits beside it, such as the order to end
             future::yield_now().await;
-            match self.inner.async_take().await {
+            match bell::wait(self.priority, self.inner.async_take()).await {
                 Ok((message, info)) => return (message, origin(&info)),
                 Err(error) => self.complain(&error),
             }
@@ -386,6 +404,7 @@ impl<M: Message + 'static> Subscription<M> {
 
     /// The next message if it is there already.
     pub fn try_next(&self) -> Option<(M, Origin)> {
+        let _lent = self.priority.lend();
         loop {
             match self.inner.take() {
                 Ok(taken) => return taken.map(|(message, info)| (message, origin(&info))),

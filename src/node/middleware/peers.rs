@@ -9,11 +9,13 @@ use futures_lite::StreamExt;
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
 use smol::Timer;
 
+use super::bell;
 use super::first_request::question;
 use super::lock;
 use super::rtps::Wire;
 use crate::node::environment::Reach;
 use crate::node::names::FullName;
+use crate::node::thread_priority::ThreadPriority;
 
 /// Complaints made at most, so that a hostile network can not fill the memory.
 const COMPLAINTS: usize = 1000;
@@ -117,11 +119,11 @@ impl Peers {
     }
 
     /// Meets peers for ever.
-    pub async fn meet(&self, participant: &DomainParticipant) {
+    pub async fn meet(&self, participant: &DomainParticipant, priority: ThreadPriority) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
         let mut told = HashSet::new();
-        while let Some(event) = events.next().await {
+        while let Some(event) = bell::wait(priority, events.next()).await {
             self.note_event(participant, &event);
             // DDS itself keeps quiet about both
             if let Some(complaint) = self.mismatch(&event).or_else(|| self.namesake(&event))

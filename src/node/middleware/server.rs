@@ -7,9 +7,11 @@ use ros2_client::RmwRequestId;
 
 use super::Message;
 use super::answering::Answering;
+use super::bell;
 use super::complaints::Complaints;
 use super::peers::Peers;
 use crate::node::names::FullName;
+use crate::node::thread_priority::ThreadPriority;
 
 /// Answers requests of one service.
 pub struct Server<Request: Message, Response: Message> {
@@ -17,6 +19,7 @@ pub struct Server<Request: Message, Response: Message> {
     name: FullName,
     answering: Answering,
     unread: Complaints,
+    priority: ThreadPriority,
 }
 
 /// Names a request in its answer.
@@ -27,9 +30,10 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         inner: ros2_client::Server<Request, Response>,
         name: FullName,
         peers: Arc<Peers>,
+        priority: ThreadPriority,
     ) -> Self {
         let answering = Answering::new(name.clone(), name.as_str(), peers);
-        Self { inner, name, answering, unread: Complaints::default() }
+        Self { inner, name, answering, unread: Complaints::default(), priority }
     }
 
     /// The next request, waiting for it. What can not be decoded is logged and passed over.
@@ -37,7 +41,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         loop {
             // as of topics: a client that never rests must not starve what waits beside it
             future::yield_now().await;
-            match self.inner.async_receive_request().await {
+            match bell::wait(self.priority, self.inner.async_receive_request()).await {
                 Ok((id, request)) => return (RequestId(id), request),
                 Err(error) => {
                     self.unread.warn(|| format!("a request to {} could not be read: {error}", self.name));
@@ -48,6 +52,10 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
 
     /// Answers a request, as soon as its client can hear it.
     pub async fn answer(&self, RequestId(id): RequestId, response: Response) {
-        self.answering.send(id, response, |id, response| self.inner.send_response(id, response)).await;
+        let write = |id, response| {
+            let _lent = self.priority.lend();
+            self.inner.send_response(id, response)
+        };
+        self.answering.send(id, response, write).await;
     }
 }
