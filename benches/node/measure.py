@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT / "tests/rclpy"))  # nodes as processes, peers, clou
 ROWS = ("latency", "latency-with-clients", "memory", "start", "restart")
 
 # Seconds of a row of latency, and of memory; how many starts, and restarts of each peer.
-LENGTHS = {"trial": (2, 4, 1, 1), "short": (12, 20, 3, 5), "long": (120, 3600, 10, 50)}
+LENGTHS = {"trial": (2, 4, 1, 1), "short": (60, 20, 3, 5), "long": (120, 3600, 10, 50)}
 
 
 def arguments():

@@ -20,13 +20,19 @@ pub(super) enum FixedNearest {
 }
 
 impl Asked<'_> {
-    /// Found once; all bodies are placed. Building hierarchies is no work of a state, nor is this. Who has a deadline does not wait for it.
+    /// Found once; all bodies are placed. Building hierarchies is no work of a state, nor is this. Who has a deadline goes without: neither
+    /// the time that it takes nor who has asked before may make a difference then.
     pub fn fixed_nearest(&mut self) -> Option<FixedNearest> {
-        let known = &self.checker.fixed_nearest;
         if self.effort.deadline.is_some() {
-            return known.get().copied();
+            return None;
         }
-        Some(*known.get_or_init(|| self.find_fixed_nearest()))
+        let known = &self.checker.fixed_nearest;
+        Some(known.get().copied().unwrap_or_else(|| {
+            // two threads may both find it, and find the same: none waits for the other
+            let found = self.find_fixed_nearest();
+            let _ = known.set(found);
+            found
+        }))
     }
 
     #[cold]

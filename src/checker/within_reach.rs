@@ -52,7 +52,13 @@ impl CollisionChecker {
     /// Found once for a robot in its world.
     #[inline(always)]
     pub(super) fn within_reach(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> &WithinReach {
-        self.within_reach.get_or_init(|| self.find_within_reach(scratch, nearby))
+        loop {
+            if let Some(known) = self.within_reach.get() {
+                return known;
+            }
+            // two threads may both find it, and find the same: none waits for the other
+            let _ = self.within_reach.set(self.find_within_reach(scratch, nearby));
+        }
     }
 
     #[cold]

@@ -117,9 +117,47 @@ pub struct Judgement {
     pub revision: Option<Arc<Revision>>,
     /// What did not prevent the judgement and should be known.
     pub warnings: Arc<[String]>,
+    /// How long what is known holds, if nothing more comes.
+    pub expiry: Expiry,
+}
+
+/// When what was known is known no longer, by the steady clock; `None`: never.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Expiry {
+    /// When the judgement was said.
+    pub said_at: Duration,
+    /// Of where the robot is.
+    pub of_robot: Option<Duration>,
+    /// Of where obstacles are.
+    pub of_world: Option<Duration>,
 }
 
 impl Judgement {
+    /// As it holds at `now`, while the monitor is busy with the next one.
+    #[must_use]
+    pub fn aged(mut self, now: Now) -> Self {
+        let is_over = |end: Option<Duration>| end.is_some_and(|end| now.steady >= end);
+        let since = now.steady.saturating_sub(self.expiry.said_at).as_secs_f64();
+        let overdue = Reason::Overdue { since };
+        if self.placement.is_some() && is_over(self.expiry.of_robot) {
+            self.placement = None;
+            self.know_nothing(overdue.clone());
+        }
+        if self.stale_world.is_none() && is_over(self.expiry.of_world) {
+            self.stale_world = Some(overdue.clone());
+            self.know_nothing(overdue);
+        }
+        self
+    }
+
+    fn know_nothing(&mut self, why: Reason) {
+        self.evidence = None;
+        self.speed_scale = 0.0;
+        if self.status.reason().is_none() {
+            self.status = Status::Unknown(why);
+        }
+    }
+
     /// The least distance (m): NaN when nothing is known, infinite when nothing is within the distance limit.
     #[must_use]
     pub fn distance(&self) -> f64 {

@@ -7,6 +7,7 @@
 //! | checking was turned off | UNKNOWN | `disabled` |
 //! | no usable robot model | UNKNOWN | `no_model` |
 //! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
+//! | no link of the robot has collision geometry | UNKNOWN | `no_geometry` |
 //! | no joint state has arrived | UNKNOWN | `no_joint_state` |
 //! | the clock was set back by more than `stale_after`, and no joint state has arrived since | UNKNOWN | `clock_jump` |
 //! | simulated time is asked for and none has arrived | UNKNOWN | `no_clock` |
@@ -15,8 +16,9 @@
 //! | its stamp is older than that of the last judged one of the same publisher about the same joints | UNKNOWN | `out_of_order` |
 //! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
-//! | a joint has never been named | UNKNOWN | `partial` |
 //! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
+//! | a joint has never been named | UNKNOWN | `partial` |
+//! | two publishers report a joint at different places at about the same time | UNKNOWN | `contradiction` |
 //! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
@@ -55,7 +57,7 @@ mod tests;
 
 pub use drift::Drift;
 pub use input::{JointStateInput, SourceId};
-pub use judgement::{Evidence, Judgement, LeftOut, Revision};
+pub use judgement::{Evidence, Expiry, Judgement, LeftOut, Revision};
 pub use monitor::{Monitor, Stopwatch};
 pub use settings::MonitorSettings;
 pub use speed::{SpeedDistances, SpeedSettings};

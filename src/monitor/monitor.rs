@@ -16,7 +16,8 @@ use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
 use super::tracker::{Reading, Tracker};
 use super::{
-    Evidence, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
+    Evidence, Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status,
+    Time,
 };
 use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use crate::constants::CONTACT_DISTANCE;
@@ -63,6 +64,8 @@ pub struct Monitor {
 #[derive(Debug)]
 struct Subject {
     revision: Arc<Revision>,
+    /// Whether there is anything of the robot that could touch something.
+    has_geometry: bool,
     tracker: Tracker,
     workspace: Workspace,
     lookout: Lookout,
@@ -131,6 +134,7 @@ impl Monitor {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
             lookout: Lookout::new(&revision.checker),
+            has_geometry: revision.checker.robot().links().iter().any(|link| !link.collisions.is_empty()),
             revision,
         });
         self.outdated = true;
@@ -244,19 +248,35 @@ impl Monitor {
         };
         let heartbeat = (said_at + self.settings.heartbeat_period()).saturating_sub(now.steady);
         // the moment at which a judgement becomes stale is news
-        let subject = self.subject.as_ref().filter(|_| self.verdict.evidence.is_some());
-        let stale = subject.and_then(|subject| {
-            let sources = subject.revision.sources.iter();
-            let of_world = sources.filter_map(|source| source.time_to_stale(now));
-            let of_robot = self.contributions.time_to_stale(now, &self.settings);
-            let of_base = self.placements.time_to_stale(now, &self.settings);
-            // a little later, so that it is stale then whatever way rounding goes
-            let of_base =
-                Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
-            let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
-            of_world.chain(of_robot).chain(of_base).chain(of_ground).min()
+        let stale = self.verdict.evidence.as_ref().and_then(|_| {
+            let ends = [self.robot_time_to_stale(now), self.world_time_to_stale(now)];
+            ends.into_iter().flatten().min()
         });
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
+    }
+
+    /// How long it is known where the robot is, if nothing more comes.
+    fn robot_time_to_stale(&self, now: Now) -> Option<Duration> {
+        let of_base = self.placements.time_to_stale(now, &self.settings);
+        // a little later, so that it is stale then whatever way rounding goes
+        let of_base = Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
+        self.contributions.time_to_stale(now, &self.settings).into_iter().chain(of_base).min()
+    }
+
+    /// How long it is known where obstacles are, if nothing more comes.
+    fn world_time_to_stale(&self, now: Now) -> Option<Duration> {
+        let sources = self.subject.iter().flat_map(|subject| &subject.revision.sources);
+        let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
+        sources.filter_map(|source| source.time_to_stale(now)).chain(of_ground).min()
+    }
+
+    fn expiry(&self, now: Now) -> Expiry {
+        let end = |left: Option<Duration>| left.and_then(|left| now.steady.checked_add(left));
+        Expiry {
+            said_at: now.steady,
+            of_robot: end(self.robot_time_to_stale(now)),
+            of_world: end(self.world_time_to_stale(now)),
+        }
     }
 
     /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
@@ -297,6 +317,9 @@ impl Monitor {
         let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
         if self.swapping {
             return Err(Reason::ModelSwap);
+        }
+        if !subject.has_geometry {
+            return Err(Reason::NoGeometry);
         }
         let messages = self.hearing.messages();
         let robot = subject.revision.checker.robot();
@@ -360,6 +383,7 @@ impl Monitor {
             age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
             revision: subject.map(|subject| Arc::clone(&subject.revision)),
             warnings: warnings.collect(),
+            expiry: self.expiry(now),
         }
     }
 

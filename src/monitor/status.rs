@@ -49,6 +49,8 @@ pub enum Reason {
     Disabled,
     /// Another robot was described, and its model is not built yet.
     ModelSwap,
+    /// No link of the robot has collision geometry: there is nothing to check.
+    NoGeometry,
     NoJointState,
     NoClock,
     /// The clock was set back by `back` seconds, and nothing has been heard since.
@@ -62,6 +64,10 @@ pub enum Reason {
         age: f64,
         stale_after: f64,
         also: Option<Box<Reason>>,
+    },
+    /// The monitor last said something `since` seconds ago, and what was known then holds no longer.
+    Overdue {
+        since: f64,
     },
     /// The stamp lies `ahead` seconds in the future.
     FutureStamp {
@@ -78,6 +84,12 @@ pub enum Reason {
     },
     Partial {
         missing: Vec<String>,
+    },
+    /// Two publishers report a joint at different places at about the same time; of `more` joints beside it.
+    Contradiction {
+        joint: String,
+        positions: [f64; 2],
+        more: usize,
     },
     /// `tf` does not tell where `joint` is, between the frames of its links.
     NoTransform {
@@ -107,15 +119,17 @@ impl Reason {
             Self::NoModel { .. } => "no_model",
             Self::Disabled => "disabled",
             Self::ModelSwap => "model_swap",
+            Self::NoGeometry => "no_geometry",
             Self::NoJointState => "no_joint_state",
             Self::NoClock => "no_clock",
             Self::ClockJump { .. } => "clock_jump",
-            Self::Stale { .. } => "stale",
+            Self::Stale { .. } | Self::Overdue { .. } => "stale",
             Self::FutureStamp { .. } => "future_stamp",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::Malformed(_) => "malformed",
             Self::NonFinite { .. } => "non_finite",
             Self::Partial { .. } => "partial",
+            Self::Contradiction { .. } => "contradiction",
             Self::NoTransform { .. } => "no_transform",
             Self::StaleWorld { .. } => "stale_world",
             Self::Deadline { .. } => "deadline",
@@ -124,7 +138,7 @@ impl Reason {
 
     /// Whether it says that nobody would have looked at a joint state, however fresh.
     pub(super) fn precedes_joint_states(&self) -> bool {
-        matches!(self, Self::NoModel { .. } | Self::Disabled | Self::ModelSwap)
+        matches!(self, Self::NoModel { .. } | Self::Disabled | Self::ModelSwap | Self::NoGeometry)
     }
 
     /// Whether the joint state itself may be right, and only the clock is against it.
@@ -148,6 +162,9 @@ impl fmt::Display for Reason {
             Self::Disabled => f.write_str("checking is disabled: call ~/enable with data: true"),
             Self::ModelSwap => f.write_str(
                 "another robot came on robot_description, and its model is still being built: the last one does not count any more",
+            ),
+            Self::NoGeometry => f.write_str(
+                "no link of the robot has collision geometry, so that nothing can be checked: give its links <collision> elements",
             ),
             Self::NoJointState => f.write_str(
                 "no joint state has arrived yet: is something publishing joint_states, under this name and namespace?",
@@ -173,6 +190,10 @@ impl fmt::Display for Reason {
                     None => Ok(()),
                 }
             }
+            Self::Overdue { since } => write!(
+                f,
+                "nothing has been judged for {since:.3} s, and what was known then does not hold any more: do checks take so long?"
+            ),
             Self::FutureStamp { ahead } => write!(
                 f,
                 "the joint state is stamped {ahead:.3} s in the future: synchronise the clocks, or set use_sim_time if its publisher does"
@@ -187,6 +208,17 @@ impl fmt::Display for Reason {
             }
             Self::Partial { missing } => {
                 write!(f, "the joint state has no position of {}", quoted_list(missing))
+            }
+            Self::Contradiction { joint, positions: [a, b], more } => {
+                write!(
+                    f,
+                    "joint {} is reported at {a} and at {b} by two publishers at about the same time",
+                    quoted(joint)
+                )?;
+                if *more > 0 {
+                    write!(f, ", and {more} more joints are contradicted, too")?;
+                }
+                f.write_str(": is one of the two left over?")
             }
             Self::NoTransform { joint, frames: [parent, child], why } => write!(
                 f,

@@ -8,17 +8,15 @@ use super::placement::Placed;
 use super::status::{quoted, quoted_list};
 use super::{JointStateInput, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
-use crate::robot::{Configuration, JointId, RobotModel};
+use crate::robot::{Configuration, JointId, JointKind, RobotModel};
 
-/// How far (rad, m) a joint that follows others may be reported from where it should be without a word: gears have play.
+/// How far a joint that follows others may be reported from where it should be without a word (rad; m of one that slides): gears have play.
 const MIMIC_SLACK: f64 = 0.02;
+const SLIDING_MIMIC_SLACK: f64 = 0.002;
 
-/// How far apart (rad, m) two publishers may report a joint at about the same time (s) without a word.
+/// How far apart (rad, m) two publishers may report a joint at about the same time (s): one may be a little behind.
 const CONTRADICTION: f64 = 0.05;
 const SAME_TIME: f64 = 0.1;
-
-/// Joints about which publishers contradict each other that are told at most.
-const CONTRADICTIONS_TOLD: usize = 8;
 
 /// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
 const MOST_STRANGERS: usize = 1000;
@@ -111,7 +109,7 @@ struct Merge<'t> {
     strangers: Vec<String>,
     warnings: Vec<String>,
     /// By position: between which publishers there is one.
-    contradictions: BTreeMap<usize, String>,
+    contradictions: BTreeMap<usize, [f64; 2]>,
 }
 
 impl<'t> Merge<'t> {
@@ -165,12 +163,7 @@ impl<'t> Merge<'t> {
                     Some(_) => {
                         is_superseded = true;
                         if is_whole && is_fresh {
-                            self.note_contradiction(
-                                name,
-                                index,
-                                (heard.input.source, heard.stamp),
-                                positions[i],
-                            );
+                            self.note_contradiction(index, (heard.input.source, heard.stamp), positions[i]);
                         }
                     }
                     None => {
@@ -223,22 +216,13 @@ impl<'t> Merge<'t> {
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
 
-    /// Warns if another publisher says something else about a joint: one of the two is wrong, and which counts is chance.
-    fn note_contradiction(
-        &mut self,
-        name: &str,
-        index: usize,
-        (source, stamp): (SourceId, Time),
-        position: f64,
-    ) {
+    /// Another publisher may say something else about a joint: one of the two is wrong, and which counts is chance.
+    fn note_contradiction(&mut self, index: usize, (source, stamp): (SourceId, Time), position: f64) {
         let Some((other, told)) = self.told[index] else { return };
         let counts = self.positions[index];
         let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
         if at_once && (position - counts).abs() > CONTRADICTION {
-            self.contradictions.entry(index).or_insert_with(|| format!(
-                "joint {} is reported at {counts} and at {position} by two publishers: is one of them left over?",
-                quoted(name)
-            ));
+            self.contradictions.entry(index).or_insert([counts, position]);
         }
     }
 
@@ -257,14 +241,12 @@ impl<'t> Merge<'t> {
         if !missing.is_empty() {
             return Err(Reason::Partial { missing });
         }
+        if let Some((&index, &positions)) = self.contradictions.first_key_value() {
+            let joint = robot.position_names()[index].clone();
+            return Err(Reason::Contradiction { joint, positions, more: self.contradictions.len() - 1 });
+        }
         let configuration =
             (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
-        let others = self.contradictions.len().saturating_sub(CONTRADICTIONS_TOLD);
-        self.warnings.extend(self.contradictions.into_values().take(CONTRADICTIONS_TOLD));
-        if others > 0 {
-            self.warnings
-                .push(format!("{others} more joints are reported at different places by two publishers"));
-        }
         self.warnings.extend(robot.outside_limits(configuration.positions()).map(|joint| joint.to_string()));
         if !self.strangers.is_empty() {
             self.strangers.sort_unstable();
@@ -305,8 +287,10 @@ fn mimic_warnings(
     (followers.iter())
         .filter_map(|&(joint, reported)| {
             let position = robot.joint_position(configuration, joint)?;
-            let apart = reported.is_finite() && (reported - position).abs() > MIMIC_SLACK;
             let robot_joint = robot.joint(joint);
+            let slides = matches!(robot_joint.kind, JointKind::Prismatic(_));
+            let slack = if slides { SLIDING_MIMIC_SLACK } else { MIMIC_SLACK };
+            let apart = !reported.is_finite() || (reported - position).abs() > slack;
             let leader = &robot.joint(robot_joint.mimic?.joint).name;
             apart.then(|| {
                 format!(

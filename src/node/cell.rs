@@ -1,10 +1,12 @@
 //! What requests are about: the robot, its surroundings, and where it is now. No I/O.
 
+use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
+use super::monitor_loop::CurrentJudgement;
 use super::refusal::{Refusal, bad};
 use crate::checker::CollisionChecker;
-use crate::monitor::{Judgement, Reason, quoted_list};
+use crate::monitor::{Judgement, Now, Reason, quoted_list};
 use crate::robot::{Configuration, RobotModel};
 
 /// The robot, its surroundings, and where it is now.
@@ -12,6 +14,12 @@ pub struct Cell<'a> {
     pub checker: &'a CollisionChecker,
     /// Where the robot is, or why that is not known.
     pub now: Result<&'a Configuration, String>,
+}
+
+/// What is known at `now`, which is less than what the monitor said last if it has been busy since.
+pub fn known(current: &CurrentJudgement, now: Now) -> Option<Judgement> {
+    let judgement = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    judgement.map(|judgement| judgement.aged(now))
 }
 
 impl<'a> Cell<'a> {
@@ -72,10 +80,10 @@ pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
     Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")))
 }
 
-/// When a timeout (s) is over that began at `started`; a timeout of 0, or beyond all clocks, never is.
-pub fn deadline(timeout: f64, started: Instant) -> Result<Option<Instant>, Refusal> {
+/// When a timeout (s) is over that began at `started`: one of 0 after the usual time, if there is one; one beyond all clocks never.
+pub fn deadline(timeout: f64, usual: Option<Duration>, started: Instant) -> Result<Option<Instant>, Refusal> {
     not_negative("timeout", "s", timeout)?;
     // a tiny one is over at once
-    let timeout = (timeout > 0.0).then(|| Duration::try_from_secs_f64(timeout).ok()).flatten();
+    let timeout = if timeout > 0.0 { Duration::try_from_secs_f64(timeout).ok() } else { usual };
     Ok(timeout.and_then(|timeout| started.checked_add(timeout)))
 }

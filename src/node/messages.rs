@@ -6,7 +6,7 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use super::clearance_msgs::{self, BodyPair, CollisionState, SkippedPairs};
-use crate::checker::{Body, CollisionChecker, PairDistance};
+use crate::checker::{Body, CollisionChecker, CollisionReport, PairDistance};
 use crate::math::Point;
 use crate::monitor::{JointStateInput, Judgement, SourceId, Status, Time};
 
@@ -92,7 +92,13 @@ pub fn collision_state(judgement: &Judgement) -> CollisionState {
     message.world_revision = revision.world;
     add_skipped(&mut message, &revision.checker);
     if let Some(evidence) = &judgement.evidence {
-        message.pairs_checked = count(revision.checker.pairs().len());
+        let open = undecided(&evidence.report);
+        message.pairs_checked = count(revision.checker.pairs().len().saturating_sub(open));
+        if open > 0 {
+            message.warnings.push(format!(
+                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those that are told"
+            ));
+        }
         message.compute_time = evidence.compute_time.as_secs_f64();
         add_findings(&mut message, &revision.checker, &evidence.report);
         if let Some(ahead) = &evidence.look_ahead {
@@ -105,6 +111,14 @@ pub fn collision_state(judgement: &Judgement) -> CollisionState {
     message
 }
 
+/// How many pairs of bodies a deadline left open.
+fn undecided(report: &CollisionReport) -> usize {
+    let mut open: Vec<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
+    open.sort_unstable();
+    open.dedup();
+    open.len()
+}
+
 fn add_skipped(message: &mut CollisionState, checker: &CollisionChecker) {
     message.skipped = (checker.pairs().skipped())
         .filter(|(_, count)| *count > 0)
@@ -113,11 +127,7 @@ fn add_skipped(message: &mut CollisionState, checker: &CollisionChecker) {
     message.pairs_skipped = message.skipped.iter().map(|s| s.count).sum();
 }
 
-fn add_findings(
-    message: &mut CollisionState,
-    checker: &CollisionChecker,
-    report: &crate::checker::CollisionReport,
-) {
+fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report: &CollisionReport) {
     message.colliding_pairs =
         (report.colliding_pairs.iter().take(PAIRS_TOLD)).map(|&(a, b)| pair_message(checker, a, b)).collect();
     message.pair_distances =
@@ -170,7 +180,7 @@ fn count(number: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::LeftOut;
+    use crate::monitor::{Expiry, LeftOut};
 
     #[test]
     fn stamps_go_both_ways() {
@@ -196,6 +206,7 @@ mod tests {
             stale_world: None,
             revision: None,
             warnings: [].into(),
+            expiry: Expiry::default(),
         };
         let message = collision_state(&judgement);
         assert_eq!(message.status, CollisionState::UNKNOWN);

@@ -1,6 +1,6 @@
 //! Requests about motions, answered: from names and numbers to ways, from verdicts to messages. No I/O.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
@@ -27,6 +27,9 @@ const SHORTEST_PROOF: usize = 20;
 
 /// Looks at a pair that one segment may take: some seconds, and memory that a machine has.
 const LOOKS: u64 = 2_000_000;
+
+/// Time that a check takes at most which nobody can stop and whose request says nothing: others wait behind it.
+const LONGEST: Duration = Duration::from_secs(60);
 
 /// An answer, and what was asked for beside it.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +85,9 @@ fn answer(
 ) -> Answered {
     let started = Instant::now();
     let found = Cell::of(judgement).and_then(|cell| {
-        let options = MotionOptions { watch, ..options(terms, started)? };
+        // whoever watches can stop it
+        let usual = watch.is_none().then_some(LONGEST);
+        let options = MotionOptions { watch, ..options(terms, usual, started)? };
         let way = way(&cell)?;
         check_intervals(terms.swept_volume_intervals, &way.trajectory, cell.robot())?;
         let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
@@ -99,13 +104,13 @@ fn answer(
     answered
 }
 
-fn options(terms: &MotionTerms, started: Instant) -> Result<MotionOptions, Refusal> {
-    let usual = MotionOptions::default();
+fn options(terms: &MotionTerms, usual: Option<Duration>, started: Instant) -> Result<MotionOptions, Refusal> {
+    let standard = MotionOptions::default();
     not_negative("tolerance", "m", terms.tolerance)?;
     Ok(MotionOptions {
-        tolerance: if terms.tolerance > 0.0 { terms.tolerance } else { usual.tolerance },
+        tolerance: if terms.tolerance > 0.0 { terms.tolerance } else { standard.tolerance },
         order: if terms.any_contact { MotionOrder::Any } else { MotionOrder::Earliest },
-        deadline: deadline(terms.timeout, started)?,
+        deadline: deadline(terms.timeout, usual, started)?,
         budget: LOOKS,
         watch: None,
     })

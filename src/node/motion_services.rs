@@ -2,7 +2,7 @@
 //! checks are made one after the other on a thread of their own, so that no motion, however long, delays anything else.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
@@ -10,6 +10,7 @@ use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
 
+use super::cell::known;
 use super::clearance_srvs::{
     CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
 };
@@ -59,6 +60,7 @@ pub struct MotionDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
     current: CurrentJudgement,
+    clock: Arc<RosClock>,
     workspace: Option<Workspace>,
 }
 
@@ -80,7 +82,7 @@ impl MotionServices {
                 .server(&names.resolve("~/check_motion")?, ("clearance_msgs", "CheckMotion"))?,
             trajectories: middleware
                 .server(&names.resolve("~/check_trajectory")?, ("clearance_msgs", "CheckTrajectory"))?,
-            goals: TrajectoryAction::offer(middleware, names, clock)?,
+            goals: TrajectoryAction::offer(middleware, names, Arc::clone(&clock))?,
             certificates: middleware.publisher(
                 &names.resolve("~/certificates")?,
                 string,
@@ -94,7 +96,7 @@ impl MotionServices {
             requests,
             answers: answers_in,
         };
-        let desk = MotionDesk { requests: requests_in, answers, current, workspace: None };
+        let desk = MotionDesk { requests: requests_in, answers, current, clock, workspace: None };
         Ok((services, desk))
     }
 
@@ -167,7 +169,7 @@ impl MotionDesk {
     /// Checks what is asked until there is no one left to ask.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let judgement = self.current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let judgement = known(&self.current, self.clock.read());
             // a goal that was canceled while it waited has its result
             if matches!(&request, Request::Goal(goal) if goal.watch.is_stopped()) {
                 continue;

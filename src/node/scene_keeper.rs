@@ -118,6 +118,8 @@ pub struct SceneKeeper {
     waiting: VecDeque<SceneOrder>,
     /// What was refused of the last message that changed the scene, or was meant to.
     faults: Vec<String>,
+    /// What was lost of the scene because another robot came, until a whole scene comes.
+    unfit: Vec<String>,
     missing: MissingObjects,
     /// Messages with faults that were logged of late.
     flood: Flood,
@@ -163,7 +165,7 @@ impl SceneKeeper {
         for warning in &warnings {
             log::warn!("{warning}");
         }
-        self.faults.extend(warnings.into_iter().take(TOLD));
+        self.unfit = warnings.into_iter().take(TOLD).collect();
     }
 
     /// Puts an order aside until there is a robot.
@@ -204,6 +206,9 @@ impl SceneKeeper {
             self.note_octomap(octomap, &refusals, update.as_ref());
         }
         self.note_refusals(source, &refusals, update.as_ref());
+        if matches!(&update, Some(SceneUpdate::Scene(scene)) if !scene.is_diff) {
+            self.unfit.clear();
+        }
         warnings.extend_from_slice(&self.faults);
         if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
             for warning in warnings {
@@ -261,6 +266,12 @@ impl SceneKeeper {
         if refusals.len() > TOLD {
             self.faults.push(format!("{source}: and {} more faults", refusals.len() - TOLD));
         }
+    }
+
+    /// Whether somebody waits for what came to be in force.
+    #[must_use]
+    pub fn is_asked(&self) -> bool {
+        !self.unanswered.is_empty()
     }
 
     /// Answers who waited for what is in force now.
@@ -438,7 +449,7 @@ impl SceneKeeper {
             Some(format!("the last cloud of '{topic}' was not taken: {}", cloud.report.fault.as_ref()?))
         });
         let missing = self.missing.told().filter(|fault| !self.faults.contains(fault));
-        self.faults.iter().cloned().chain(missing).chain(of_clouds).collect()
+        self.faults.iter().chain(&self.unfit).cloned().chain(missing).chain(of_clouds).collect()
     }
 
     /// What came is in use from now on.

@@ -25,6 +25,9 @@ const LONGEST_PAIRS: usize = 1_000_000;
 /// Bytes of bodies' names in the answer to a batch at most.
 const LONGEST_NAMES: usize = 10_000;
 
+/// Time that a batch takes at most where the request says nothing: whoever waits for longer says so, others wait behind it.
+const LONGEST_BATCH: Duration = Duration::from_secs(60);
+
 /// Time that distances take at most where the request says nothing.
 const LONGEST_DISTANCES: Duration = Duration::from_secs(10);
 
@@ -49,7 +52,10 @@ pub fn answer_states(
 ) -> CheckStatesResponse {
     let started = Instant::now();
     let found = Cell::of(judgement).and_then(|cell| {
-        let effort = Effort { deadline: deadline(request.timeout, started)?, ..Effort::default() };
+        let effort = Effort {
+            deadline: deadline(request.timeout, Some(LONGEST_BATCH), started)?,
+            ..Effort::default()
+        };
         let limit = limit("distance_limit", request.distance_limit)?;
         let question = if request.with_distance { Question::Distance { limit } } else { Question::Free };
         let (states, note) = cell.states(request)?;
@@ -79,8 +85,8 @@ pub fn answer_distances(
 ) -> GetDistancesResponse {
     let started = Instant::now();
     let found = Cell::of(judgement).and_then(|cell| {
-        let deadline = deadline(request.timeout, started)?.unwrap_or(started + LONGEST_DISTANCES);
-        let effort = Effort { deadline: Some(deadline), ..Effort::default() };
+        let deadline = deadline(request.timeout, Some(LONGEST_DISTANCES), started)?;
+        let effort = Effort { deadline, ..Effort::default() };
         let limit = limit("max_distance", request.max_distance)?;
         let wanted = cell.wanted(&request.bodies)?;
         let (state, note) = cell.state(request)?;

@@ -2,15 +2,17 @@
 //! after the other on a thread of their own, so that neither a long batch delays anything else nor a long motion delays a batch.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::PoisonError;
+use std::sync::Arc;
 
 use futures_lite::future;
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
 
+use super::cell::known;
 use super::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
+use super::clock::RosClock;
 use super::middleware::{Middleware, MiddlewareError, RequestId, Server};
 use super::monitor_loop::CurrentJudgement;
 use super::names::Names;
@@ -46,6 +48,7 @@ pub struct StateDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
     current: CurrentJudgement,
+    clock: Arc<RosClock>,
     workspace: Option<Workspace>,
 }
 
@@ -55,6 +58,7 @@ impl StateServices {
         middleware: &Middleware,
         names: &Names,
         current: CurrentJudgement,
+        clock: Arc<RosClock>,
     ) -> Result<(Self, StateDesk), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
         // never more than requests that waited
@@ -67,7 +71,7 @@ impl StateServices {
             requests,
             answers: answers_in,
         };
-        Ok((services, StateDesk { requests: requests_in, answers, current, workspace: None }))
+        Ok((services, StateDesk { requests: requests_in, answers, current, clock, workspace: None }))
     }
 
     /// Serves for ever.
@@ -116,7 +120,7 @@ impl StateDesk {
     /// Checks what is asked until there is no one left to ask.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let judgement = self.current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let judgement = known(&self.current, self.clock.read());
             let answer = self.answer(request, judgement.as_ref());
             if self.answers.send_blocking(answer).is_err() {
                 return;

@@ -239,6 +239,7 @@ pub(in crate::monitor) struct Told<'g> {
 
 /// Whether a frame's pose in the root's frame has changed, as seen from the root.
 pub(in crate::monitor) fn is_elsewhere(before: &Pose, now: &Pose) -> bool {
+    // far from the root, rounding alone makes a way of a pose back to itself
     let way = now * before.inverse();
-    way.translation.vector.norm() > STILL || way.rotation.angle() > STILL
+    before != now && (way.translation.vector.norm() > STILL || way.rotation.angle() > STILL)
 }

@@ -159,7 +159,10 @@ fn what_is_odd_is_judged_with_a_warning() {
     let with = |name, value| [whole[0], whole[1], (name, value)];
     let unstamped = JointStateInput { stamp: Time::ZERO, ..state(0.0, FREE) };
     for (input, warned) in [
-        (input(0.0, &with("follower", f64::NAN)), None),
+        (
+            input(0.0, &with("follower", f64::NAN)),
+            Some("'follower' is reported at NaN, but it mimics 'elbow'"),
+        ),
         (input(0.0, &with("follower", 0.01)), None),
         (input(0.0, &with("follower", 0.5)), Some("'follower' is reported at 0.5, but it mimics 'elbow'")),
         (input(0.0, &with("gripper", f64::NAN)), Some("'gripper'")),
@@ -204,6 +207,31 @@ fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
         assert!((judgement.age.unwrap() - seconds).abs() < 1e-9);
     }
     assert_eq!(code(&monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+}
+
+/// Who asks while a check takes long must not be told what was true once.
+#[test]
+fn a_judgement_ages_while_the_monitor_is_busy() {
+    let mut monitor = monitor();
+    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    let fresh = judgement.clone().aged(at(0.49));
+    assert_eq!((code(&fresh), fresh.placement.is_some()), ("FREE", true));
+    let old = judgement.aged(at(0.51));
+    assert_eq!((code(&old), old.placement.is_some(), old.evidence.is_some()), ("stale", false, false));
+    assert_eq!((old.speed_scale, old.stale_world.is_some()), (0.0, false));
+    assert!(old.status.reason().unwrap().to_string().contains("judged for 0.510 s"));
+}
+
+#[test]
+fn a_robot_without_collision_geometry_is_never_free() {
+    let urdf = r#"<robot name="picture"><link name="base"><visual><geometry><sphere radius="1"/></geometry></visual></link></robot>"#;
+    let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    let mut monitor = monitor();
+    monitor.set_checker(Arc::new(Revision::new(checker, 2, 0)));
+    let judgement = monitor.on_joint_state(input(0.0, &[("any", 0.0)]), at(0.0));
+    assert_eq!(code(&judgement), "no_geometry");
+    assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "no_geometry");
 }
 
 #[test]
@@ -417,6 +445,9 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
     assert!((0.05..0.06).contains(&due.as_secs_f64()), "{due:?}");
     let judgement = monitor.on_heartbeat(at(0.2 + due.as_secs_f64()));
     assert_eq!((code(&judgement), judgement.stale_world.is_some()), ("stale_world", true));
+    // nor is it told to who asks while the monitor is busy
+    let aged = monitor.on_heartbeat(at(0.2)).aged(at(0.26));
+    assert_eq!((code(&aged), aged.stale_world.is_some(), aged.placement.is_some()), ("stale", true, true));
     // a joint state does not make it known, nor does a collision that it would be
     assert_eq!(code(&monitor.on_joint_state(state(0.3, COLLIDING), at(0.3))), "stale_world");
     // what comes late has used up its time already

@@ -278,7 +278,7 @@ impl Run {
             (_, Some(Event::Checker(_))) => return differs("Checker".to_owned()),
             (_, Some(Event::ModelSwap)) => return differs("ModelSwap".to_owned()),
             (_, Some(Event::World(..))) => return differs("World".to_owned()),
-            (_, Some(Event::Parameters(_) | Event::Enabled(..) | Event::Stop) | None) => {
+            (_, Some(Event::Parameters(_) | Event::Enabled(..) | Event::Say(_) | Event::Stop) | None) => {
                 return differs("nothing".to_owned());
             }
         }

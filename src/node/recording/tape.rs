@@ -259,7 +259,7 @@ mod tests {
     use std::sync::mpsc;
 
     use super::*;
-    use crate::monitor::{Reason, Status};
+    use crate::monitor::{Expiry, Reason, Status};
     use crate::node::clearance_msgs::PairDistance;
 
     fn judgement() -> Judgement {
@@ -274,6 +274,7 @@ mod tests {
             stale_world: None,
             revision: None,
             warnings: Arc::from([]),
+            expiry: Expiry::default(),
         }
     }
 

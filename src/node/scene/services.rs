@@ -18,6 +18,7 @@ use super::orders::clear_octomap;
 use super::telling::{Told, scene_message};
 use super::topics::{SceneTopics, Shared};
 use super::validity::{Situation, constraints_given, state_validity};
+use crate::node::cell::known;
 use crate::node::flood::Flood;
 use crate::node::loader::Order;
 use crate::node::middleware::{Complaints, Message, Middleware, MiddlewareError, RequestId, Server};
@@ -218,9 +219,9 @@ impl ValidityDesk {
     fn answer(&self, request: &GetStateValidityRequest) -> Result<GetStateValidityResponse, String> {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot model yet")?;
-        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let now = self.shared.clock.read();
+        let judgement = known(&self.judgement, now);
+        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
         state_validity(
             request,
             &Situation { scene: &scene, judgement: judgement.as_ref(), transforms: &transforms, now },
