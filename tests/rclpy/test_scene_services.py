@@ -7,11 +7,14 @@ from math import nan, pi
 
 import pytest
 from clearance_msgs.msg import CollisionState
+from clearance_msgs.srv import CheckStates
 from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
+from std_msgs.msg import Bool
 
-from scene import attached, ball, box, cube_mesh, cylinder, detachment, diff, fine_mesh, matrix, obstacle, plane, pose, xyz
+from scene import attached, ball, box, cube_mesh, cylinder, detachment, diff, fine_mesh, matrix, obstacle, plane, pose, removal, xyz
 from scene_client import SceneClient, distance, distances
+from states import States
 from two_link import JOINTS
 
 ACCURACY = 1e-6  # [m]
@@ -157,6 +160,21 @@ def test_a_scene_is_in_force_when_the_answer_comes(cell, scene):
     assert list(scene.obstacles()) == ["a"]
     assert not scene.validity(STRETCHED).valid
     assert cell.judged(**STRETCHED).status == CollisionState.COLLIDING
+
+
+def test_whoever_has_the_answer_asks_about_that_scene_and_hears_nothing_older(cell, scene):
+    states, is_free = States(cell.peer, cell.node), cell.peer.record(Bool, cell.node.private("is_free"))
+    is_free.next()
+    stretched = [list(STRETCHED.values())]
+    for _ in range(20):
+        assert scene.apply(diff(ball("a", 2.15)))
+        assert states.check(stretched).verdicts[0] == CheckStates.Response.COLLIDING
+        heard = len(is_free.messages)
+        cell.driver.report(**STRETCHED)
+        is_free.next()
+        assert not any(message.data for message in is_free.messages[heard:])
+        assert scene.apply(diff(removal("a")))
+        assert states.check(stretched).verdicts[0] == CheckStates.Response.FREE
 
 
 def test_a_fine_mesh_of_a_megabyte_is_in_force_when_the_answer_comes(scene):

@@ -27,7 +27,7 @@ impl Wake for Bell {
 }
 
 /// Waits for `work`, and lends its thread a priority whenever it is looked at.
-pub async fn wait<F: Future>(priority: ThreadPriority, work: F) -> F::Output {
+pub fn wait<F: Future>(priority: ThreadPriority, work: F) -> impl Future<Output = F::Output> {
     let bell = Arc::new(Bell { has_rung: AtomicBool::new(true), waiting: Mutex::default() });
     let waker = Waker::from(Arc::clone(&bell));
     let mut work = Box::pin(work);
@@ -40,7 +40,6 @@ pub async fn wait<F: Future>(priority: ThreadPriority, work: F) -> F::Output {
         let _lent = priority.lend();
         work.as_mut().poll(&mut Context::from_waker(&waker))
     })
-    .await
 }
 
 #[cfg(test)]
