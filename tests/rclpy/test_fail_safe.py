@@ -2,8 +2,9 @@
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import cycle
-from math import nan
+from math import isnan, nan, pi
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 
 import two_link
@@ -23,9 +24,13 @@ from scene_client import SceneClient
 
 HEADING = "### When the answer is UNKNOWN"
 STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
-IS_FREE = {"false": {False}, "as found": {True, False}}
+# What is said beside `~/state`, and what of it is said when nothing is known.
+BESIDE = {"is_free": Bool, "speed_scale": Float64, "distance": Float64}
+NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
+SIMULATED = {"use_sim_time": True, "stale_after": 5.0}
 HEARTBEATS = 3
 ZERO = {"joint1": 0.0, "joint2": 0.0}
+ONTO = {"joint1": 0.0, "joint2": pi}
 
 
 @dataclass(frozen=True)
@@ -57,23 +62,36 @@ def table():
 class Situation:
     """What a scenario needs, and what it left behind."""
 
-    def __init__(self, peer, start, tmp_path):
+    def __init__(self, peer, start, tmp_path, pose=ZERO):
         self.peer = peer
         self.tmp_path = tmp_path
+        self.pose = pose
         self._start = start
         self.cell = None
-        self.after = None  # how a condition ends that ends by itself: its heartbeats can not be counted
+        self.beside = {}  # recorders by topic
+        self.ends = None  # waits for the end of a condition that ends by itself: its heartbeats can not be counted
 
-    def start(self, **options):
-        self.cell = self._start(**options)
+    def start(self, *arguments, **options):
+        self.cell = self._start(*arguments, **options)
+        self.beside = {name: self.peer.record(kind, self.cell.node.private(name)) for name, kind in BESIDE.items()}
         return self.cell
+
+    def is_judged(self):
+        status = CollisionState.FREE if self.pose is ZERO else CollisionState.COLLIDING
+        assert self.cell.judged(**self.pose).status == status
 
     def judging(self, **parameters):
         """A node that has judged the robot once, and hears nothing any more."""
         cell = self.start(parameters=parameters)
-        assert cell.judged(**ZERO).status == CollisionState.FREE
+        self.is_judged()
         cell.driver.pause()
         return cell
+
+    def heartbeats(self):
+        """Those that come next."""
+        seen = len(self.cell.states.messages)
+        self.peer.wait_for(lambda: len(self.cell.states.messages) >= seen + HEARTBEATS, "heartbeats")
+        return self.cell.states.messages[-HEARTBEATS:]
 
     def until(self, word, again):
         """Does something again and again until a state has this reason or warning: a datagram may be lost."""
@@ -93,10 +111,23 @@ class Situation:
     def describe(self, text, topic):
         return self.peer.latch(String(data=text), topic)
 
+    @cached_property
+    def _stranger(self):
+        return self.peer.node.create_publisher(JointState, self.cell.node.relative("joint_states"), 10)
+
+    def tell(self, names, positions, stamp=None):
+        """A joint state of any form, from another publisher than the driver."""
+        message = JointState(name=names, position=positions)
+        message.header.stamp = (stamp or self.peer.now()).to_msg()
+        self._stranger.publish(message)
+
+    @cached_property
+    def clock(self):
+        return self.peer.node.create_publisher(Clock, "/clock", 10)
+
     def simulated(self):
         """A node in simulated time, 100 s after its beginning, that has judged the robot once."""
-        cell = self.start(parameters={"use_sim_time": True, "stale_after": 5.0}, driving=False)
-        self.clock = self.peer.node.create_publisher(Clock, "/clock", 10)
+        cell = self.start(parameters=SIMULATED, driving=False)
 
         def go_on():
             self.tick(100)
@@ -125,8 +156,8 @@ def no_model(s):
     s.start(urdf=None)
 
 
-def model_swap(s):
-    """A description of which the mesh takes long to read."""
+def heavy_description(s):
+    """Of which the mesh takes long to read; a node finds it under the folder of the test."""
     folder = s.tmp_path / "heavy_description"
     folder.mkdir()
     (folder / "package.xml").write_text("<package/>")
@@ -135,16 +166,29 @@ def model_swap(s):
     triangles["corners"] = noise.uniform(-0.2, 0.2, (len(triangles), 1, 3)) + noise.normal(0, 0.002, (len(triangles), 3, 3))
     header = b" " * 80 + np.uint32(len(triangles)).tobytes()
     (folder / "heavy.stl").write_bytes(header + triangles.tobytes())
-    heavy = two_link.description().replace(
+    return two_link.description().replace(
         '<box size="0.4 0.4 0.4"/>', '<mesh filename="package://heavy_description/heavy.stl"/>'
     )
+
+
+def swapping(s, driving):
+    """Gives what swaps the model of a node that has one."""
     publisher = s.describe(two_link.description(), "/swap/robot_description")
-    cell = s._start("--package-path", s.tmp_path, urdf=None, namespace="/swap")
-    s.cell = cell
+    cell = s.start("--package-path", s.tmp_path, urdf=None, namespace="/swap", driving=driving)
     cell.has_model()
-    assert cell.judged(**ZERO).status == CollisionState.FREE
-    publisher.publish(String(data=heavy))
-    s.after = lambda: s.peer.wait_for(lambda: cell.states.messages[-1].model_revision == 2, "the other model", 100.0)
+    heavy = String(data=heavy_description(s))
+    s.ends = lambda: s.peer.wait_for(lambda: cell.states.messages[-1].model_revision == 2, "the other model", 100.0)
+    return lambda: publisher.publish(heavy)
+
+
+def model_swap(s):
+    swap = swapping(s, driving=True)
+    s.is_judged()
+    s.beside["is_free"].wait_for(lambda said: said.data, "free")
+    heard = {name: len(topic.messages) for name, topic in s.beside.items()}
+    swap()
+    for name, is_nothing in NOTHING_KNOWN.items():
+        s.beside[name].wait_for(lambda said, is_nothing=is_nothing: is_nothing(said.data), "nothing known", heard[name])
 
 
 def no_joint_state(s):
@@ -190,15 +234,8 @@ def out_of_order(s):
 
 
 def malformed(s):
-    cell = s.judging()
-    publisher = s.peer.node.create_publisher(JointState, cell.node.relative("joint_states"), 10)
-
-    def publish():
-        message = JointState(name=["joint1", "joint2", "joint1"], position=[0.0, 0.0, 0.0])
-        message.header.stamp = s.peer.now().to_msg()
-        publisher.publish(message)
-
-    s.until("malformed", publish)
+    s.judging()
+    s.until("malformed", lambda: s.tell(["joint1", "joint2", "joint1"], [0.0, 0.0, 0.0]))
 
 
 def non_finite(s):
@@ -211,9 +248,14 @@ def partial(s):
     s.until("partial", lambda: cell.driver.publish({"joint1": 0.0}))
 
 
+def drives(s):
+    """A robot of which tf has to tell where it is."""
+    return s.start(urdf="tests/rclpy/rover.urdf", parameters={"transform_joints": ["drive"]}, driving=False)
+
+
 def no_transform(s):
-    cell = s.start(urdf="tests/rclpy/rover.urdf", parameters={"transform_joints": ["drive"]})
-    cell.driver.report(lift=0.0)
+    driver = drives(s).driver
+    s.until("no_transform", lambda: driver.publish({"lift": 0.0}))
 
 
 def stale_world(s):
@@ -239,45 +281,42 @@ def deadline(s):
 
 def unknown_joint(s):
     s.judging()
-    s.until("'gripper'", lambda: s.cell.driver.publish(ZERO | {"gripper": 0.3}))
+    s.until("'gripper'", lambda: s.cell.driver.publish(s.pose | {"gripper": 0.3}))
 
 
 def outside_limits(s):
     s.judging()
-    s.until("limits", lambda: s.cell.driver.publish({"joint1": 4.0, "joint2": 0.0}))
+    s.until("limits", lambda: s.cell.driver.publish(s.pose | {"joint1": 4.0}))
 
 
 def mimic(s):
     s.describe(two_link.description_with_follower(), "/mimic/robot_description")
     cell = s.start(urdf=None, namespace="/mimic")
     cell.has_model()
-    cell.driver.report(**ZERO, follower=0.5)
+    cell.driver.report(**s.pose, follower=0.5)
 
 
 def contradiction(s):
     cell = s.judging()
-    other = s.peer.node.create_publisher(JointState, cell.node.relative("joint_states"), 10)
 
     def publish():
         stamp = s.peer.now()
-        cell.driver.publish(ZERO, stamp)
-        message = JointState(name=list(ZERO), position=[0.0, 0.5])
-        message.header.stamp = stamp.to_msg()
-        other.publish(message)
+        cell.driver.publish(s.pose, stamp)
+        s.tell(list(s.pose), [s.pose["joint1"], s.pose["joint2"] - 0.1], stamp)
 
     s.until("two publishers", publish)
 
 
 def no_stamp(s):
     s.judging()
-    s.until("no stamp", lambda: s.cell.driver.publish(ZERO, Time()))
+    s.until("no stamp", lambda: s.cell.driver.publish(s.pose, Time()))
 
 
 def refused_description(s):
     publisher = s.describe(two_link.description(), "/refused/robot_description")
     cell = s.start(urdf=None, namespace="/refused")
     cell.has_model()
-    assert cell.judged(**ZERO).status == CollisionState.FREE
+    s.is_judged()
     publisher.publish(String(data="<robot"))
 
 
@@ -313,23 +352,34 @@ def test_every_line_has_a_scenario():
     assert [line.condition for line in table()] == list(SCENARIOS)
 
 
-@pytest.mark.parametrize("line", table(), ids=lambda line: SCENARIOS[line.condition].__name__)
-def test_the_line_holds(line, peer, start, tmp_path):
-    situation = Situation(peer, start, tmp_path)
-    SCENARIOS[line.condition](situation)
-    states, node = situation.cell.states, situation.cell.node
-    is_free = peer.record(Bool, node.private("is_free"))
+# What does not prevent a judgement is brought about in a free pose, and in one that collides.
+POSES = {"UNKNOWN": {"": ZERO}, "as found": {"": ZERO, "_colliding": ONTO}}
+CASES = {
+    SCENARIOS[line.condition].__name__ + suffix: (line, pose)
+    for line in table()
+    for suffix, pose in POSES[line.status].items()
+}
 
-    states.wait_for(line.holds, f"what the table says of '{line.condition}'")
-    if situation.after:
-        situation.after()
+
+@pytest.mark.parametrize(("line", "pose"), CASES.values(), ids=CASES)
+def test_the_line_holds(line, pose, peer, start, tmp_path):
+    situation = Situation(peer, start, tmp_path, pose)
+    SCENARIOS[line.condition](situation)
+    situation.cell.states.wait_for(line.holds, f"what the table says of '{line.condition}'")
+    if situation.ends:
+        situation.ends()
         return
-    seen = len(states.messages)
-    peer.wait_for(lambda: len(states.messages) >= seen + HEARTBEATS, "heartbeats")
     # The driver may still report what was asked of it before.
-    assert all(line.holds(state) for state in states.messages[-HEARTBEATS:]), states.messages[-HEARTBEATS:]
-    assert is_free.next().data in IS_FREE[line.is_free]
-    assert not any(state.distance_known for state in states.messages[-HEARTBEATS:] if line.status == "UNKNOWN")
+    heartbeats = situation.heartbeats()
+    assert all(line.holds(state) for state in heartbeats), heartbeats
+    # The status stays: what comes next without a stamp is of such a judgement too.
+    (status,) = {state.status for state in heartbeats}
+    said = {name: topic.next().data for name, topic in situation.beside.items()}
+    assert said["is_free"] == (status == CollisionState.FREE)
+    assert line.is_free in ("as found", str(said["is_free"]).lower())
+    if status == CollisionState.UNKNOWN:
+        assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
+        assert not any(state.distance_known for state in heartbeats)
 
 
 def test_what_is_enabled_again_is_judged_at_once(peer, start, tmp_path):
