@@ -12,11 +12,12 @@ from clearance_msgs.msg import CollisionState
 from rclpy.duration import Duration
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, PointCloud2
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 
 import two_link
+from clouds import cloud
 from localization import Localization
 from node_process import ROOT
 from scene import ball
@@ -29,6 +30,7 @@ BESIDE = {"is_free": Bool, "speed_scale": Float64, "distance": Float64}
 NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
 SIMULATED = {"use_sim_time": True, "stale_after": 5.0}
 HEARTBEATS = 3
+LONG = Duration(seconds=7200)  # more than stale_after
 ZERO = {"joint1": 0.0, "joint2": 0.0}
 ONTO = {"joint1": 0.0, "joint2": pi}
 
@@ -225,7 +227,7 @@ def clock_leap(s):
 
 def future_stamp(s):
     cell = s.judging()
-    s.until("future_stamp", lambda: cell.driver.publish(ZERO, s.peer.now() + Duration(seconds=7200)))
+    s.until("future_stamp", lambda: cell.driver.publish(ZERO, s.peer.now() + LONG))
 
 
 def out_of_order(s):
@@ -380,6 +382,148 @@ def test_the_line_holds(line, pose, peer, start, tmp_path):
     if status == CollisionState.UNKNOWN:
         assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
         assert not any(state.distance_known for state in heartbeats)
+
+
+# Two faults at once, by the codes of neighbouring lines: brings both about, and after the `yield` takes the first one away.
+
+
+def disabled_and_no_model(s):
+    s.start(urdf=None)
+    assert s.enable(False).success
+    yield
+    assert s.enable(True).success
+
+
+def no_model_and_no_joint_state(s):
+    s.start(urdf=None, namespace="/undescribed", driving=False)
+    yield
+    s.describe(two_link.description(), "/undescribed/robot_description")
+
+
+def model_swap_and_no_joint_state(s):
+    swap = swapping(s, driving=False)
+    swap()
+    yield
+    s.ends()
+
+
+def no_joint_state_and_no_clock(s):
+    s.start(parameters=SIMULATED, driving=False)
+    yield
+    s.cell.driver.resume()
+
+
+def no_clock_and_stale(s):
+    s.start(parameters=SIMULATED, driving=False)
+    s.until("no_clock", lambda: s.cell.driver.publish(ZERO, Time(seconds=100)))
+    yield
+    s.until("stale", lambda: s.tick(200))
+
+
+def stale_and_future_stamp(s):
+    driver = s.judging().driver
+    s.until("future_stamp", lambda: driver.publish({"joint1": 0.0}, s.peer.now() + LONG))
+    s.until("stale", lambda: driver.publish({"joint2": 0.0}, s.peer.now() - LONG))
+    yield
+    s.until("future_stamp", lambda: driver.publish({"joint2": 0.0}))
+
+
+def future_stamp_and_out_of_order(s):
+    driver = s.judging().driver
+    s.until("out_of_order", lambda: driver.publish(ZERO, s.peer.now() - Duration(seconds=60)))
+    s.until("future_stamp", lambda: driver.publish({"joint1": 0.0}, s.peer.now() + LONG))
+    yield
+    s.until("out_of_order", lambda: driver.publish({"joint1": 0.0}))
+
+
+def out_of_order_and_malformed(s):
+    s.start(driving=False)
+    s.until("", lambda: s.tell(list(ZERO), [0.0, 0.0]))
+    s.until("out_of_order", lambda: s.tell(list(ZERO), [0.0], s.peer.now() - Duration(seconds=60)))
+    yield
+    s.until("malformed", lambda: s.tell(list(ZERO), [0.0]))
+
+
+def malformed_and_non_finite(s):
+    s.judging()
+    s.until("malformed", lambda: s.tell(["joint2", "joint1", "joint1"], [nan, 0.0, 0.0]))
+    yield
+    s.until("non_finite", lambda: s.tell(["joint2", "joint1"], [nan, 0.0]))
+
+
+def malformed_and_later_non_finite(s):
+    """In messages of two publishers."""
+    driver = s.judging().driver
+
+    def publish(of_joint1):
+        s.tell(of_joint1, [0.0] * len(of_joint1))
+        driver.publish({"joint2": nan})
+
+    s.until("malformed", lambda: publish(["joint1", "joint1"]))
+    yield
+    s.until("non_finite", lambda: publish(["joint1"]))
+
+
+def non_finite_and_no_transform(s):
+    driver = drives(s).driver
+    s.until("non_finite", lambda: driver.publish({"lift": nan}))
+    yield
+    s.until("no_transform", lambda: driver.publish({"lift": 0.0}))
+
+
+def no_transform_and_partial(s):
+    driver = drives(s).driver
+    s.until("no_transform", lambda: driver.publish({"gripper": 0.0}))
+    yield
+    Localization(s.cell)
+
+
+def partial_and_stale_world(s):
+    driver = s.start(parameters={"point_cloud_topics": ["points"]}, driving=False).driver
+    s.until("partial", lambda: driver.publish({"joint1": 0.0}))
+    yield
+    s.until("stale_world", lambda: driver.publish(ZERO))
+
+
+def stale_world_and_deadline(s):
+    s.start(parameters={"point_cloud_topics": ["points"], "check_deadline": 1e-9})
+    yield
+    sensor = s.peer.node.create_publisher(PointCloud2, s.cell.node.relative("points"), 10)
+    s.until("deadline", lambda: sensor.publish(cloud([[5.0, 5.0, 5.0]], stamp=s.peer.now())))
+
+
+TWO_FAULTS = [
+    ("disabled", "no_model", disabled_and_no_model),
+    ("no_model", "no_joint_state", no_model_and_no_joint_state),
+    ("model_swap", "no_joint_state", model_swap_and_no_joint_state),
+    ("no_joint_state", "no_clock", no_joint_state_and_no_clock),
+    ("no_clock", "stale", no_clock_and_stale),
+    ("stale", "future_stamp", stale_and_future_stamp),
+    ("future_stamp", "out_of_order", future_stamp_and_out_of_order),
+    ("out_of_order", "malformed", out_of_order_and_malformed),
+    ("malformed", "non_finite", malformed_and_non_finite),
+    ("malformed", "non_finite", malformed_and_later_non_finite),
+    ("non_finite", "no_transform", non_finite_and_no_transform),
+    ("no_transform", "partial", no_transform_and_partial),
+    ("partial", "stale_world", partial_and_stale_world),
+    ("stale_world", "deadline", stale_world_and_deadline),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "scenario"), TWO_FAULTS, ids=[case[2].__name__ for case in TWO_FAULTS])
+def test_of_two_faults_the_line_that_stands_first_decides(first, second, scenario, peer, start, tmp_path):
+    codes = [line.reason_code for line in table()]
+    assert codes.index(first) < codes.index(second)
+    situation = Situation(peer, start, tmp_path)
+    steps = scenario(situation)
+    next(steps)
+    cell = situation.cell
+    cell.unknown(first)
+    if not situation.ends:
+        assert {state.reason_code for state in situation.heartbeats()} == {first}
+    seen = len(cell.states.messages)
+    next(steps, None)
+    cell.unknown(second, after=seen)
 
 
 def test_what_is_enabled_again_is_judged_at_once(peer, start, tmp_path):
