@@ -5,10 +5,13 @@
     ros2 launch clearance clearance.launch.py namespace:=left joint_states:=/left/joint_states
     ros2 launch clearance clearance.launch.py urdf:=ur5e.urdf rviz:=true view:=true   and RViz, and a live view for web browsers
 
+In a namespace, too, transforms come on /tf and /tf_static, where robot_state_publisher and tf2 publish them. Where the namespace has transforms of
+its own, as with Nav2: tf:=tf tf_static:=tf_static.
+
 Without an installed package, by path: ros2 launch launch_scripts/clearance.launch.py executable:=target/release/clearance
 """
 
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 from launch import LaunchDescription
@@ -17,6 +20,8 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 RVIZ_CONFIG = Path(__file__).resolve().with_name("clearance.rviz")
+
+TRANSFORMS = ("tf", "tf_static")
 
 # What the RViz configuration listens to, named as without a namespace.
 SHOWN = ("clearance/markers", "clearance/link_volumes", "clearance/swept_volume", "monitored_planning_scene", "robot_description")
@@ -30,6 +35,8 @@ ARGUMENTS = {
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
     "record": ("", "an MCAP file to record inputs and answers to"),
     "joint_states": ("joint_states", "the topic with the joint states"),
+    "tf": ("/tf", "the topic with the transforms"),
+    "tf_static": ("/tf_static", "the topic with the transforms that never change"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
@@ -51,13 +58,15 @@ def root_link(urdf):
 
 def rviz(given):
     namespace = given["namespace"].strip("/")
+    topics = {name: name for name in SHOWN} | {name: given[name] for name in TRANSFORMS}
+    absolute = {f"/{name}": str(PurePosixPath("/", namespace, topic)) for name, topic in topics.items()}
     frame = given["fixed_frame"] or (root_link(given["urdf"]) if given["urdf"] else "base_link")
     return Node(
         package="rviz2",
         executable="rviz2",
         arguments=["-d", str(RVIZ_CONFIG), "-f", frame],
         parameters=[{"use_sim_time": is_true(given["use_sim_time"])}],
-        remappings=[(f"/{topic}", f"/{namespace}/{topic}") for topic in SHOWN] if namespace else [],
+        remappings=[(name, topic) for name, topic in absolute.items() if topic != name],
     )
 
 
@@ -82,7 +91,7 @@ def start(context):
         namespace=given["namespace"],
         arguments=["node", *arguments],
         parameters=files + ([{"use_sim_time": is_true(given["use_sim_time"])}] if given["use_sim_time"] else []),
-        remappings=[("joint_states", given["joint_states"])],
+        remappings=[(name, given[name]) for name in ("joint_states", *TRANSFORMS)],
         output="screen",
     )
     return [node, rviz(given)] if is_true(given["rviz"]) else [node]

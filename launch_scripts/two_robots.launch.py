@@ -4,9 +4,10 @@
     ros2 launch clearance two_robots.launch.py left_urdf:=ur5e.urdf right_urdf:=ur10e.urdf left_world:=cell.yaml
     ros2 launch clearance two_robots.launch.py left:=picker right:=packer other namespaces
 
-Each node listens to joint_states, robot_description and the topics about the world in its own namespace, and says /left/clearance/state
-and /right/clearance/state. The robots do not see each other: where their spaces overlap, describe both in one URDF, with prefixed names,
-and start one node (clearance.launch.py) for both; their drivers may share the topic joint_states.
+Each node listens to joint_states, robot_description and the topics about the world in its own namespace, and to all transforms on /tf
+and /tf_static, where links of the same name have to be told apart (frame_prefix of robot_state_publisher, link_prefix of the node). They say
+/left/clearance/state and /right/clearance/state. The robots do not see each other: where their spaces overlap, describe both in one URDF, with
+prefixed names, and start one node (clearance.launch.py) for both; their drivers may share the topic joint_states.
 """
 
 from pathlib import Path
@@ -26,6 +27,8 @@ OF_EACH = {
     "_world": ("", "obstacles in the {side} robot's root frame, as for clearance.launch.py"),
 }
 OF_BOTH = {
+    "tf": ("/tf", "the topic with the transforms; tf: one in each namespace"),
+    "tf_static": ("/tf_static", "the topic with the transforms that never change; tf_static: one in each namespace"),
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml; /left/clearance and /right/clearance may have sections of their own"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),

@@ -5,13 +5,16 @@ from contextlib import contextmanager
 
 import pytest
 from clearance_msgs.msg import CollisionState
+from geometry_msgs.msg import TransformStamped
 from moveit_msgs.msg import CollisionObject, PlanningScene, PlanningSceneWorld
 from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
 
 import scene as scenes
 import two_link
 from launching import FILES, LaunchFile
 from node_process import ROOT, environment_of_node
+from peer import LATCHED
 
 
 @contextmanager
@@ -71,6 +74,44 @@ def test_rviz_shows_what_the_node_of_a_namespace_says():
     (_, rviz) = LaunchFile("clearance.launch.py").nodes(rviz="true", fixed_frame="map")
     assert rviz.arguments[-2:] == ["-f", "map"]
     assert rviz.remappings == []
+    (_, rviz) = LaunchFile("clearance.launch.py").nodes(rviz="true", namespace="left", tf="tf", tf_static="/cell/tf_static")
+    assert {("/tf", "/left/tf"), ("/tf_static", "/cell/tf_static")} <= set(rviz.remappings)
+
+
+def transform(child):
+    """A frame where the ball of the tip is, with both joints at zero."""
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id = "base"
+    message.transform.translation.x = 2.0
+    message.transform.rotation.w = 1.0
+    return TFMessage(transforms=[message])
+
+
+# Where the transforms of a namespace are, and how that is asked for.
+TRANSFORMS = {"/": {}, "/left/": {"tf": "tf", "tf_static": "tf_static"}}
+
+
+@pytest.mark.parametrize("where", TRANSFORMS)
+@pytest.mark.parametrize("name", ["clearance.launch.py", "two_robots.launch.py"])
+def test_in_a_namespace_transforms_are_heard_where_they_are_published(peer, domain_id, tmp_path, name, where):
+    robots = {"clearance.launch.py": {"urdf": two_link.URDF, "namespace": "left"}, "two_robots.launch.py": {"left_urdf": two_link.URDF}}
+    command = LaunchFile(name).commands(tmp_path, **robots[name], **TRANSFORMS[where])[0]
+    two_link.Driver(peer, "/left/joint_states")
+    states = peer.record(CollisionState, "/left/clearance/state")
+    objects = peer.node.create_publisher(CollisionObject, "/left/collision_object", 10)
+    moving = peer.node.create_publisher(TFMessage, f"{where}tf", 10)
+    fixed = peer.node.create_publisher(TFMessage, f"{where}tf_static", LATCHED)
+    fixed.publish(transform("table"))
+
+    def touching():
+        moving.publish(transform("cart"))
+        for frame in ("table", "cart"):
+            objects.publish(scenes.ball(f"on_{frame}", 0, frame=frame))
+        bodies = {body for state in states.messages[-1:] for pair in state.colliding_pairs for body in (pair.body_a, pair.body_b)}
+        return {"on_table", "on_cart"} <= bodies
+
+    with started(command, domain_id):
+        peer.wait_for(touching, "both balls at the tip")
 
 
 def test_two_robots(peer, domain_id, tmp_path):
