@@ -39,6 +39,7 @@ ARGUMENTS = {
     "tf_static": ("/tf_static", "the topic with the transforms that never change"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
+    "demo_motion": ("false", "whether the node publishes a slow motion of every joint itself; never beside a real driver"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz; it shows the robot beside a robot_state_publisher"),
     "fixed_frame": ("", "the fixed frame of RViz; without it the root link of the URDF, or base_link"),
@@ -80,6 +81,8 @@ def start(context):
         "--record": "record",
     }
     arguments = [word for flag, name in options.items() if given[name] for word in (flag, given[name])]
+    if is_true(given["demo_motion"]):
+        arguments.append("--demo-motion")
     view = given["view"]
     if view and view.lower() != "false":
         arguments += ["--view"] if is_true(view) else ["--view", view]

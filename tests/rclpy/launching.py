@@ -11,6 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from unittest.mock import patch
 
+import yaml
+
 from node_process import BINARY, ROOT, yaml_text
 
 
@@ -46,6 +48,12 @@ class Substitution:
 
 
 @dataclass
+class ParameterValue:
+    value: str
+    value_type: type
+
+
+@dataclass
 class Node:
     executable: str
     package: str = None
@@ -55,6 +63,11 @@ class Node:
     parameters: list = field(default_factory=list)
     remappings: list = field(default_factory=list)
     output: str = "log"
+
+    def __post_init__(self):
+        """A parameter is read as YAML, if nobody says that it is a text."""
+        values = [value for given in self.parameters if isinstance(given, dict) for value in given.values()]
+        assert all(yaml.safe_load(value) for value in values if isinstance(value, str))
 
     def ros_arguments(self, folder):
         """What follows --ros-args."""
@@ -83,13 +96,16 @@ def _modules():
     launch, actions, sources, substitutions = (
         ModuleType(f"launch{part}") for part in ("", ".actions", ".launch_description_sources", ".substitutions")
     )
-    launch_ros, ros_actions = ModuleType("launch_ros"), ModuleType("launch_ros.actions")
+    launch_ros, ros_actions, descriptions = (
+        ModuleType(f"launch_ros{part}") for part in ("", ".actions", ".parameter_descriptions")
+    )
     launch.LaunchDescription = list
     actions.DeclareLaunchArgument, actions.OpaqueFunction = Argument, OpaqueFunction
     actions.IncludeLaunchDescription, sources.PythonLaunchDescriptionSource = Include, str
     substitutions.LaunchConfiguration = Substitution
-    ros_actions.Node = Node
-    return {module.__name__: module for module in (launch, actions, sources, substitutions, launch_ros, ros_actions)}
+    ros_actions.Node, descriptions.ParameterValue = Node, ParameterValue
+    modules = launch, actions, sources, substitutions, launch_ros, ros_actions, descriptions
+    return {module.__name__: module for module in modules}
 
 
 FILES = sorted(path.name for path in (ROOT / "launch_scripts").glob("*.launch.py"))

@@ -135,6 +135,15 @@ def test_the_demo(peer, domain_id, tmp_path):
         states.wait_for(lambda state: state.status != CollisionState.UNKNOWN, "a judgement")
 
 
+def test_the_demo_of_any_robot():
+    given = {"urdf": "tests/rclpy/rover.urdf", "srdf": "rover.srdf", "package_path": "packages", "world": "hall.yaml"}
+    ours, rviz, show = LaunchFile("demo.launch.py").nodes(rviz="true", **given)
+    options = [word for name, value in given.items() for word in (f"--{name.replace('_', '-')}", value)]
+    assert ours.arguments == ["node", *options, "--demo-motion"]
+    assert rviz.arguments[-2:] == ["-f", "odom"]
+    assert show.executable == "robot_state_publisher"
+
+
 def test_beside_moveit(peer, domain_id, tmp_path):
     command = LaunchFile("moveit.launch.py").command(tmp_path)
     two_link.Driver(peer, "/joint_states")
