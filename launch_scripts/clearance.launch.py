@@ -40,6 +40,7 @@ ARGUMENTS = {
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
     "executable": ("", "the program, if it is not that of the installed package"),
     "demo_motion": ("false", "whether the node publishes a slow motion of every joint itself; never beside a real driver"),
+    "respawn": ("false", "whether the node is started again when it ends; it has only the obstacles of its files then"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz; it shows the robot beside a robot_state_publisher"),
     "fixed_frame": ("", "the fixed frame of RViz; without it the root link of the URDF, or base_link"),
@@ -96,6 +97,8 @@ def start(context):
         parameters=files + ([{"use_sim_time": is_true(given["use_sim_time"])}] if given["use_sim_time"] else []),
         remappings=[(name, given[name]) for name in ("joint_states", *TRANSFORMS)],
         output="screen",
+        respawn=is_true(given["respawn"]),
+        respawn_delay=2.0,
     )
     return [node, rviz(given)] if is_true(given["rviz"]) else [node]
 

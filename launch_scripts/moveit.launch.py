@@ -22,6 +22,7 @@ ARGUMENTS = {
     "package_path": ("", "where package://NAME/path is looked up, if not in the sourced workspaces"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
+    "respawn": ("false", "whether the node is started again when it ends; it knows nothing of the scene that move_group told before"),
     "executable": ("", "the program, if it is not that of the installed package"),
 }
 
@@ -50,6 +51,8 @@ def start(context):
                 *own,
             ],
             output="screen",
+            respawn=given["respawn"].lower() == "true",
+            respawn_delay=2.0,
         )
     ]
 

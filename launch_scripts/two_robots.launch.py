@@ -32,6 +32,7 @@ OF_BOTH = {
     "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml; /left/clearance and /right/clearance may have sections of their own"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
+    "respawn": ("false", "whether a node is started again when it ends; it has only the obstacles of its files then"),
     "executable": ("", "the program, if it is not that of the installed package"),
 }
 

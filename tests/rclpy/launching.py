@@ -63,6 +63,8 @@ class Node:
     parameters: list = field(default_factory=list)
     remappings: list = field(default_factory=list)
     output: str = "log"
+    respawn: bool = False
+    respawn_delay: float = 0.0  # [s]
 
     def __post_init__(self):
         """A parameter is read as YAML, if nobody says that it is a text."""

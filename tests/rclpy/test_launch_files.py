@@ -114,6 +114,13 @@ def test_in_a_namespace_transforms_are_heard_where_they_are_published(peer, doma
         peer.wait_for(touching, "both balls at the tip")
 
 
+@pytest.mark.parametrize("name", [name for name in FILES if name != "demo.launch.py"])
+def test_a_node_that_ends_is_started_again_on_request(name):
+    file = LaunchFile(name)
+    assert not any(node.respawn for node in file.nodes())
+    assert all(node.respawn and node.respawn_delay > 0 for node in file.nodes(respawn="true"))
+
+
 def test_two_robots(peer, domain_id, tmp_path):
     world = tmp_path / "right.yaml"
     world.write_text("collision_objects: [{id: ball, pose: {position: [2, 0, 0]}, primitives: [{type: sphere, dimensions: [0.1]}]}]")
