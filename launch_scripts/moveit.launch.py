@@ -5,8 +5,12 @@
 
 Robot and SRDF come on robot_description and robot_description_semantic: start move_group with
 publish_robot_description and publish_robot_description_semantic. Its scene comes on monitored_planning_scene, which the
-node hears as planning_scene: start the node first, for move_group tells the whole scene only once. The node's own scene
-services stand in its own namespace: MoveIt's keep their names.
+node hears as planning_scene: start the node first, for move_group tells the whole scene only once.
+
+That is all that the node hears of the scene. What applications send to MoveIt (collision_object, attached_collision_object, planning_scene_world) it
+would hear twice otherwise, in an order that nobody knows, and also what move_group refuses: an object could stay that MoveIt has removed. The
+scene's octomap would be replaced by that of octomap_binary. So these topics, and the node's own scene services, stand in its own namespace: MoveIt's keep
+their names, and whoever wants to tell the node alone says /clearance/collision_object.
 """
 
 from launch import LaunchDescription
@@ -28,6 +32,8 @@ ARGUMENTS = {
 
 # Where MoveIt has names of its own, those of this node are moved into its own namespace.
 SERVICES = ["get_planning_scene", "apply_planning_scene", "clear_octomap", "check_state_validity"]
+HEARD = ["planning_scene_world", "collision_object", "attached_collision_object", "octomap_binary", "octomap_full"]
+SAID = ["monitored_planning_scene"]
 
 
 def start(context):
@@ -35,7 +41,7 @@ def start(context):
     path = ["--package-path", given["package_path"]] if given["package_path"] else []
     files = [given["params_file"]] if given["params_file"] else []
     simulated = [{"use_sim_time": given["use_sim_time"].lower() == "true"}] if given["use_sim_time"] else []
-    own = [(name, f"/clearance/{name}") for name in [*SERVICES, "monitored_planning_scene"]]
+    own = [(name, f"/clearance/{name}") for name in SERVICES + HEARD + SAID]
     return [
         Node(
             package=None if given["executable"] else "clearance",

@@ -168,6 +168,10 @@ def test_beside_moveit(peer, domain_id, tmp_path):
         assert "ball" in (state.colliding_pairs[0].body_a, state.colliding_pairs[0].body_b)
         names = dict(peer.node.get_service_names_and_types())
         assert "/clearance/get_planning_scene" in names and "/get_planning_scene" not in names
+        # what is said to MoveIt comes by its scene alone
+        for name in ("collision_object", "attached_collision_object", "planning_scene_world", "octomap_binary", "octomap_full"):
+            peer.wait_for(lambda name=name: peer.node.count_subscribers(f"/clearance/{name}"), f"/clearance/{name}")
+            assert peer.node.count_subscribers(f"/{name}") == 0
 
 
 def test_the_service_of_systemd_is_one(tmp_path):
