@@ -6,7 +6,6 @@ from functools import cached_property
 from itertools import cycle
 from math import isnan, nan, pi
 
-import numpy as np
 import pytest
 from clearance_msgs.msg import CollisionState
 from rclpy.duration import Duration
@@ -158,27 +157,12 @@ def no_model(s):
     s.start(urdf=None)
 
 
-def heavy_description(s):
-    """Of which the mesh takes long to read; a node finds it under the folder of the test."""
-    folder = s.tmp_path / "heavy_description"
-    folder.mkdir()
-    (folder / "package.xml").write_text("<package/>")
-    triangles = np.zeros(300, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    noise = np.random.default_rng(1)
-    triangles["corners"] = noise.uniform(-0.2, 0.2, (len(triangles), 1, 3)) + noise.normal(0, 0.002, (len(triangles), 3, 3))
-    header = b" " * 80 + np.uint32(len(triangles)).tobytes()
-    (folder / "heavy.stl").write_bytes(header + triangles.tobytes())
-    return two_link.description().replace(
-        '<box size="0.4 0.4 0.4"/>', '<mesh filename="package://heavy_description/heavy.stl"/>'
-    )
-
-
 def swapping(s, driving):
     """Gives what swaps the model of a node that has one."""
     publisher = s.describe(two_link.description(), "/swap/robot_description")
     cell = s.start("--package-path", s.tmp_path, urdf=None, namespace="/swap", driving=driving)
     cell.has_model()
-    heavy = String(data=heavy_description(s))
+    heavy = String(data=two_link.description_with_fine_base(s.tmp_path))
     s.ends = lambda: s.peer.wait_for(lambda: cell.states.messages[-1].model_revision == 2, "the other model", 100.0)
     return lambda: publisher.publish(heavy)
 

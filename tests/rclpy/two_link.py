@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import asin, pi, sqrt
 from pathlib import Path
 
+import numpy as np
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
@@ -23,6 +24,19 @@ def description_with_cube(side):
     changed = description().replace('<box size="0.4 0.4 0.4"/>', f'<box size="{side} {side} {side}"/>')
     assert changed != description()
     return changed
+
+
+def description_with_fine_base(folder):
+    """The same robot with a base of so many triangles that it takes long to read; --package-path of a node is this folder."""
+    package = folder / "fine_description"
+    package.mkdir()
+    (package / "package.xml").write_text("<package/>")
+    triangles = np.zeros(30_000, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    noise = np.random.default_rng(1)
+    triangles["corners"] = noise.uniform(-0.2, 0.2, (len(triangles), 1, 3)) + noise.normal(0, 0.002, (len(triangles), 3, 3))
+    header = b" " * 80 + np.uint32(len(triangles)).tobytes()
+    (package / "base.stl").write_bytes(header + triangles.tobytes())
+    return description().replace('<box size="0.4 0.4 0.4"/>', '<mesh filename="package://fine_description/base.stl"/>')
 
 
 def description_with_follower():
