@@ -3,19 +3,35 @@
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
 """
 
-from math import nan, pi
+from math import cos, nan, pi, sin
 
 import pytest
 from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckStates
 from moveit_msgs.msg import Constraints, ContactInformation, JointConstraint, PlanningScene
-from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
-from std_msgs.msg import Bool
+from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene, GetStateValidity
+from std_msgs.msg import Bool, String
 
-from scene import attached, ball, box, cube_mesh, cylinder, detachment, diff, fine_mesh, matrix, obstacle, plane, pose, removal, xyz
+from scene import (
+    attached,
+    ball,
+    box,
+    cube_mesh,
+    cylinder,
+    detachment,
+    diff,
+    fine_mesh,
+    matrix,
+    obstacle,
+    plane,
+    pose,
+    removal,
+    sphere,
+    xyz,
+)
 from scene_client import SceneClient, distance, distances
 from states import States
-from two_link import JOINTS
+from two_link import JOINTS, description, description_with_fine_base
 
 ACCURACY = 1e-6  # [m]
 NEARBY = {"influence_distance": 0.5, "distance_limit": 3.0}
@@ -300,6 +316,39 @@ def test_a_state_that_cannot_be_judged_is_not_valid(scene, joints, named):
     scene.complaints.wait_for(named)
 
 
+@pytest.mark.parametrize(
+    ("names", "positions", "complaint"),
+    [
+        (["joint1", "joint2"], [0.0], "2 names and 1 positions"),
+        ([], [0.0, 0.0], "0 names and 2 positions"),
+        (["joint1", "joint2", "joint1"], [0.0] * 3, "joint1"),
+        (["x" * 1_000_000, "joint2"], [0.0] * 2, "xxx"),
+        ([f"stranger{i}" for i in range(100_000)], [0.0] * 100_000, "stranger0"),
+        (["joint1", "joint2"], [0.0] * 500_000, "2 names and 500000 positions"),
+    ],
+    ids=["too few", "no names", "twice", "a long name", "many names", "many positions"],
+)
+def test_a_state_of_a_wrong_form_is_not_valid(cell, scene, names, positions, complaint):
+    assert scene.validity(STRETCHED).valid
+    scene.complaints.forget()
+    request = GetStateValidity.Request()
+    request.robot_state.is_diff = True
+    request.robot_state.joint_state.name, request.robot_state.joint_state.position = names, positions
+    answer = scene.call(GetStateValidity, "check_state_validity", request)
+    assert not answer.valid
+    assert answer.contacts == []
+    assert len(scene.complaints.wait_for("check_state_validity", complaint)) < 1000
+    assert scene.validity(STRETCHED).valid
+
+
+def test_many_attached_objects_of_a_request_are_all_honoured(scene):
+    parts = [attached("tip", ball(f"part{i}", 1, 0.4, radius=0.05, frame="tip"), ["tip"]) for i in range(1000)]
+    assert scene.validity(STRETCHED, attached=parts).valid
+    answer = scene.validity(FOLDED, attached=parts)
+    assert not answer.valid
+    assert 0 < len(answer.contacts) < len(parts), "the answer does not grow with the request"
+
+
 def test_positions_outside_the_limits_are_no_contact(scene):
     """Collisions are asked for, as in MoveIt: limits are the planner's."""
     assert scene.validity({"joint1": 4.0, "joint2": 0}).valid
@@ -360,6 +409,32 @@ def test_nothing_is_valid_without_a_current_state_to_overlay(start, tmp_path):
     assert scene.validity(STRETCHED).valid
 
 
+def test_nothing_is_valid_in_a_world_that_is_not_known(start):
+    cell = start(parameters={"point_cloud_topics": ["points"]})
+    scene = SceneClient(cell)
+    cell.unknown("stale_world")
+    scene.complaints.forget()
+    assert not scene.validity(STRETCHED).valid
+    scene.complaints.wait_for("check_state_validity", "is the sensor running?")
+
+
+def test_nothing_is_valid_while_the_model_is_swapped(peer, start, tmp_path):
+    publisher = peer.latch(String(data=description()), "/swapped/robot_description")
+    cell = start("--package-path", tmp_path, urdf=None, namespace="/swapped")
+    scene = SceneClient(cell)
+    cell.has_model()
+    cell.judged(**STRETCHED)
+    assert scene.validity(STRETCHED).valid
+    publisher.publish(String(data=description_with_fine_base(tmp_path)))
+    cell.unknown("model_swap")
+    scene.complaints.forget()
+    assert not scene.validity(STRETCHED).valid
+    scene.complaints.wait_for("check_state_validity", "its model is still being built")
+    cell.has_model(2)
+    cell.judged(**STRETCHED)
+    assert scene.validity(STRETCHED).valid
+
+
 def test_the_matrix_counts(cell, scene):
     neighbours = ("base", "upper"), ("upper", "tip")
     assert not scene.validity(ON_BASE).valid
@@ -367,9 +442,35 @@ def test_the_matrix_counts(cell, scene):
     assert scene.validity(ON_BASE).valid
 
 
-def test_the_states_go_on_while_many_ask(cell, scene):
-    first = cell.states.next()
-    for _ in range(50):
-        assert scene.validity(FOLDED).valid
-    assert len(cell.states.messages) > cell.states.messages.index(first) + 1
+def test_the_states_go_on_while_many_ask_at_once(cell):
+    clients = [SceneClient(cell) for _ in range(8)]
+    for client in clients:
+        assert client.validity(FOLDED).valid
+    heard = len(cell.states.messages)
+    for turn in range(20):
+        asked = [(client.ask_validity(FOLDED if number % 2 else ON_BASE), number % 2) for number, client in enumerate(clients, turn)]
+        for answer, valid in asked:
+            assert cell.peer.result(answer).valid == valid
+    assert {state.status for state in cell.states.messages[heard:]} == {CollisionState.FREE}
     assert distance(cell.judged(**FOLDED), "base", "tip") == pytest.approx(0.2, abs=ACCURACY)
+
+
+def test_who_asks_when_too_many_wait_is_told_that_nothing_is_valid(start):
+    """With so many obstacles a request that holds something takes longer than it takes to come."""
+    cell = start()
+    scene = SceneClient(cell)
+    cell.judged(**STRETCHED)
+    ring = [pose(3 * cos(angle), 3 * sin(angle)) for angle in (2 * pi * i / 3000 for i in range(3000))]
+    assert scene.apply(diff(*(obstacle(f"ball {i}", sphere(0.1), at=at) for i, at in enumerate(ring))))
+    assert scene.validity(STRETCHED, attached=[HELD]).valid
+    scene.complaints.forget()
+    heard = len(cell.states.messages)
+    asked = [scene.ask_validity(STRETCHED, attached=[HELD]) for _ in range(150)]
+    answers = [cell.peer.result(answer) for answer in asked]
+
+    refused = [answer for answer in answers if not answer.valid]
+    assert refused and len(answers) - len(refused) >= 64
+    assert all(answer.contacts == [] for answer in refused)
+    scene.complaints.wait_for("check_state_validity", "64 requests are waiting already")
+    assert {state.status for state in cell.states.messages[heard:]} == {CollisionState.FREE}, "the monitor went on"
+    assert scene.validity(STRETCHED, attached=[HELD]).valid
