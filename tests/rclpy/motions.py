@@ -40,9 +40,12 @@ class Motions:
     def check(self, start, goal, **terms):
         return self._peer.result(self.ask(start, goal, **terms), "an answer of check_motion")
 
+    def ask_to_follow(self, trajectory, **terms):
+        """Like `follow`, but gives the future of the answer."""
+        return self._trajectories.call_async(CheckTrajectory.Request(trajectory=trajectory, **terms))
+
     def follow(self, trajectory, **terms):
-        request = CheckTrajectory.Request(trajectory=trajectory, **terms)
-        return self._peer.result(self._trajectories.call_async(request), "an answer of check_trajectory")
+        return self._peer.result(self.ask_to_follow(trajectory, **terms), "an answer of check_trajectory")
 
     def certificate(self, answer):
         """The certificate of an answer; the same is published on its topic."""

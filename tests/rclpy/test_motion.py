@@ -41,6 +41,9 @@ def trajectory(*points, joints=two_link.JOINTS):
     return message
 
 
+STRAIGHT = trajectory(((0, 0), 0), ((1, 1), 1))
+
+
 def between(start, goal, t):
     joint1, joint2 = (a + t * (b - a) for a, b in zip(start, goal, strict=True))
     return {"joint1": joint1, "joint2": joint2}
@@ -178,10 +181,21 @@ def test_without_a_joint_state_there_is_no_start(start):
 
 def test_without_a_model_there_is_an_error(start):
     cell = start(urdf=None)
-    answer = Motions(cell.peer, cell.node).check((0, 0), (1, 1))
+    motions = Motions(cell.peer, cell.node)
 
-    assert (answer.verdict, answer.reason_code, answer.model_revision) == (CheckMotion.Response.ERROR, "no_model", 0)
-    assert answer.message
+    for answer in (motions.check((0, 0), (1, 1)), motions.follow(STRAIGHT)):
+        assert (answer.verdict, answer.reason_code, answer.model_revision) == (CheckMotion.Response.ERROR, "no_model", 0)
+        assert answer.message
+
+
+def test_a_world_that_is_not_known_is_an_error(start):
+    cell = start(parameters={"point_cloud_topics": ["points"]})
+    motions = Motions(cell.peer, cell.node)
+    cell.unknown("stale_world")
+
+    for answer in (motions.check((0, 0), (1, 1)), motions.check((), (1, 1)), motions.follow(STRAIGHT)):
+        assert (answer.verdict, answer.reason_code, answer.t_free) == (CheckMotion.Response.ERROR, "stale_world", 0)
+        assert "is the sensor running?" in answer.message
 
 
 @pytest.mark.parametrize(
@@ -198,7 +212,10 @@ def test_without_a_model_there_is_an_error(start):
         ({"goal": (1e300, 0)}, "'joint1' has position 1e300"),
         ({"tolerance": -1.0}, "tolerance is -1"),
         ({"tolerance": nan}, "tolerance is NaN"),
+        ({"tolerance": inf}, "tolerance is inf"),
         ({"timeout": -1.0}, "timeout is -1"),
+        ({"timeout": nan}, "timeout is NaN"),
+        ({"goal": [0.0] * 500_000}, "goal has 500000"),
         ({"joint_tolerances": [0.1]}, "joint_tolerances has 1"),
         ({"joint_tolerances": [0.1, nan]}, "'joint2' is NaN"),
         ({"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
@@ -271,6 +288,9 @@ def test_a_trajectory_without_times_has_no_times_in_its_answer(cell):
         (trajectory(((0, 0), 0)), "at least two points"),
         (trajectory(((0, 0), 0), ((1,), 1)), "point 1: 1 positions for 2 joints"),
         (trajectory(((0, 0), 0), ((1, nan), 1)), "joint 'joint2' is not finite"),
+        (trajectory(((0, 0), 0, (0, 0)), ((1, 1), 1, (0,))), "point 1: 1 velocities for 2 joints"),
+        (trajectory(((0, 0), 0, (0, 0, 0)), ((1, 1), 1)), "point 0: 3 velocities for 2 joints"),
+        (trajectory(((0, 0), 0, (0, nan)), ((1, 1), 1, (0, 0))), "joint 'joint2' is not finite"),
         (trajectory(((0, 0), 2), ((1, 1), 1)), "time_from_start 1 s"),
         (trajectory(((0, 0), 0), ((1, 1), 1), joints=("joint1", "wrist")), "'wrist'"),
         (trajectory(((0,), 0), ((1e200,), 1), joints=("joint1",)), "'joint1' has position 1e200"),
@@ -282,6 +302,33 @@ def test_a_bad_trajectory_is_refused_by_name(cell, message, named):
 
     assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
     assert named in answer.message
+
+
+@pytest.mark.parametrize(
+    ("terms", "named"),
+    [
+        ({"tolerance": -1.0}, "tolerance is -1"),
+        ({"tolerance": nan}, "tolerance is NaN"),
+        ({"timeout": -1.0}, "timeout is -1"),
+        ({"timeout": inf}, "timeout is inf"),
+        ({"joint_tolerances": [0.1]}, "joint_tolerances has 1"),
+        ({"joint_tolerances": [0.1, -0.1]}, "'joint2' is -0.1"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_bad_terms_of_a_trajectory_are_refused_by_name(cell, terms, named):
+    answer = cell.motions.follow(STRAIGHT, **terms)
+
+    assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
+    assert named in answer.message
+    assert answer.t_free == 0
+
+
+def test_a_timeout_of_a_trajectory_is_undecided(cell):
+    answer = cell.motions.follow(STRAIGHT, timeout=1e-9)
+
+    assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.UNDECIDED, "deadline")
+    assert (answer.segment, answer.time_free) == (0, 0)
 
 
 def test_a_long_certificate_arrives_whole_and_a_longer_one_is_left_out(cell):
@@ -410,20 +457,27 @@ def test_eight_clients_at_once_are_answered_while_states_go_on(peer, start):
     goals = [(0, 2.7 + 0.05 * i) for i in range(8)]
     assert sum(goal[1] < two_link.FIRST_TOUCH for goal in goals) == 3
 
+    ways = [trajectory(((0, 0), 0), (goal, 1)) for goal in reversed(goals)]
+
+    def expected(goal):
+        return CheckMotion.Response.FREE if goal[1] < two_link.FIRST_TOUCH else CheckMotion.Response.CONTACT
+
     for _ in range(5):
         heard = len(cell.states.messages)
-        futures = [client.ask((0, 0), goal) for client, goal in zip(clients, goals, strict=True)]
-        answers = [peer.result(future) for future in futures]
-        for goal, answer in zip(goals, answers, strict=True):
-            free = goal[1] < two_link.FIRST_TOUCH
-            assert answer.verdict == (CheckMotion.Response.FREE if free else CheckMotion.Response.CONTACT)
+        straight = [client.ask((0, 0), goal) for client, goal in zip(clients, goals, strict=True)]
+        followed = [client.ask_to_follow(way) for client, way in zip(clients, ways, strict=True)]
+        assert [peer.result(future).verdict for future in straight] == [expected(goal) for goal in goals]
+        assert [peer.result(future).verdict for future in followed] == [expected(goal) for goal in reversed(goals)]
         cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "a judgement", after=heard)
 
 
 def endless(clients, timeout):
-    """More requests than may wait, each of which works for long: joint 1 turns round and round, and nothing ever touches."""
+    """More requests than may wait, motions and trajectories by turns, each of which works for long: joint 1 turns round and round, and
+    nothing ever touches."""
     terms = {"timeout": timeout, "certificate": True}
-    return [client.ask((0, 0), (1e8, 0), **terms) for _ in range(5) for client in clients]
+    way = trajectory(((0, 0), 0), ((1e8, 0), 1))
+    pairs = [(c.ask((0, 0), (1e8, 0), **terms), c.ask_to_follow(way, **terms)) for _ in range(3) for c in clients]
+    return [future for pair in pairs for future in pair]
 
 
 def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):

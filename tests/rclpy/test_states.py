@@ -152,6 +152,10 @@ def test_a_bad_batch_is_refused_by_name(cell, states, terms, named):
         ((0, 0), {"joints": ["joint1", "wrist"]}, "'wrist'"),
         ((0,), {}, "positions has 1 numbers, but joint_names has 2"),
         ((0, nan), {}, "'joint2' has position NaN"),
+        ([0.0] * 500_000, {}, "positions has 500000 numbers"),
+        ((0, 0), {"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
+        ((0, 0), {"bodies": ["base", "x" * 1_000_000]}, "'xxx"),
+        ((0, 0), {"bodies": ["base"] * 100_000 + ["table"]}, "'table'"),
         ((0, 0), {"bodies": ["base", "table"]}, "'table'"),
         ((0, 0), {"max_distance": -1.0}, "max_distance is -1"),
         ((0, 0), {"timeout": inf}, "timeout is inf"),
@@ -163,6 +167,7 @@ def test_a_bad_question_for_distances_is_refused_by_name(cell, state, terms, nam
 
     assert (answer.verdict, answer.reason_code, answer.pairs) == (GetDistances.Response.ERROR, "bad_request", [])
     assert named in answer.message
+    assert len(answer.message) < 500
 
 
 def test_a_batch_of_the_most_states_arrives_whole(cell):
@@ -316,10 +321,14 @@ def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
     size = min(max(int(0.3 / per_state), 1), MOST)
     heard = len(cell.states.messages)
     futures = [questions.ask(batch(size), **terms) for _ in range(40)]
+    distances = [questions.ask_distances((0, 0)) for _ in range(10)]
     answers = [peer.result(future) for future in futures]
+    told = [(answer.verdict, answer.reason_code, len(answer.pairs) > 0) for answer in map(peer.result, distances)]
 
     busy = [answer for answer in answers if answer.reason_code == "busy"]
     assert busy and len(answers) - len(busy) >= 16
     assert all(answer.verdict == ERROR and len(answer.verdicts) == 0 for answer in busy)
     assert all(list(answer.verdicts) == [FREE] * size for answer in answers if answer.reason_code != "busy")
+    # one or another may have found a place that had become free
+    assert (ERROR, "busy", False) in told and set(told) <= {(ERROR, "busy", False), (FREE, "", True)}
     assert len(cell.states.messages) > heard, "the monitor went on"
