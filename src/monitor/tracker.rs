@@ -149,7 +149,7 @@ impl<'t> Merge<'t> {
         let mut fault = heard.behind.map(|behind| Reason::OutOfOrder { behind });
         if !is_whole {
             let counts = format!("it has {} names and {} positions", names.len(), positions.len());
-            fault.get_or_insert(Reason::Malformed(counts));
+            fault = first(fault, Some(Reason::Malformed(counts)));
         }
         let (mut mine, mut followers, mut strangers) = (Vec::new(), Vec::new(), Vec::new());
         let mut is_superseded = false;
@@ -158,7 +158,7 @@ impl<'t> Merge<'t> {
                 Some(&Slot::Position(index)) => match self.named_by[index] {
                     Some(other) if other == message => {
                         let twice = format!("joint {} stands in it twice", quoted(name));
-                        fault.get_or_insert(Reason::Malformed(twice));
+                        fault = first(fault, Some(Reason::Malformed(twice)));
                     }
                     Some(_) => {
                         is_superseded = true;
@@ -172,7 +172,7 @@ impl<'t> Merge<'t> {
                         mine.push(index);
                         if is_whole {
                             self.positions[index] = positions[i];
-                            fault = fault.or_else(|| fault_of(name, positions[i]));
+                            fault = first(fault, fault_of(name, positions[i]));
                         }
                         self.velocities[index] = if moves { velocities[i] } else { f64::NAN };
                         self.rates[index] = heard.rates.get(i).copied().unwrap_or(f64::NAN);
@@ -211,7 +211,7 @@ impl<'t> Merge<'t> {
             let warning = "the joint state has no stamp: it counts as measured when it came";
             self.warnings.push(warning.to_owned());
         }
-        self.fault = self.fault.take().or(fault);
+        self.fault = first(self.fault.take(), fault);
         let Heard { stamp, at, .. } = *heard;
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
@@ -268,6 +268,16 @@ impl<'t> Merge<'t> {
             warnings: self.warnings,
         })
     }
+}
+
+/// Which of two faults is told: the one that stands first in the table of faults, and of the same kind the earlier one.
+fn first(fault: Option<Reason>, other: Option<Reason>) -> Option<Reason> {
+    let rank = |fault: &Reason| match fault {
+        Reason::OutOfOrder { .. } => 0,
+        Reason::Malformed(_) => 1,
+        _ => 2,
+    };
+    fault.into_iter().chain(other).min_by_key(rank)
 }
 
 fn fault_of(name: &str, value: f64) -> Option<Reason> {

@@ -74,10 +74,10 @@ fn apply_text(
             .push(format!("all of {}: it is for {known}, and this node is {full_name}", file.display()));
     }
     // what names this node wins over wildcards
-    sections.sort_by_key(|section| !section.is_wildcard());
+    sections.sort_by_key(|section| (section.names_node(), !section.is_wildcard()));
     for section in sections {
         for (name, value) in &section.values {
-            if section.is_wildcard() && declaration(name).is_none() {
+            if !section.names_node() && declaration(name).is_none() {
                 let meant =
                     similar(name).map_or_else(String::new, |known| format!(" (did you mean '{known}'?)"));
                 passed_over.push(format!("{name}{meant} of {} in {}", section.pattern, file.display()));
@@ -97,6 +97,11 @@ struct Section {
 }
 
 impl Section {
+    /// Whether it is for nodes of one name, in whatever namespaces.
+    fn names_node(&self) -> bool {
+        self.pattern.rsplit('/').next().is_some_and(|node| !node.contains('*'))
+    }
+
     fn is_wildcard(&self) -> bool {
         self.pattern.contains('*')
     }
@@ -196,6 +201,8 @@ mod tests {
     fn the_own_name_wins_over_wildcards() {
         let text = "clearance: {ros__parameters: {padding: 0.25}}\n/**: {ros__parameters: {padding: 0.5}}\n";
         assert_eq!(apply(text, "/").unwrap().0.padding, 0.25);
+        let text = "clearance: {ros__parameters: {padding: 0.25}}\n/**/clearance: {ros__parameters: {padding: 0.5}}\n";
+        assert_eq!(apply(text, "/").unwrap().0.padding, 0.25);
     }
 
     #[test]
@@ -204,6 +211,8 @@ mod tests {
         assert!(error.contains("'a.b'"), "{error}");
         let error = apply("clearance: {ros__parameters: {stale_aftr: 1}}", "/").unwrap_err();
         assert!(error.contains("did you mean 'stale_after'?"), "{error}");
+        let error = apply("/**/clearance: {ros__parameters: {paddding: 1}}", "/cell").unwrap_err();
+        assert!(error.contains("did you mean 'padding'?"), "{error}");
         let (_, passed_over) = apply("/**: {ros__parameters: {speed: 1}}", "/").unwrap();
         assert!(passed_over[0].contains("speed"), "{passed_over:?}");
     }

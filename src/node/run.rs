@@ -110,8 +110,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let clock = Arc::new(RosClock::new(parameters.use_sim_time));
     let (events, events_in) = flume::unbounded();
     let (orders, orders_in) = channel::unbounded();
-    let (changes, changes_in) = channel::unbounded();
-    let (watch, watch_in) = channel::unbounded();
+    let [(changes, changes_in), (watch, watch_in)] = [channel::unbounded(), channel::unbounded()];
     let (stop, stopped) = channel::bounded(1);
     let end = End { events: events.clone(), orders: orders.clone(), stop };
     let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, [changes, watch]);
@@ -170,8 +169,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
     let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current, Arc::clone(&clock))?;
     let small = (motions, states, EnableService::offer(&middleware, &names, end.events.clone())?);
-    let own = (store, tape, Arc::clone(&clock), small);
-    let services = Services::open(&middleware, &names, own, orders, changes_in)?;
+    let services =
+        Services::open(&middleware, &names, (store, tape, Arc::clone(&clock), small), orders, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
         Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),

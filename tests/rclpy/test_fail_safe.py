@@ -177,6 +177,11 @@ def model_swap(s):
         s.beside[name].wait_for(lambda said, is_nothing=is_nothing: is_nothing(said.data), "nothing known", heard[name])
 
 
+def no_geometry(s):
+    s.describe(two_link.description_without_geometry(), "/bare/robot_description")
+    s.start(urdf=None, namespace="/bare")
+
+
 def no_joint_state(s):
     s.start(driving=False)
 
@@ -283,14 +288,14 @@ def mimic(s):
 
 
 def contradiction(s):
-    cell = s.judging()
+    cell = s.judging(stale_after=10.0)
 
     def publish():
         stamp = s.peer.now()
         cell.driver.publish(s.pose, stamp)
         s.tell(list(s.pose), [s.pose["joint1"], s.pose["joint2"] - 0.1], stamp)
 
-    s.until("two publishers", publish)
+    s.until("contradiction", publish)
 
 
 def no_stamp(s):
@@ -310,6 +315,7 @@ SCENARIOS = {
     "checking was turned off (`~/enable`)": disabled,
     "no robot description yet, or none that loads": no_model,
     "another robot description came and is being built": model_swap,
+    "no link of the robot has collision geometry": no_geometry,
     "no joint state yet": no_joint_state,
     "the clock was set back by more than `stale_after`, and nothing came since": clock_jump,
     "`use_sim_time` is set and nothing arrives on `/clock`": no_clock,
@@ -322,13 +328,13 @@ SCENARIOS = {
     "a position is NaN or infinite": non_finite,
     "tf does not tell where a joint of `transform_joints` is, or its transform is older than `transform_ttl`": no_transform,
     "a joint of the robot has never been named": partial,
+    "two publishers report a joint at different places (0.05 rad or m) at about the same time (0.1 s)": contradiction,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
     "tf, which told again and again where the robot's root is in the frame that obstacles stand in, has been silent for `transform_ttl`, or does not connect the two": lost_root,
     "`check_deadline` passed before every pair was decided, and none was found to touch": deadline,
     "a joint comes that the robot has not": unknown_joint,
     "a joint is outside its limits": outside_limits,
     "a joint is reported elsewhere than the joint it mimics takes it": mimic,
-    "two publishers report a joint at different places at about the same time": contradiction,
     "the joint state has no stamp": no_stamp,
     "the last robot description was refused, and the one before counts": refused_description,
 }
@@ -389,6 +395,14 @@ def model_swap_and_no_joint_state(s):
     swap()
     yield
     s.ends()
+
+
+def no_geometry_and_no_joint_state(s):
+    topic = "/bare/robot_description"
+    s.describe(two_link.description_without_geometry(), topic)
+    s.start(urdf=None, namespace="/bare", driving=False)
+    yield
+    s.describe(two_link.description(), topic)
 
 
 def no_joint_state_and_no_clock(s):
@@ -462,6 +476,32 @@ def no_transform_and_partial(s):
     Localization(s.cell)
 
 
+def partial_and_contradiction(s):
+    cell = s.start(parameters={"stale_after": 10.0}, driving=False)
+
+    def contradict():
+        stamp = s.peer.now()
+        cell.driver.publish({"joint1": 0.0}, stamp)
+        s.tell(["joint1"], [0.5], stamp)
+
+    s.until("partial", contradict)
+    yield
+    s.until("contradiction", lambda: (contradict(), s.tell(["joint2"], [0.0])))
+
+
+def contradiction_and_stale_world(s):
+    cell = s.start(parameters={"point_cloud_topics": ["points"], "stale_after": 10.0}, driving=False)
+
+    def publish(joint2):
+        stamp = s.peer.now()
+        cell.driver.publish(ZERO, stamp)
+        s.tell(list(ZERO), [0.0, joint2], stamp)
+
+    s.until("contradiction", lambda: publish(0.5))
+    yield
+    s.until("stale_world", lambda: publish(0.0))
+
+
 def partial_and_stale_world(s):
     driver = s.start(parameters={"point_cloud_topics": ["points"]}, driving=False).driver
     s.until("partial", lambda: driver.publish({"joint1": 0.0}))
@@ -480,6 +520,7 @@ TWO_FAULTS = [
     ("disabled", "no_model", disabled_and_no_model),
     ("no_model", "no_joint_state", no_model_and_no_joint_state),
     ("model_swap", "no_joint_state", model_swap_and_no_joint_state),
+    ("no_geometry", "no_joint_state", no_geometry_and_no_joint_state),
     ("no_joint_state", "no_clock", no_joint_state_and_no_clock),
     ("no_clock", "stale", no_clock_and_stale),
     ("stale", "future_stamp", stale_and_future_stamp),
@@ -489,6 +530,8 @@ TWO_FAULTS = [
     ("malformed", "non_finite", malformed_and_later_non_finite),
     ("non_finite", "no_transform", non_finite_and_no_transform),
     ("no_transform", "partial", no_transform_and_partial),
+    ("partial", "contradiction", partial_and_contradiction),
+    ("contradiction", "stale_world", contradiction_and_stale_world),
     ("partial", "stale_world", partial_and_stale_world),
     ("stale_world", "deadline", stale_world_and_deadline),
 ]

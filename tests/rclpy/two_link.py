@@ -26,6 +26,11 @@ def description_with_cube(side):
     return changed
 
 
+def description_without_geometry():
+    """The same robot for those who only look at it."""
+    return description().replace("collision>", "visual>")
+
+
 def description_with_fine_base(folder):
     """The same robot with a base of so many triangles that it takes long to read; --package-path of a node is this folder."""
     package = folder / "fine_description"

@@ -25,6 +25,7 @@ use crate::node::middleware::{Complaints, Message, Middleware, MiddlewareError, 
 use crate::node::monitor_loop::CurrentJudgement;
 use crate::node::names::Names;
 use crate::node::recording::{OrderStep, SceneDoor};
+use crate::node::refusal::shortened;
 use crate::node::scene_keeper::{CurrentScene, SceneInForce, SceneOrder};
 
 /// Questions about states that wait at most; who comes then is told at once that the state is not valid.
@@ -202,7 +203,7 @@ impl ValidityDesk {
             let response = match answered {
                 Ok(Ok(response)) => response,
                 Ok(Err(why)) => {
-                    warn(&why);
+                    warn(&shortened(why));
                     GetStateValidityResponse::default()
                 }
                 Err(_) => {
