@@ -10,7 +10,6 @@ mod complaints;
 mod deafness;
 mod first_request;
 mod fragments;
-mod introductions;
 mod peers;
 mod rtps;
 mod server;
@@ -127,7 +126,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Middleware {
     /// Joins the network under a node name.
     pub fn join(announcement: Announcement, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
-        let (environment, priority) = (announcement.environment(), announcement.priority());
+        let (reach, priority) = (announcement.environment().reach, announcement.priority());
         let participant = announcement.heard();
         let _lent = priority.lend();
         let context =
@@ -136,7 +135,7 @@ impl Middleware {
             .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
         // the library's own parameter services know no descriptions or ranges; see `parameter_services`
         let options = NodeOptions::new().start_parameter_services(false);
-        let peers = Arc::new(Peers::new(environment, namespace, node));
+        let peers = Arc::new(Peers::new(reach, namespace, node));
         let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
         Ok(Self { node: Arc::new(Mutex::new(node)), context, peers, priority })
     }

@@ -6,17 +6,14 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use futures_lite::StreamExt;
-use rustdds::{
-    DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, RTPSEntity, StatusEvented,
-};
+use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
 use smol::Timer;
 
 use super::bell;
 use super::first_request::question;
-use super::introductions;
 use super::lock;
 use super::rtps::Wire;
-use crate::node::environment::Environment;
+use crate::node::environment::Reach;
 use crate::node::names::FullName;
 use crate::node::thread_priority::ThreadPriority;
 
@@ -36,8 +33,6 @@ pub struct Peers {
     /// Readers of others that hear something of ours.
     hearers: Mutex<HashMap<GUID, Hearer>>,
     wire: Option<Wire>,
-    /// Where this participant hears discovery, or others do.
-    discovery: Vec<SocketAddr>,
 }
 
 /// A reader of another that hears a writer of ours.
@@ -68,14 +63,13 @@ struct Endpoint {
 }
 
 impl Peers {
-    pub fn new(environment: Environment, namespace: &str, node: &str) -> Self {
+    pub fn new(reach: Reach, namespace: &str, node: &str) -> Self {
         Self {
             node: format!("{}/{node}", namespace.trim_end_matches('/')),
             endpoints: Mutex::default(),
             reliably_read: Mutex::default(),
             hearers: Mutex::default(),
-            wire: Wire::open(environment.reach),
-            discovery: introductions::addresses(environment.domain),
+            wire: Wire::open(reach),
         }
     }
 
@@ -130,9 +124,6 @@ impl Peers {
         let mut events = listener.as_async_status_stream();
         let mut told = HashSet::new();
         while let Some(event) = bell::wait(priority, events.next()).await {
-            if let DomainParticipantStatusEvent::ParticipantDiscovered { dpd } = &event {
-                self.introduce(participant.guid(), dpd.guid).await;
-            }
             self.note_event(participant, &event);
             // DDS itself keeps quiet about both
             if let Some(complaint) = self.mismatch(&event).or_else(|| self.namesake(&event))
@@ -160,19 +151,6 @@ impl Peers {
                 self.ask_for_the_past(participant, local_reader, remote_writer);
             }
             _ => {}
-        }
-    }
-
-    /// What does not arrive is told by the peer a second later.
-    async fn introduce(&self, own: GUID, peer: GUID) {
-        /// In which the library comes to know the writers that this is about.
-        const ACQUAINTANCE: Duration = Duration::from_millis(2);
-        let reminders = introductions::reminders(&own.to_bytes(), &peer.to_bytes());
-        if !reminders.is_empty() {
-            Timer::after(ACQUAINTANCE).await;
-        }
-        for reminder in reminders {
-            self.send(&reminder, &self.discovery);
         }
     }
 
