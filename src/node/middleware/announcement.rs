@@ -5,10 +5,10 @@ use std::net::Ipv4Addr;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rustdds::{DomainParticipant, DomainParticipantBuilder};
+use rustdds::{DomainParticipant, DomainParticipantBuilder, RTPSEntity as _};
 
 use super::deafness::heed_panics;
-use super::{MiddlewareError, refused};
+use super::{MiddlewareError, refused, scout};
 use crate::node::environment::{Environment, Reach};
 use crate::node::thread_priority::ThreadPriority;
 
@@ -44,6 +44,7 @@ impl Announcement {
         let participant = (priority.inherited_by(|| without_signals(|| participant.build())))
             .map_err(refused("cannot start threads of realtime priority"))?
             .map_err(refused("cannot join the ROS network"))?;
+        scout::go_ahead(participant.guid().to_bytes(), environment.domain);
         Ok(Self { environment, priority, participant, since: Instant::now() })
     }
 

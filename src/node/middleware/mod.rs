@@ -12,6 +12,7 @@ mod first_request;
 mod fragments;
 mod peers;
 mod rtps;
+mod scout;
 mod server;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -4,10 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 
 use crate::node::environment::Reach;
 
-/// `RustDDS`, in whose name this is sent.
-const RUST_DDS: [u8; 2] = [0x01, 0x12];
-
-/// An identifier of a reader or writer: twelve bytes of its participant, four of its own.
+/// An identifier of a reader or writer: twelve bytes of its participant, of which two are the vendor's, and four of its own.
 pub type Entity = [u8; 16];
 
 /// Sends such messages.
@@ -51,7 +48,7 @@ pub fn message(from: &Entity, to: &Entity, (kind, flags): (u8, u8), body: &[u8])
     [
         b"RTPS".as_slice(),
         &[2, 4],
-        &RUST_DDS,
+        &from[..2],
         &from[..12],
         &[0x0e, LITTLE_END_FIRST, 12, 0],
         &to[..12],
@@ -77,7 +74,7 @@ mod tests {
     fn a_message_says_from_whom_and_to_whom() {
         let sent = message(&[7; 16], &[9; 16], (0x06, 2), &[5; 300]);
         let (header, rest) = sent.split_at(20);
-        assert_eq!(header, [b"RTPS\x02\x04\x01\x12".as_slice(), &[7; 12]].concat());
+        assert_eq!(header, [b"RTPS\x02\x04\x07\x07".as_slice(), &[7; 12]].concat());
         let (destination, submessage) = rest.split_at(16);
         assert_eq!(destination, [[0x0e, 1, 12, 0].as_slice(), &[9; 12]].concat());
         assert_eq!(submessage, [[0x06, 3, 0x2c, 1].as_slice(), &[5; 300]].concat());
