@@ -16,7 +16,8 @@
 //!
 //! On request every judgement is also left for the `view`, which shows it to web browsers.
 //!
-//! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls.
+//! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls. Which threads run first, and why
+//! none of them may wait for others by yielding, is said in `thread_priority`.
 
 mod activity;
 mod arguments;

@@ -1,5 +1,6 @@
 """The robot of urdf/two_link: its answers by hand, and a driver that publishes its joint states."""
 
+import re
 import threading
 from dataclasses import dataclass
 from math import asin, pi, sqrt
@@ -28,7 +29,7 @@ def description_with_cube(side):
 
 def description_without_geometry():
     """The same robot for those who only look at it."""
-    return description().replace("collision>", "visual>")
+    return re.sub(r"(</?)collision\b", r"\1visual", description())
 
 
 def description_with_fine_base(folder):
