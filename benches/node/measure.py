@@ -25,7 +25,7 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, prog="benches/node/run.sh")
     length = parser.add_mutually_exclusive_group()
     length.add_argument("--trial", action="store_true", help="about a minute: whether all rows can be measured, with a robot of this repository")
-    length.add_argument("--short", action="store_true", help="about five minutes (the default)")
+    length.add_argument("--short", action="store_true", help="about a quarter of an hour (the default)")
     length.add_argument("--long", action="store_true", help="about an hour and three quarters")
     parser.add_argument("--binary", type=Path, default=ROOT / "target/release/clearance", help="the program that is measured")
     parser.add_argument("--robot", help="whose joint states come at 1 kHz (default: g1, which the table is about; demo_arm with --trial)")

@@ -125,10 +125,15 @@ pub struct SceneKeeper {
     flood: Flood,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
+    /// Whether a message has ever brought a whole scene.
+    is_told_whole: bool,
     /// Whether a message or sensor ever changed the scene.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
 }
+
+/// Who has to tell the world, where that is required.
+const WHOLE_SCENE: &str = "planning_scene, apply_planning_scene or planning_scene_world";
 
 /// The last cloud of one topic.
 #[derive(Default)]
@@ -206,8 +211,10 @@ impl SceneKeeper {
             self.note_octomap(octomap, &refusals, update.as_ref());
         }
         self.note_refusals(source, &refusals, update.as_ref());
-        if matches!(&update, Some(SceneUpdate::Scene(scene)) if !scene.is_diff) {
+        if update.as_ref().is_some_and(SceneUpdate::is_whole) {
             self.unfit.clear();
+            changed |= !self.is_told_whole;
+            self.is_told_whole = true;
         }
         warnings.extend_from_slice(&self.faults);
         if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
@@ -430,6 +437,9 @@ impl SceneKeeper {
     pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
         let mut watched = self.watched(parameters);
         watched.retain(|source| !self.dropped.contains(&source.name));
+        let is_awaited = parameters.require_planning_scene && !self.is_told_whole;
+        let scene = || WorldSource { name: WHOLE_SCENE.to_owned(), seen: None, ttl: f64::INFINITY };
+        watched.extend(is_awaited.then(scene));
         watched
     }
 

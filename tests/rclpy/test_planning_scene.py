@@ -47,6 +47,16 @@ def permissive(start, tmp_path):
     return cell
 
 
+def test_where_a_scene_is_required_nothing_is_free_before_one_came(start):
+    cell = start(parameters=NEARBY | {"require_planning_scene": True})
+    assert "planning_scene" in cell.unknown("stale_world").reason
+    scene = SceneClient(cell)
+    assert scene.apply(diff(ball("a", 9.0)))
+    cell.unknown("stale_world", after=len(cell.states.messages))
+    scene.topic(PlanningScene, "planning_scene").publish(full())
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
+
+
 def names(state):
     """Of the obstacles and attached objects near the tip."""
     return {name for pair in distances(state) for name in pair} - {"base", "upper", "tip"}

@@ -122,6 +122,16 @@ pub struct SceneChange {
 }
 
 impl SceneUpdate {
+    /// Whether it says all that there is, not what changes.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        match self {
+            Self::World(_) => true,
+            Self::Scene(scene) => !scene.is_diff,
+            Self::Object(_) | Self::Attached(_) | Self::Octomap(_) => false,
+        }
+    }
+
     /// Whether it says something anew about an object that was refused before, as something in the world or as what a link was to hold.
     #[must_use]
     pub fn settles(&self, id: &str, is_attached: bool) -> bool {

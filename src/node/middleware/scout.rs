@@ -171,7 +171,7 @@ mod tests {
         everybody.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
         let (length, scout) = everybody.recv_from(&mut heard).unwrap();
         assert!(!is_introduction(&heard[..length]), "of no Fast DDS participant");
-        let introduction = [b"RTPS\x02\x02\x01\x0f".as_slice(), &[9; 24], &ANNOUNCER].concat();
+        let introduction = [b"RTPS\x02\x02\x01\x0f\x01\x0f".as_slice(), &[9; 24], &ANNOUNCER].concat();
         other.send_to(b"noise", scout).unwrap();
         other.send_to(&introduction, scout).unwrap();
         let length = everybody.recv(&mut heard).unwrap();

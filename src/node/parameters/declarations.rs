@@ -204,6 +204,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.record_max_size,
             "Size at which a recording ends; 0 means never.",
         ),
+        boolean(
+            "require_planning_scene",
+            |p| &mut p.require_planning_scene,
+            "Whether nothing is known of the world until a message has brought a whole planning scene.",
+        ),
         double(
             "self_filter_padding",
             "m",
