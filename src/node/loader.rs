@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
+use flume::RecvTimeoutError;
 use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
@@ -26,8 +28,19 @@ pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, St
 
 /// Waits until the monitor has said what it makes of all that it was told; whether there is one.
 fn heeded(events: &flume::Sender<Event>) -> bool {
+    /// Between two looks whether it has ended: what it never came to stays in the queue.
+    const PATIENCE: Duration = Duration::from_millis(100);
     let (said, is_said) = flume::bounded(1);
-    events.send(Event::Say(said)).is_ok() && is_said.recv().is_ok()
+    if events.send(Event::Say(said)).is_err() {
+        return false;
+    }
+    loop {
+        match is_said.recv_timeout(PATIENCE) {
+            Ok(()) => return true,
+            Err(RecvTimeoutError::Timeout) if !events.is_disconnected() => {}
+            Err(_) => return false,
+        }
+    }
 }
 
 /// What may change what is checked.
@@ -557,4 +570,25 @@ fn named(fault: &str) -> String {
 fn guarded<T>(what: &str, build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(build))
         .unwrap_or_else(|_| Err(format!("{what}: reading it failed inside the program")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_monitor_that_has_ended_is_not_waited_for() {
+        let (events, events_in) = flume::unbounded();
+        let waiting = std::thread::spawn({
+            let events = events.clone();
+            move || heeded(&events)
+        });
+        // the question is in the queue, behind the order to end
+        while events_in.is_empty() {
+            std::thread::yield_now();
+        }
+        drop(events_in);
+        assert!(!waiting.join().unwrap());
+        assert!(!heeded(&events));
+    }
 }
