@@ -43,6 +43,12 @@ impl Revision {
         }
     }
 
+    /// Whether there is anything of the robot that could touch something.
+    #[must_use]
+    pub fn has_geometry(&self) -> bool {
+        self.checker.robot().links().iter().any(|link| !link.collisions.is_empty())
+    }
+
     /// Why the world is not known now, if it is not.
     #[must_use]
     pub fn stale_world(&self, now: Now) -> Option<Reason> {
@@ -111,6 +117,8 @@ pub struct Judgement {
     /// The share of its speed that the robot may have, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
     pub left_out: LeftOut,
+    /// Whether another robot is being built, so that this one counts no more, whatever else is the matter.
+    pub is_swapping: bool,
     /// Why the world is not known, if it is not, whatever else is the matter.
     pub stale_world: Option<Reason>,
     /// The robot and world that were checked, or would be.

@@ -134,7 +134,7 @@ impl Monitor {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
             lookout: Lookout::new(&revision.checker),
-            has_geometry: revision.checker.robot().links().iter().any(|link| !link.collisions.is_empty()),
+            has_geometry: revision.has_geometry(),
             revision,
         });
         self.outdated = true;
@@ -376,6 +376,7 @@ impl Monitor {
             evidence: placement.clone().filter(|_| status.reason().is_none()),
             status,
             placement,
+            is_swapping: self.swapping,
             stale_world,
             speed_scale: self.governor.share(),
             left_out: self.verdict.left_out,

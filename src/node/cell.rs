@@ -27,9 +27,14 @@ impl<'a> Cell<'a> {
         let reason = judgement.and_then(|judgement| judgement.status.reason());
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
         let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
-        // while another robot is being built, none counts
-        let revision = revision.filter(|_| reason != Some(&Reason::ModelSwap));
+        // while another robot is being built, none counts, also if checking is disabled
+        if judgement.is_some_and(|judgement| judgement.is_swapping) {
+            return Err(Refusal::NoModel(Reason::ModelSwap.to_string()));
+        }
         let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
+        if !revision.has_geometry() {
+            return Err(Refusal::NoModel(Reason::NoGeometry.to_string()));
+        }
         if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
             return Err(Refusal::StaleWorld(stale.to_string()));
         }

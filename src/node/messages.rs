@@ -203,6 +203,7 @@ mod tests {
             placement: None,
             speed_scale: 0.0,
             left_out: LeftOut::Nothing,
+            is_swapping: false,
             stale_world: None,
             revision: None,
             warnings: [].into(),

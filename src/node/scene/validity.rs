@@ -76,11 +76,15 @@ pub fn state_validity(
 
 /// Why it is not known what is around the robot, or which robot it is.
 fn unknown_world(situation: &Situation) -> Option<Reason> {
-    let judgement = situation.judgement;
-    let swap =
-        judgement.and_then(|judgement| judgement.status.reason()).filter(|why| **why == Reason::ModelSwap);
-    let stale = judgement.and_then(|judgement| judgement.stale_world.as_ref());
-    situation.scene.revision.stale_world(situation.now).or_else(|| swap.or(stale).cloned())
+    let Situation { scene, judgement, now, .. } = situation;
+    if judgement.is_some_and(|judgement| judgement.is_swapping) {
+        return Some(Reason::ModelSwap);
+    }
+    if !scene.revision.has_geometry() {
+        return Some(Reason::NoGeometry);
+    }
+    let stale = judgement.and_then(|judgement| judgement.stale_world.clone());
+    scene.revision.stale_world(*now).or(stale)
 }
 
 /// Whether an answer would have to evaluate constraints.

@@ -291,3 +291,20 @@ fn broken_questions_for_distances_are_refused_by_name() {
         assert!(answer.message.contains(named), "'{named}' is not in: {}", answer.message);
     }
 }
+
+/// There is nothing of it that could touch anything: that proves nothing.
+#[test]
+fn a_robot_without_geometry_is_not_checked() {
+    let urdf = r#"<robot name="bare"><link name="base"/></robot>"#;
+    let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
+    monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
+    for enabled in [true, false] {
+        monitor.set_enabled(enabled);
+        let judgement = monitor.on_heartbeat(Now { ros: None, steady: Duration::ZERO });
+        let answer = answer_states(&batch(&[NEAR]), Some(&judgement), &mut None);
+        assert_eq!(answer.reason_code, "no_model");
+        assert!(answer.message.contains("no link of the robot has collision geometry"), "{}", answer.message);
+    }
+}
