@@ -8,15 +8,19 @@ use super::placement::Placed;
 use super::status::{quoted, quoted_list};
 use super::{JointStateInput, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
+use crate::math::Extremes;
 use crate::robot::{Configuration, JointId, JointKind, RobotModel};
 
 /// How far a joint that follows others may be reported from where it should be without a word (rad; m of one that slides): gears have play.
 const MIMIC_SLACK: f64 = 0.02;
 const SLIDING_MIMIC_SLACK: f64 = 0.002;
 
-/// How far apart (rad, m) two publishers may report a joint at about the same time (s): one may be a little behind.
+/// How far apart (rad, m) two publishers may report a joint at about the same time (s), beside the way it goes while one of them lags.
 const CONTRADICTION: f64 = 0.05;
 const SAME_TIME: f64 = 0.1;
+
+/// How much older (s) than another's may be what somebody publishes who passes on what he heard, ten times a second.
+const LAG: f64 = 0.2;
 
 /// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
 const MOST_STRANGERS: usize = 1000;
@@ -163,7 +167,12 @@ impl<'t> Merge<'t> {
                     Some(_) => {
                         is_superseded = true;
                         if is_whole && is_fresh {
-                            self.note_contradiction(index, (heard.input.source, heard.stamp), positions[i]);
+                            let rate = heard.rates.get(i).copied().unwrap_or(f64::NAN);
+                            self.note_contradiction(
+                                index,
+                                (heard.input.source, heard.stamp),
+                                (positions[i], rate),
+                            );
                         }
                     }
                     None => {
@@ -217,11 +226,18 @@ impl<'t> Merge<'t> {
     }
 
     /// Another publisher may say something else about a joint: one of the two is wrong, and which counts is chance.
-    fn note_contradiction(&mut self, index: usize, (source, stamp): (SourceId, Time), position: f64) {
+    fn note_contradiction(
+        &mut self,
+        index: usize,
+        (source, stamp): (SourceId, Time),
+        (position, rate): (f64, f64),
+    ) {
         let Some((other, told)) = self.told[index] else { return };
         let counts = self.positions[index];
         let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
-        if at_once && (position - counts).abs() > CONTRADICTION {
+        let rates = [rate, self.rates[index]].into_iter().filter(|rate| rate.is_finite());
+        let fastest = rates.map(f64::abs).fold(0.0, f64::greater);
+        if at_once && (position - counts).abs() > CONTRADICTION + fastest * LAG {
             self.contradictions.entry(index).or_insert([counts, position]);
         }
     }

@@ -393,7 +393,7 @@ impl Loader {
             Ok(revision) => revision,
             Err(fault) => {
                 // the robot before stays, in its scene
-                self.keeper.state = before;
+                self.keeper.stay_in(before);
                 return Err(fault);
             }
         };

@@ -125,8 +125,9 @@ pub struct SceneKeeper {
     flood: Flood,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
-    /// Whether a message has ever brought a whole scene.
+    /// Whether a message has ever brought a whole scene, and whether one did that is in force.
     is_told_whole: bool,
+    was_told_whole: bool,
     /// Whether a message or sensor ever changed the scene.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
@@ -157,11 +158,17 @@ impl SceneKeeper {
 
     /// The scene as it was: what was made of it last can not be checked.
     pub fn go_back(&mut self, scene: &PlanningSceneState, fault: &str) {
-        self.state = scene.clone();
+        self.stay_in(scene.clone());
         self.faults.push(fault.to_owned());
         for (_, succeeded) in &mut self.unanswered {
             *succeeded = false;
         }
+    }
+
+    /// The scene as it was, since another robot is refused.
+    pub fn stay_in(&mut self, scene: PlanningSceneState) {
+        self.state = scene;
+        self.is_told_whole = self.was_told_whole;
     }
 
     /// Another robot stands in the same scene.
@@ -213,7 +220,6 @@ impl SceneKeeper {
         self.note_refusals(source, &refusals, update.as_ref());
         if update.as_ref().is_some_and(SceneUpdate::is_whole) {
             self.unfit.clear();
-            changed |= !self.is_told_whole;
             self.is_told_whole = true;
         }
         warnings.extend_from_slice(&self.faults);
@@ -464,6 +470,7 @@ impl SceneKeeper {
 
     /// What came is in use from now on.
     pub fn note_in_use(&mut self) -> CloudReports {
+        self.was_told_whole = self.is_told_whole;
         for cloud in self.clouds.values_mut() {
             if let Some(since) = cloud.since.take() {
                 cloud.report.latency = since.elapsed();

@@ -328,7 +328,7 @@ SCENARIOS = {
     "a position is NaN or infinite": non_finite,
     "tf does not tell where a joint of `transform_joints` is, or its transform is older than `transform_ttl`": no_transform,
     "a joint of the robot has never been named": partial,
-    "two publishers report a joint at different places (0.05 rad or m) at about the same time (0.1 s)": contradiction,
+    "two publishers report a joint at different places (0.05 rad or m, and what it goes in 0.2 s) at about the same time (0.1 s)": contradiction,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
     "tf, which told again and again where the robot's root is in the frame that obstacles stand in, has been silent for `transform_ttl`, or does not connect the two": lost_root,
     "`check_deadline` passed before every pair was decided, and none was found to touch": deadline,

@@ -124,6 +124,19 @@ fn what_publishers_contradict_is_unknown() {
     assert_ne!(code(&later), "contradiction");
 }
 
+/// Who passes on what the driver said is behind by what the joint has gone since; more than that is no lag.
+#[test]
+fn who_lags_behind_a_moving_joint_contradicts_nobody() {
+    for (behind, expected) in [(0.15, "FREE"), (0.4, "contradiction")] {
+        let mut monitor = monitor();
+        let mut driver = part(1, 0.0, &[("shoulder", 0.0), ("elbow", 1.0)]);
+        driver.velocities = vec![0.0, 1.0];
+        monitor.on_joint_state(driver, at(0.0));
+        let relay = part(2, 0.01, &[("shoulder", 0.0), ("elbow", 1.0 - behind)]);
+        assert_eq!(code(&monitor.on_joint_state(relay, at(0.01))), expected, "{behind}");
+    }
+}
+
 /// A joint counts once, however many contradict each other about it.
 #[test]
 fn a_joint_is_told_of_once_whoever_contradicts() {

@@ -19,7 +19,8 @@ const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 /// Participants of one machine that are looked for, and of which each could be the one that is told.
 const PARTICIPANTS: u16 = 16;
 
-/// How long others may take to answer: `RustDDS` announces itself 0.1 s after its start.
+/// How long others may take to answer. `RustDDS` meets the scout, too, and announces itself some 10 ms later: whoever answers after that is
+/// met a second late.
 const PATIENCE: Duration = Duration::from_millis(60);
 
 /// An introduction is far shorter (bytes).
