@@ -64,7 +64,7 @@ impl Contributions {
 
     /// How long all stay fresh, if they are.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
-        let ros = now.ros?;
+        let ros = now.ros.filter(|_| !self.0.is_empty())?;
         let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).greater(c.silence(now)));
         let left = settings.stale_after - oldest.fold(0.0, f64::greater);
         // a little later, so that it is stale then whatever way rounding goes

@@ -147,6 +147,7 @@ impl Judgement {
         let is_over = |end: Option<Duration>| end.is_some_and(|end| now.steady >= end);
         let since = now.steady.saturating_sub(self.expiry.said_at).as_secs_f64();
         let overdue = Reason::Overdue { since };
+        self.age = self.age.map(|age| age + since);
         if self.placement.is_some() && is_over(self.expiry.of_robot) {
             self.placement = None;
             self.know_nothing(overdue.clone());

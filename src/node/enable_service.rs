@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::mailbox::{self, Sender};
 use super::middleware::{Message, Middleware, MiddlewareError, Server};
 use super::monitor_loop::Event;
 use super::names::Names;
@@ -25,14 +26,14 @@ impl Message for SetBoolResponse {}
 /// Brings requests to the monitor.
 pub struct EnableService {
     server: Server<SetBoolRequest, SetBoolResponse>,
-    events: flume::Sender<Event>,
+    events: Sender<Event>,
 }
 
 impl EnableService {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        events: flume::Sender<Event>,
+        events: Sender<Event>,
     ) -> Result<Self, MiddlewareError> {
         let server = middleware.server(&names.resolve("~/enable")?, ("std_srvs", "SetBool"))?;
         Ok(Self { server, events })
@@ -42,9 +43,9 @@ impl EnableService {
     pub async fn serve(&self) {
         loop {
             let (id, SetBoolRequest { data }) = self.server.next().await;
-            let (heeded, heeded_in) = flume::bounded(1);
+            let (heeded, heeded_in) = mailbox::bounded(1);
             let sent = self.events.send(Event::Enabled(data, heeded)).is_ok();
-            let success = sent && heeded_in.recv_async().await.is_ok();
+            let success = sent && heeded_in.receive().await.is_some();
             let message = match (success, data) {
                 (false, _) => "the monitor has ended",
                 (true, true) => "checking is enabled",

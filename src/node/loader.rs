@@ -4,14 +4,13 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 
-use flume::RecvTimeoutError;
 use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
 
 use super::link_volumes::LinkVolumes;
+use super::mailbox;
 use super::monitor_loop::{CurrentJudgement, Event};
 use super::parameters::Parameters;
 use super::recording::{Happening, OrderStep, Original};
@@ -27,20 +26,9 @@ use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
 
 /// Waits until the monitor has said what it makes of all that it was told; whether there is one.
-fn heeded(events: &flume::Sender<Event>) -> bool {
-    /// Between two looks whether it has ended: what it never came to stays in the queue.
-    const PATIENCE: Duration = Duration::from_millis(100);
-    let (said, is_said) = flume::bounded(1);
-    if events.send(Event::Say(said)).is_err() {
-        return false;
-    }
-    loop {
-        match is_said.recv_timeout(PATIENCE) {
-            Ok(()) => return true,
-            Err(RecvTimeoutError::Timeout) if !events.is_disconnected() => {}
-            Err(_) => return false,
-        }
-    }
+fn heeded(events: &mailbox::Sender<Event>) -> bool {
+    let (said, is_said) = mailbox::bounded(1);
+    events.send(Event::Say(said)).is_ok() && future::block_on(is_said.receive()).is_some()
 }
 
 /// What may change what is checked.
@@ -175,7 +163,7 @@ impl Loader {
     }
 
     /// Follows orders until there is no one left to give them.
-    pub fn follow(mut self, orders: &Receiver<Order>, events: &flume::Sender<Event>, outlook: &Outlook) {
+    pub fn follow(mut self, orders: &Receiver<Order>, events: &mailbox::Sender<Event>, outlook: &Outlook) {
         self.watch_frames(outlook);
         while let Some(mut together) = self.await_orders(orders, outlook) {
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
@@ -578,15 +566,12 @@ mod tests {
 
     #[test]
     fn a_monitor_that_has_ended_is_not_waited_for() {
-        let (events, events_in) = flume::unbounded();
+        let (events, events_in) = mailbox::unbounded();
         let waiting = std::thread::spawn({
             let events = events.clone();
             move || heeded(&events)
         });
-        // the question is in the queue, behind the order to end
-        while events_in.is_empty() {
-            std::thread::yield_now();
-        }
+        // the order to end is taken; the question comes behind it, or finds nobody
         drop(events_in);
         assert!(!waiting.join().unwrap());
         assert!(!heeded(&events));

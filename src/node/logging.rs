@@ -2,9 +2,9 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use flume::{Receiver, Sender};
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
+use super::mailbox::{self, Receiver, Sender};
 use super::middleware;
 
 /// Lines that wait for the network at most; later ones stand on stderr alone.
@@ -49,7 +49,7 @@ pub fn start(level: LevelFilter) {
 /// From now on lines are also given here, for the network.
 #[must_use]
 pub fn listen() -> Receiver<Line> {
-    let (teller, lines) = flume::bounded(WAITING);
+    let (teller, lines) = mailbox::bounded(WAITING);
     *TELLER.lock().unwrap_or_else(PoisonError::into_inner) = Some(teller);
     lines
 }
@@ -71,7 +71,7 @@ impl Log for Both {
             return;
         }
         if let Some(teller) = &*TELLER.lock().unwrap_or_else(PoisonError::into_inner) {
-            let _ = teller.try_send(Line {
+            let _ = teller.send(Line {
                 level: record.level(),
                 text: record.args().to_string(),
                 file: record.file_static().unwrap_or_default(),

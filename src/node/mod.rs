@@ -38,6 +38,7 @@ mod interface_text;
 mod link_volumes;
 mod loader;
 pub mod logging;
+mod mailbox;
 mod markers;
 mod messages;
 mod middleware;

@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use flume::{Receiver, Sender};
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 
@@ -12,6 +11,7 @@ use super::arrivals::Arrivals;
 use super::clock::RosClock;
 use super::diagnostics::diagnostics;
 use super::flood::Flood;
+use super::mailbox::{Receiver, Sender};
 use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
@@ -118,7 +118,7 @@ impl MonitorLoop {
 
     fn wake(&self) -> Wake {
         let due = self.monitor.time_to_heartbeat(self.clock.read());
-        let event = async { Wake::Event(self.events.recv_async().await.unwrap_or(Event::Stop)) };
+        let event = async { Wake::Event(self.events.receive().await.unwrap_or(Event::Stop)) };
         let joint_state = async {
             loop {
                 let (message, origin) = self.joint_states.next().await;
@@ -128,8 +128,8 @@ impl MonitorLoop {
             }
         };
         let own_joint_state = async {
-            match (self.own_motion.joint_states.recv_async().await, self.own_motion.source) {
-                (Ok(message), Some(source)) => Wake::JointState(message, Origin::here(source)),
+            match (self.own_motion.joint_states.receive().await, self.own_motion.source) {
+                (Some(message), Some(source)) => Wake::JointState(message, Origin::here(source)),
                 _ => future::pending().await,
             }
         };
@@ -147,11 +147,11 @@ impl MonitorLoop {
                 self.monitor.set_enabled(enabled);
                 self.beat();
                 // who no longer waits need not be told
-                let _ = heeded.try_send(());
+                let _ = heeded.send(());
             }
             Event::Say(said) => {
                 self.beat();
-                let _ = said.try_send(());
+                let _ = said.send(());
             }
             Event::ModelFault(fault) => {
                 self.report.is_due = true;
@@ -172,7 +172,7 @@ impl MonitorLoop {
         self.look_at_transforms();
         let now = self.clock.read();
         let judgement = self.monitor.on_heartbeat(now);
-        self.say(&judgement, now, None);
+        let (judgement, _) = self.say(judgement, now, None);
         self.say_diagnostics(&judgement);
     }
 
@@ -222,8 +222,8 @@ impl MonitorLoop {
         let input = joint_state_input(message, origin.publisher);
         let now = self.clock.read();
         let judgement = self.monitor.on_joint_state(input, now);
-        let said = self.say(&judgement, now, heard);
-        let latency = said.saturating_duration_since(origin.received);
+        let (judgement, said_at) = self.say(judgement, now, heard);
+        let latency = said_at.saturating_duration_since(origin.received);
         self.report.activity.note_judged(&judgement, latency);
         self.say_diagnostics(&judgement);
         self.monitor.prepare();
@@ -236,21 +236,28 @@ impl MonitorLoop {
         self.monitor.hear(joint_state_input(message, source), now);
     }
 
-    /// Says what was judged at `now`, from a joint state if one was heard; gives the moment at which `~/state` was said.
-    fn say(&mut self, judgement: &Judgement, now: Now, heard: Option<(JointState, SourceId)>) -> Instant {
-        let steady = self.clock.steady();
-        self.log_change(judgement);
+    /// Says what was judged at `now`, from a joint state if one was heard, as it holds after the check; gives that, and the moment at which
+    /// `~/state` was said. A recording has the judgement itself: how long a check takes is the machine's.
+    fn say(
+        &mut self,
+        judgement: Judgement,
+        now: Now,
+        heard: Option<(JointState, SourceId)>,
+    ) -> (Judgement, Instant) {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         *current = Some(judgement.clone());
         // a recording has it before whatever is made of it
-        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: judgement.into() })));
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
         drop(current);
-        let said = self.publishers.say(judgement, &self.parameters, steady);
+        let now = self.clock.read();
+        let judgement = judgement.aged(now);
+        self.log_change(&judgement);
+        let said = self.publishers.say(&judgement, &self.parameters, now.steady);
         self.report.activity.note_dropped(said.dropped);
         if let Some(observe) = &mut self.observer {
-            observe(judgement, &self.parameters.monitor_settings());
+            observe(&judgement, &self.parameters.monitor_settings());
         }
-        said.state_at
+        (judgement, said.state_at)
     }
 
     /// One line for a change of status or of the reason why it is unknown; of a flood of them only some, and then what it came to.

@@ -11,6 +11,7 @@ use smol::Timer;
 
 use super::clock::RosClock;
 use super::loader::CurrentRobot;
+use super::mailbox::Sender;
 use super::messages::stamp_message;
 use super::middleware::Publisher;
 use crate::robot::RobotModel;
@@ -130,7 +131,7 @@ pub async fn play(
     robot: &CurrentRobot,
     clock: &RosClock,
     joint_states: &Publisher<JointState>,
-    monitor: &flume::Sender<JointState>,
+    monitor: &Sender<JointState>,
 ) {
     let mut ticks = Timer::interval(PERIOD);
     let start = clock.steady();
@@ -148,7 +149,7 @@ pub async fn play(
             effort: Vec::new(),
         };
         // a monitor that has not taken the last one yet is left in peace
-        let _ = monitor.try_send(message.clone());
+        let _ = monitor.send(message.clone());
         joint_states.publish(message);
     }
 }

@@ -14,6 +14,7 @@ use super::enable_service::EnableService;
 use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Order, Outlook, Surroundings};
 use super::logging::{self, Line};
+use super::mailbox;
 use super::middleware::{
     self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
 };
@@ -108,7 +109,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let names = Names::new(NODE_NAME, &options.arguments.remaps)?;
     let (parameters, priority) = (options.parameters, options.announcement.priority());
     let clock = Arc::new(RosClock::new(parameters.use_sim_time));
-    let (events, events_in) = flume::unbounded();
+    let (events, events_in) = mailbox::unbounded();
     let (orders, orders_in) = channel::unbounded();
     let [(changes, changes_in), (watch, watch_in)] = [channel::unbounded(), channel::unbounded()];
     let (stop, stopped) = channel::bounded(1);
@@ -141,7 +142,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
-    let (own_states, own_states_in) = flume::bounded(1);
+    let (own_states, own_states_in) = mailbox::bounded(1);
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -278,7 +279,7 @@ struct Services {
     clock_topic: FullName,
     orders: Sender<Order>,
     changes: Receiver<()>,
-    lines: flume::Receiver<Line>,
+    lines: mailbox::Receiver<Line>,
     /// The node's name as loggers have it.
     logger: String,
 }
@@ -330,7 +331,7 @@ impl Services {
         let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
         let tell = async {
-            while let Ok(line) = self.lines.recv_async().await {
+            while let Some(line) = self.lines.receive().await {
                 self.middleware.tell(&self.logger, &line, self.clock.now().unwrap_or_default());
             }
         };

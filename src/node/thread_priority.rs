@@ -3,8 +3,9 @@
 //! `RustDDS` and its callers speak by queues in which one side waits for the other by yielding (those of `std::sync::mpsc`). A thread of
 //! realtime priority yields to none without it: it would wait for a sender that it has itself taken the processor from, until the system
 //! stops all realtime threads for a moment (`sched_rt_runtime_us`, 0.95 s). So whoever calls that library has the priority of its threads
-//! meanwhile ([`ThreadPriority::lend`]), and in queues between our own threads of both kinds nobody waits like that (`flume`).
+//! meanwhile ([`ThreadPriority::lend`]), and in queues between our own threads of both kinds nobody waits like that (`mailbox`).
 
+use std::marker::PhantomData;
 use std::thread;
 
 use super::NodeError;
@@ -52,10 +53,10 @@ impl ThreadPriority {
     /// has it already.
     pub(super) fn lend(self) -> Lent {
         if self == Self::Normal || system::is_preferred() {
-            return Lent { is_borrowed: false };
+            return Lent { is_borrowed: false, of_thread: PhantomData };
         }
         let borrowed = self.apply().inspect_err(|why| log::warn!("there is no priority to lend: {why}"));
-        Lent { is_borrowed: borrowed.is_ok() }
+        Lent { is_borrowed: borrowed.is_ok(), of_thread: PhantomData }
     }
 }
 
@@ -63,6 +64,8 @@ impl ThreadPriority {
 #[must_use = "it is given back at once"]
 pub(super) struct Lent {
     is_borrowed: bool,
+    /// It belongs to its thread.
+    of_thread: PhantomData<*const ()>,
 }
 
 impl Drop for Lent {

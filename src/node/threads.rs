@@ -6,6 +6,7 @@ use futures_lite::{Future, future};
 use smol::channel::{Receiver, Sender};
 
 use super::loader::Order;
+use super::mailbox;
 use super::monitor_loop::Event;
 
 /// A part of the node: its name and its work.
@@ -23,7 +24,7 @@ impl Part {
 /// Tells every part to end.
 #[derive(Clone)]
 pub struct End {
-    pub events: flume::Sender<Event>,
+    pub events: mailbox::Sender<Event>,
     pub orders: Sender<Order>,
     /// Parts that wait for other things wait for this channel to be closed too.
     pub stop: Sender<()>,

@@ -39,6 +39,7 @@ mod tests {
     use std::future::pending;
 
     use super::*;
+    use crate::node::mailbox;
 
     #[test]
     fn what_never_comes_is_given_up() {
@@ -54,10 +55,10 @@ mod tests {
 
     #[test]
     fn what_another_thread_sends_wakes_for_ever() {
-        let (send, receive) = flume::unbounded();
+        let (send, receive) = mailbox::unbounded();
         let sender = thread::spawn(move || (0..1000).for_each(|number| send.send(number).unwrap()));
         for number in 0..1000 {
-            assert_eq!(wait_at_most(Duration::MAX, receive.recv_async()), Some(Ok(number)));
+            assert_eq!(wait_at_most(Duration::MAX, receive.receive()), Some(Some(number)));
         }
         sender.join().unwrap();
     }

@@ -216,6 +216,7 @@ fn a_judgement_ages_while_the_monitor_is_busy() {
     let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
     let fresh = judgement.clone().aged(at(0.49));
     assert_eq!((code(&fresh), fresh.placement.is_some()), ("FREE", true));
+    assert!((fresh.age.unwrap() - 0.49).abs() < 1e-9);
     let old = judgement.aged(at(0.51));
     assert_eq!((code(&old), old.placement.is_some(), old.evidence.is_some()), ("stale", false, false));
     assert_eq!((old.speed_scale, old.stale_world.is_some()), (0.0, false));

@@ -115,7 +115,7 @@ pub fn listen(
             }
         };
         let hear_complaints = async {
-            while let Ok(line) = lines.recv_async().await {
+            while let Some(line) = lines.receive().await {
                 let is_new = complaints.len() < MOST_COMPLAINTS && !complaints.contains(&line.text);
                 if line.level <= Level::Warn && is_new {
                     complaints.push(line.text);

@@ -49,13 +49,14 @@ mod tests {
     use futures_lite::future::{block_on, yield_now, zip};
 
     use super::*;
+    use crate::node::mailbox;
 
     #[test]
     fn only_what_was_woken_is_polled() {
         let polls = Cell::new(0);
-        let (ring, rung) = flume::bounded(1);
+        let (ring, rung) = mailbox::bounded(1);
         let counted = poll_fn({
-            let mut received = Box::pin(rung.recv_async());
+            let mut received = Box::pin(rung.receive());
             let polls = &polls;
             move |context| {
                 polls.set(polls.get() + 1);
@@ -69,16 +70,16 @@ mod tests {
             ring.send(7).unwrap();
         };
         let (received, ()) = block_on(zip(wait(ThreadPriority::Normal, counted), others));
-        assert_eq!(received, Ok(7));
+        assert_eq!(received, Some(7));
         assert_eq!(polls.get(), 2);
     }
 
     #[test]
     fn what_is_woken_on_another_thread_is_not_missed() {
-        let (ring, rung) = flume::unbounded();
+        let (ring, rung) = mailbox::unbounded();
         let ringer = std::thread::spawn(move || (0..10_000).for_each(|number| ring.send(number).unwrap()));
         for number in 0..10_000 {
-            assert_eq!(block_on(wait(ThreadPriority::Normal, rung.recv_async())), Ok(number));
+            assert_eq!(block_on(wait(ThreadPriority::Normal, rung.receive())), Some(number));
         }
         ringer.join().unwrap();
     }

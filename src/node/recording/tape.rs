@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::TransformStamped;
@@ -18,6 +17,7 @@ use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use super::step::{OrderStep, Tidings};
 use crate::monitor::{Judgement, LeftOut, Now, SourceId, Time};
 use crate::node::clearance_msgs::{BodyPair, CollisionState};
+use crate::node::mailbox::{Refused, Sender};
 use crate::node::messages::collision_state;
 use crate::node::parameters::Parameters;
 use crate::robot::{MeshLog, MeshUse};
@@ -121,7 +121,7 @@ pub struct Tape(Option<Arc<Line>>);
 
 #[derive(Debug)]
 struct Line {
-    items: SyncSender<Item>,
+    items: Sender<Item>,
     backlog: Arc<Backlog>,
 }
 
@@ -135,7 +135,7 @@ pub(super) struct Backlog {
 }
 
 impl Tape {
-    pub(super) fn to(items: SyncSender<Item>, backlog: Arc<Backlog>) -> Self {
+    pub(super) fn to(items: Sender<Item>, backlog: Arc<Backlog>) -> Self {
         Self(Some(Arc::new(Line { items, backlog })))
     }
 
@@ -160,11 +160,11 @@ impl Tape {
         let bytes = size(&what);
         let waiting = line.backlog.bytes.fetch_add(bytes, Ordering::Relaxed);
         let sent = waiting <= LONGEST_QUEUE && {
-            match line.items.try_send(Item { at: system_time(), what, bytes }) {
+            match line.items.send(Item { at: system_time(), what, bytes }) {
                 Ok(()) => true,
-                Err(TrySendError::Full(_)) => false,
+                Err(Refused::Full) => false,
                 // a recording that has ended misses nothing
-                Err(TrySendError::Disconnected(_)) => return,
+                Err(Refused::Unread) => return,
             }
         };
         if !sent {
@@ -256,11 +256,13 @@ fn of_objects(objects: &[CollisionObject]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc;
+    use std::time::Duration;
 
     use super::*;
     use crate::monitor::{Expiry, Reason, Status};
     use crate::node::clearance_msgs::PairDistance;
+    use crate::node::mailbox;
+    use crate::node::waiting::wait_at_most;
 
     fn judgement() -> Judgement {
         Judgement {
@@ -295,14 +297,17 @@ mod tests {
 
     #[test]
     fn what_waits_has_a_bound_in_bytes() {
-        let (items, waiting) = mpsc::sync_channel(1000);
+        let (items, waiting) = mailbox::bounded(1000);
         let backlog = Arc::new(Backlog::default());
         let tape = Tape::to(items, Arc::clone(&backlog));
         let large = LONGEST_QUEUE / 4;
         for _ in 0..10 {
             tape.note(|| judged(0, large));
         }
-        let queued = waiting.try_iter().count() as u64;
+        let mut queued = 0;
+        while wait_at_most(Duration::ZERO, waiting.receive()).is_some() {
+            queued += 1;
+        }
         assert!((4..=5).contains(&queued), "{queued}");
         assert_eq!(backlog.lost.load(Ordering::Relaxed), 10 - queued);
         assert!(backlog.bytes.load(Ordering::Relaxed) <= LONGEST_QUEUE + large + 2000);

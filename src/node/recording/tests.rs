@@ -4,7 +4,6 @@ mod limits;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc;
 use std::time::Duration;
 
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Pose, TransformStamped};

@@ -6,7 +6,6 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -21,8 +20,10 @@ use super::step::{Clocks, CloudStep, OrderStep, Step, parameters_to_json};
 use super::tape::{Backlog, Given, Happening, Item, Judged, Original, Tape, system_time};
 use crate::monitor::{Now, SourceId};
 use crate::node::cdr;
+use crate::node::mailbox::{self, Receiver};
 use crate::node::names::Names;
 use crate::node::parameters::Parameters;
+use crate::node::waiting::wait_at_most;
 
 /// Things that wait to be written at most.
 const LONGEST_QUEUE: usize = 20_000;
@@ -75,7 +76,7 @@ impl Recorder {
         let topics = Topics::new(names);
         let measured = file.try_clone().map_err(|error| refused(&error))?;
         let mcap = mcap_writer(file).map_err(|error| refused(&error))?;
-        let (items, items_in) = mpsc::sync_channel(LONGEST_QUEUE);
+        let (items, items_in) = mailbox::bounded(LONGEST_QUEUE);
         let backlog = Arc::new(Backlog::default());
         let tape = Tape::to(items, Arc::clone(&backlog));
         let ends = Arc::clone(&backlog);
@@ -154,19 +155,19 @@ fn follow(
     loop {
         // what was told before the end is written; asked in this order, nothing of it is missed
         let ended = backlog.ended.load(Ordering::Relaxed);
-        let item = items.recv_timeout(if ended { Duration::ZERO } else { LONGEST_WAIT });
+        let item = wait_at_most(if ended { Duration::ZERO } else { LONGEST_WAIT }, items.receive());
         let lost = backlog.lost.swap(0, Ordering::Relaxed);
         if lost > 0 {
             log::warn!("the recording misses {lost} steps here: the disk is slower than what happens");
             writer.step(&Step::Lost { steps: lost }, system_time())?;
         }
         match item {
-            Ok(item) => {
+            Some(Some(item)) => {
                 backlog.bytes.fetch_sub(item.bytes, Ordering::Relaxed);
                 writer.write(item.what, item.at)?;
             }
-            Err(RecvTimeoutError::Timeout) if !ended => {}
-            Err(_) => return Ok("the node ended".to_owned()),
+            None if !ended => {}
+            None | Some(None) => return Ok("the node ended".to_owned()),
         }
         if flushed.elapsed() >= FLUSH_PERIOD {
             flushed = Instant::now();

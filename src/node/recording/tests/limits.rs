@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use super::*;
+use crate::node::mailbox;
 
 #[test]
 fn what_does_not_fit_is_lost_and_counted_and_nobody_waits() {
-    let (items, items_in) = mpsc::sync_channel(2);
+    let (items, items_in) = mailbox::bounded(2);
     let backlog = Arc::new(Backlog::default());
     let tape = Tape::to(items, Arc::clone(&backlog));
     for _ in 0..5 {
