@@ -175,6 +175,8 @@ impl Asked<'_> {
             Some(stream) => {
                 let found = pair.separation_remembering(limit, stream.memory(index), scratch);
                 stream.learn_from_memory(index, &pair);
+                let effort = Effort { exact_cost: self.effort.exact_cost, ..Effort::default() };
+                stream.note_due(Due { index, limit, effort });
                 found
             }
             None => pair.separation(limit, scratch),
@@ -203,6 +205,7 @@ impl Asked<'_> {
             Some(stream) => {
                 let found = pair.separation_remembering_while(limit, effort, stream.memory(index), scratch);
                 stream.learn_from_memory(index, &pair);
+                stream.note_due(Due { index, limit, effort: *effort });
                 found
             }
             None => pair.separation_while(limit, effort, scratch),

@@ -50,6 +50,11 @@ pub(super) struct Memory {
     /// States until the next front is collected, and how many they were the last time.
     pause: u32,
     last_pause: u32,
+    /// What searches have cost since the last front was collected, and what that had cost.
+    searching: u64,
+    collecting: u64,
+    /// Whether a front is to be collected in the time until the next state.
+    awaits_front: bool,
     /// States until the exact distance is tried for again, and how many they were the last time.
     given_up: u32,
     last_given_up: u32,
@@ -71,6 +76,9 @@ impl Memory {
             served: 0,
             pause: 0,
             last_pause: WORTH,
+            searching: 0,
+            collecting: 0,
+            awaits_front: false,
             given_up: 0,
             last_given_up: 0,
         }
@@ -113,14 +121,34 @@ impl Memory {
         self.pause = if self.served < WORTH { self.last_pause } else { 0 };
     }
 
-    /// Collects a front, unless the last ones were for nothing.
-    fn collect_if_worth(&mut self, pair: &Pair, found: &Separation, scratch: &mut Scratch) {
-        if self.pause > 0 {
+    /// Has a front collected until the next state, unless the last ones were for nothing, or searches have not cost yet what the last
+    /// one has.
+    fn wish_for_front(&mut self, pair: &Pair, effort: &Effort, scratch: &mut Scratch) {
+        if self.awaits_front {
+            // nobody took the time
+            if effort.exact_cost == 0 {
+                self.collect_awaited(pair, u64::MAX, scratch);
+            }
+        } else if self.pause > 0 {
             self.pause -= 1;
-            return;
+        } else {
+            self.awaits_front = self.searching >= self.collecting;
         }
-        self.served = 0;
-        self.front.collect(pair.bodies, &pair.pose_ab, found, found.distance + FRONT, scratch);
+    }
+
+    /// Collects the front that is awaited, if there is one, where the pair was found, unless it costs more than `most`.
+    fn collect_awaited(&mut self, pair: &Pair, most: u64, scratch: &mut Scratch) {
+        let found = self.found.filter(|_| self.awaits_front && self.pose_ab == pair.pose_ab);
+        let Some(found) = found else { return };
+        let before = scratch.work.cost();
+        self.front.collect(pair.bodies, &pair.pose_ab, &found, (found.distance + FRONT, most), scratch);
+        self.collecting = scratch.work.cost() - before;
+        (self.searching, self.served, self.awaits_front) = (0, 0, false);
+    }
+
+    /// Whether the time until the next state is well spent on the pair.
+    pub fn is_due(&self) -> bool {
+        self.is_due || self.awaits_front
     }
 
     /// A number never larger than the bodies' distance (m) at another pose: by either's motion in the frame of the other.
@@ -136,24 +164,58 @@ impl Memory {
         self.found.is_some()
     }
 
-    /// What the bodies' distance (m) at another pose is hardly larger than: nearest points told next to contact may lie a
-    /// little off their bodies, so a search within this may find nothing.
-    fn upper_at(&self, pose_ab: &MatrixPose) -> f64 {
-        self.near_points_at(pose_ab).map_or(f64::INFINITY, |near| {
-            let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
-            near.distance + ROUNDING * reach + CONTACT_DISTANCE
-        })
-    }
-
     /// How far apart points are at another pose that were near, in the frame of a.
     fn near_points_at(&self, pose_ab: &MatrixPose) -> Option<Separation> {
         let [on_a, on_b] = self.near_points?;
         let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
         Some(Separation { distance: nalgebra::distance(&on_a, &moved), witness_points: [on_a, moved] })
     }
+
+    /// Points of the bodies that are near each other, by which a search may begin; `None` if the bodies are proven farther apart than
+    /// `limit` (m), which is remembered.
+    fn near_points_within(&mut self, limit: f64, pair: &Pair, scratch: &mut Scratch) -> Option<Separation> {
+        let known = self.near_points_at(&pair.pose_ab);
+        if let Some(near) = known.filter(|near| hardly_less_than(near) <= limit) {
+            return Some(near);
+        }
+        // a bound that is no more than was asked would run out in the next state
+        let farther = limit + LOOK_AHEAD;
+        let roughly = Effort { absolute_tolerance: LOOK_AHEAD / 2.0, ..Effort::default() };
+        let far = pair.separation_bounds(farther, &roughly, scratch);
+        if far.lower <= limit {
+            return far.upper;
+        }
+        self.renew(pair, far.lower, None);
+        self.near_points = far.upper.map(|upper| upper.witness_points).or(self.near_points);
+        None
+    }
+}
+
+/// What the bodies' distance (m) is hardly larger than, points of which are that near: those told next to contact may lie a little off
+/// their bodies, so a search within this may find nothing.
+fn hardly_less_than(near: &Separation) -> f64 {
+    let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
+    near.distance + ROUNDING * reach + CONTACT_DISTANCE
 }
 
 impl Pair<'_> {
+    /// Does for the next state what can be done until it comes, where the pair is now; `most` is what what is not urgent may cost.
+    pub fn prepare(
+        &self,
+        limit: f64,
+        (effort, most): (&Effort, u64),
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) {
+        if let Some(known) = memory.as_mut().filter(|_| most > 0) {
+            known.collect_awaited(self, most, scratch);
+        }
+        if memory.as_ref().is_some_and(|known| known.is_due) {
+            let effort = &Effort { exact_cost: 0, ..*effort };
+            self.renew_bounds(limit, effort, memory, scratch);
+        }
+    }
+
     /// As [`Pair::touches`], with what is remembered.
     pub fn touches_remembering(&self, memory: &mut Option<Memory>, scratch: &mut Scratch) -> bool {
         let padding = self.info.padding;
@@ -213,29 +275,19 @@ impl Pair<'_> {
             return Ok(found);
         }
         known.drop_front();
-        let mut tight = known.upper_at(&self.pose_ab);
-        if tight > limit {
-            // a bound that is no more than was asked would run out in the next state
-            let farther = limit + LOOK_AHEAD;
-            let roughly = Effort { absolute_tolerance: LOOK_AHEAD / 2.0, ..Effort::default() };
-            let far = self.separation_bounds(farther, &roughly, scratch);
-            if far.lower > limit {
-                known.renew(self, far.lower, None);
-                known.near_points = far.upper.map(|upper| upper.witness_points).or(known.near_points);
-                return Ok(None);
-            }
-            tight = far.upper.map_or(farther, |upper| upper.distance).lesser(tight);
-        }
-        let found = match self.separation_while(tight, effort, scratch) {
+        let before = scratch.work.cost();
+        let Some(near) = known.near_points_within(limit, self, scratch) else { return Ok(None) };
+        let found = match self.separation_below_while((&near, hardly_less_than(&near)), effort, scratch) {
             Ok(None) => self.separation_while(limit, effort, scratch),
             found => found,
         };
         let found = found.inspect_err(|roughly| known.give_up(self, roughly))?;
         known.renew(self, limit, found);
         known.last_given_up = 0;
+        known.searching += scratch.work.cost() - before;
         let Some(found) = found.filter(|found| found.distance <= limit) else { return Ok(None) };
         if found.distance > 0.0 {
-            known.collect_if_worth(self, &found, scratch);
+            known.wish_for_front(self, effort, scratch);
         }
         Ok(Some(found))
     }

@@ -94,6 +94,23 @@ impl Pair<'_> {
         }
     }
 
+    /// As [`Self::separation_while`], up to what points of the bodies are known to be `near`, which is not more than `reached` (m).
+    pub fn separation_below_while(
+        &self,
+        (near, reached): (&Separation, f64),
+        effort: &Effort,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Separation>, Roughly> {
+        let (a, b) = self.bodies;
+        let DistanceBounds { lower, upper, .. } =
+            query::distance_bounds_below(a, b, self.pose_ab, reached, effort, scratch);
+        match upper {
+            Some(upper) if lower < upper.distance => Err(Roughly { lower, upper }),
+            None if lower < reached => Err(Roughly { lower: lower.lesser(near.distance), upper: *near }),
+            exact => Ok(exact),
+        }
+    }
+
     /// An exact separation as it is told: which common point of bodies that touch is found depends on the limit, which must not tell
     /// what was asked before.
     pub fn told(&self, exact: &Separation, scratch: &mut Scratch) -> PairDistance {

@@ -96,14 +96,19 @@ impl CollisionChecker {
         report
     }
 
-    /// Renews what a streaming workspace that is asked within a tolerance knows about pairs of its last state that the next will
-    /// probably have to search: in the time until it comes, for it to be answered sooner. Changes no exact answer.
+    /// Renews what a streaming workspace knows about pairs of its last state that the next will probably have to search: in the time
+    /// until it comes, for it to be answered sooner. Changes no exact answer.
     pub fn prepare(&self, workspace: &mut Workspace) {
         let Workspace { checker, frames, scratch, stream, .. } = workspace;
         let is_own = |stream: &&mut Stream| *checker == self.identity && stream.is_of(self.revision);
         let Some(stream) = stream.as_mut().filter(is_own) else { return };
+        let before = scratch.work.cost();
         while let Some(Due { index, limit, effort }) = stream.next_due() {
-            self.pair(index, frames).renew_bounds(limit, &effort, stream.memory(index), scratch);
+            let most = match effort.exact_cost {
+                0 => u64::MAX,
+                most => most.saturating_sub(scratch.work.cost() - before),
+            };
+            self.pair(index, frames).prepare(limit, (&effort, most), stream.memory(index), scratch);
         }
     }
 

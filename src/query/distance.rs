@@ -35,10 +35,37 @@ pub fn distance_bounds<B: BoundingVolume>(
     effort: &Effort,
     scratch: &mut Scratch,
 ) -> DistanceBounds {
-    let goal = Goal { limit, effort: *effort, ..Goal::EXACT };
-    let found = search::<B, false>((a, b), &pose_ab.into(), goal, scratch);
-    let certain = |best: Separation| effort.lower_after(&scratch.work, best.distance);
-    let seen = found.best.map_or(limit, |best| certain(best).greater(0.0));
+    bounds((a, b), &pose_ab.into(), Goal { limit, effort: *effort, ..Goal::EXACT }, scratch)
+}
+
+/// As [`distance_bounds`], where points of the bodies are known to be no farther apart than `reached` (m): when the effort is over before
+/// anything nearer is found, what is certain is within the tolerance of that, and there is no upper bound.
+#[must_use]
+pub(crate) fn distance_bounds_below<B: BoundingVolume>(
+    a: &CollisionBody<B>,
+    b: &CollisionBody<B>,
+    pose_ab: impl Into<MatrixPose>,
+    reached: f64,
+    effort: &Effort,
+    scratch: &mut Scratch,
+) -> DistanceBounds {
+    let goal = Goal { limit: reached, is_reached: true, effort: *effort, ..Goal::EXACT };
+    bounds((a, b), &pose_ab.into(), goal, scratch)
+}
+
+fn bounds<B: BoundingVolume>(
+    bodies: (&CollisionBody<B>, &CollisionBody<B>),
+    pose_ab: &MatrixPose,
+    goal: Goal,
+    scratch: &mut Scratch,
+) -> DistanceBounds {
+    let found = search::<B, false>(bodies, pose_ab, goal, scratch);
+    let certain = |upper: f64| goal.effort.lower_after(&scratch.work, upper);
+    let seen = match found.best {
+        Some(best) => certain(best.distance).greater(0.0),
+        None if goal.is_reached => certain(goal.limit).greater(0.0),
+        None => goal.limit,
+    };
     DistanceBounds {
         lower: seen.lesser(found.unseen),
         upper: found.best,

@@ -77,13 +77,14 @@ impl Front {
     }
 
     /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
-    /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front.
+    /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front, and there is
+    /// none if it costs more than `most` ([`Work::cost`]).
     pub fn collect(
         &mut self,
         bodies: (&CollisionBody, &CollisionBody),
         pose_ab: &MatrixPose,
         nearest: &Separation,
-        beyond: f64,
+        (beyond, most): (f64, u64),
         scratch: &mut Scratch,
     ) {
         self.clear();
@@ -95,7 +96,10 @@ impl Front {
         let lists = (&mut self.with_solids.listed, &mut self.of_triangles.listed);
         let [near_a, near_b] = &nearest.witness_points;
         let direction = (near_b - near_a).try_normalize(0.0).unwrap_or_else(Vector::zeros);
-        self.beyond = collect(bodies, pose_ab, direction, beyond, scratch, lists);
+        let Some(beyond) = collect(bodies, pose_ab, direction, (beyond, most), scratch, lists) else {
+            return self.clear();
+        };
+        self.beyond = beyond;
         self.listed_at = Some(*pose_ab);
         self.with_solids.renew(bodies, pose_ab, near_a, scratch.level());
         self.of_triangles.renew(bodies, pose_ab, near_a, scratch.level());

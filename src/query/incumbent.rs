@@ -36,6 +36,7 @@ impl<'w> Incumbent<'w> {
         match self.best {
             Some(best) if best.distance <= self.goal.enough => f64::NEG_INFINITY,
             Some(best) => self.goal.effort.lower_after(self.work, best.distance),
+            None if self.goal.is_reached => self.goal.effort.lower_after(self.work, self.goal.limit),
             None => self.goal.limit,
         }
     }

@@ -53,6 +53,7 @@ mod work;
 pub use body::CollisionBody;
 pub use bounding_sphere::BoundingSphere;
 pub use collide::collide;
+pub(crate) use distance::distance_bounds_below;
 pub use distance::{DistanceBounds, Effort, distance, distance_bounds};
 pub use element::Element;
 pub use element_pair::{Separation, element_contact, element_separation};

@@ -27,6 +27,8 @@ use crate::simd::{Level, dispatch};
 pub(super) struct Goal {
     /// Nothing farther than this (m) matters.
     pub limit: f64,
+    /// Whether something is known to be that near: tolerances count from there then, before anything is found.
+    pub is_reached: bool,
     /// Nothing nearer than this (m) is looked for.
     pub enough: f64,
     pub effort: Effort,
@@ -38,6 +40,7 @@ impl Goal {
     /// The least distance, however large.
     pub const EXACT: Self = Self {
         limit: f64::INFINITY,
+        is_reached: false,
         enough: 0.0,
         effort: Effort {
             relative_tolerance: 0.0,

@@ -191,26 +191,30 @@ fn distances_are_exact_while_they_cost_little() {
     assert!(told_so.is_sorted_by(|less, more| less[0] >= more[0]), "{told_so:?}");
 }
 
-/// What goes on as it did is searched before it is asked.
+/// What goes on as it did is searched before it is asked, and what later searches begin with is collected then.
 #[test]
 fn what_is_prepared_needs_less() {
     let mut random = Random::new(75);
     let [checker, _] = checkers();
-    let (mut plain, mut prepared) = (checker.streaming_workspace(), checker.streaming_workspace());
-    let mut costs = [0; 2];
-    for _ in 0..4 {
-        let [from, to] = [(); 2].map(|()| random_state(&checker, &mut random));
-        for step in 0..100 {
-            let share = f64::from(step) * 1e-3;
-            let between = from.positions().iter().zip(to.positions()).map(|(a, b)| a + share * (b - a));
-            let q = checker.robot().configuration(&between.collect::<Vec<_>>()).unwrap();
-            for (cost, stream) in costs.iter_mut().zip([&mut plain, &mut prepared]) {
-                *cost += checker.check_with(&q, ALL, &SMALL, stream).work.volume_tests;
+    let hurried = Effort { exact_cost: 1000, ..SMALL };
+    for (effort, percent) in [(SMALL, 60), (hurried, 90), (Effort::default(), 90)] {
+        let (mut plain, mut prepared) = (checker.streaming_workspace(), checker.streaming_workspace());
+        let mut costs = [0; 2];
+        for _ in 0..4 {
+            let [from, to] = [(); 2].map(|()| random_state(&checker, &mut random));
+            for step in 0..100 {
+                let share = f64::from(step) * 1e-3;
+                let between = from.positions().iter().zip(to.positions()).map(|(a, b)| a + share * (b - a));
+                let q = checker.robot().configuration(&between.collect::<Vec<_>>()).unwrap();
+                for (cost, stream) in costs.iter_mut().zip([&mut plain, &mut prepared]) {
+                    *cost += checker.check_with(&q, ALL, &effort, stream).work.cost();
+                }
+                checker.prepare(&mut prepared);
             }
-            checker.prepare(&mut prepared);
         }
+        eprintln!("{costs:?}, plain and prepared: {effort:?}");
+        assert!(100 * costs[1] < percent * costs[0], "{costs:?}, plain and prepared: {effort:?}");
     }
-    assert!(2 * costs[1] < costs[0], "{costs:?} volume tests, plain and prepared");
 }
 
 /// That what was told within a tolerance is true of every pair.

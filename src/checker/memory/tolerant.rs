@@ -40,7 +40,7 @@ impl Pair<'_> {
     }
 
     /// Renews what is known of a pair that is due, where it is now.
-    pub fn renew_bounds(
+    pub(super) fn renew_bounds(
         &self,
         limit: f64,
         effort: &Effort,
@@ -116,11 +116,6 @@ impl Memory {
     fn note_left(&mut self, left: f64) {
         self.is_due = left < STATES_AHEAD * (self.left - left);
         self.left = left;
-    }
-
-    /// Whether what is known will hardly do for another state like the last ones.
-    pub fn is_due(&self) -> bool {
-        self.is_due
     }
 
     /// What is certain about a pair's distance at another pose.

@@ -18,18 +18,19 @@ use crate::query::work::Work;
 use crate::simd::{LANES, Simd, dispatch, not_beyond};
 
 /// Lists all pairs of elements that may be within `beyond` (m), or the nearest of these; what is not listed is farther apart
-/// than is answered. `direction` (frame of a) is the one in which the nearest are apart.
+/// than is answered. `None` if that would cost more than `most`. `direction` (frame of a) is the one in which the nearest are apart.
 pub(super) fn collect(
     (a, b): (&CollisionBody, &CollisionBody),
     pose_ab: &MatrixPose,
     direction: Vector,
-    beyond: f64,
+    (beyond, most): (f64, u64),
     scratch: &mut Scratch,
     (with_solids, of_triangles): (&mut Vec<Listed>, &mut Vec<Listed>),
-) -> f64 {
+) -> Option<f64> {
     let level = scratch.level();
     let Scratch { work, stack, .. } = scratch;
-    let mut near = Near { beyond: round_up(beyond), pose_ab, work, listed: with_solids };
+    let most = work.cost().saturating_add(most);
+    let mut near = Near { beyond: round_up(beyond), pose_ab, work, most, listed: with_solids };
     if let (Some(a), Some(b)) = (&a.solids, &b.solids) {
         let relative = &a.relative(b, pose_ab);
         dispatch!(level, simd => descend(simd, (a, b), relative, stack, &mut SolidsAndSolids(&mut near)));
@@ -56,7 +57,7 @@ pub(super) fn collect(
         dispatch!(level, simd => descend(simd, (&a.tree, &b.tree), relative, stack, visitor));
     }
     near.keep_nearest(MOST);
-    f64::from(near.beyond).lesser(beyond)
+    (!near.costs_too_much()).then(|| f64::from(near.beyond).lesser(beyond))
 }
 
 /// A unit vector in f32, not longer than one.
@@ -71,10 +72,16 @@ struct Near<'n> {
     beyond: f32,
     pose_ab: &'n MatrixPose,
     work: &'n mut Work,
+    /// What the work may come to.
+    most: u64,
     listed: &'n mut Vec<Listed>,
 }
 
 impl Near<'_> {
+    fn costs_too_much(&self) -> bool {
+        self.work.cost() > self.most
+    }
+
     /// Lets the farthest go, if there are too many: what is then not listed is not nearer than those.
     fn keep_nearest(&mut self, most: usize) {
         if self.listed.len() > most {
@@ -115,7 +122,7 @@ impl Visitor<SolidLeaf, SolidLeaf> for SolidsAndSolids<'_, '_> {
     }
 
     fn interrupted(&mut self) -> bool {
-        false
+        self.0.costs_too_much()
     }
 
     #[inline(always)]
@@ -143,7 +150,7 @@ impl Visitor<SolidLeaf, TriangleLeaf> for SolidsAndSurface<'_, '_> {
     }
 
     fn interrupted(&mut self) -> bool {
-        false
+        self.near.costs_too_much()
     }
 
     #[inline(always)]
@@ -183,7 +190,7 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
     }
 
     fn interrupted(&mut self) -> bool {
-        false
+        self.near.costs_too_much()
     }
 
     #[inline(always)]
