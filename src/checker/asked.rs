@@ -173,9 +173,10 @@ impl Asked<'_> {
         let limit = (limit + pair.info.padding).next_up();
         let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
             Some(stream) => {
-                let found = pair.separation_remembering(limit, stream.memory(index), scratch);
+                let exact_cost = self.effort.exact_cost;
+                let found = pair.separation_remembering((limit, exact_cost), stream.memory(index), scratch);
                 stream.learn_from_memory(index, &pair);
-                let effort = Effort { exact_cost: self.effort.exact_cost, ..Effort::default() };
+                let effort = Effort { exact_cost, ..Effort::default() };
                 stream.note_due(Due { index, limit, effort });
                 found
             }

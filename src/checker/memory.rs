@@ -210,7 +210,7 @@ impl Pair<'_> {
         if let Some(known) = memory.as_mut().filter(|_| most > 0) {
             known.collect_awaited(self, most, scratch);
         }
-        if memory.as_ref().is_some_and(|known| known.is_due) {
+        if !effort.is_exact() && memory.as_ref().is_some_and(|known| known.is_due) {
             let effort = &Effort { exact_cost: 0, ..*effort };
             self.renew_bounds(limit, effort, memory, scratch);
         }
@@ -231,18 +231,19 @@ impl Pair<'_> {
                 }
             }
         }
-        let found = self.separation_remembering(padding, memory, scratch);
+        let found = self.separation_remembering((padding, 0), memory, scratch);
         found.is_some_and(|found| found.distance <= padding)
     }
 
-    /// As [`Pair::separation`], with what is remembered.
+    /// As [`Pair::separation`], with what is remembered, in a state whose distances are exact until it has cost so much, if not 0.
     pub fn separation_remembering(
         &self,
-        limit: f64,
+        (limit, exact_cost): (f64, u64),
         memory: &mut Option<Memory>,
         scratch: &mut Scratch,
     ) -> Option<Separation> {
-        let found = self.separation_remembering_while(limit, &Effort::default(), memory, scratch);
+        let exactly = Effort { exact_cost, ..Effort::default() };
+        let found = self.separation_remembering_while(limit, &exactly, memory, scratch);
         // with no tolerance nothing is told roughly
         found.unwrap_or_else(|_| self.separation(limit, scratch))
     }
@@ -288,6 +289,8 @@ impl Pair<'_> {
         let Some(found) = found.filter(|found| found.distance <= limit) else { return Ok(None) };
         if found.distance > 0.0 {
             known.wish_for_front(self, effort, scratch);
+        } else {
+            known.awaits_front = false;
         }
         Ok(Some(found))
     }

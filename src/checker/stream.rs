@@ -19,6 +19,9 @@ const LONGEST_TRAVEL: f64 = 1e3;
 /// Most obstacles that are remembered; when more were near, all are forgotten.
 const MOST_MEMORIES: usize = 4096;
 
+/// Most pairs that are noted for the time until the next state, where nobody makes use of it.
+const MOST_DUE: usize = 1024;
+
 /// What is known about all pairs of one checker.
 #[derive(Clone, Debug)]
 pub(super) struct Stream {
@@ -150,7 +153,7 @@ impl Stream {
 
     /// Notes what was asked of a pair, if its bounds hardly last.
     pub fn note_due(&mut self, due: Due) {
-        if self.memory(due.index).as_ref().is_some_and(Memory::is_due) {
+        if self.due.len() < MOST_DUE && self.memory(due.index).as_ref().is_some_and(Memory::is_due) {
             self.due.push(due);
         }
     }
