@@ -199,7 +199,7 @@ fn hardly_less_than(near: &Separation) -> f64 {
 }
 
 impl Pair<'_> {
-    /// Does for the next state what can be done until it comes, where the pair is now; `most` is what what is not urgent may cost.
+    /// Does for the next state what can be done until it comes, where the pair is now; a front may cost as much as `most`.
     pub fn prepare(
         &self,
         limit: f64,

@@ -101,9 +101,8 @@ impl Pair<'_> {
         effort: &Effort,
         scratch: &mut Scratch,
     ) -> Result<Option<Separation>, Roughly> {
-        let (a, b) = self.bodies;
         let DistanceBounds { lower, upper, .. } =
-            query::distance_bounds_below(a, b, self.pose_ab, reached, effort, scratch);
+            query::distance_bounds_below(self.bodies, &self.pose_ab, reached, effort, scratch);
         match upper {
             Some(upper) if lower < upper.distance => Err(Roughly { lower, upper }),
             None if lower < reached => Err(Roughly { lower: lower.lesser(near.distance), upper: *near }),

@@ -185,3 +185,41 @@ impl Stream {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::MOST_DUE;
+    use crate::checker::{CollisionChecker, Question, Settings};
+    use crate::query::Effort;
+    use crate::robot::{MeshFiles, RobotModel};
+    use crate::world::World;
+
+    /// Two boxes, of which one slides past the other.
+    const URDF: &str = "<robot name='r'>
+        <link name='a'><collision><geometry><box size='1 1 1'/></geometry></collision></link>
+        <link name='b'><collision><origin rpy='0.3 0.2 0.1'/><geometry><box size='1 1 1'/></geometry></collision></link>
+        <link name='between'/>
+        <joint name='i' type='prismatic'><parent link='a'/><child link='between'/><axis xyz='1 0 0'/><limit lower='-9' upper='9' effort='1' velocity='1'/></joint>
+        <joint name='j' type='prismatic'><parent link='between'/><child link='b'/><origin xyz='2 0 0'/><axis xyz='0 1 0'/><limit lower='-9' upper='9' effort='1' velocity='1'/></joint></robot>";
+
+    #[test]
+    fn what_waits_for_the_time_between_states_is_bounded() {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let checker =
+            CollisionChecker::new(Arc::clone(&robot), &World::default(), Settings::default()).unwrap();
+        let mut stream = checker.streaming_workspace();
+        let effort = Effort { exact_cost: 1000, relative_tolerance: 0.1, ..Effort::default() };
+        let mut noted = Vec::new();
+        let states = [0.0, 1e-3].into_iter().chain(std::iter::repeat_n(2e-3, 2 * MOST_DUE));
+        for position in states {
+            let q = robot.configuration(&[0.0, position]).unwrap();
+            let _ = checker.check_with(&q, Question::PairDistances { limit: f64::INFINITY }, &effort, &mut stream);
+            noted.push(stream.stream.as_ref().unwrap().due.len());
+        }
+        assert_eq!(noted.iter().max(), Some(&MOST_DUE), "standing still, and nobody takes that time");
+        checker.prepare(&mut stream);
+        assert_eq!(stream.stream.unwrap().due.len(), 0);
+    }
+}

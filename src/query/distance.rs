@@ -41,16 +41,15 @@ pub fn distance_bounds<B: BoundingVolume>(
 /// As [`distance_bounds`], where points of the bodies are known to be no farther apart than `reached` (m): when the effort is over before
 /// anything nearer is found, what is certain is within the tolerance of that, and there is no upper bound.
 #[must_use]
-pub(crate) fn distance_bounds_below<B: BoundingVolume>(
-    a: &CollisionBody<B>,
-    b: &CollisionBody<B>,
-    pose_ab: impl Into<MatrixPose>,
+pub(crate) fn distance_bounds_below(
+    bodies: (&CollisionBody, &CollisionBody),
+    pose_ab: &MatrixPose,
     reached: f64,
     effort: &Effort,
     scratch: &mut Scratch,
 ) -> DistanceBounds {
     let goal = Goal { limit: reached, is_reached: true, effort: *effort, ..Goal::EXACT };
-    bounds((a, b), &pose_ab.into(), goal, scratch)
+    bounds(bodies, pose_ab, goal, scratch)
 }
 
 fn bounds<B: BoundingVolume>(

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use clearance::checker::{
     Body, CollisionChecker, CollisionReport, Question, Settings, UndecidedPair, Workspace,
 };
-use clearance::query::Effort;
+use clearance::query::{Effort, Work};
 use clearance::robot::Configuration;
 
 use crate::random::Random;
@@ -191,30 +191,41 @@ fn distances_are_exact_while_they_cost_little() {
     assert!(told_so.is_sorted_by(|less, more| less[0] >= more[0]), "{told_so:?}");
 }
 
-/// What goes on as it did is searched before it is asked, and what later searches begin with is collected then.
+/// What goes on as it did is searched before it is asked.
 #[test]
 fn what_is_prepared_needs_less() {
+    let [plain, prepared] = plain_and_prepared(&SMALL).map(|work| work.volume_tests);
+    assert!(2 * prepared < plain, "{prepared} and {plain} volume tests, prepared and plain");
+}
+
+/// What exact searches begin with is collected before it is asked, also where they may cost only so much.
+#[test]
+fn fronts_are_collected_between_states() {
+    for effort in [Effort { exact_cost: 1000, ..SMALL }, Effort::default()] {
+        let [plain, prepared] = plain_and_prepared(&effort).map(|work| work.cost());
+        assert!(10 * prepared < 9 * plain, "{prepared} and {plain}, prepared and plain: {effort:?}");
+    }
+}
+
+/// What two streams cost that go the same ways, of which one is prepared for what comes next.
+fn plain_and_prepared(effort: &Effort) -> [Work; 2] {
     let mut random = Random::new(75);
     let [checker, _] = checkers();
-    let hurried = Effort { exact_cost: 1000, ..SMALL };
-    for (effort, percent) in [(SMALL, 60), (hurried, 90), (Effort::default(), 90)] {
-        let (mut plain, mut prepared) = (checker.streaming_workspace(), checker.streaming_workspace());
-        let mut costs = [0; 2];
-        for _ in 0..4 {
-            let [from, to] = [(); 2].map(|()| random_state(&checker, &mut random));
-            for step in 0..100 {
-                let share = f64::from(step) * 1e-3;
-                let between = from.positions().iter().zip(to.positions()).map(|(a, b)| a + share * (b - a));
-                let q = checker.robot().configuration(&between.collect::<Vec<_>>()).unwrap();
-                for (cost, stream) in costs.iter_mut().zip([&mut plain, &mut prepared]) {
-                    *cost += checker.check_with(&q, ALL, &effort, stream).work.cost();
-                }
-                checker.prepare(&mut prepared);
+    let (mut plain, mut prepared) = (checker.streaming_workspace(), checker.streaming_workspace());
+    let mut costs = [Work::default(); 2];
+    for _ in 0..4 {
+        let [from, to] = [(); 2].map(|()| random_state(&checker, &mut random));
+        for step in 0..100 {
+            let share = f64::from(step) * 1e-3;
+            let between = from.positions().iter().zip(to.positions()).map(|(a, b)| a + share * (b - a));
+            let q = checker.robot().configuration(&between.collect::<Vec<_>>()).unwrap();
+            for (cost, stream) in costs.iter_mut().zip([&mut plain, &mut prepared]) {
+                *cost += checker.check_with(&q, ALL, effort, stream).work;
             }
+            checker.prepare(&mut prepared);
         }
-        eprintln!("{costs:?}, plain and prepared: {effort:?}");
-        assert!(100 * costs[1] < percent * costs[0], "{costs:?}, plain and prepared: {effort:?}");
     }
+    costs
 }
 
 /// That what was told within a tolerance is true of every pair.
