@@ -68,11 +68,6 @@ impl Display {
         let gone: Vec<_> = std::mem::take(&mut self.shown).into_iter().collect();
         Scene::new(header(judgement), Duration::ZERO).finish(&gone)
     }
-
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.shown.is_empty()
-    }
 }
 
 /// A marker array in the making.

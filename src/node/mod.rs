@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
-//! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, ~/markers, /diagnostics,
-//! parameter services, /clock ──> services ───────┘ settings │   ~/time_to_contact, ~/speed_scale
+//! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, /diagnostics, ~/time_to_contact,
+//! parameter services, /clock ──> services ───────┘ settings │   ~/speed_scale; markers ──> ~/markers
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
@@ -39,6 +39,7 @@ mod link_volumes;
 mod loader;
 pub mod logging;
 mod mailbox;
+mod marker_topic;
 mod markers;
 mod messages;
 mod middleware;

@@ -4,10 +4,9 @@ use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::DiagnosticArray;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64};
-use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 
 use super::clearance_msgs::CollisionState;
-use super::markers::Display;
+use super::marker_topic::MarkerFeed;
 use super::messages::collision_state;
 use super::middleware::{Message, MessageKind, Middleware, MiddlewareError, Publisher, Quality};
 use super::names::Names;
@@ -23,11 +22,8 @@ pub struct Publishers {
     time_to_contact: Publisher<Float64>,
     /// Whether someone may still hold a time to contact that is not zero.
     looked_ahead: bool,
-    markers: Publisher<MarkerArray>,
+    markers: MarkerFeed,
     diagnostics: Publisher<DiagnosticArray>,
-    display: Display,
-    /// Status and steady time of the last markers.
-    last_markers: Option<(&'static str, Duration)>,
 }
 
 /// What became of what was said.
@@ -39,7 +35,12 @@ pub struct Said {
 }
 
 impl Publishers {
-    pub fn open(middleware: &Middleware, names: &Names) -> Result<Self, MiddlewareError> {
+    /// `markers` are drawn elsewhere.
+    pub fn open(
+        middleware: &Middleware,
+        names: &Names,
+        markers: MarkerFeed,
+    ) -> Result<Self, MiddlewareError> {
         fn publisher<M: Message>(
             middleware: &Middleware,
             names: &Names,
@@ -49,7 +50,6 @@ impl Publishers {
             middleware.publisher(&names.resolve(name)?, kind, Quality::Reliable)
         }
         let float64 = MessageKind("std_msgs", "Float64");
-        let array = MessageKind("visualization_msgs", "MarkerArray");
         let diagnostic = MessageKind("diagnostic_msgs", "DiagnosticArray");
         let state = MessageKind("clearance_msgs", "CollisionState");
         Ok(Self {
@@ -59,16 +59,14 @@ impl Publishers {
             speed_scale: publisher(middleware, names, "~/speed_scale", float64)?,
             time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
             looked_ahead: false,
-            markers: publisher(middleware, names, "~/markers", array)?,
+            markers,
             diagnostics: publisher(middleware, names, "/diagnostics", diagnostic)?,
-            display: Display::default(),
-            last_markers: None,
         })
     }
 
     /// Says a judgement on all topics.
     pub fn say(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) -> Said {
-        let mut dropped = 0;
+        let mut dropped = self.markers.take_dropped();
         let mut note = |sent: bool| dropped += u64::from(!sent);
         // what stops a robot goes first
         note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
@@ -83,35 +81,11 @@ impl Publishers {
             note(self.time_to_contact.publish(Float64 { data }));
         }
         self.looked_ahead = looks_ahead;
-        if let Some(markers) = self.due_markers(judgement, parameters, steady) {
-            note(self.markers.publish(markers));
-        }
+        self.markers.show(judgement, parameters, steady);
         Said { dropped, state_at }
     }
 
     pub fn say_diagnostics(&self, diagnostics: DiagnosticArray) -> bool {
         self.diagnostics.publish(diagnostics)
-    }
-
-    fn due_markers(
-        &mut self,
-        judgement: &Judgement,
-        parameters: &Parameters,
-        steady: Duration,
-    ) -> Option<MarkerArray> {
-        if !parameters.publish_markers {
-            return (!self.display.is_empty()).then(|| self.display.clear(judgement));
-        }
-        let status = judgement.status.word();
-        let period = Duration::try_from_secs_f64(1.0 / parameters.marker_rate).unwrap_or_default();
-        let early = |at: Duration| steady.saturating_sub(at) < period;
-        if self.last_markers.is_some_and(|(last, at)| last == status && early(at)) {
-            return None;
-        }
-        self.last_markers = Some((status, steady));
-        // a marker outlives the longest wait for its successor
-        let heartbeat = parameters.monitor_settings().heartbeat_period();
-        let lifetime = 3 * period.max(heartbeat) + Duration::from_secs(1);
-        Some(self.display.update(judgement, lifetime))
     }
 }

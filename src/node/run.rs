@@ -15,6 +15,7 @@ use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Order, Outlook, Surroundings};
 use super::logging::{self, Line};
 use super::mailbox;
+use super::marker_topic;
 use super::middleware::{
     self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
 };
@@ -143,6 +144,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
     let (own_states, own_states_in) = mailbox::bounded(1);
+    let (markers, marker_desk) = marker_topic::open(&middleware, &names)?;
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -155,7 +157,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             joint_states: own_states_in,
         },
         events: events_in,
-        publishers: Publishers::open(&middleware, &names)?,
+        publishers: Publishers::open(&middleware, &names, markers)?,
         current: Arc::clone(&current),
         observer: options.observer,
         tape: tape.clone(),
@@ -174,6 +176,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         Services::open(&middleware, &names, (store, tape, Arc::clone(&clock), small), orders, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
+        Part::new("markers", move || marker_desk.work()),
         Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
     ];
     if let Some((motion, publisher)) = motion {
@@ -186,14 +189,10 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     parts.push(desk("motions", &stopped, move || motion_desk.work()));
     parts.push(desk("states", &stopped, move || state_desk.work()));
     parts.push(desk("validity", &stopped, move || validity_desk.work()));
-    let network_stopped = stopped.clone();
-    parts.push(Part::new("network", move || smol::block_on(until(&network_stopped, middleware::deafness()))));
-    let world_stopped = stopped.clone();
-    parts.push(Part::new("world", move || {
-        let work = async { future::zip(topics.listen(), scenes.serve(&topics)).await };
-        smol::block_on(until(&world_stopped, work));
-    }));
-    parts.push(Part::new("services", move || smol::block_on(until(&stopped, services.serve()))));
+    parts.push(task("network", &stopped, middleware::deafness));
+    let world = async move || future::zip(topics.listen(), scenes.serve(&topics)).await;
+    parts.push(task("world", &stopped, world));
+    parts.push(task("services", &stopped, async move || Box::pin(services.serve()).await));
 
     let node = names.full_node_name();
     log::info!("{node} listens to {joint_states} in domain {domain}");
@@ -217,10 +216,19 @@ fn run_first(monitor_loop: MonitorLoop, priority: ThreadPriority) {
     monitor_loop.run();
 }
 
+/// A part that goes on until it is told to stop.
+fn task<T>(
+    name: &'static str,
+    stopped: &Receiver<()>,
+    work: impl AsyncFnOnce() -> T + Send + 'static,
+) -> Part {
+    let stopped = stopped.clone();
+    Part::new(name, move || smol::block_on(until(&stopped, work())))
+}
+
 /// A part that checks what is asked; a check that takes hours does not hold up the end.
 fn desk(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
-    let stopped = stopped.clone();
-    Part::new(name, move || smol::block_on(until(&stopped, smol::unblock(work))))
+    task(name, stopped, || smol::unblock(work))
 }
 
 /// A motion, and by what it is published.
