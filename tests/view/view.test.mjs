@@ -125,7 +125,7 @@ test("the demo in a browser: status, robot, distances, picture", { timeout: TIME
   }, "five different distances");
 
   await until(async () => colours(await picture(page, "#scene")) > 200, "a picture of the robot");
-  assert.equal(await page.isVisible("#scene-fault"), false);
+  await until(async () => !(await page.isVisible("#scene-note")), "no word that the robot is not shown yet");
   if (process.env.CLEARANCE_VIEW_PICTURE) await keepPicture(page);
   const isLine = (r, g, b) => b > r + 60 && b > g + 20;
   await until(async () => count(await picture(page, "#chart canvas"), isLine) > 20, "a line in the chart");
@@ -200,6 +200,7 @@ test("without joint states the page says UNKNOWN and why", { timeout: TIMEOUT },
   assert.deepEqual([silence.status, silence.distance], ["UNKNOWN", "–"]);
   assert.match(silence.reason, /joint state/);
   await until(async () => (await text(page, "robot")) === "demo_arm", "the robot");
+  assert.equal(await page.isVisible("#scene-note"), true, "where the robot is, is not known");
   assert.deepEqual(faults, []);
   assert.equal(await node.stop(), 0, node.output);
 });

@@ -33,12 +33,11 @@ frame();
 
 /** Without WebGL there is no picture, but the numbers are there. */
 function openStage(): Stage | null {
+  const note = document.getElementById("scene-note") as HTMLElement;
   try {
-    return new Stage(document.getElementById("scene") as HTMLCanvasElement);
+    return new Stage(document.getElementById("scene") as HTMLCanvasElement, () => (note.hidden = true));
   } catch (error) {
-    const fault = document.getElementById("scene-fault") as HTMLElement;
-    fault.textContent = `This browser can not draw the robot: ${error instanceof Error ? error.message : String(error)}`;
-    fault.hidden = false;
+    note.textContent = `This browser can not draw the robot: ${error instanceof Error ? error.message : String(error)}`;
     return null;
   }
 }

@@ -71,8 +71,14 @@ export class Stage {
   private readonly gl: WebGL2RenderingContext;
   /** Signalled when the last picture is finished. */
   private drawing: WebGLSync | null = null;
+  /** Whether the robot is in it. */
+  private drawsRobot = false;
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  /** `drawn` is called when there is a picture of the robot. */
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly drawn: () => void,
+  ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.camera.up.set(0, 0, 1);
@@ -88,6 +94,7 @@ export class Stage {
       this.due = false;
       this.renderer.render(this.scene, this.camera);
       this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      this.drawsRobot = this.shown !== 0;
     };
     frame();
   }
@@ -99,6 +106,7 @@ export class Stage {
     if (!gl.isContextLost() && gl.getSyncParameter(drawing, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
     gl.deleteSync(drawing);
     this.drawing = null;
+    if (this.drawsRobot) this.drawn();
     return false;
   }
 
