@@ -1,6 +1,7 @@
 //! From names and numbers to a configuration, or why not.
 
 use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::TAU;
 
 use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
@@ -44,8 +45,8 @@ const BY_TF: usize = usize::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct Tracker {
     slots: HashMap<String, Slot>,
-    /// How many positions the robot has.
-    count: usize,
+    /// By position: whether a whole turn changes nothing.
+    turns: Vec<bool>,
 }
 
 /// A configuration, and what was odd about its messages.
@@ -71,7 +72,13 @@ impl Tracker {
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
-        Self { slots, count: robot.position_names().len() }
+        let mut turns = vec![false; robot.position_names().len()];
+        for id in robot.joint_ids().filter(|id| matches!(robot.joint(*id).kind, JointKind::Continuous(_))) {
+            if let Some(index) = robot.first_position(id) {
+                turns[index] = true;
+            }
+        }
+        Self { slots, turns }
     }
 
     /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
@@ -118,7 +125,7 @@ struct Merge<'t> {
 
 impl<'t> Merge<'t> {
     fn new(tracker: &'t Tracker, prefix: &'t str) -> Self {
-        let count = tracker.count;
+        let count = tracker.turns.len();
         Self {
             tracker,
             prefix,
@@ -237,7 +244,12 @@ impl<'t> Merge<'t> {
         let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
         let rates = [rate, self.rates[index]].into_iter().filter(|rate| rate.is_finite());
         let fastest = rates.map(f64::abs).fold(0.0, f64::greater);
-        if at_once && (position - counts).abs() > CONTRADICTION + fastest * LAG {
+        let mut apart = (position - counts).abs();
+        if self.tracker.turns[index] {
+            let rest = apart % TAU;
+            apart = rest.lesser(TAU - rest);
+        }
+        if at_once && apart > CONTRADICTION + fastest * LAG {
             self.contradictions.entry(index).or_insert([counts, position]);
         }
     }

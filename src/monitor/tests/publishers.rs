@@ -1,5 +1,7 @@
 //! Joint states of several publishers make one state.
 
+use std::f64::consts::{PI, TAU};
+
 use super::*;
 
 /// A message of publisher `from` about some joints, stamped `seconds` after the start.
@@ -134,6 +136,30 @@ fn who_lags_behind_a_moving_joint_contradicts_nobody() {
         monitor.on_joint_state(driver, at(0.0));
         let relay = part(2, 0.01, &[("shoulder", 0.0), ("elbow", 1.0 - behind)]);
         assert_eq!(code(&monitor.on_joint_state(relay, at(0.01))), expected, "{behind}");
+    }
+}
+
+/// One counts turns from its encoder, the other from where it began.
+#[test]
+fn whole_turns_of_a_continuous_joint_contradict_nobody() {
+    const URDF: &str = "<robot name='r'><link name='a'/><link name='b'><collision><geometry><sphere radius='1'/></geometry></collision></link>
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>";
+    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    for (other, expected) in [
+        (TAU, "FREE"),
+        (-9.0 * TAU + 0.01, "FREE"),
+        (3.0 * TAU - 0.2, "contradiction"),
+        (PI, "contradiction"),
+    ] {
+        let mut monitor = monitor();
+        monitor.set_checker(Arc::new(Revision::new(checker.clone(), 2, 0)));
+        monitor.on_joint_state(part(1, 0.0, &[("j", 0.02)]), at(0.0));
+        assert_eq!(
+            code(&monitor.on_joint_state(part(2, 0.01, &[("j", other)]), at(0.01))),
+            expected,
+            "{other}"
+        );
     }
 }
 

@@ -257,7 +257,7 @@ fn is_reader(entity: GUID) -> bool {
 }
 
 fn in_words(qos: &QosPolicies) -> String {
-    use rustdds::policy::{Durability, Reliability};
+    use rustdds::policy::{Durability, Liveliness, Reliability};
     let reliability = match qos.reliability() {
         Some(Reliability::Reliable { .. }) => "reliable",
         Some(Reliability::BestEffort) | None => "best effort",
@@ -266,7 +266,21 @@ fn in_words(qos: &QosPolicies) -> String {
         Some(Durability::Volatile) | None => "volatile",
         Some(_) => "transient local",
     };
-    format!("{reliability}, {durability}")
+    let limit = |what: &str, duration: rustdds::Duration| {
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds are told")]
+        let seconds = duration.to_nanoseconds() as f64 * 1e-9;
+        let is_finite = duration != rustdds::Duration::INFINITE;
+        if is_finite { format!(", a {what} of {seconds:.3} s") } else { String::new() }
+    };
+    let deadline = qos.deadline().map(|deadline| limit("deadline", deadline.0)).unwrap_or_default();
+    let liveliness = match qos.liveliness() {
+        None => String::new(),
+        Some(Liveliness::Automatic { lease_duration }) => limit("lease", lease_duration),
+        Some(Liveliness::ManualByParticipant { .. } | Liveliness::ManualByTopic { .. }) => {
+            ", liveliness that is asserted by hand".to_owned()
+        }
+    };
+    format!("{reliability}, {durability}{deadline}{liveliness}")
 }
 
 #[cfg(test)]
@@ -277,6 +291,23 @@ mod tests {
         let mut bytes = [participant; 16];
         bytes[15] = kind;
         GUID::from_bytes(bytes)
+    }
+
+    #[test]
+    fn what_keeps_two_from_hearing_each_other_is_in_words() {
+        use rustdds::QosPolicyBuilder;
+        use rustdds::policy::{Deadline, Liveliness};
+        let plain = QosPolicyBuilder::new().build();
+        assert_eq!(in_words(&plain), "best effort, volatile");
+        let deadline = Deadline(rustdds::Duration::from_millis(100));
+        let timely = QosPolicyBuilder::new().deadline(deadline).build();
+        assert!(in_words(&timely).ends_with(", a deadline of 0.100 s"), "{}", in_words(&timely));
+        let lease_duration = rustdds::Duration::from_secs(2);
+        let alive = QosPolicyBuilder::new().liveliness(Liveliness::Automatic { lease_duration }).build();
+        assert!(in_words(&alive).ends_with(", a lease of 2.000 s"), "{}", in_words(&alive));
+        let asserted =
+            QosPolicyBuilder::new().liveliness(Liveliness::ManualByTopic { lease_duration }).build();
+        assert!(in_words(&asserted).ends_with("asserted by hand"));
     }
 
     #[test]
