@@ -215,7 +215,12 @@ mod tests {
         let states = [0.0, 1e-3].into_iter().chain(std::iter::repeat_n(2e-3, 2 * MOST_DUE));
         for position in states {
             let q = robot.configuration(&[0.0, position]).unwrap();
-            let _ = checker.check_with(&q, Question::PairDistances { limit: f64::INFINITY }, &effort, &mut stream);
+            let _ = checker.check_with(
+                &q,
+                Question::PairDistances { limit: f64::INFINITY },
+                &effort,
+                &mut stream,
+            );
             noted.push(stream.stream.as_ref().unwrap().due.len());
         }
         assert_eq!(noted.iter().max(), Some(&MOST_DUE), "standing still, and nobody takes that time");

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::drift::{Drift, Track};
 use super::scene::{Grounds, Link, Lost, Told, TransformTree};
+use super::status::quoted;
 use super::world_source::{Sight, WorldSource};
 use super::{Now, Reason, Time};
 use crate::math::Pose;
@@ -19,6 +20,8 @@ pub(super) struct GroundWatch {
     tracks: BTreeMap<String, Track>,
     /// What does not tell where the root is.
     lost: Option<String>,
+    /// In what the root counts as standing at zero, as nobody tells where it is.
+    assumed: Option<String>,
     /// Whether obstacles are not where `tf` has them: they are being put there.
     are_elsewhere: bool,
     /// When they were there last, by the steady clock, as far as that is known.
@@ -49,6 +52,7 @@ impl GroundWatch {
                     .to_owned()
             }
         });
+        self.assumed = grounds.assumed(tree).map(str::to_owned);
         self.are_elsewhere = grounds.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for told in grounds.told_of(tree) {
@@ -85,6 +89,14 @@ impl GroundWatch {
     /// How what stands in these frames moves past the root just now.
     pub fn drifts(&self) -> Vec<Drift> {
         self.seen.values().map(|seen| seen.drift.clone()).collect()
+    }
+
+    /// What is taken for granted about where the root is.
+    pub fn warning(&self) -> Option<String> {
+        let frame = quoted(self.assumed.as_ref()?);
+        Some(format!(
+            "obstacles stand in {frame}, and no transform tells where the robot's root is in it: it counts as standing at zero"
+        ))
     }
 
     /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.

@@ -48,6 +48,7 @@ pub mod scene;
 mod settings;
 mod speed;
 mod status;
+mod subject;
 mod time;
 mod tracker;
 mod world_source;

@@ -1,12 +1,9 @@
 //! The monitor: joint states and heartbeats in, judgements out.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::approach::slows_within;
 use super::contribution::Contributions;
-use super::drift::Drift;
 use super::ground::GroundWatch;
 use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
@@ -14,16 +11,11 @@ use super::pace::Pace;
 use super::placement::Placements;
 use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
-use super::tracker::{Reading, Tracker};
+use super::subject::{Subject, Verdict};
+use super::tracker::Tracker;
 use super::{
-    Evidence, Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status,
-    Time,
+    Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
-use crate::checker::{CollisionChecker, CollisionReport, Question, Workspace};
-use crate::constants::CONTACT_DISTANCE;
-use crate::math::Extremes;
-use crate::query::Effort;
-use crate::robot::LinkPoses;
 
 /// Time since any fixed moment; it is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
@@ -39,6 +31,9 @@ pub struct Monitor {
     subject: Option<Subject>,
     /// Another model is being built, and the subject's does not count any more.
     swapping: bool,
+    /// Descriptions of robots that came, and how many of them were taken or refused.
+    described: u64,
+    heeded: u64,
     /// What was wrong with the last model offered, until one is taken.
     model_fault: Option<String>,
     /// What was refused of the last changes of the world.
@@ -60,33 +55,6 @@ pub struct Monitor {
     latest_ros_time: Option<Time>,
 }
 
-/// The robot and world to check, and what checking them needs.
-#[derive(Debug)]
-struct Subject {
-    revision: Arc<Revision>,
-    /// Whether there is anything of the robot that could touch something.
-    has_geometry: bool,
-    tracker: Tracker,
-    workspace: Workspace,
-    lookout: Lookout,
-}
-
-/// A judgement but for its age.
-#[derive(Debug)]
-struct Verdict {
-    status: Status,
-    evidence: Option<Arc<Evidence>>,
-    left_out: LeftOut,
-    warnings: Vec<String>,
-}
-
-impl Verdict {
-    fn unknown(reason: Reason) -> Self {
-        let (status, left_out) = (Status::Unknown(reason), LeftOut::Nothing);
-        Self { status, evidence: None, left_out, warnings: Vec::new() }
-    }
-}
-
 impl Monitor {
     #[must_use]
     pub fn new(settings: MonitorSettings, stopwatch: Stopwatch) -> Self {
@@ -97,6 +65,8 @@ impl Monitor {
             left_out: None,
             subject: None,
             swapping: false,
+            described: 0,
+            heeded: 0,
             model_fault: None,
             world_faults: Vec::new(),
             hearing: Hearing::default(),
@@ -144,6 +114,22 @@ impl Monitor {
     pub fn note_model_swap(&mut self) {
         self.swapping = true;
         self.outdated = true;
+    }
+
+    /// Another description of a robot came, and waits for what is being built: until it is heeded, nothing is known.
+    pub fn note_description(&mut self) {
+        self.described += 1;
+        self.outdated = true;
+    }
+
+    /// So many descriptions, since the beginning, were taken or refused.
+    pub fn note_heeded(&mut self, descriptions: u64) {
+        self.heeded = descriptions;
+        self.outdated = true;
+    }
+
+    fn is_swapping(&self) -> bool {
+        self.swapping || self.described > self.heeded
     }
 
     /// A model was refused. The one in use, if any, stays.
@@ -313,9 +299,9 @@ impl Monitor {
         if !self.enabled {
             return Err(Reason::Disabled);
         }
-        let fault = self.model_fault.clone();
+        let (fault, is_swapping) = (self.model_fault.clone(), self.is_swapping());
         let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
-        if self.swapping {
+        if is_swapping {
             return Err(Reason::ModelSwap);
         }
         if !subject.has_geometry {
@@ -335,6 +321,7 @@ impl Monitor {
         self.contributions = contributions;
         let mut reading = reading?;
         reading.warnings.extend_from_slice(&self.placements.warnings);
+        reading.warnings.extend(self.ground.warning());
         // checking what is stale already would be wasted
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
         let knowledge = (reading, self.ground.drifts());
@@ -376,7 +363,7 @@ impl Monitor {
             evidence: placement.clone().filter(|_| status.reason().is_none()),
             status,
             placement,
-            is_swapping: self.swapping,
+            is_swapping: self.is_swapping(),
             stale_world,
             speed_scale: self.governor.share(),
             left_out: self.verdict.left_out,
@@ -410,90 +397,5 @@ impl Monitor {
             }
             (reason, _) => reason,
         }
-    }
-}
-
-impl Subject {
-    /// What a check of a whole joint state finds.
-    fn judge(
-        &mut self,
-        (reading, drifts): (Reading, Vec<Drift>),
-        (settings, pace): (&MonitorSettings, &Pace),
-        fixed: Option<LeftOut>,
-        stopwatch: Stopwatch,
-    ) -> Verdict {
-        let Reading { configuration, velocities, rates, are_of_joints, spread, mut warnings } = reading;
-        let checker = &self.revision.checker;
-        let started = stopwatch();
-        let mut poses = LinkPoses::new(checker.robot());
-        checker.robot().forward_kinematics(&configuration, &mut poses);
-        let motion = (rates.as_deref(), drifts.as_slice());
-        let slows_within = slows_within(checker, (&configuration, &poses), motion, &settings.speed);
-        let survey = Question::Survey {
-            influence_distance: settings.influence_distance.greater(slows_within),
-            limit: settings.distance_limit,
-        };
-        let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
-        // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
-        let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
-        let effort = Effort { exact_within, ..pace.limit(effort, settings.exact_distance_share) };
-        let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
-        let is_exact = report.is_exact();
-        report.tell_certain_distances();
-        let told = settings.influence_distance.greater(settings.speed.reach());
-        let (told, coming) = report.pair_distances.into_iter().partition(|pair| pair.distance <= told);
-        report.pair_distances = told;
-        let mut left_out = fixed.unwrap_or_default();
-        if !report.undecided.is_empty() {
-            left_out = LeftOut::Pairs;
-        }
-        let mut look_ahead = None;
-        if settings.look_ahead_horizon > 0.0 && (left_out != LeftOut::Nothing || effort.is_over()) {
-            left_out = left_out.max(LeftOut::LookAhead);
-            warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
-        } else if settings.look_ahead_horizon > 0.0 {
-            let state = (&configuration, velocities.as_deref(), spread);
-            match self.lookout.look(checker, state, (&report, &drifts), settings) {
-                Ok(found) => look_ahead = Some(found),
-                Err(why) => warnings.push(why),
-            }
-        }
-        let compute_time = stopwatch().saturating_sub(started);
-        let mut status = status_of(&report, checker, settings);
-        if fixed == Some(LeftOut::Pairs) {
-            let (deadline, pair) = (settings.check_deadline, Default::default());
-            status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
-        }
-        let evidence = Some(Arc::new(Evidence {
-            report,
-            coming,
-            configuration,
-            poses,
-            look_ahead,
-            velocities,
-            rates: rates.filter(|_| are_of_joints),
-            drifts,
-            slows_within,
-            is_exact,
-            is_hurried: !is_exact && effort.exact_cost > 0,
-            compute_time,
-        }));
-        Verdict { status, evidence, left_out, warnings }
-    }
-}
-
-/// A pair that touches is told even if others are open; with any open pair, distances are not known to be the least.
-fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
-    if report.self_collision || report.world_collision {
-        return Status::Colliding;
-    }
-    let open: BTreeSet<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
-    match open.first() {
-        None => Status::Free,
-        Some(&(a, b)) => Status::Unknown(Reason::Deadline {
-            deadline: settings.check_deadline,
-            open: open.len(),
-            pair: [a, b].map(|body| checker.body_name(body).to_owned()),
-        }),
     }
 }

@@ -32,6 +32,13 @@ HEARTBEATS = 3
 LONG = Duration(seconds=7200)  # more than stale_after
 ZERO = {"joint1": 0.0, "joint2": 0.0}
 ONTO = {"joint1": 0.0, "joint2": pi}
+PLANAR = """
+<robot name="two_link">
+  <virtual_joint name="drive" type="planar" parent_frame="odom" child_link="base"/>
+  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
+  <disable_collisions link1="upper" link2="tip" reason="Adjacent"/>
+</robot>
+"""
 
 
 @dataclass(frozen=True)
@@ -298,6 +305,15 @@ def contradiction(s):
     s.until("contradiction", publish)
 
 
+def unlocated_root(s):
+    srdf = s.tmp_path / "planar.srdf"
+    srdf.write_text(PLANAR)
+    cell = s.start("--srdf", srdf)
+    scene = SceneClient(cell)
+    cell.driver.report(**s.pose)
+    s.peer.wait_for(lambda: scene.publish(ball("pillar", 9.0, frame="odom")) or "pillar" in scene.obstacles(), "a pillar")
+
+
 def no_stamp(s):
     s.judging()
     s.until("no stamp", lambda: s.cell.driver.publish(s.pose, Time()))
@@ -335,6 +351,7 @@ SCENARIOS = {
     "a joint comes that the robot has not": unknown_joint,
     "a joint is outside its limits": outside_limits,
     "a joint is reported elsewhere than the joint it mimics takes it": mimic,
+    "obstacles stand in the frame of the SRDF's planar or floating virtual joint, and tf has told nothing about the root": unlocated_root,
     "the joint state has no stamp": no_stamp,
     "the last robot description was refused, and the one before counts": refused_description,
 }

@@ -207,6 +207,14 @@ impl Grounds {
         self.frames.iter().find(is_lost).map(|watched| Lost::In(&watched.frame))
     }
 
+    /// A frame that obstacles stand in, in which the root counts as standing at zero because nobody tells where it is.
+    pub(in crate::monitor) fn assumed(&self, transforms: &TransformTree) -> Option<&str> {
+        let is_assumed = |watched: &&Watched| {
+            watched.certainty == Certainty::Assumed && transforms.way(&self.root, &watched.frame).is_none()
+        };
+        self.frames.iter().find(is_assumed).map(|watched| watched.frame.as_str())
+    }
+
     /// The frames that `tf` tells of again and again, seen from the root.
     pub(in crate::monitor) fn told_of<'g>(
         &'g self,

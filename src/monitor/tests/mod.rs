@@ -333,6 +333,25 @@ fn nothing_is_known_until_another_model_is_there_or_refused() {
 }
 
 #[test]
+fn nothing_is_known_while_a_description_waits_for_what_is_being_built() {
+    let mut monitor = monitor();
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    monitor.note_description();
+    assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "model_swap");
+    // what was being built was another world, for the robot before
+    monitor.set_checker(Arc::new(Revision { world: 1, ..Arc::into_inner(revision(1)).unwrap() }));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
+    monitor.note_description();
+    monitor.note_heeded(1);
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
+    monitor.note_model_swap();
+    monitor.note_heeded(2);
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
+    monitor.set_checker(revision(2));
+    assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "FREE");
+}
+
+#[test]
 fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
     let mut monitor = monitor();
     monitor.set_settings(MonitorSettings {
