@@ -4,8 +4,9 @@
     ros2 launch clearance moveit.launch.py scene:=/arm/monitored_planning_scene params_file:=cell.yaml
 
 Robot and SRDF come on robot_description and robot_description_semantic: start move_group with
-publish_robot_description and publish_robot_description_semantic. Its scene comes on monitored_planning_scene, which the
-node hears as planning_scene: start the node first, for move_group tells the whole scene only once.
+publish_robot_description and publish_robot_description_semantic. What changes in its scene comes on monitored_planning_scene, which
+the node hears as planning_scene. move_group tells the whole scene there only once, when it starts: so the node asks its service
+get_planning_scene for it, whichever of the two starts later. Until the answer has come, the status is UNKNOWN.
 
 That is all that the node hears of the scene. What applications send to MoveIt (collision_object, attached_collision_object, planning_scene_world) it
 would hear twice otherwise, in an order that nobody knows, and also what move_group refuses: an object could stay that MoveIt has removed. The
@@ -20,13 +21,14 @@ from launch_ros.actions import Node
 
 ARGUMENTS = {
     "scene": ("/monitored_planning_scene", "the topic on which move_group tells its scene"),
+    "scene_service": ("/get_planning_scene", "the service by which move_group tells its whole scene; empty: it is not asked"),
     "description": ("/robot_description", "the topic with the URDF"),
     "semantic": ("/robot_description_semantic", "the topic with the SRDF"),
     "joint_states": ("/joint_states", "the topic with the joint states"),
     "package_path": ("", "where package://NAME/path is looked up, if not in the sourced workspaces"),
     "params_file": ("", "a parameter file, such as config/clearance.yaml"),
     "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
-    "respawn": ("false", "whether the node is started again when it ends; it knows nothing of the scene that move_group told before"),
+    "respawn": ("false", "whether the node is started again when it ends"),
     "executable": ("", "the program, if it is not that of the installed package"),
 }
 
@@ -40,6 +42,7 @@ def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     path = ["--package-path", given["package_path"]] if given["package_path"] else []
     files = [given["params_file"]] if given["params_file"] else []
+    asked = [{"planning_scene_service": given["scene_service"]}] if given["scene_service"] else []
     simulated = [{"use_sim_time": given["use_sim_time"].lower() == "true"}] if given["use_sim_time"] else []
     own = [(name, f"/clearance/{name}") for name in SERVICES + HEARD + SAID]
     return [
@@ -48,7 +51,7 @@ def start(context):
             executable=given["executable"] or "clearance",
             name="clearance",
             arguments=["node", *path],
-            parameters=files + simulated,
+            parameters=files + asked + simulated,
             remappings=[
                 ("planning_scene", given["scene"]),
                 ("robot_description", given["description"]),

@@ -24,6 +24,13 @@ fn rclpy_across_ethernet() {
     run_tests("rclpy across Ethernet", &["-k", "test_states or whole"], &[("CLEARANCE_NETWORK", "ethernet")]);
 }
 
+/// The other distribution: what is said when nothing is known, services, the action, parameters, how topics match.
+#[test]
+fn rclpy_of_jazzy() {
+    const SOME: &str = "fail_safe or test_states or trajectory_action or test_parameters or test_graph";
+    run_tests("rclpy of Jazzy", &["-k", SOME], &[("CLEARANCE_ROS", "jazzy")]);
+}
+
 /// Every row of `benches/node` once, whatever the machine takes for it.
 #[test]
 fn node_benchmarks_on_trial() {
@@ -47,8 +54,9 @@ fn run(part: &str) {
 }
 
 fn run_tests(title: &str, arguments: &[&str], environment: &[(&str, &str)]) {
-    /// What `run.sh` says where a machine has no such network.
+    /// What `run.sh` says where a machine has no such network, or not the one Python that a distribution has wheels for.
     const NO_SUCH_NETWORK: i32 = 77;
+    const NO_SUCH_PYTHON: i32 = 76;
     if is_skipped() {
         return;
     }
@@ -61,11 +69,14 @@ fn run_tests(title: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     let stdout = String::from_utf8_lossy(&output.stdout);
     let stderr = String::from_utf8_lossy(&output.stderr);
 
-    if output.status.code() == Some(NO_SUCH_NETWORK) {
-        announce(&format!(
-            "\n*** SKIPPED: {title}, because this machine refuses such interfaces: {stderr} ***\n"
-        ));
-        return;
+    let is_jazzy = environment.contains(&("CLEARANCE_ROS", "jazzy"));
+    let missing = match output.status.code() {
+        Some(NO_SUCH_NETWORK) => Some("this machine refuses such interfaces"),
+        Some(NO_SUCH_PYTHON) if is_jazzy => Some("this machine lacks its Python"),
+        _ => None,
+    };
+    if let Some(missing) = missing {
+        return announce(&format!("\n*** SKIPPED: {title}, because {missing}: {stderr} ***\n"));
     }
     let passed = passed_tests(&stdout);
     assert!(

@@ -9,18 +9,19 @@ use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
 
+use super::checker_of_scene::{checker_of, told_solid_in_vain};
 use super::link_volumes::LinkVolumes;
 use super::mailbox;
-use super::monitor_loop::{CurrentJudgement, Event};
+use super::monitor_loop::Event;
+use super::outlook::{Outlook, Pass};
 use super::parameters::Parameters;
-use super::recording::{Happening, OrderStep, Original};
 use super::scene::{CloudMessage, Monitored, Shared};
-use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper, SceneOrder};
-use crate::checker::{CollisionChecker, MeshModel, Settings, open_meshes};
-use crate::math::Extremes;
+use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper};
+use super::scene_order::SceneOrder;
+use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Now, Revision};
-use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
+use crate::robot::{MeshFiles, RobotModel, RobotText};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
@@ -52,20 +53,6 @@ pub enum Order {
 /// The robot in use, for those who want to move it.
 pub type CurrentRobot = Arc<Mutex<Option<Arc<RobotModel>>>>;
 
-/// Orders that are followed together, the newest clouds, and what is known meanwhile.
-pub struct Pass {
-    pub glimpse: Glimpse,
-    pub orders: Vec<Order>,
-    pub clouds: BTreeMap<String, CloudMessage>,
-}
-
-/// What the loader looks at when it begins a pass, and whom it tells of it.
-pub struct Outlook {
-    pub shared: Shared,
-    pub judgement: CurrentJudgement,
-    pub meshes: MeshLog,
-}
-
 /// Builds checkers and hands them to the monitor.
 pub struct Loader {
     mesh_files: MeshFiles,
@@ -82,6 +69,8 @@ pub struct Loader {
     keeper: SceneKeeper,
     /// Clouds that came before there was a robot.
     clouds: BTreeMap<String, CloudMessage>,
+    /// Counts the texts that came, each another one than the last of its topic.
+    texts: u64,
     /// Counts the robots that were taken.
     model_revision: u64,
     /// Counts the changes of the world.
@@ -117,6 +106,7 @@ impl Loader {
             robot: None,
             keeper: SceneKeeper::default(),
             clouds: BTreeMap::new(),
+            texts: 0,
             model_revision: 0,
             world_revision: 0,
             current: CurrentRobot::default(),
@@ -190,6 +180,7 @@ impl Loader {
     /// Does what is asked for together, and tells what the monitor has to know of it.
     pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
         let Pass { glimpse, orders, clouds } = pass;
+        let texts = self.texts;
         let (mut is_new_robot, mut change) = (false, self.follow_frames(&glimpse));
         for order in orders {
             match self.note(order, &glimpse) {
@@ -204,6 +195,9 @@ impl Loader {
             tell(Event::ModelSwap);
         }
         let (built, refused) = self.build_anew(is_new_robot, change, &glimpse);
+        if self.texts > texts {
+            tell(Event::Heeded(self.texts));
+        }
         if let Some(revision) = built {
             tell(Event::Checker(revision));
         }
@@ -304,6 +298,7 @@ impl Loader {
             return Change::Nothing;
         }
         *known = Some(text);
+        self.texts += 1;
         Change::Robot
     }
 
@@ -437,95 +432,6 @@ impl Glimpse {
     pub fn first(parameters: &Parameters, now: Now) -> Self {
         Self { now, parameters: parameters.clone(), transforms: TransformTree::default(), judgement: None }
     }
-}
-
-impl Outlook {
-    /// What is known now. A recording has what came before it before it, and what comes later after it.
-    fn begin(&self, mut orders: Vec<Order>) -> Pass {
-        let Shared { transforms, clouds, store, clock, tape, .. } = &self.shared;
-        let parameters = store.get();
-        let clouds = clouds.take();
-        let originals: Vec<_> =
-            if tape.is_on() { orders.iter_mut().map(original).collect() } else { Vec::new() };
-        let used = clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect();
-        let used_parameters = Box::new(parameters.clone());
-        let transforms = lock(transforms);
-        // the monitor waits for this one: no more is done under it than has to be
-        let current = lock(&self.judgement);
-        let now = clock.read();
-        tape.note(|| Happening::Pass { now, parameters: used_parameters, orders: originals, clouds: used });
-        let judgement = current.clone();
-        drop(current);
-        Pass {
-            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement },
-            orders,
-            clouds,
-        }
-    }
-
-    /// Tells the recorder which meshes were read.
-    pub fn note_meshes(&self) {
-        let meshes = self.meshes.take();
-        if !meshes.is_empty() {
-            self.shared.tape.note(|| Happening::Meshes(meshes));
-        }
-    }
-}
-
-/// An order as a recording has it.
-fn original(order: &mut Order) -> (OrderStep, Option<Original>) {
-    match order {
-        Order::Description(text) => (OrderStep::Description, Some(Original::Text(text.clone()))),
-        Order::Semantic(text) => (OrderStep::Semantic, Some(Original::Text(text.clone()))),
-        Order::Parameters => (OrderStep::Parameters, None),
-        Order::Clouds => (OrderStep::Clouds, None),
-        Order::Display => (OrderStep::Display, None),
-        Order::Frames => (OrderStep::Frames, None),
-        // all orders come with what they were made of while somebody records
-        Order::Scene(order) => order.take_original().unwrap_or((OrderStep::Clouds, None)),
-    }
-}
-
-/// A checker of a robot in a scene; what a known one of the same robot has in common with it is shared.
-pub fn checker_of(
-    robot: &Arc<RobotModel>,
-    scene: &PlanningSceneState,
-    mesh_model: MeshModel,
-    parameters: &Parameters,
-    known: Option<&CollisionChecker>,
-) -> Result<CollisionChecker, String> {
-    // a scene that pads less than the parameter takes nothing off it
-    let padded = |(link, padding): (&String, &f64)| (link.clone(), padding.greater(parameters.padding));
-    let settings = Settings {
-        padding: parameters.padding,
-        link_padding: scene.link_padding.iter().map(padded).collect(),
-        link_scale: scene.link_scale.clone(),
-        pad_self: parameters.pad_self,
-        mesh_model,
-        ..Settings::default()
-    };
-    let matrix = scene.matrix.as_ref();
-    let built = match known.filter(|known| Arc::ptr_eq(known.robot(), robot)) {
-        Some(known) => known.with_world(&scene.world, settings, matrix),
-        None => CollisionChecker::with_matrix(Arc::clone(robot), &scene.world, settings, matrix),
-    };
-    built.map_err(|error| error.to_string())
-}
-
-/// Meshes that are to be solid and cannot be: nothing inside of them is found.
-fn told_solid_in_vain(checker: &CollisionChecker) -> Option<String> {
-    const TOLD: usize = 5;
-    if checker.settings().mesh_model != MeshModel::Solid {
-        return None;
-    }
-    let mut open = open_meshes(checker.robot(), checker.world());
-    let left = open.len().saturating_sub(TOLD);
-    open.truncate(TOLD);
-    let more = if left > 0 { format!(" and {left} more") } else { String::new() };
-    (!open.is_empty()).then(|| {
-        let open = open.join(", ");
-        format!("not solid, because not closed, and whatever is wholly inside touches nothing: {open}{more}")
-    })
 }
 
 /// What names of joints and of links begin with.

@@ -28,6 +28,9 @@ pub enum Event {
     /// Another robot was described: its checker or its fault follows.
     ModelSwap,
     ModelFault(String),
+    /// A description came that is another one than the last of its topic; and how many of them the loader has taken or refused.
+    Described,
+    Heeded(u64),
     /// Whether states are checked; who asked is told when it is so.
     Enabled(bool, Sender<()>),
     /// Somebody waits for what came before to count: tell when it is said.
@@ -143,6 +146,8 @@ impl MonitorLoop {
             Event::Stop => {}
             Event::Checker(revision) => self.monitor.set_checker(revision),
             Event::ModelSwap => self.monitor.note_model_swap(),
+            Event::Described => self.monitor.note_description(),
+            Event::Heeded(descriptions) => self.monitor.note_heeded(descriptions),
             Event::Enabled(enabled, heeded) => {
                 self.monitor.set_enabled(enabled);
                 self.beat();
@@ -193,6 +198,8 @@ impl MonitorLoop {
             Event::Stop | Event::Say(_) => return,
             Event::Checker(_) => Tidings::Checker,
             Event::ModelSwap => Tidings::ModelSwap,
+            Event::Described => Tidings::Described,
+            Event::Heeded(_) => Tidings::Heeded,
             Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
             Event::World(..) => Tidings::World,
             Event::Enabled(enabled, _) => return self.tape.note(|| Happening::Enabled(*enabled)),

@@ -95,7 +95,7 @@ impl Names {
     }
 
     /// The full name of a topic or service before remaps.
-    fn expand(&self, name: &str) -> Result<FullName, NameError> {
+    pub fn expand(&self, name: &str) -> Result<FullName, NameError> {
         let error = |why| NameError { name: name.to_owned(), kind: "topic or service name", why };
         let name = (name.replace("{node}", &self.node))
             .replace("{ns}", self.namespace.trim_end_matches('/'))

@@ -248,6 +248,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         | Range::Integer { .. }
         | Range::Word(_)
         | Range::Text
+        | Range::Service
         | Range::Prefix
         | Range::Names(_)
         | Range::Point => Vec::new(),
@@ -274,6 +275,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
             | Range::Double { .. }
             | Range::Integer { .. }
             | Range::Text
+            | Range::Service
             | Range::Prefix
             | Range::Names(_) => String::new(),
         },

@@ -12,7 +12,7 @@ use super::arguments::RosArguments;
 use super::clock::RosClock;
 use super::enable_service::EnableService;
 use super::link_volumes::LinkVolumes;
-use super::loader::{Loader, Order, Outlook, Surroundings};
+use super::loader::{Loader, Order, Surroundings};
 use super::logging::{self, Line};
 use super::mailbox;
 use super::marker_topic;
@@ -23,6 +23,7 @@ use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMot
 use super::motion::{self, Motion};
 use super::motion_services::MotionServices;
 use super::names::{FullName, NameError, Names};
+use super::outlook::Outlook;
 use super::parameter_files;
 use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
 use super::parameters::Parameters;
@@ -120,6 +121,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
 
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
     let current = CurrentJudgement::default();
+    let is_given = options.robot.is_some();
     let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
     if let Some(robot) = options.robot {
         let glimpse = Glimpse::first(&parameters, clock.read());
@@ -172,8 +174,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
     let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current, Arc::clone(&clock))?;
     let small = (motions, states, EnableService::offer(&middleware, &names, end.events.clone())?);
+    let ordering = (orders, (!is_given).then(|| end.events.clone()));
     let services =
-        Services::open(&middleware, &names, (store, tape, Arc::clone(&clock), small), orders, changes_in)?;
+        Services::open(&middleware, &names, (store, tape, Arc::clone(&clock), small), ordering, changes_in)?;
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
         Part::new("markers", move || marker_desk.work()),
@@ -286,6 +289,8 @@ struct Services {
     clock: Arc<RosClock>,
     clock_topic: FullName,
     orders: Sender<Order>,
+    /// The monitor, unless the robot was given on the command line.
+    heeds_descriptions: Option<mailbox::Sender<Event>>,
     changes: Receiver<()>,
     lines: mailbox::Receiver<Line>,
     /// The node's name as loggers have it.
@@ -302,7 +307,7 @@ impl Services {
             Arc<RosClock>,
             (MotionServices, StateServices, EnableService),
         ),
-        orders: Sender<Order>,
+        (orders, heeds_descriptions): (Sender<Order>, Option<mailbox::Sender<Event>>),
         changes: Receiver<()>,
     ) -> Result<Self, NodeError> {
         let latched = |name| -> Result<_, NodeError> {
@@ -321,6 +326,7 @@ impl Services {
             tape,
             clock,
             orders,
+            heeds_descriptions,
             changes,
             lines: logging::listen(),
             logger: names.full_node_name().trim_start_matches('/').replace('/', "."),
@@ -335,8 +341,8 @@ impl Services {
                 log::error!("simulated time can not be followed: {error}");
             }
         };
-        let descriptions = forward(&self.descriptions, &self.orders, Order::Description);
-        let semantics = forward(&self.semantics, &self.orders, Order::Semantic);
+        let descriptions = self.forward(&self.descriptions, Order::Description);
+        let semantics = self.forward(&self.semantics, Order::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
         let tell = async {
             while let Some(line) = self.lines.receive().await {
@@ -349,14 +355,22 @@ impl Services {
         let meet = Box::pin(self.middleware.meet_peers());
         future::zip(future::zip(listen, serve), meet).await;
     }
-}
 
-/// Turns descriptions on a topic into orders.
-async fn forward(topic: &Subscription<StringMessage>, orders: &Sender<Order>, order: fn(String) -> Order) {
-    loop {
-        let (message, _) = topic.next().await;
-        if orders.send(order(message.data)).await.is_err() {
-            return;
+    /// Turns descriptions on a topic into orders. The monitor hears of another one before the loader has time for it.
+    async fn forward(&self, topic: &Subscription<StringMessage>, order: fn(String) -> Order) {
+        let mut last = None;
+        loop {
+            let (StringMessage { data: text }, _) = topic.next().await;
+            if last.as_ref() != Some(&text) {
+                if let Some(events) = &self.heeds_descriptions {
+                    // whoever no longer listens has ended
+                    let _ = events.send(Event::Described);
+                }
+                last = Some(text.clone());
+            }
+            if self.orders.send(order(text)).await.is_err() {
+                return;
+            }
         }
     }
 }
@@ -394,7 +408,7 @@ fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
         (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
         (parameters.joint_prefix.clone(), parameters.link_prefix.clone()),
         (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
-        parameters.require_planning_scene,
+        (parameters.require_planning_scene, parameters.planning_scene_service.clone()),
     )
 }
 

@@ -8,11 +8,12 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
 use super::flood::Flood;
+use super::lost_messages::LostMessages;
 use super::messages::time_of;
 use super::missing_objects::MissingObjects;
 use super::parameters::Parameters;
-use super::recording::{OrderStep, Original};
 use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
+use super::scene_order::SceneOrder;
 use crate::checker::MeshModel;
 use crate::math::Extremes;
 use crate::monitor::cloud::{SelfFilter, Sieve};
@@ -28,60 +29,6 @@ const WAITING: usize = 1000;
 
 /// Refusals of one message that are told at most.
 const TOLD: usize = 20;
-
-/// Something to be done to the scene.
-pub struct SceneOrder {
-    /// The topic or service that it came by.
-    source: &'static str,
-    update: Option<SceneUpdate>,
-    /// What could not be understood of the message.
-    refusals: Vec<SceneRefusal>,
-    /// The octomap as it came, and when it was seen.
-    octomap: Option<(OctomapWithPose, Sight)>,
-    /// Who waits for it to be in force: whether all of it was done.
-    done: Option<Sender<bool>>,
-    /// The message, if somebody records.
-    original: Option<(OrderStep, Option<Original>)>,
-}
-
-impl SceneOrder {
-    #[must_use]
-    pub fn on(source: &'static str) -> Self {
-        Self { source, update: None, refusals: Vec::new(), octomap: None, done: None, original: None }
-    }
-
-    #[must_use]
-    pub fn to(self, update: SceneUpdate) -> Self {
-        Self { update: Some(update), ..self }
-    }
-
-    #[must_use]
-    pub fn refused(self, refusals: Vec<SceneRefusal>) -> Self {
-        Self { refusals, ..self }
-    }
-
-    #[must_use]
-    pub fn with_octomap(self, octomap: OctomapWithPose, sight: Sight) -> Self {
-        let holds_one = !octomap.octomap.id.is_empty();
-        Self { octomap: holds_one.then_some((octomap, sight)), ..self }
-    }
-
-    /// With the message that it was made of, if somebody records.
-    #[must_use]
-    pub fn made_of(self, original: Option<(OrderStep, Option<Original>)>) -> Self {
-        Self { original, ..self }
-    }
-
-    /// What it was made of, told once.
-    pub fn take_original(&mut self) -> Option<(OrderStep, Option<Original>)> {
-        self.original.take()
-    }
-
-    #[must_use]
-    pub fn answered_on(self, done: Sender<bool>) -> Self {
-        Self { done: Some(done), ..self }
-    }
-}
 
 /// What is known at one moment, in whose light orders are followed.
 #[derive(Debug)]
@@ -121,6 +68,7 @@ pub struct SceneKeeper {
     /// What was lost of the scene because another robot came, until a whole scene comes.
     unfit: Vec<String>,
     missing: MissingObjects,
+    lost: LostMessages,
     /// Messages with faults that were logged of late.
     flood: Flood,
     /// Sources whose word was dropped because it was too old.
@@ -199,7 +147,8 @@ impl SceneKeeper {
 
     /// Does what a message asks for; whether that changed anything.
     pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
-        let SceneOrder { source, update, mut refusals, octomap, done, .. } = order;
+        let SceneOrder { source, update, mut refusals, lost, octomap, done, .. } = order;
+        self.lost.note(source, lost);
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
         let (mut changed, mut warnings) = (false, Vec::new());
         if let Some(update) = &update {
@@ -220,6 +169,7 @@ impl SceneKeeper {
         self.note_refusals(source, &refusals, update.as_ref());
         if update.as_ref().is_some_and(SceneUpdate::is_whole) {
             self.unfit.clear();
+            self.lost.forget();
             self.is_told_whole = true;
         }
         warnings.extend_from_slice(&self.faults);
@@ -443,8 +393,11 @@ impl SceneKeeper {
     pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
         let mut watched = self.watched(parameters);
         watched.retain(|source| !self.dropped.contains(&source.name));
-        let is_awaited = parameters.require_planning_scene && !self.is_told_whole;
-        let scene = || WorldSource { name: WHOLE_SCENE.to_owned(), seen: None, ttl: f64::INFINITY };
+        let service = &parameters.planning_scene_service;
+        let is_required = parameters.require_planning_scene || !service.is_empty();
+        let is_awaited = is_required && !self.is_told_whole;
+        let teller = if service.is_empty() { WHOLE_SCENE } else { service };
+        let scene = || WorldSource { name: teller.to_owned(), seen: None, ttl: f64::INFINITY };
         watched.extend(is_awaited.then(scene));
         watched
     }
@@ -465,7 +418,14 @@ impl SceneKeeper {
             Some(format!("the last cloud of '{topic}' was not taken: {}", cloud.report.fault.as_ref()?))
         });
         let missing = self.missing.told().filter(|fault| !self.faults.contains(fault));
-        self.faults.iter().chain(&self.unfit).cloned().chain(missing).chain(of_clouds).collect()
+        self.faults
+            .iter()
+            .chain(&self.unfit)
+            .cloned()
+            .chain(self.lost.told())
+            .chain(missing)
+            .chain(of_clouds)
+            .collect()
     }
 
     /// What came is in use from now on.

@@ -3,7 +3,7 @@
 # MoveIt's interfaces the node speaks, readers of MCAP and a Cyclone DDS, and prints its path. CLEARANCE_ROS is the
 # distribution: kilted (the default) or jazzy. Nothing is installed outside the cache folder:
 #   ${CLEARANCE_CACHE:-${XDG_CACHE_HOME:-~/.cache}/clearance}/rclpy-<hash of all that it is made from>
-# Needs CPython 3.10 to 3.13 (for Jazzy: 3.11) with its headers, g++ and make. The first run takes two minutes or three.
+# Needs CPython 3.10 to 3.13 (for Jazzy: 3.11; without it, the exit status is 76) with its headers, g++ and make. The first run takes two minutes or three.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -37,7 +37,8 @@ find_python() {
             return
         fi
     done
-    die "needs CPython ${pythons// /, }: there are no rclpy wheels of $CLEARANCE_ROS for others"
+    say "needs CPython ${pythons// /, }: there are no rclpy wheels of $CLEARANCE_ROS for others"
+    exit 76
 }
 
 check_tools() {

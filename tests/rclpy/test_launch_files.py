@@ -13,6 +13,7 @@ from tf2_msgs.msg import TFMessage
 import scene as scenes
 import two_link
 from launching import FILES, LaunchFile
+from move_group import MoveGroup
 from node_process import ROOT, environment_of_node
 from peer import LATCHED
 
@@ -158,15 +159,13 @@ def test_beside_moveit(peer, domain_id, tmp_path):
     states = peer.record(CollisionState, "/clearance/state")
     scene = PlanningScene(is_diff=False, world=PlanningSceneWorld(collision_objects=[scenes.ball("ball", x=2.0)]))
     assert scene.world.collision_objects[0].operation == CollisionObject.ADD
-    with started(command, domain_id):
+    with started(command, domain_id), MoveGroup(domain_id, "/get_planning_scene", scenes.full()) as asked:
         states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
-        # in the role of move_group
-        move_group = peer.node.create_publisher(PlanningScene, "/monitored_planning_scene", 10)
-        peer.wait_for(move_group.get_subscription_count, "a subscription of MoveIt's scene")
-        move_group.publish(scene)
+        peer.wait_for(asked.changes.get_subscription_count, "a subscription of MoveIt's scene")
+        asked.changes.publish(scene)
         state = states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "the ball of MoveIt's scene")
         assert "ball" in (state.colliding_pairs[0].body_a, state.colliding_pairs[0].body_b)
-        names = dict(peer.node.get_service_names_and_types())
+        names = dict(peer.node.get_service_names_and_types_by_node("clearance", "/"))
         assert "/clearance/get_planning_scene" in names and "/get_planning_scene" not in names
         # what is said to MoveIt comes by its scene alone
         for name in ("collision_object", "attached_collision_object", "planning_scene_world", "octomap_binary", "octomap_full"):

@@ -6,6 +6,7 @@ mod action_server;
 mod announcement;
 mod answering;
 mod bell;
+mod client;
 mod complaints;
 mod deafness;
 mod first_request;
@@ -15,6 +16,7 @@ mod rtps;
 mod scout;
 mod server;
 
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
@@ -40,6 +42,7 @@ use crate::monitor::{SourceId, Time};
 
 pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
 pub use self::announcement::Announcement;
+pub use self::client::Client;
 pub use self::deafness::{deafness, heed, is_deaf};
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
@@ -249,6 +252,30 @@ impl Middleware {
         Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
     }
 
+    /// Asks a service of the type `package/kind` of other nodes.
+    pub fn client<Request, Response>(
+        &self,
+        name: &FullName,
+        (package, kind): (&str, &str),
+    ) -> Result<Client<Request, Response>, MiddlewareError>
+    where
+        Request: Message + Clone + 'static,
+        Response: Message + 'static,
+    {
+        let _lent = self.priority.lend();
+        let inner = lock(&self.node)
+            .create_client(
+                ServiceMapping::Enhanced,
+                &name_of(name)?,
+                &ServiceTypeName::new(package, kind),
+                Quality::Reliable.profile(),
+                Quality::Reliable.profile(),
+            )
+            .map_err(refused(format!("cannot ask {name}")))?;
+        self.peers.note_reliably_read(format!("rr{name}Reply"));
+        Ok(Client::new(inner, name.clone(), self.priority))
+    }
+
     /// Serves the action type `package/kind` under a full name.
     pub fn action_server<Goal, Outcome, Progress>(
         &self,
@@ -309,6 +336,19 @@ impl Middleware {
             .filter(|writer| writer.publication_topic_data.topic_name == dds_topic)
             .filter(|writer| writer.writer_proxy.remote_writer_guid.prefix != own)
             .count()
+    }
+
+    /// Others who serve a service, as far as they are known.
+    pub fn servers_elsewhere(&self, service: &FullName) -> BTreeSet<SourceId> {
+        let requests = format!("rq{service}Request");
+        let participant = self.context.domain_participant();
+        let own = participant.guid().prefix;
+        (participant.discovered_readers().iter())
+            .filter(|reader| reader.subscription_topic_data.topic_name() == &requests)
+            .map(|reader| reader.reader_proxy.remote_reader_guid)
+            .filter(|reader| reader.prefix != own)
+            .map(|reader| SourceId(reader.to_bytes()))
+            .collect()
     }
 
     /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.

@@ -34,6 +34,8 @@ pub enum Range {
     /// One of these words.
     Word(&'static [&'static str]),
     Text,
+    /// The name of a service, or nothing.
+    Service,
     /// What names begin with.
     Prefix,
     /// A list of names, of what is said here.
@@ -150,6 +152,9 @@ impl Declaration {
         let usable = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
         if self.range == Range::Prefix && (text.len() > LONGEST || !text.chars().all(usable)) {
             return Err(format!("{} is up to {LONGEST} letters, digits and _ - . /", self.name));
+        }
+        if let Some(why) = fault_of_topic(text).filter(|_| self.range == Range::Service && !text.is_empty()) {
+            return Err(format!("{}: '{}' is no name of a service: {why}", self.name, text.escape_debug()));
         }
         Ok(text.clone())
     }

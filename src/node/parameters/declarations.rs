@@ -161,6 +161,15 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.padding,
             "Safety distance by which every link counts as larger.",
         ),
+        Declaration {
+            range: Range::Service,
+            access: Access::Text(|p| &mut p.planning_scene_service),
+            ..described(
+                "planning_scene_service",
+                "",
+                "The service of another node, such as move_group, that is asked for its whole planning scene; none if empty.",
+            )
+        },
         double(
             "point_cloud_ttl",
             "s",

@@ -47,6 +47,7 @@ fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
             Range::Integer { from, to } => format!(" A whole number, {from} to {to}."),
             Range::Word(words) => format!(" {}.", words.join(" or ")),
             Range::Text => " A file.".to_owned(),
+            Range::Service => " A service.".to_owned(),
             Range::Prefix => " A text.".to_owned(),
             Range::Names(what) => format!(" A list of {what}."),
             Range::Point => format!(" {}, three numbers or none.", declaration.unit),
@@ -81,6 +82,8 @@ fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
         ("point_cloud_topics", Value::Texts(vec!["a//b".into()]), "'a//b' is no name of a topic"),
         ("point_cloud_topics", Value::Texts(vec!["bad topic".into()]), "only letters"),
         ("point_cloud_topics", Value::Texts((0..40).map(|i| format!("/cloud{i}")).collect()), "at most 32"),
+        ("planning_scene_service", Value::Text("/a//b".into()), "'/a//b' is no name of a service"),
+        ("planning_scene_service", Value::Bool(true), "is a string, but a bool"),
         ("cloud_crop_min", Value::Doubles(vec![0.0; 2]), "three finite numbers"),
         ("cloud_crop_min", Value::Doubles(vec![0.0, f64::NAN, 0.0]), "three finite numbers"),
     ] {

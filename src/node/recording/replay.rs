@@ -15,15 +15,17 @@ use crate::checker::MeshModel;
 use crate::monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time};
 use crate::node::cdr;
 use crate::node::clearance_msgs::CollisionState;
-use crate::node::loader::{Loader, Order, Pass, Surroundings};
+use crate::node::loader::{Loader, Order, Surroundings};
 use crate::node::messages::{collision_state, joint_state_input};
 use crate::node::monitor_loop::Event;
+use crate::node::outlook::Pass;
 use crate::node::parameters::Parameters;
 use crate::node::scene::{
     CloudMessage, attached_order, clear_octomap, note_transforms, object_order, octomap_order, scene_order,
     world_order,
 };
-use crate::node::scene_keeper::{Glimpse, SceneOrder};
+use crate::node::scene_keeper::Glimpse;
+use crate::node::scene_order::SceneOrder;
 use crate::robot::{MeshFiles, MeshUse, RecordedMeshes, RobotModel};
 
 /// What a recording has beside its messages: files, and what the node was given.
@@ -266,9 +268,21 @@ impl Run {
             recorded: format!("{recorded:?}"),
             replayed,
         };
+        if *recorded == Tidings::Described {
+            self.monitor.note_description();
+            return Done::Nothing;
+        }
+        // recordings of older versions lack it
+        while let (true, Some(Event::Heeded(descriptions))) =
+            (*recorded != Tidings::Heeded, self.told.front())
+        {
+            self.monitor.note_heeded(*descriptions);
+            self.told.pop_front();
+        }
         match (recorded, self.told.pop_front()) {
             (Tidings::Checker, Some(Event::Checker(revision))) => self.monitor.set_checker(revision),
             (Tidings::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
+            (Tidings::Heeded, Some(Event::Heeded(descriptions))) => self.monitor.note_heeded(descriptions),
             // the words name folders that are not here
             (Tidings::ModelFault(fault), Some(Event::ModelFault(_))) => {
                 self.monitor.note_model_fault(fault.clone());
@@ -278,7 +292,19 @@ impl Run {
             (_, Some(Event::Checker(_))) => return differs("Checker".to_owned()),
             (_, Some(Event::ModelSwap)) => return differs("ModelSwap".to_owned()),
             (_, Some(Event::World(..))) => return differs("World".to_owned()),
-            (_, Some(Event::Parameters(_) | Event::Enabled(..) | Event::Say(_) | Event::Stop) | None) => {
+            (_, Some(Event::Heeded(_))) => return differs("Heeded".to_owned()),
+            // no loader tells that
+            (
+                _,
+                Some(
+                    Event::Parameters(_)
+                    | Event::Enabled(..)
+                    | Event::Say(_)
+                    | Event::Described
+                    | Event::Stop,
+                )
+                | None,
+            ) => {
                 return differs("nothing".to_owned());
             }
         }
@@ -376,8 +402,9 @@ fn read_order(order: OrderStep, messages: &mut Messages) -> Result<Order, String
         OrderStep::Display => Order::Display,
         OrderStep::Frames => Order::Frames,
         OrderStep::ClearOctomap => Order::Scene(Box::new(clear_octomap())),
-        OrderStep::Scene { by, came, unknown_is_occupied } => {
-            Order::Scene(Box::new(read_scene_order(by, came, unknown_is_occupied, messages)?))
+        OrderStep::Scene { by, came, unknown_is_occupied, lost } => {
+            let order = read_scene_order(by, came, unknown_is_occupied, messages)?;
+            Order::Scene(Box::new(order.after(lost)))
         }
     })
 }
@@ -393,7 +420,7 @@ fn read_scene_order(
         SceneDoor::CollisionObject => object_order(&messages.next(name)?),
         SceneDoor::AttachedCollisionObject => attached_order(&messages.next(name)?),
         SceneDoor::PlanningSceneWorld => world_order(messages.next(name)?, unknown, came),
-        SceneDoor::PlanningScene | SceneDoor::ApplyPlanningScene => {
+        SceneDoor::PlanningScene | SceneDoor::ApplyPlanningScene | SceneDoor::GetPlanningScene => {
             scene_order(by, messages.next(name)?, unknown, came)
         }
         SceneDoor::OctomapBinary | SceneDoor::OctomapFull => {

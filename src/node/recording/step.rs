@@ -63,12 +63,14 @@ pub enum Late {
     Pairs,
 }
 
-/// What the loader tells the monitor.
+/// What the monitor is told: that a description came, and all else by the loader.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tidings {
     Checker,
     ModelSwap,
+    Described,
+    Heeded,
     /// In words that name the folders of the machine it was on.
     ModelFault(String),
     World,
@@ -100,6 +102,9 @@ pub enum OrderStep {
         /// When it came.
         came: Clocks,
         unknown_is_occupied: bool,
+        /// How many messages were lost right before it.
+        #[serde(default)]
+        lost: u64,
     },
 }
 
@@ -109,6 +114,8 @@ pub enum OrderStep {
 pub enum SceneDoor {
     PlanningScene,
     ApplyPlanningScene,
+    /// Of another node, which was asked.
+    GetPlanningScene,
     PlanningSceneWorld,
     CollisionObject,
     AttachedCollisionObject,
@@ -131,6 +138,7 @@ impl SceneDoor {
         match self {
             Self::PlanningScene => "planning_scene",
             Self::ApplyPlanningScene => "apply_planning_scene",
+            Self::GetPlanningScene => "planning_scene_service",
             Self::PlanningSceneWorld => "planning_scene_world",
             Self::CollisionObject => "collision_object",
             Self::AttachedCollisionObject => "attached_collision_object",

@@ -22,10 +22,11 @@ use super::{
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time};
-use crate::node::loader::{Loader, Order, Pass};
+use crate::node::loader::{Loader, Order};
 use crate::node::messages::{joint_state_input, stamp_message};
 use crate::node::monitor_loop::Event;
 use crate::node::names::Names;
+use crate::node::outlook::Pass;
 use crate::node::parameters::Parameters;
 use crate::node::scene::{CloudMessage, note_transforms, object_order};
 use crate::node::scene_keeper::Glimpse;
@@ -159,6 +160,7 @@ impl Cell {
             by: SceneDoor::CollisionObject,
             came: came.into(),
             unknown_is_occupied: false,
+            lost: 0,
         };
         let order = Order::Scene(Box::new(object_order(&message)));
         self.carry_out(vec![(order, step, Some(original))], None);

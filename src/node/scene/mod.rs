@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! planning_scene, collision_object, … ─┐                       ┌─> monitored_planning_scene
+//! the scene of move_group ─> asking ─> │
 //! octomaps, clouds, tf ────────────> topics ──> loader ──> monitor
 //! apply_planning_scene, clear_octomap ─┘          │ the scene in force
 //! get_planning_scene, check_state_validity <──────┘
 //! ```
 
+mod asking;
 mod clouds;
 mod monitored;
 mod octomaps;

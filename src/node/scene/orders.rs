@@ -11,7 +11,7 @@ use crate::monitor::scene::SceneUpdate;
 use crate::monitor::{Now, Sight, Time};
 use crate::node::messages::time_of;
 use crate::node::recording::SceneDoor;
-use crate::node::scene_keeper::SceneOrder;
+use crate::node::scene_order::SceneOrder;
 
 #[must_use]
 pub fn object_order(message: &CollisionObject) -> SceneOrder {

@@ -26,7 +26,8 @@ use crate::node::monitor_loop::CurrentJudgement;
 use crate::node::names::Names;
 use crate::node::recording::{OrderStep, SceneDoor};
 use crate::node::refusal::shortened;
-use crate::node::scene_keeper::{CurrentScene, SceneInForce, SceneOrder};
+use crate::node::scene_keeper::{CurrentScene, SceneInForce};
+use crate::node::scene_order::SceneOrder;
 
 /// Questions about states that wait at most; who comes then is told at once that the state is not valid.
 const WAITING: usize = 64;

@@ -23,7 +23,7 @@ use crate::monitor::scene::{PlanningSceneState, SceneContext, SceneUpdate, Trans
 use crate::monitor::{
     JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Sight, Time, WorldSource,
 };
-use crate::node::loader::checker_of;
+use crate::node::checker_of_scene::checker_of;
 use crate::node::parameters::Parameters;
 use crate::node::scene_keeper::SceneInForce;
 use crate::robot::{LinkPoses, MeshFiles, RobotModel, RobotText};

@@ -1,5 +1,6 @@
 //! Topics about the world: messages become orders of the loader, transforms go straight into the tree.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -13,27 +14,31 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use smol::channel::{Receiver, Sender};
 
+use super::asking::Asking;
 use super::clouds::{CloudMessage, CloudMessages};
 use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
 use super::reading::transform_pose;
 use crate::monitor::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 use crate::monitor::{Now, Time};
+use crate::node::arrivals::Arrivals;
 use crate::node::clock::RosClock;
 use crate::node::loader::Order;
 use crate::node::messages::time_of;
-use crate::node::middleware::{Complaints, MessageKind, Middleware, MiddlewareError, Quality, Subscription};
+use crate::node::middleware::{
+    Complaints, MessageKind, Middleware, MiddlewareError, Origin, Quality, Subscription,
+};
 use crate::node::names::Names;
 use crate::node::parameter_services::ParameterStore;
 use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
-use crate::node::scene_keeper::SceneOrder;
+use crate::node::scene_order::SceneOrder;
 
 /// Frames that others publish, shared between who hears and who needs them.
 pub type Transforms = Arc<Mutex<TransformTree>>;
 
 /// Everything that is heard about the world.
 pub struct SceneTopics {
-    middleware: Middleware,
-    names: Names,
+    pub(super) middleware: Middleware,
+    pub(super) names: Names,
     scenes: Subscription<PlanningScene>,
     worlds: Subscription<PlanningSceneWorld>,
     objects: Subscription<CollisionObject>,
@@ -46,6 +51,9 @@ pub struct SceneTopics {
     orders: Sender<Order>,
     /// Tells that a parameter changed.
     changes: Receiver<()>,
+    /// How many messages came on `planning_scene`, and whether some were lost that nobody has asked for.
+    scenes_heard: Cell<u64>,
+    is_lost: Cell<bool>,
 }
 
 /// What is shared with the loader.
@@ -113,19 +121,25 @@ impl SceneTopics {
             shared,
             orders,
             changes,
+            scenes_heard: Cell::default(),
+            is_lost: Cell::default(),
         })
     }
 
     /// Listens for ever.
     pub async fn listen(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
-        let objects = self.hear(&self.objects, |m| Some(self.object(m)));
-        let attached = self.hear(&self.attached, |m| Some(self.attached(m)));
-        let worlds = self.hear(&self.worlds, |m| Some(self.world(m)));
-        let scenes = self.hear(&self.scenes, |m| Some(self.scene(SceneDoor::PlanningScene, m)));
+        let objects = self.hear(&self.objects, |m, lost| Some(self.object(m).after(lost)));
+        let attached = self.hear(&self.attached, |m, lost| Some(self.attached(m).after(lost)));
+        let worlds = self.hear(&self.worlds, |m, _| Some(self.world(m)));
+        let scenes = self.hear(&self.scenes, |m, lost| {
+            self.scenes_heard.set(self.scenes_heard.get() + 1);
+            self.is_lost.set(self.is_lost.get() || lost > 0);
+            Some(self.scene(SceneDoor::PlanningScene, m).after(lost))
+        });
         let octomap = |topic: usize, twin: usize| {
             let last = &twins[topic];
-            self.hear(&self.octomaps[topic][twin], move |m| {
+            self.hear(&self.octomaps[topic][twin], move |m, _| {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 last.is_new(twin, &m).then(|| self.octomap(topic, m))
             })
@@ -137,20 +151,38 @@ impl SceneTopics {
         future::zip(future::zip(scenes, octomaps), future::zip(transforms, self.watch())).await;
     }
 
-    /// Turns messages into orders.
+    /// Turns messages into orders; `read` is told how many were lost right before each.
     async fn hear<M: crate::node::middleware::Message + 'static>(
         &self,
         topic: &Subscription<M>,
-        read: impl Fn(M) -> Option<SceneOrder>,
+        read: impl Fn(M, u64) -> Option<SceneOrder>,
     ) {
+        let mut arrivals = Arrivals::default();
         loop {
-            let (message, _) = topic.next().await;
-            if let Some(order) = read(message)
+            let (message, Origin { publisher, number, .. }) = topic.next().await;
+            let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
+            if let Some(order) = read(message, lost)
                 && self.orders.send(Order::Scene(Box::new(order))).await.is_err()
             {
                 return;
             }
         }
+    }
+
+    /// How many messages came on `planning_scene`.
+    pub(super) fn scenes_heard(&self) -> u64 {
+        self.scenes_heard.get()
+    }
+
+    /// Whether messages on `planning_scene` were lost since this was asked last.
+    pub(super) fn take_lost(&self) -> bool {
+        self.is_lost.take()
+    }
+
+    /// Has a scene applied that somebody was asked for.
+    pub(super) async fn apply(&self, by: SceneDoor, scene: PlanningScene) {
+        // a loader that has ended does nothing any more
+        let _ = self.orders.send(Order::Scene(Box::new(self.scene(by, scene)))).await;
     }
 
     /// What a message asks for, and the message itself if somebody records.
@@ -164,7 +196,7 @@ impl SceneTopics {
         let Shared { store, clock, tape, .. } = &self.shared;
         let (came, unknown_is_occupied) = (clock.read(), store.get().unknown_is_occupied());
         let original = tape.is_on().then(|| {
-            let step = OrderStep::Scene { by, came: came.into(), unknown_is_occupied };
+            let step = OrderStep::Scene { by, came: came.into(), unknown_is_occupied, lost: 0 };
             (step, Some(keep(message.clone())))
         });
         read(message, unknown_is_occupied, came).made_of(original)
@@ -221,9 +253,10 @@ impl SceneTopics {
         (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }
 
-    /// Listens to the clouds that the parameters name, for ever.
+    /// Listens to the clouds that the parameters name, and asks whom they name, for ever.
     async fn watch(&self) {
         let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
+        let mut asking = Asking::default();
         loop {
             let topics = self.shared.store.get().point_cloud_topics;
             watched.retain(|topic, _| topics.contains(topic));
@@ -243,7 +276,7 @@ impl SceneTopics {
             let clouds = watched.iter().map(|(topic, clouds)| self.clouds(topic, clouds).boxed_local());
             let clouds =
                 clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
-            future::or(change, clouds).await;
+            future::or(change, future::or(clouds, asking.go_on(self))).await;
         }
     }
 

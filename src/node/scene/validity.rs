@@ -16,7 +16,7 @@ use crate::monitor::scene::{
     TransformTree,
 };
 use crate::monitor::{Evidence, Judgement, Now, Reason, quoted_list};
-use crate::node::loader::checker_of;
+use crate::node::checker_of_scene::checker_of;
 use crate::node::messages::{point_message, stamp_message};
 use crate::node::scene_keeper::SceneInForce;
 use crate::robot::{Configuration, LinkId, LinkPoses, RobotModel};

@@ -1,0 +1,31 @@
+"""Another node that has a planning scene and tells it when asked, as `move_group` does."""
+
+from moveit_msgs.msg import PlanningScene
+from moveit_msgs.srv import GetPlanningScene
+
+from peer import Peer
+
+
+class MoveGroup:
+    """A participant of its own; `before_answering` is called with the number of each question."""
+
+    def __init__(self, domain_id, service, scene, before_answering=lambda number: None):
+        self.scene = scene
+        self.calls = 0
+        self._before_answering = before_answering
+        self._peer = Peer(domain_id)
+        self.changes = self._peer.node.create_publisher(PlanningScene, "/monitored_planning_scene", 10)
+        self._peer.node.create_service(GetPlanningScene, service, self._answer)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self._peer.__exit__(*error)
+
+    def _answer(self, request, response):
+        assert request.components.components, "what is asked for is named"
+        response.scene = self.scene
+        self.calls += 1
+        self._before_answering(self.calls)
+        return response

@@ -1,0 +1,111 @@
+"""The scene of another node, such as `move_group`: the node asks for it when its service appears.
+
+With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
+"""
+
+import re
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from moveit_msgs.msg import CollisionObject, PlanningScene
+from rclpy.qos import QoSProfile
+
+from move_group import MoveGroup
+from scene import ball, diff, fine_mesh, full, obstacle, pose, sphere
+from scene_client import SceneClient, distances
+
+SERVICE = "/other/get_planning_scene"
+STRETCHED = {"joint1": 0, "joint2": 0}
+NEARBY = {"influence_distance": 0.5}
+ASKING = NEARBY | {"planning_scene_service": SERVICE}
+
+
+def names(state):
+    """Of the obstacles near the tip."""
+    return {name for pair in distances(state) for name in pair} - {"base", "upper", "tip"}
+
+
+def wait_for_names(cell, *wanted, after=0):
+    return cell.states.wait_for(
+        lambda state: state.status == CollisionState.FREE and names(state) == set(wanted), f"{wanted} near, and FREE", after
+    )
+
+
+def test_nothing_is_free_before_the_scene_was_told(start, domain_id):
+    cell = start(parameters=ASKING)
+    cell.driver.report(**STRETCHED)
+    assert SERVICE in cell.unknown("stale_world").reason
+    with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))) as other:
+        wait_for_names(cell, "a")
+        assert not [state for state in cell.states.messages if state.status == CollisionState.FREE and not names(state)]
+
+
+def test_a_scene_that_was_there_before_is_asked_for(start, domain_id):
+    """The node is the one that comes later, and comes again."""
+    with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))) as other:
+        cell = start(parameters=ASKING)
+        cell.driver.report(**STRETCHED)
+        wait_for_names(cell, "a")
+        seen = len(cell.states.messages)
+        cell.restart_node()
+        wait_for_names(cell, "a", after=seen)
+        assert other.calls > 1
+
+
+def test_one_that_is_started_again_is_asked_again(start, domain_id):
+    cell = start(parameters=ASKING)
+    cell.driver.report(**STRETCHED)
+    for obstacle in ("a", "b", "c"):
+        with MoveGroup(domain_id, SERVICE, full(ball(obstacle, 2.3))):
+            wait_for_names(cell, obstacle)
+
+
+def test_the_parameter_may_change(start, domain_id):
+    cell = start(parameters=NEARBY)
+    cell.judged(**STRETCHED)
+    wait_for_names(cell)
+    with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))):
+        cell.parameters.succeed(planning_scene_service=SERVICE)
+        wait_for_names(cell, "a")
+    cell.parameters.succeed(planning_scene_service="")
+    with MoveGroup(domain_id, "/another/get_planning_scene", full(ball("b", 2.3))):
+        cell.parameters.succeed(planning_scene_service="/another/get_planning_scene")
+        wait_for_names(cell, "b")
+
+
+def test_an_answer_that_a_change_overtook_is_asked_for_again(start, domain_id):
+    cell = start(parameters=ASKING | {"heartbeat_rate": 50.0})
+    cell.driver.report(**STRETCHED)
+    changes = SceneClient(cell)
+    changes.topic(PlanningScene, "planning_scene")
+    old, new = full(ball("a", 2.3)), full(ball("a", 2.3), ball("b", 2.3, 0.3))
+
+    def overtake(number):
+        if number == 1:
+            other.scene = new
+            changes.change(diff(ball("b", 2.3, 0.3)))
+
+    with MoveGroup(domain_id, SERVICE, old, overtake) as other:
+        wait_for_names(cell, "a", "b")
+        assert other.calls > 1
+
+
+@pytest.mark.parametrize(("depth", "shape"), [(1, fine_mesh(2000)), (1000, sphere(0.1))], ids=["large, one kept", "small, all kept"])
+def test_every_object_has_come_or_is_missed_aloud(start, depth, shape):
+    """A publisher that keeps one message overwrites what it could not send yet."""
+    count = 300
+    cell = start(parameters=NEARBY)
+    cell.judged(**STRETCHED)
+    scene = SceneClient(cell)
+    topic = scene.topic(CollisionObject, "collision_object", QoSProfile(depth=depth))
+    scene.change(ball("first", 9.0))
+    for number in range(count):
+        topic.publish(obstacle(f"far{number}", shape, at=pose(9.0)))
+    topic.publish(ball("last", 2.3))
+    wait_for_names(cell, "last")
+    warnings = cell.states.next().warnings  # they follow what they are about
+    lost = sum(int(number) for text in warnings for number in re.findall(r"collision_object: (\d+) messages were lost", text))
+    known = len(scene.get("WORLD_OBJECT_NAMES").world.collision_objects)
+    assert known + lost == count + 2, warnings
+    scene.publish(full(ball("only", 2.3)))
+    cell.states.wait_for(lambda state: names(state) == {"only"} and not state.warnings, "a whole scene, and no word of what was lost")
