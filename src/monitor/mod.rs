@@ -51,6 +51,7 @@ mod status;
 mod subject;
 mod time;
 mod tracker;
+mod trail;
 mod world_source;
 
 #[cfg(test)]
@@ -66,4 +67,5 @@ pub use speed::{SpeedDistances, SpeedSettings};
 pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};
 pub use time::{Now, Time};
+pub use trail::Trail;
 pub use world_source::{Sight, WorldSource};

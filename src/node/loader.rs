@@ -20,7 +20,7 @@ use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper};
 use super::scene_order::SceneOrder;
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
-use crate::monitor::{Now, Revision};
+use crate::monitor::{Now, Revision, Trail};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
@@ -430,7 +430,13 @@ impl Glimpse {
     /// Before anything is known but the parameters.
     #[must_use]
     pub fn first(parameters: &Parameters, now: Now) -> Self {
-        Self { now, parameters: parameters.clone(), transforms: TransformTree::default(), judgement: None }
+        Self {
+            now,
+            parameters: parameters.clone(),
+            transforms: TransformTree::default(),
+            judgement: None,
+            trail: Trail::default(),
+        }
     }
 }
 

@@ -20,7 +20,7 @@ use super::recording::{Happening, Judged, Tape, Tidings};
 use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
 use super::waiting::wait_at_most;
-use crate::monitor::{Judgement, Monitor, MonitorSettings, Now, Reason, Revision, SourceId};
+use crate::monitor::{Judgement, Monitor, MonitorSettings, Now, Reason, Revision, SourceId, Trail};
 
 /// What the other threads tell the monitor.
 pub enum Event {
@@ -65,6 +65,7 @@ pub struct MonitorLoop {
     pub events: Receiver<Event>,
     pub publishers: Publishers,
     pub current: CurrentJudgement,
+    pub trail: Arc<Mutex<Trail>>,
     pub observer: Option<Observer>,
     pub tape: Tape,
     pub report: Report,
@@ -253,6 +254,7 @@ impl MonitorLoop {
     ) -> (Judgement, Instant) {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         *current = Some(judgement.clone());
+        self.trail.lock().unwrap_or_else(PoisonError::into_inner).note(&judgement);
         // a recording has it before whatever is made of it
         self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
         drop(current);

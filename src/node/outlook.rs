@@ -8,6 +8,7 @@ use super::monitor_loop::CurrentJudgement;
 use super::recording::{Happening, OrderStep, Original};
 use super::scene::{CloudMessage, Shared};
 use super::scene_keeper::Glimpse;
+use crate::monitor::Trail;
 use crate::robot::MeshLog;
 
 /// Orders that are followed together, the newest clouds, and what is known meanwhile.
@@ -27,7 +28,7 @@ pub struct Outlook {
 impl Outlook {
     /// What is known now. A recording has what came before it before it, and what comes later after it.
     pub fn begin(&self, mut orders: Vec<Order>) -> Pass {
-        let Shared { transforms, clouds, store, clock, tape, .. } = &self.shared;
+        let Shared { transforms, clouds, trail, store, clock, tape, .. } = &self.shared;
         let parameters = store.get();
         let clouds = clouds.take();
         let originals: Vec<_> =
@@ -40,9 +41,15 @@ impl Outlook {
         let now = clock.read();
         tape.note(|| Happening::Pass { now, parameters: used_parameters, orders: originals, clouds: used });
         let judgement = current.clone();
+        // a long one, and of no use without clouds
+        let trail = if clouds.is_empty() {
+            Trail::default()
+        } else {
+            trail.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        };
         drop(current);
         Pass {
-            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement },
+            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement, trail },
             orders,
             clouds,
         }

@@ -29,7 +29,7 @@ use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
 use super::recording::{Given, Recorder, Tape};
-use super::scene::{Monitored, SceneServices, SceneTopics, Shared, Transforms};
+use super::scene::{Monitored, SceneServices, SceneTopics, Shared};
 use super::scene_keeper::Glimpse;
 use super::simulation_clock;
 use super::state_services::StateServices;
@@ -129,14 +129,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     }
     let meshes = options.given.meshes.clone();
     let (tape, recorder) = record(&parameters, &names, options.given)?;
-    let shared = Shared {
-        transforms: Transforms::default(),
-        grounds: Arc::default(),
-        clouds: Arc::default(),
-        store: store.clone(),
-        clock: Arc::clone(&clock),
-        tape: tape.clone(),
-    };
+    let shared = Shared::new(store.clone(), Arc::clone(&clock), tape.clone());
     let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
     outlook.note_meshes();
     let current_robot = loader.current_robot();
@@ -161,6 +154,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         events: events_in,
         publishers: Publishers::open(&middleware, &names, markers)?,
         current: Arc::clone(&current),
+        trail: Arc::clone(&shared.trail),
         observer: options.observer,
         tape: tape.clone(),
         report: Report::default(),

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use smol::channel::Sender;
 
 use super::flood::Flood;
@@ -20,8 +21,8 @@ use crate::monitor::cloud::{SelfFilter, Sieve};
 use crate::monitor::scene::{
     OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, TransformTree,
 };
-use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, Time, WorldSource};
-use crate::robot::RobotModel;
+use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, Time, Trail, WorldSource};
+use crate::robot::{LinkPoses, RobotModel};
 use crate::world::Obstacle;
 
 /// Orders that wait for a robot at most; later ones are refused.
@@ -37,6 +38,8 @@ pub struct Glimpse {
     pub parameters: Parameters,
     pub transforms: TransformTree,
     pub judgement: Option<Judgement>,
+    /// Where the robot was lately, if there are clouds.
+    pub trail: Trail,
 }
 
 /// What is checked, and the scene that it was made of.
@@ -263,7 +266,7 @@ impl SceneKeeper {
                 Time::ZERO => message.came.ros.unwrap_or_default(),
                 stamp => stamp,
             };
-            let seen = self.sieve(&topic, &message.cloud, robot, glimpse);
+            let seen = self.sieve(&topic, (&message.cloud, stamp), robot, glimpse);
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
                 Ok((obstacle, report)) => {
@@ -304,16 +307,15 @@ impl SceneKeeper {
     fn sieve(
         &mut self,
         topic: &str,
-        message: &ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2,
+        (message, stamp): (&PointCloud2, Time),
         robot: &Arc<RobotModel>,
         glimpse: &Glimpse,
     ) -> Result<(Option<Obstacle>, CloudReport), String> {
         let Glimpse { now, parameters, transforms, .. } = glimpse;
         let points = decode(message)?;
-        let evidence =
-            glimpse.evidence(robot).ok_or("no fresh joint state tells which points are the robot")?;
-        let poses = Some(&evidence.poses);
-        let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
+        let poses =
+            glimpse.poses_at(robot, stamp).ok_or("no fresh joint state tells which points are the robot")?;
+        let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =
             context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
@@ -323,8 +325,7 @@ impl SceneKeeper {
         };
         let filter = self.filter.insert(filter);
         filter.hold(&self.state.world);
-        let sifted =
-            sieve(parameters).sift(&points.points, points.rounding, &pose_rc, (filter, &evidence.poses))?;
+        let sifted = sieve(parameters).sift(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
         let report = CloudReport {
             points: sifted.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
             not_finite: points.dropped,
@@ -446,6 +447,15 @@ impl Glimpse {
         let judgement = self.judgement.as_ref()?;
         let same = judgement.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
         judgement.placement.clone().filter(|_| same)
+    }
+
+    /// Where the links were at a time, as far back as that is remembered.
+    fn poses_at(&self, robot: &Arc<RobotModel>, time: Time) -> Option<LinkPoses> {
+        let now = self.evidence(robot)?;
+        let Some(then) = self.trail.at(robot, time) else { return Some(now.poses.clone()) };
+        let mut poses = LinkPoses::new(robot);
+        robot.forward_kinematics(&then, &mut poses);
+        Some(poses)
     }
 }
 

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from clearance_msgs.msg import BodyPair, CollisionState
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import PointCloud2, PointField
 
 from cell import Cell
@@ -192,6 +194,30 @@ def test_a_cloud_in_the_frame_of_a_link_stays_where_the_link_was(start_cloud):
     assert to_cloud(state) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
     assert to_cloud(cell.judged(**FOLDED)) == inf
     assert to_cloud(cell.judged(**STRETCHED)) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
+
+
+def test_a_cloud_is_of_the_time_of_its_stamp(start_cloud):
+    """The link with the camera has moved on before the cloud comes."""
+    cell = start_cloud()
+    cell.driver.pause()
+    start = cell.peer.now()
+
+    def report(positions, seconds):
+        stamp = start + Duration(seconds=seconds)
+
+        def is_judged():
+            cell.driver.publish(positions, stamp)
+            return cell.states.messages and Time.from_msg(cell.states.messages[-1].header.stamp) == stamp
+
+        cell.peer.wait_for(is_judged, f"a judgement of {positions}")
+
+    report(STRETCHED, 1.0)
+    report(FOLDED, 1.5)
+    message = cloud(np.array(WALL) - (1, 0, 0), frame="tip", stamp=start + Duration(seconds=1.0))
+    cell.scene.topic(PointCloud2, "points")
+    cell.scene.change(message, topic="points")
+    report(STRETCHED, 2.0)
+    assert to_cloud(cell.states.messages[-1]) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
 
 
 def test_nothing_is_free_before_the_first_cloud(start_cloud):

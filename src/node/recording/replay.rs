@@ -12,7 +12,7 @@ use serde_json::{Map, Value as Json};
 use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
 use super::step::{Clocks, CloudStep, Late, OrderStep, SceneDoor, Step, Tidings, parameters_from_json};
 use crate::checker::MeshModel;
-use crate::monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time};
+use crate::monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time, Trail};
 use crate::node::cdr;
 use crate::node::clearance_msgs::CollisionState;
 use crate::node::loader::{Loader, Order, Surroundings};
@@ -181,6 +181,7 @@ struct Run {
     told: VecDeque<Event>,
     transforms: crate::monitor::scene::TransformTree,
     judgement: Option<Judgement>,
+    trail: Trail,
 }
 
 /// What came of one step.
@@ -200,7 +201,14 @@ impl Run {
             monitor.set_checker(loader.take_given(robot, &glimpse)?);
         }
         let transforms = crate::monitor::scene::TransformTree::default();
-        Ok(Self { monitor, loader, told: VecDeque::new(), transforms, judgement: None })
+        Ok(Self {
+            monitor,
+            loader,
+            told: VecDeque::new(),
+            transforms,
+            judgement: None,
+            trail: Trail::default(),
+        })
     }
 
     fn follow(&mut self, step: Step, messages: &mut Messages) -> Result<Done, String> {
@@ -251,6 +259,7 @@ impl Run {
             parameters: parameters_from_json(parameters)?,
             transforms: self.transforms.clone(),
             judgement: self.judgement.clone(),
+            trail: self.trail.clone(),
         };
         let orders = orders.into_iter().map(|order| read_order(order, messages)).collect::<Result<_, _>>()?;
         let mut read = BTreeMap::new();
@@ -313,6 +322,7 @@ impl Run {
 
     fn compare(&mut self, judgement: Judgement, late: Late, messages: &mut Messages) -> Result<Done, String> {
         let difference = difference(&judgement, late, messages)?;
+        self.trail.note(&judgement);
         self.judgement = Some(judgement);
         Ok(difference.unwrap_or(Done::Same(late)))
     }

@@ -21,7 +21,7 @@ use super::{
 };
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
-use crate::monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time};
+use crate::monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time, Trail};
 use crate::node::loader::{Loader, Order};
 use crate::node::messages::{joint_state_input, stamp_message};
 use crate::node::monitor_loop::Event;
@@ -52,6 +52,7 @@ struct Cell {
     parameters: Parameters,
     transforms: TransformTree,
     judgement: Option<Judgement>,
+    trail: Trail,
     milliseconds: u64,
 }
 
@@ -93,6 +94,7 @@ impl Cell {
             parameters,
             transforms: TransformTree::default(),
             judgement: None,
+            trail: Trail::default(),
             milliseconds: 1000,
         }
     }
@@ -136,6 +138,7 @@ impl Cell {
 
     fn say(&mut self, judgement: Judgement, now: Now, heard: Option<JointState>) -> Judgement {
         self.judgement = Some(judgement.clone());
+        self.trail.note(&judgement);
         let heard = heard.map(|message| (message, SOURCE));
         self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
         judgement
@@ -184,6 +187,7 @@ impl Cell {
         let glimpse = Glimpse {
             transforms: self.transforms.clone(),
             judgement: self.judgement.clone(),
+            trail: self.trail.clone(),
             ..Glimpse::first(&self.parameters, now)
         };
         let clouds = cloud.into_iter().map(|(topic, came, cloud)| {

@@ -19,7 +19,7 @@ use super::clouds::{CloudMessage, CloudMessages};
 use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
 use super::reading::transform_pose;
 use crate::monitor::scene::{Grounds, OCTOMAP, Transform, TransformTree};
-use crate::monitor::{Now, Time};
+use crate::monitor::{Now, Time, Trail};
 use crate::node::arrivals::Arrivals;
 use crate::node::clock::RosClock;
 use crate::node::loader::Order;
@@ -63,9 +63,26 @@ pub struct Shared {
     /// What the loader has obstacles stand in.
     pub grounds: Arc<Mutex<Grounds>>,
     pub clouds: Arc<CloudMessages>,
+    /// Where the robot was lately; whoever holds the judgement too takes that first.
+    pub trail: Arc<Mutex<Trail>>,
     pub store: ParameterStore,
     pub clock: Arc<RosClock>,
     pub tape: Tape,
+}
+
+impl Shared {
+    #[must_use]
+    pub fn new(store: ParameterStore, clock: Arc<RosClock>, tape: Tape) -> Self {
+        Self {
+            transforms: Transforms::default(),
+            grounds: Arc::default(),
+            clouds: Arc::default(),
+            trail: Arc::default(),
+            store,
+            clock,
+            tape,
+        }
+    }
 }
 
 /// The copy of a message that a topic heard in two ways brings must not count twice.
