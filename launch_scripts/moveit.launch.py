@@ -21,7 +21,10 @@ from launch_ros.actions import Node
 
 ARGUMENTS = {
     "scene": ("/monitored_planning_scene", "the topic on which move_group tells its scene"),
-    "scene_service": ("/get_planning_scene", "the service by which move_group tells its whole scene; empty: it is not asked"),
+    "scene_service": (
+        "",
+        "the service by which move_group tells its whole scene, if it is not get_planning_scene beside the topic 'scene'; none: it is not asked. It wins over params_file",
+    ),
     "description": ("/robot_description", "the topic with the URDF"),
     "semantic": ("/robot_description_semantic", "the topic with the SRDF"),
     "joint_states": ("/joint_states", "the topic with the joint states"),
@@ -42,7 +45,9 @@ def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     path = ["--package-path", given["package_path"]] if given["package_path"] else []
     files = [given["params_file"]] if given["params_file"] else []
-    asked = [{"planning_scene_service": given["scene_service"]}] if given["scene_service"] else []
+    beside = f"{given['scene'].rpartition('/')[0]}/get_planning_scene"
+    service = given["scene_service"] or beside
+    asked = [] if service == "none" else [{"planning_scene_service": service}]
     simulated = [{"use_sim_time": given["use_sim_time"].lower() == "true"}] if given["use_sim_time"] else []
     own = [(name, f"/clearance/{name}") for name in SERVICES + HEARD + SAID]
     return [

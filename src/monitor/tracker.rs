@@ -45,7 +45,7 @@ const BY_TF: usize = usize::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct Tracker {
     slots: HashMap<String, Slot>,
-    /// By position: whether a whole turn changes nothing.
+    /// By position: whether a whole turn changes nothing, also of what follows.
     turns: Vec<bool>,
 }
 
@@ -73,7 +73,10 @@ impl Tracker {
             slots.insert(name.clone(), Slot::Position(index));
         }
         let mut turns = vec![false; robot.position_names().len()];
-        for id in robot.joint_ids().filter(|id| matches!(robot.joint(*id).kind, JointKind::Continuous(_))) {
+        let leads = |id: JointId| robot.mimicking_joints().any(|(_, mimic)| mimic.joint == id);
+        let turns_freely =
+            |id: &JointId| matches!(robot.joint(*id).kind, JointKind::Continuous(_)) && !leads(*id);
+        for id in robot.joint_ids().filter(turns_freely) {
             if let Some(index) = robot.first_position(id) {
                 turns[index] = true;
             }

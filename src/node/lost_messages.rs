@@ -2,26 +2,53 @@
 
 use std::collections::BTreeMap;
 
-/// How many of each topic, until a whole scene comes.
+use super::recording::SceneDoor;
+use crate::monitor::scene::SceneUpdate;
+
+type Counts = BTreeMap<&'static str, u64>;
+
+/// How many of each topic, until all that they may have said is told anew.
 #[derive(Debug, Default)]
-pub struct LostMessages(BTreeMap<&'static str, u64>);
+pub struct LostMessages {
+    now: Counts,
+    /// Those of the scene that is in force.
+    in_force: Counts,
+}
 
 impl LostMessages {
     pub fn note(&mut self, topic: &'static str, count: u64) {
         if count > 0 {
-            let known = self.0.entry(topic).or_default();
+            let known = self.now.entry(topic).or_default();
             *known = known.saturating_add(count);
         }
     }
 
-    /// A whole scene came.
-    pub fn forget(&mut self) {
-        self.0.clear();
+    /// Everything was told that this says.
+    pub fn heed(&mut self, update: &SceneUpdate) {
+        match update {
+            // nothing of what links hold, nor of matrices and paddings
+            SceneUpdate::World(_) => drop(self.now.remove(SceneDoor::CollisionObject.name())),
+            whole if whole.is_whole() => self.now.clear(),
+            _ => {}
+        }
+    }
+
+    /// What was heeded is in force.
+    pub fn note_in_use(&mut self) {
+        self.in_force = self.now.clone();
+    }
+
+    /// What was heeded last did not come into force.
+    pub fn go_back(&mut self) {
+        for (topic, count) in &self.in_force {
+            let known = self.now.entry(topic).or_default();
+            *known = (*known).max(*count);
+        }
     }
 
     /// What is told of them.
     pub fn told(&self) -> impl Iterator<Item = String> {
-        self.0.iter().map(|(topic, count)| {
+        self.now.iter().map(|(topic, count)| {
             format!("{topic}: {count} messages were lost: what they changed is missing here until a whole scene comes")
         })
     }
@@ -31,19 +58,46 @@ impl LostMessages {
 mod tests {
     use super::*;
 
+    use crate::monitor::scene::SceneChange;
+
+    fn told(lost: &LostMessages) -> Vec<String> {
+        lost.told().map(|text| text.split(" messages").next().unwrap_or_default().to_owned()).collect()
+    }
+
+    fn scene(is_diff: bool) -> SceneUpdate {
+        SceneUpdate::Scene(Box::new(SceneChange { is_diff, ..SceneChange::default() }))
+    }
+
     #[test]
-    fn they_are_counted_by_topic_until_a_whole_scene_comes() {
+    fn they_are_counted_by_topic_until_what_they_said_is_told_anew() {
         let mut lost = LostMessages::default();
-        for (topic, count) in [("b", 2), ("a", 0), ("b", u64::MAX), ("c", 1)] {
+        let [object, attached] =
+            [SceneDoor::CollisionObject, SceneDoor::AttachedCollisionObject].map(SceneDoor::name);
+        for (topic, count) in [(object, 2), ("a", 0), (object, u64::MAX), (attached, 1)] {
             lost.note(topic, count);
         }
-        let told: Vec<_> = lost.told().collect();
-        assert!(
-            told[0].starts_with(&format!("b: {} messages", u64::MAX)) && told[1].starts_with("c: 1 "),
-            "{told:?}"
-        );
-        assert_eq!(told.len(), 2);
-        lost.forget();
-        assert_eq!(lost.told().count(), 0);
+        let of_objects = format!("collision_object: {}", u64::MAX);
+        assert_eq!(told(&lost), ["attached_collision_object: 1", &of_objects]);
+        lost.heed(&scene(true));
+        assert_eq!(told(&lost).len(), 2);
+        lost.heed(&SceneUpdate::World(Box::default()));
+        assert_eq!(told(&lost), ["attached_collision_object: 1"]);
+        lost.heed(&scene(false));
+        assert!(told(&lost).is_empty());
+    }
+
+    #[test]
+    fn a_scene_that_did_not_come_into_force_told_nothing() {
+        let mut lost = LostMessages::default();
+        lost.note("a", 2);
+        lost.note_in_use();
+        lost.heed(&scene(false));
+        lost.note("b", 1);
+        lost.go_back();
+        assert_eq!(told(&lost), ["a: 2", "b: 1"]);
+        lost.heed(&scene(false));
+        lost.note_in_use();
+        lost.go_back();
+        assert!(told(&lost).is_empty());
     }
 }

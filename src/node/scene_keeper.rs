@@ -13,6 +13,7 @@ use super::lost_messages::LostMessages;
 use super::messages::time_of;
 use super::missing_objects::MissingObjects;
 use super::parameters::Parameters;
+use super::recording::SceneDoor;
 use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
 use super::scene_order::SceneOrder;
 use crate::checker::MeshModel;
@@ -76,9 +77,9 @@ pub struct SceneKeeper {
     flood: Flood,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
-    /// Whether a message has ever brought a whole scene, and whether one did that is in force.
-    is_told_whole: bool,
-    was_told_whole: bool,
+    /// What messages have brought as a whole, and what of that is in force.
+    told: Told,
+    told_in_force: Told,
     /// Whether a message or sensor ever changed the scene.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
@@ -86,6 +87,17 @@ pub struct SceneKeeper {
 
 /// Who has to tell the world, where that is required.
 const WHOLE_SCENE: &str = "planning_scene, apply_planning_scene or planning_scene_world";
+
+/// How much of the world was told as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Told {
+    #[default]
+    Nothing,
+    /// All obstacles.
+    World,
+    /// What links hold and what is allowed, too.
+    Scene,
+}
 
 /// The last cloud of one topic.
 #[derive(Default)]
@@ -119,7 +131,8 @@ impl SceneKeeper {
     /// The scene as it was, since another robot is refused.
     pub fn stay_in(&mut self, scene: PlanningSceneState) {
         self.state = scene;
-        self.is_told_whole = self.was_told_whole;
+        self.told = self.told_in_force;
+        self.lost.go_back();
     }
 
     /// Another robot stands in the same scene.
@@ -133,13 +146,16 @@ impl SceneKeeper {
 
     /// Puts an order aside until there is a robot.
     pub fn wait(&mut self, order: SceneOrder) {
-        if let Some(done) = order.done {
+        // who asked another node for its scene can wait; a client can not
+        let is_asked_for = order.source == SceneDoor::GetPlanningScene.name();
+        if let Some(done) = order.done.as_ref().filter(|_| !is_asked_for) {
             log::warn!("{}: there is no robot model yet", order.source);
             let _ = done.try_send(false);
         } else if self.waiting.len() < WAITING {
             self.waiting.push_back(order);
         } else {
             log::warn!("{}: dropped: {WAITING} messages wait for a robot model already", order.source);
+            self.lost.note(order.source, 1);
         }
     }
 
@@ -170,10 +186,8 @@ impl SceneKeeper {
             self.note_octomap(octomap, &refusals, update.as_ref());
         }
         self.note_refusals(source, &refusals, update.as_ref());
-        if update.as_ref().is_some_and(SceneUpdate::is_whole) {
-            self.unfit.clear();
-            self.lost.forget();
-            self.is_told_whole = true;
+        if let Some(update) = &update {
+            self.note_whole(update);
         }
         warnings.extend_from_slice(&self.faults);
         if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
@@ -224,6 +238,17 @@ impl SceneKeeper {
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
         self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
+    }
+
+    fn note_whole(&mut self, update: &SceneUpdate) {
+        self.lost.heed(update);
+        if update.is_whole() {
+            self.unfit.clear();
+            self.told = self.told.max(match update {
+                SceneUpdate::World(_) => Told::World,
+                _ => Told::Scene,
+            });
+        }
     }
 
     fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal], update: Option<&SceneUpdate>) {
@@ -395,9 +420,12 @@ impl SceneKeeper {
         let mut watched = self.watched(parameters);
         watched.retain(|source| !self.dropped.contains(&source.name));
         let service = &parameters.planning_scene_service;
-        let is_required = parameters.require_planning_scene || !service.is_empty();
-        let is_awaited = is_required && !self.is_told_whole;
-        let teller = if service.is_empty() { WHOLE_SCENE } else { service };
+        let (needed, teller) = match (service.as_str(), parameters.require_planning_scene) {
+            ("", true) => (Told::World, WHOLE_SCENE),
+            ("", false) => (Told::Nothing, WHOLE_SCENE),
+            (service, _) => (Told::Scene, service),
+        };
+        let is_awaited = self.told < needed;
         let scene = || WorldSource { name: teller.to_owned(), seen: None, ttl: f64::INFINITY };
         watched.extend(is_awaited.then(scene));
         watched
@@ -431,7 +459,8 @@ impl SceneKeeper {
 
     /// What came is in use from now on.
     pub fn note_in_use(&mut self) -> CloudReports {
-        self.was_told_whole = self.is_told_whole;
+        self.told_in_force = self.told;
+        self.lost.note_in_use();
         for cloud in self.clouds.values_mut() {
             if let Some(since) = cloud.since.take() {
                 cloud.report.latency = since.elapsed();

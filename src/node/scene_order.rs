@@ -48,6 +48,12 @@ impl SceneOrder {
         Self { refusals, ..self }
     }
 
+    /// Whether it says something of objects, or of what the robot makes of them.
+    #[must_use]
+    pub fn tells_of_objects(&self) -> bool {
+        self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
+    }
+
     /// With what else it says that never came, by the count of messages.
     #[must_use]
     pub fn after(mut self, lost: u64) -> Self {

@@ -7,9 +7,9 @@ from peer import Peer
 
 
 class MoveGroup:
-    """A participant of its own; `before_answering` is called with the number of each question."""
+    """A participant of its own; `before_answering` is called with it for each question."""
 
-    def __init__(self, domain_id, service, scene, before_answering=lambda number: None):
+    def __init__(self, domain_id, service, scene, before_answering=lambda asked: None):
         self.scene = scene
         self.calls = 0
         self._before_answering = before_answering
@@ -27,5 +27,5 @@ class MoveGroup:
         assert request.components.components, "what is asked for is named"
         response.scene = self.scene
         self.calls += 1
-        self._before_answering(self.calls)
+        self._before_answering(self)
         return response

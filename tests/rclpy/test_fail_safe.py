@@ -261,6 +261,11 @@ def stale_world(s):
     cell.driver.report(**ZERO)
 
 
+def untold_scene(s):
+    cell = s.start(parameters={"require_planning_scene": True})
+    cell.driver.report(**ZERO)
+
+
 def lost_root(s):
     cell = s.start(parameters={"transform_ttl": 1.0})
     cell.driver.report(**ZERO)
@@ -346,6 +351,7 @@ SCENARIOS = {
     "a joint of the robot has never been named": partial,
     "two publishers report a joint at different places (0.05 rad or m, and what it goes in 0.2 s) at about the same time (0.1 s)": contradiction,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
+    "`require_planning_scene` or `planning_scene_service` is set, and no whole scene has come": untold_scene,
     "tf, which told again and again where the robot's root is in the frame that obstacles stand in, has been silent for `transform_ttl`, or does not connect the two": lost_root,
     "`check_deadline` passed before every pair was decided, and none was found to touch": deadline,
     "a joint comes that the robot has not": unknown_joint,

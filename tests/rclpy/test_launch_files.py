@@ -173,6 +173,21 @@ def test_beside_moveit(peer, domain_id, tmp_path):
             assert peer.node.count_subscribers(f"/{name}") == 0
 
 
+@pytest.mark.parametrize(
+    ("given", "asked"),
+    [
+        ({}, ["/get_planning_scene"]),
+        ({"scene": "/arm/monitored_planning_scene"}, ["/arm/get_planning_scene"]),
+        ({"scene_service": "/cell/get_planning_scene"}, ["/cell/get_planning_scene"]),
+        ({"scene_service": "none"}, []),
+    ],
+)
+def test_move_group_is_asked_by_the_service_beside_its_topic(given, asked):
+    (node,) = LaunchFile("moveit.launch.py").nodes(**given)
+    parameters = [group for group in node.parameters if isinstance(group, dict)]
+    assert [group["planning_scene_service"] for group in parameters if "planning_scene_service" in group] == asked
+
+
 def test_the_service_of_systemd_is_one(tmp_path):
     """Where systemd is there to ask."""
     unit = (ROOT / "launch_scripts/clearance.service").read_text()

@@ -35,7 +35,7 @@ def test_nothing_is_free_before_the_scene_was_told(start, domain_id):
     cell = start(parameters=ASKING)
     cell.driver.report(**STRETCHED)
     assert SERVICE in cell.unknown("stale_world").reason
-    with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))) as other:
+    with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))):
         wait_for_names(cell, "a")
         assert not [state for state in cell.states.messages if state.status == CollisionState.FREE and not names(state)]
 
@@ -46,10 +46,9 @@ def test_a_scene_that_was_there_before_is_asked_for(start, domain_id):
         cell = start(parameters=ASKING)
         cell.driver.report(**STRETCHED)
         wait_for_names(cell, "a")
-        seen = len(cell.states.messages)
         cell.restart_node()
-        wait_for_names(cell, "a", after=seen)
-        assert other.calls > 1
+        cell.peer.wait_for(lambda: other.calls > 1, "the question of the other node")
+        wait_for_names(cell, "a", after=len(cell.states.messages))
 
 
 def test_one_that_is_started_again_is_asked_again(start, domain_id):
@@ -80,14 +79,15 @@ def test_an_answer_that_a_change_overtook_is_asked_for_again(start, domain_id):
     changes.topic(PlanningScene, "planning_scene")
     old, new = full(ball("a", 2.3)), full(ball("a", 2.3), ball("b", 2.3, 0.3))
 
-    def overtake(number):
-        if number == 1:
-            other.scene = new
+    def overtake(asked):
+        if asked.calls == 1:
+            asked.scene = new
             changes.change(diff(ball("b", 2.3, 0.3)))
 
     with MoveGroup(domain_id, SERVICE, old, overtake) as other:
         wait_for_names(cell, "a", "b")
         assert other.calls > 1
+        assert {frozenset(names(state)) for state in cell.states.messages if state.status == CollisionState.FREE} == {frozenset("ab")}
 
 
 @pytest.mark.parametrize(("depth", "shape"), [(1, fine_mesh(2000)), (1000, sphere(0.1))], ids=["large, one kept", "small, all kept"])

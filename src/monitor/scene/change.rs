@@ -132,6 +132,35 @@ impl SceneUpdate {
         }
     }
 
+    /// Whether it says something of objects, or of what the robot makes of them: not of an octomap or the robot's joints alone, which are told
+    /// again and again.
+    #[must_use]
+    pub fn tells_of_objects(&self) -> bool {
+        match self {
+            Self::Object(_) | Self::Attached(_) | Self::World(_) => true,
+            Self::Octomap(_) => false,
+            Self::Scene(scene) => {
+                let SceneChange {
+                    is_diff,
+                    fixed_frames,
+                    robot_state,
+                    matrix,
+                    link_padding,
+                    link_scale,
+                    world,
+                    ..
+                } = scene.as_ref();
+                let MatrixEntries { entry_names, default_entry_names, .. } = matrix;
+                let is_silent = fixed_frames.is_empty()
+                    && robot_state.attached.is_empty()
+                    && (entry_names.is_empty() && default_entry_names.is_empty())
+                    && (link_padding.is_empty() && link_scale.is_empty())
+                    && world.objects.is_empty();
+                !(*is_diff && is_silent)
+            }
+        }
+    }
+
     /// Whether it says something anew about an object that was refused before, as something in the world or as what a link was to hold.
     #[must_use]
     pub fn settles(&self, id: &str, is_attached: bool) -> bool {
@@ -174,4 +203,29 @@ pub enum SceneUpdate {
     Scene(Box<SceneChange>),
     /// An octomap by itself; `None` takes it away.
     Octomap(Option<OctomapPlacement>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_robots_joints_and_octomaps_tell_nothing_of_objects() {
+        let update = |scene: SceneChange| SceneUpdate::Scene(Box::new(scene));
+        let diff = || SceneChange { is_diff: true, ..SceneChange::default() };
+        let robot_state = RobotStateChange { is_diff: true, names_joints: true, attached: Vec::new() };
+        let map = OctomapPlacement { frame: String::new(), pose_fo: Pose::identity(), shape: None };
+        let world = WorldChange { objects: Vec::new(), octomap: Some(map.clone()) };
+        let silent = [
+            update(SceneChange { robot_state, ..diff() }),
+            update(SceneChange { world, ..diff() }),
+            SceneUpdate::Octomap(map),
+        ];
+        assert!(!silent.iter().any(SceneUpdate::tells_of_objects), "{silent:?}");
+        let objects = vec![ObjectChange::named("a", Operation::Remove)];
+        let world = WorldChange { objects, octomap: None };
+        let padded = SceneChange { link_padding: vec![("link".to_owned(), 0.1)], ..diff() };
+        let told = [update(SceneChange::default()), update(SceneChange { world, ..diff() }), update(padded)];
+        assert!(told.iter().all(SceneUpdate::tells_of_objects), "{told:?}");
+    }
 }

@@ -139,21 +139,34 @@ fn who_lags_behind_a_moving_joint_contradicts_nobody() {
     }
 }
 
+/// A link that turns without end, and what else there is.
+fn turning(rest: &str) -> Monitor {
+    let text = format!(
+        "<robot name='r'><link name='a'/><link name='b'><collision><geometry><sphere radius='1'/></geometry></collision></link>
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint>{rest}</robot>"
+    );
+    let robot = RobotModel::from_urdf(&text, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+    let mut monitor = monitor();
+    monitor.set_checker(Arc::new(Revision::new(checker, 2, 0)));
+    monitor
+}
+
 /// One counts turns from its encoder, the other from where it began.
 #[test]
 fn whole_turns_of_a_continuous_joint_contradict_nobody() {
-    const URDF: &str = "<robot name='r'><link name='a'/><link name='b'><collision><geometry><sphere radius='1'/></geometry></collision></link>
-        <joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>";
-    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
-    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
-    for (other, expected) in [
-        (TAU, "FREE"),
-        (-9.0 * TAU + 0.01, "FREE"),
-        (3.0 * TAU - 0.2, "contradiction"),
-        (PI, "contradiction"),
+    let geared = "<link name='c'/><joint name='gear' type='continuous'><parent link='b'/><child link='c'/><axis xyz='0 0 1'/>
+        <mimic joint='j' multiplier='0.5'/></joint>";
+    for (rest, other, expected) in [
+        ("", TAU, "FREE"),
+        ("", -9.0 * TAU + 0.01, "FREE"),
+        ("", 3.0 * TAU - 0.2, "contradiction"),
+        ("", PI, "contradiction"),
+        // half a turn of what follows
+        (geared, TAU, "contradiction"),
+        (geared, 0.01, "FREE"),
     ] {
-        let mut monitor = monitor();
-        monitor.set_checker(Arc::new(Revision::new(checker.clone(), 2, 0)));
+        let mut monitor = turning(rest);
         monitor.on_joint_state(part(1, 0.0, &[("j", 0.02)]), at(0.0));
         assert_eq!(
             code(&monitor.on_joint_state(part(2, 0.01, &[("j", other)]), at(0.01))),

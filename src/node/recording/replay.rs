@@ -254,7 +254,7 @@ impl Run {
         (orders, clouds): (Vec<OrderStep>, Vec<CloudStep>),
         messages: &mut Messages,
     ) -> Result<Pass, String> {
-        let glimpse = Glimpse {
+        let mut glimpse = Glimpse {
             now: now.into(),
             parameters: parameters_from_json(parameters)?,
             transforms: self.transforms.clone(),
@@ -266,6 +266,9 @@ impl Run {
         for CloudStep { topic, came } in clouds {
             let cloud = Arc::new(messages.next("a cloud")?);
             read.insert(topic, CloudMessage { cloud, came: came.into(), since: Instant::now() });
+        }
+        if read.is_empty() {
+            glimpse.trail = Trail::default();
         }
         Ok(Pass { glimpse, orders, clouds: read })
     }

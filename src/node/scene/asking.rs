@@ -3,8 +3,9 @@
 //! `MoveIt` tells a whole scene when it starts, and then what changes in it: a node that comes later has never heard of what stood there.
 
 use std::collections::BTreeSet;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use futures_lite::future;
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningSceneComponents;
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetPlanningSceneRequest, GetPlanningSceneResponse};
 use smol::Timer;
@@ -18,12 +19,13 @@ use crate::node::recording::SceneDoor;
 /// Time between two looks at who serves.
 const PERIOD: Duration = Duration::from_millis(200);
 
-/// Time between two questions that follow each other.
+/// Time between two looks at the parameter, while it names nobody.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Time that the first answer may take; the next ones have twice as long, up to the longest.
+/// Time that an answer may take, and until the next question where it did not come or was not taken; each time twice as long, up to the
+/// longest.
 const PATIENCE: Duration = Duration::from_secs(2);
-const LONGEST_PATIENCE: Duration = Duration::from_secs(32);
+const LONGEST_PATIENCE: Duration = Duration::from_secs(16);
 
 /// All that there is, as in `RViz`.
 const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
@@ -50,45 +52,32 @@ struct Service {
     client: Client<GetPlanningSceneRequest, GetPlanningSceneResponse>,
     servers: BTreeSet<SourceId>,
     is_due: bool,
+    /// No earlier than this.
+    due_at: Instant,
     patience: Duration,
 }
 
 impl Asking {
-    /// Asks whenever there is reason to, for ever. It may be dropped at any time, and go on later.
-    pub async fn go_on(&mut self, topics: &SceneTopics) {
+    /// Asks whenever there is reason to, for ever.
+    pub async fn go_on(mut self, topics: &SceneTopics) {
         loop {
-            match self.ask_if_due(topics).await {
-                Ok(pause) => drop(Timer::after(pause).await),
-                Err(why) => {
-                    self.complaints.warn(|| format!("planning_scene_service: {why}"));
-                    Timer::after(PAUSE).await;
-                }
+            if let Err(why) = self.look(topics).await {
+                self.complaints.warn(|| format!("planning_scene_service: {why}"));
             }
+            Timer::after(if self.service.is_some() { PERIOD } else { PAUSE }).await;
         }
     }
 
-    /// How long to wait until the next look.
-    async fn ask_if_due(&mut self, topics: &SceneTopics) -> Result<Duration, String> {
+    /// Asks if there is reason to now.
+    async fn look(&mut self, topics: &SceneTopics) -> Result<(), String> {
         self.turn_to(topics).map_err(|error| error.to_string())?;
-        let Some(service) = &mut self.service else { return Ok(PERIOD) };
-        let servers = topics.middleware.servers_elsewhere(&service.name);
-        service.is_due |= servers.difference(&service.servers).next().is_some() || topics.take_lost();
-        service.servers = servers;
-        if !service.is_due || service.servers.is_empty() {
-            return Ok(PERIOD);
+        let Some(service) = &mut self.service else { return Ok(()) };
+        service.meet(topics.middleware.servers_elsewhere(&service.name));
+        service.is_due |= topics.take_lost();
+        if service.is_due && !service.servers.is_empty() && Instant::now() >= service.due_at {
+            return service.ask(topics).await.inspect_err(|_| service.be_patient());
         }
-        let heard = topics.scenes_heard();
-        let components = PlanningSceneComponents { components: EVERYTHING };
-        let request = GetPlanningSceneRequest { components };
-        let answer = service.client.call(request, service.patience).await.inspect_err(|_| {
-            service.patience = (2 * service.patience).min(LONGEST_PATIENCE);
-        })?;
-        service.patience = PATIENCE;
-        // a change that was told meanwhile may be newer than the answer
-        service.is_due = topics.scenes_heard() != heard;
-        log::info!("planning_scene_service: {} told its scene", service.name);
-        topics.apply(SceneDoor::GetPlanningScene, answer.scene).await;
-        Ok(PAUSE)
+        Ok(())
     }
 
     /// The service that the parameter names, if it names one.
@@ -104,10 +93,54 @@ impl Asking {
                 name,
                 servers: BTreeSet::new(),
                 is_due: true,
+                due_at: Instant::now(),
                 patience: PATIENCE,
             }),
             None => None,
         };
         Ok(())
+    }
+}
+
+impl Service {
+    /// Who comes anew has another scene.
+    fn meet(&mut self, servers: BTreeSet<SourceId>) {
+        if servers.difference(&self.servers).next().is_some() {
+            (self.is_due, self.due_at, self.patience) = (true, Instant::now(), PATIENCE);
+        }
+        self.servers = servers;
+    }
+
+    fn be_patient(&mut self) {
+        self.due_at = Instant::now() + self.patience;
+        self.patience = (2 * self.patience).min(LONGEST_PATIENCE);
+    }
+
+    /// Asks, and has the answer applied unless a change that came meanwhile may be newer: then it is asked again.
+    async fn ask(&mut self, topics: &SceneTopics) -> Result<(), String> {
+        let heard = topics.changes_heard();
+        let components = PlanningSceneComponents { components: EVERYTHING };
+        let answer = self.client.call(GetPlanningSceneRequest { components }, self.patience);
+        let scene = future::or(answer, self.another_server(topics)).await?.scene;
+        if scene.is_diff {
+            return Err(format!("{} tells what has changed, not the whole scene", self.name));
+        }
+        if topics.changes_heard() != heard {
+            return Ok(());
+        }
+        if !topics.apply(SceneDoor::GetPlanningScene, scene).await {
+            return Err(format!("not all of what {} told was taken", self.name));
+        }
+        log::info!("planning_scene_service: {} told its scene", self.name);
+        (self.is_due, self.patience) = (false, PATIENCE);
+        Ok(())
+    }
+
+    /// Waits until others serve than those who were asked.
+    async fn another_server<T>(&self, topics: &SceneTopics) -> Result<T, String> {
+        while topics.middleware.servers_elsewhere(&self.name) == self.servers {
+            Timer::after(PERIOD).await;
+        }
+        Err(format!("others serve {} now than those who were asked", self.name))
     }
 }

@@ -12,7 +12,7 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
-use smol::channel::{Receiver, Sender};
+use smol::channel::{self, Receiver, Sender};
 
 use super::asking::Asking;
 use super::clouds::{CloudMessage, CloudMessages};
@@ -51,8 +51,8 @@ pub struct SceneTopics {
     orders: Sender<Order>,
     /// Tells that a parameter changed.
     changes: Receiver<()>,
-    /// How many messages came on `planning_scene`, and whether some were lost that nobody has asked for.
-    scenes_heard: Cell<u64>,
+    /// How many messages told of objects, and whether some were lost since somebody asked.
+    changes_heard: Cell<u64>,
     is_lost: Cell<bool>,
 }
 
@@ -138,7 +138,7 @@ impl SceneTopics {
             shared,
             orders,
             changes,
-            scenes_heard: Cell::default(),
+            changes_heard: Cell::default(),
             is_lost: Cell::default(),
         })
     }
@@ -146,14 +146,14 @@ impl SceneTopics {
     /// Listens for ever.
     pub async fn listen(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
-        let objects = self.hear(&self.objects, |m, lost| Some(self.object(m).after(lost)));
-        let attached = self.hear(&self.attached, |m, lost| Some(self.attached(m).after(lost)));
-        let worlds = self.hear(&self.worlds, |m, _| Some(self.world(m)));
-        let scenes = self.hear(&self.scenes, |m, lost| {
-            self.scenes_heard.set(self.scenes_heard.get() + 1);
+        let after = |order: SceneOrder, lost: u64| {
             self.is_lost.set(self.is_lost.get() || lost > 0);
-            Some(self.scene(SceneDoor::PlanningScene, m).after(lost))
-        });
+            Some(order.after(lost))
+        };
+        let objects = self.hear(&self.objects, |m, lost| after(self.object(m), lost));
+        let attached = self.hear(&self.attached, |m, lost| after(self.attached(m), lost));
+        let worlds = self.hear(&self.worlds, |m, _| Some(self.world(m)));
+        let scenes = self.hear(&self.scenes, |m, lost| after(self.scene(SceneDoor::PlanningScene, m), lost));
         let octomap = |topic: usize, twin: usize| {
             let last = &twins[topic];
             self.hear(&self.octomaps[topic][twin], move |m, _| {
@@ -165,7 +165,8 @@ impl SceneTopics {
         let octomaps =
             future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
         let transforms = future::zip(self.follow(&self.tf, false), self.follow(&self.tf_static, true));
-        future::zip(future::zip(scenes, octomaps), future::zip(transforms, self.watch())).await;
+        let others = future::zip(self.watch(), Asking::default().go_on(self));
+        future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
     }
 
     /// Turns messages into orders; `read` is told how many were lost right before each.
@@ -186,20 +187,22 @@ impl SceneTopics {
         }
     }
 
-    /// How many messages came on `planning_scene`.
-    pub(super) fn scenes_heard(&self) -> u64 {
-        self.scenes_heard.get()
+    /// How many messages told of objects.
+    pub(super) fn changes_heard(&self) -> u64 {
+        self.changes_heard.get()
     }
 
-    /// Whether messages on `planning_scene` were lost since this was asked last.
+    /// Whether messages about objects were lost since this was asked last.
     pub(super) fn take_lost(&self) -> bool {
         self.is_lost.take()
     }
 
-    /// Has a scene applied that somebody was asked for.
-    pub(super) async fn apply(&self, by: SceneDoor, scene: PlanningScene) {
+    /// Has a scene applied, and waits until it is in force; whether all of it was taken.
+    pub(super) async fn apply(&self, by: SceneDoor, scene: PlanningScene) -> bool {
+        let (done, is_done) = channel::bounded(1);
+        let order = Order::Scene(Box::new(self.scene(by, scene).answered_on(done)));
         // a loader that has ended does nothing any more
-        let _ = self.orders.send(Order::Scene(Box::new(self.scene(by, scene)))).await;
+        self.orders.send(order).await.is_ok() && is_done.recv().await.unwrap_or(false)
     }
 
     /// What a message asks for, and the message itself if somebody records.
@@ -216,7 +219,11 @@ impl SceneTopics {
             let step = OrderStep::Scene { by, came: came.into(), unknown_is_occupied, lost: 0 };
             (step, Some(keep(message.clone())))
         });
-        read(message, unknown_is_occupied, came).made_of(original)
+        let order = read(message, unknown_is_occupied, came).made_of(original);
+        if by != SceneDoor::GetPlanningScene && order.tells_of_objects() {
+            self.changes_heard.set(self.changes_heard.get() + 1);
+        }
+        order
     }
 
     fn object(&self, message: CollisionObject) -> SceneOrder {
@@ -270,10 +277,9 @@ impl SceneTopics {
         (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }
 
-    /// Listens to the clouds that the parameters name, and asks whom they name, for ever.
+    /// Listens to the clouds that the parameters name, for ever.
     async fn watch(&self) {
         let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
-        let mut asking = Asking::default();
         loop {
             let topics = self.shared.store.get().point_cloud_topics;
             watched.retain(|topic, _| topics.contains(topic));
@@ -293,7 +299,7 @@ impl SceneTopics {
             let clouds = watched.iter().map(|(topic, clouds)| self.clouds(topic, clouds).boxed_local());
             let clouds =
                 clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
-            future::or(change, future::or(clouds, asking.go_on(self))).await;
+            future::or(change, clouds).await;
         }
     }
 
