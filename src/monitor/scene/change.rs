@@ -219,7 +219,7 @@ mod tests {
         let silent = [
             update(SceneChange { robot_state, ..diff() }),
             update(SceneChange { world, ..diff() }),
-            SceneUpdate::Octomap(map),
+            SceneUpdate::Octomap(Some(map)),
         ];
         assert!(!silent.iter().any(SceneUpdate::tells_of_objects), "{silent:?}");
         let objects = vec![ObjectChange::named("a", Operation::Remove)];
