@@ -117,10 +117,11 @@ def main():
     os.environ["CLEARANCE_BIN"] = str(options.binary.resolve())
     from rows import markdown
 
+    told = facts(options)  # before the tree changes
     with tempfile.TemporaryDirectory(prefix="clearance-bench-") as logs:
         os.environ["ROS_LOG_DIR"] = logs
         rows = list(measured(options))
-    options.out.write_text(markdown(rows, facts(options)))
+    options.out.write_text(markdown(rows, told))
     print(f"wrote {options.out}", file=sys.stderr)
     # how fast a machine is, a trial does not ask
     return int(any(not row.works if options.trial else row.reached is False for row in rows))
