@@ -79,6 +79,8 @@ pub struct Evidence {
     pub velocities: Option<Vec<f64>>,
     /// The same, where only some of several drivers give them by what the others said before.
     pub rates: Option<Vec<f64>>,
+    /// By position: the stamp of the joint state that tells it; none of what `tf` places.
+    pub measured: Vec<Option<Time>>,
     /// How what the world stands in moves past the robot's root: as many as frames are watched.
     pub drifts: Vec<Drift>,
     /// The distance (m) up to which pairs may slow the robot down.

@@ -52,7 +52,8 @@ impl Subject {
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
     ) -> Verdict {
-        let Reading { configuration, velocities, rates, are_of_joints, spread, mut warnings } = reading;
+        let Reading { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
+            reading;
         let checker = &self.revision.checker;
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
@@ -102,6 +103,7 @@ impl Subject {
             look_ahead,
             velocities,
             rates: rates.filter(|_| are_of_joints),
+            measured,
             drifts,
             slows_within,
             is_exact,

@@ -59,6 +59,8 @@ pub(super) struct Reading {
     pub rates: Option<Vec<f64>>,
     /// Whether these rates are of streams that know them differently, or of one that gives them itself.
     pub are_of_joints: bool,
+    /// By position: the stamp of what names it; none of what `tf` places.
+    pub measured: Vec<Option<Time>>,
     /// How far (s) the times are apart at which joints were measured.
     pub spread: f64,
     pub warnings: Vec<String>,
@@ -72,16 +74,7 @@ impl Tracker {
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
-        let mut turns = vec![false; robot.position_names().len()];
-        let leads = |id: JointId| robot.mimicking_joints().any(|(_, mimic)| mimic.joint == id);
-        let turns_freely =
-            |id: &JointId| matches!(robot.joint(*id).kind, JointKind::Continuous(_)) && !leads(*id);
-        for id in robot.joint_ids().filter(turns_freely) {
-            if let Some(index) = robot.first_position(id) {
-                turns[index] = true;
-            }
-        }
-        Self { slots, turns }
+        Self { slots, turns: robot.whole_turns() }
     }
 
     /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
@@ -295,6 +288,7 @@ impl<'t> Merge<'t> {
             velocities,
             rates,
             are_of_joints,
+            measured: self.told.iter().map(|told| told.map(|(_, stamp)| stamp)).collect(),
             spread: contributions.spread(),
             warnings: self.warnings,
         })

@@ -10,14 +10,24 @@ use crate::robot::{Configuration, JointKind, RobotModel};
 /// Time (s) that is remembered.
 const LONGEST: f64 = 3.0;
 
-/// Time (s) between two places that are remembered, at least.
+/// Time (s) between two values that are remembered, at least.
 const STEP: f64 = 0.002;
 
-/// Configurations of one robot by the stamps of its joint states. Cheap to clone.
-#[derive(Clone, Debug, Default)]
+/// The positions of one robot by the stamps of the joint states that told them: drivers of its parts measure at different times.
+#[derive(Debug, Default)]
 pub struct Trail {
     robot: Option<Arc<RobotModel>>,
-    places: VecDeque<(Time, Arc<Configuration>)>,
+    ways: Vec<Way>,
+}
+
+/// The values of one position.
+#[derive(Debug, Default)]
+struct Way {
+    values: VecDeque<(Time, f64)>,
+    /// Whether a whole turn changes nothing.
+    turns: bool,
+    /// Whether what is between two values is none: of a floating joint's quaternion.
+    is_stepped: bool,
 }
 
 impl Trail {
@@ -29,65 +39,75 @@ impl Trail {
             return;
         };
         let robot = revision.checker.robot();
-        if !self.is_of(robot) {
-            *self = Self { robot: Some(Arc::clone(robot)), places: VecDeque::new() };
+        if !self.robot.as_ref().is_some_and(|known| Arc::ptr_eq(known, robot)) {
+            *self = Self { robot: Some(Arc::clone(robot)), ways: Way::of(robot) };
         }
-        let since = self.places.back().map(|(last, _)| stamp.seconds_since(*last));
-        if since.is_some_and(|since| since < -STEP) {
-            // the clock was set back
-            self.places.clear();
-        } else if since.is_some_and(|since| since < STEP) {
-            return;
-        }
-        self.places.push_back((*stamp, Arc::new(placement.configuration.clone())));
-        while self.places.front().is_some_and(|(first, _)| stamp.seconds_since(*first) > LONGEST) {
-            self.places.pop_front();
+        let told = placement.configuration.positions().iter().zip(&placement.measured);
+        for (way, (position, measured)) in self.ways.iter_mut().zip(told) {
+            way.note(measured.unwrap_or(*stamp), *position);
         }
     }
 
-    fn is_of(&self, robot: &Arc<RobotModel>) -> bool {
-        self.robot.as_ref().is_some_and(|known| Arc::ptr_eq(known, robot))
-    }
-
-    /// Where the robot was at a time: on the straight way between the places before and after it, or at the first or last one; `None` where
-    /// nothing is known of this robot.
+    /// The robot, and where it was at a time: each position on the straight way between the values before and after it, or at the first or
+    /// last one; `None` where nothing is known.
     #[must_use]
-    pub fn at(&self, robot: &Arc<RobotModel>, time: Time) -> Option<Configuration> {
-        if !self.is_of(robot) {
-            return None;
-        }
-        let after = self.places.partition_point(|(stamp, _)| *stamp <= time);
-        let before = after.checked_sub(1).and_then(|before| self.places.get(before));
-        match (before, self.places.get(after)) {
-            (Some((from, a)), Some((to, b))) => {
-                Some(between(robot, (a, b), time.seconds_since(*from) / to.seconds_since(*from)))
-            }
-            (Some((_, only)), None) | (None, Some((_, only))) => Some(Configuration::clone(only)),
-            (None, None) => None,
-        }
+    pub fn at(&self, time: Time) -> Option<(Arc<RobotModel>, Configuration)> {
+        let robot = self.robot.as_ref()?;
+        let positions: Option<Vec<f64>> = self.ways.iter().map(|way| way.at(time)).collect();
+        Some((Arc::clone(robot), Configuration::trusted(positions?)))
     }
 }
 
-/// Where a share of the straight way between two configurations leads; of a floating joint, the nearer of the two.
-fn between(robot: &RobotModel, (a, b): (&Configuration, &Configuration), share: f64) -> Configuration {
-    let nearer = if share < 0.5 { a } else { b };
-    let mut positions = nearer.positions().to_vec();
-    for id in robot.joint_ids() {
-        let joint = robot.joint(id);
-        let Some(first) = robot.first_position(id).filter(|_| joint.kind != JointKind::Floating) else {
-            continue;
-        };
-        for (i, name) in joint.kind.position_suffixes().iter().enumerate() {
-            let (from, to) = (a.positions()[first + i], b.positions()[first + i]);
-            let mut way = to - from;
-            if matches!(joint.kind, JointKind::Continuous(_)) || name.ends_with("theta") {
-                // whole turns change nothing
-                way -= TAU * (way / TAU).round();
+impl Way {
+    fn of(robot: &RobotModel) -> Vec<Self> {
+        let new = |turns| Self { turns, ..Self::default() };
+        let mut ways: Vec<Self> = robot.whole_turns().into_iter().map(new).collect();
+        for id in robot.joint_ids().filter(|id| robot.joint(*id).kind == JointKind::Floating) {
+            let count = robot.joint(id).kind.position_suffixes().len();
+            if let Some(first) = robot.first_position(id) {
+                ways[first..first + count].iter_mut().for_each(|way| way.is_stepped = true);
             }
-            positions[first + i] = from + share * way;
+        }
+        ways
+    }
+
+    fn note(&mut self, stamp: Time, value: f64) {
+        let since = self.values.back().map(|(last, _)| stamp.seconds_since(*last));
+        if since.is_some_and(|since| since < -STEP) {
+            // the clock was set back, or another driver took over
+            self.values.clear();
+        } else if since.is_some_and(|since| since < STEP) {
+            return;
+        }
+        self.values.push_back((stamp, value));
+        while self.values.front().is_some_and(|(first, _)| stamp.seconds_since(*first) > LONGEST) {
+            self.values.pop_front();
         }
     }
-    Configuration::trusted(positions)
+
+    fn at(&self, time: Time) -> Option<f64> {
+        let after = self.values.partition_point(|(stamp, _)| *stamp <= time);
+        let before = after.checked_sub(1).and_then(|before| self.values.get(before));
+        match (before, self.values.get(after)) {
+            (Some((from, a)), Some((to, b))) => {
+                Some(self.between((*a, *b), time.seconds_since(*from) / to.seconds_since(*from)))
+            }
+            (Some((_, only)), None) | (None, Some((_, only))) => Some(*only),
+            (None, None) => None,
+        }
+    }
+
+    /// Where a share of the straight way between two values leads.
+    fn between(&self, (a, b): (f64, f64), share: f64) -> f64 {
+        if self.is_stepped {
+            return if share < 0.5 { a } else { b };
+        }
+        let mut way = b - a;
+        if self.turns {
+            way -= TAU * (way / TAU).round();
+        }
+        a + share * way
+    }
 }
 
 #[cfg(test)]
@@ -116,20 +136,48 @@ mod tests {
         Time::from_nanoseconds((1000 + milliseconds) * 1_000_000)
     }
 
-    fn judged(revision: &Arc<Revision>, milliseconds: i64, positions: [f64; 2]) -> Judgement {
+    fn monitor(revision: &Arc<Revision>) -> Monitor {
         let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
         monitor.set_checker(Arc::clone(revision));
-        let (stamp, names) = (time(milliseconds), ["turn", "slide"].map(str::to_owned).to_vec());
-        let (source, positions) = (SourceId([1; 16]), positions.to_vec());
+        monitor
+    }
+
+    fn heard(monitor: &mut Monitor, milliseconds: i64, joints: &[(&str, f64)]) -> Judgement {
+        let stamp = time(milliseconds);
+        let (names, positions) =
+            joints.iter().map(|(name, position)| ((*name).to_owned(), *position)).unzip();
+        let source = SourceId([u8::try_from(joints.len()).unwrap() + u8::from(joints[0].0 == "turn"); 16]);
         let input = JointStateInput { source, stamp, names, positions, velocities: Vec::new() };
         monitor.on_joint_state(input, Now { ros: Some(stamp), steady: Duration::ZERO })
+    }
+
+    fn judged(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Judgement {
+        heard(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
+    }
+
+    #[test]
+    fn each_driver_has_times_of_its_own() {
+        let (revision, mut trail) = (revision(), Trail::default());
+        let mut monitor = monitor(&revision);
+        for i in 0..100 {
+            let milliseconds = 10 * i;
+            #[expect(clippy::cast_precision_loss, reason = "few")]
+            let position = 1e-3 * milliseconds as f64;
+            if i % 40 == 0 {
+                trail.note(&heard(&mut monitor, milliseconds, &[("slide", position)]));
+            }
+            trail.note(&heard(&mut monitor, milliseconds, &[("turn", position)]));
+        }
+        let (_, told) = trail.at(time(605)).unwrap();
+        let apart = told.positions().iter().map(|position| (position - 0.605).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-12, "{told:?}");
     }
 
     #[test]
     fn the_robot_was_between_where_it_was_before_and_after() {
         let (revision, mut trail) = (revision(), Trail::default());
         let robot = Arc::clone(revision.checker.robot());
-        assert_eq!(trail.at(&robot, time(0)), None);
+        assert!(trail.at(time(0)).is_none());
         // past half a turn, where an encoder begins anew
         for (milliseconds, positions) in [(0, [3.0, 0.0]), (100, [3.2 - TAU, 1.0]), (200, [3.4 - TAU, 1.0])] {
             trail.note(&judged(&revision, milliseconds, positions));
@@ -143,11 +191,11 @@ mod tests {
             (200, [3.4 - TAU, 1.0]),
             (900, [3.4 - TAU, 1.0]),
         ] {
-            let told = trail.at(&robot, time(milliseconds)).unwrap();
+            let (of, told) = trail.at(time(milliseconds)).unwrap();
+            assert!(Arc::ptr_eq(&of, &robot));
             let apart = told.positions().iter().zip(expected).map(|(a, b)| (a - b).abs());
             assert!(apart.fold(0.0, f64::max) < 1e-12, "{told:?} at {milliseconds} ms");
         }
-        assert_eq!(trail.at(self::revision().checker.robot(), time(0)), None, "another robot");
     }
 
     #[test]
@@ -156,8 +204,11 @@ mod tests {
         for milliseconds in 0..10_000 {
             trail.note(&judged(&revision, milliseconds, [0.0, 0.0]));
         }
-        assert!((1400..1600).contains(&trail.places.len()), "{}", trail.places.len());
+        let counts = |trail: &Trail| trail.ways.iter().map(|way| way.values.len()).collect::<Vec<_>>();
+        assert!(counts(&trail).iter().all(|count| (1400..1600).contains(count)), "{:?}", counts(&trail));
         trail.note(&judged(&revision, 0, [0.0, 1.0]));
-        assert_eq!(trail.places.len(), 1);
+        assert_eq!(counts(&trail), [1, 1]);
+        trail.note(&judged(&self::revision(), 100, [0.0, 1.0]));
+        assert_eq!(counts(&trail), [1, 1], "another robot");
     }
 }

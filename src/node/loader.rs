@@ -13,14 +13,14 @@ use super::checker_of_scene::{checker_of, told_solid_in_vain};
 use super::link_volumes::LinkVolumes;
 use super::mailbox;
 use super::monitor_loop::Event;
-use super::outlook::{Outlook, Pass};
+use super::outlook::{Outlook, Pass, Places};
 use super::parameters::Parameters;
 use super::scene::{CloudMessage, Monitored, Shared};
 use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper};
 use super::scene_order::SceneOrder;
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
-use crate::monitor::{Now, Revision, Trail};
+use crate::monitor::{Now, Revision};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
@@ -181,6 +181,7 @@ impl Loader {
     pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
         let Pass { glimpse, orders, clouds } = pass;
         let texts = self.texts;
+        self.keeper.ask(&glimpse.parameters.planning_scene_service);
         let (mut is_new_robot, mut change) = (false, self.follow_frames(&glimpse));
         for order in orders {
             match self.note(order, &glimpse) {
@@ -435,7 +436,7 @@ impl Glimpse {
             parameters: parameters.clone(),
             transforms: TransformTree::default(),
             judgement: None,
-            trail: Trail::default(),
+            places: Places::default(),
         }
     }
 }

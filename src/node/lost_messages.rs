@@ -11,15 +11,16 @@ type Counts = BTreeMap<&'static str, u64>;
 #[derive(Debug, Default)]
 pub struct LostMessages {
     now: Counts,
-    /// Those of the scene that is in force.
+    /// Those of the scene that is in force, and how many came since.
     in_force: Counts,
+    since: Counts,
 }
 
 impl LostMessages {
     pub fn note(&mut self, topic: &'static str, count: u64) {
         if count > 0 {
-            let known = self.now.entry(topic).or_default();
-            *known = known.saturating_add(count);
+            add(&mut self.now, topic, count);
+            add(&mut self.since, topic, count);
         }
     }
 
@@ -36,13 +37,14 @@ impl LostMessages {
     /// What was heeded is in force.
     pub fn note_in_use(&mut self) {
         self.in_force = self.now.clone();
+        self.since.clear();
     }
 
     /// What was heeded last did not come into force.
     pub fn go_back(&mut self) {
-        for (topic, count) in &self.in_force {
-            let known = self.now.entry(topic).or_default();
-            *known = (*known).max(*count);
+        self.now = self.in_force.clone();
+        for (topic, count) in &self.since {
+            add(&mut self.now, topic, *count);
         }
     }
 
@@ -52,6 +54,11 @@ impl LostMessages {
             format!("{topic}: {count} messages were lost: what they changed is missing here until a whole scene comes")
         })
     }
+}
+
+fn add(counts: &mut Counts, topic: &'static str, count: u64) {
+    let known = counts.entry(topic).or_default();
+    *known = known.saturating_add(count);
 }
 
 #[cfg(test)]
@@ -91,8 +98,8 @@ mod tests {
         let mut lost = LostMessages::default();
         lost.note("a", 2);
         lost.note_in_use();
-        lost.heed(&scene(false));
         lost.note("b", 1);
+        lost.heed(&scene(false));
         lost.go_back();
         assert_eq!(told(&lost), ["a: 2", "b: 1"]);
         lost.heed(&scene(false));

@@ -9,7 +9,16 @@ use super::recording::{Happening, OrderStep, Original};
 use super::scene::{CloudMessage, Shared};
 use super::scene_keeper::Glimpse;
 use crate::monitor::Trail;
-use crate::robot::MeshLog;
+use crate::robot::{Configuration, MeshLog, RobotModel};
+
+/// Where which robot was at the stamps of clouds, by their topics.
+pub type Places = BTreeMap<String, (Arc<RobotModel>, Configuration)>;
+
+/// Where the robot was when clouds were seen.
+#[must_use]
+pub fn places_of(clouds: &BTreeMap<String, CloudMessage>, trail: &Trail) -> Places {
+    clouds.iter().filter_map(|(topic, cloud)| Some((topic.clone(), trail.at(cloud.stamp())?))).collect()
+}
 
 /// Orders that are followed together, the newest clouds, and what is known meanwhile.
 pub struct Pass {
@@ -41,15 +50,10 @@ impl Outlook {
         let now = clock.read();
         tape.note(|| Happening::Pass { now, parameters: used_parameters, orders: originals, clouds: used });
         let judgement = current.clone();
-        // a long one, and of no use without clouds
-        let trail = if clouds.is_empty() {
-            Trail::default()
-        } else {
-            trail.lock().unwrap_or_else(PoisonError::into_inner).clone()
-        };
+        let places = places_of(&clouds, &trail.lock().unwrap_or_else(PoisonError::into_inner));
         drop(current);
         Pass {
-            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement, trail },
+            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement, places },
             orders,
             clouds,
         }

@@ -10,11 +10,11 @@ use smol::channel::Sender;
 
 use super::flood::Flood;
 use super::lost_messages::LostMessages;
-use super::messages::time_of;
 use super::missing_objects::MissingObjects;
+use super::outlook::Places;
 use super::parameters::Parameters;
 use super::recording::SceneDoor;
-use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
+use super::scene::{CLEAR_OCTOMAP, CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
 use super::scene_order::SceneOrder;
 use crate::checker::MeshModel;
 use crate::math::Extremes;
@@ -22,7 +22,7 @@ use crate::monitor::cloud::{SelfFilter, Sieve};
 use crate::monitor::scene::{
     OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, TransformTree,
 };
-use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, Time, Trail, WorldSource};
+use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, WorldSource};
 use crate::robot::{LinkPoses, RobotModel};
 use crate::world::Obstacle;
 
@@ -39,8 +39,8 @@ pub struct Glimpse {
     pub parameters: Parameters,
     pub transforms: TransformTree,
     pub judgement: Option<Judgement>,
-    /// Where the robot was lately, if there are clouds.
-    pub trail: Trail,
+    /// Where which robot was at the stamps of clouds, by their topics.
+    pub places: Places,
 }
 
 /// What is checked, and the scene that it was made of.
@@ -80,6 +80,8 @@ pub struct SceneKeeper {
     /// What messages have brought as a whole, and what of that is in force.
     told: Told,
     told_in_force: Told,
+    /// Who is asked for a whole scene.
+    asked: String,
     /// Whether a message or sensor ever changed the scene.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
@@ -123,9 +125,6 @@ impl SceneKeeper {
     pub fn go_back(&mut self, scene: &PlanningSceneState, fault: &str) {
         self.stay_in(scene.clone());
         self.faults.push(fault.to_owned());
-        for (_, succeeded) in &mut self.unanswered {
-            *succeeded = false;
-        }
     }
 
     /// The scene as it was, since another robot is refused.
@@ -133,6 +132,19 @@ impl SceneKeeper {
         self.state = scene;
         self.told = self.told_in_force;
         self.lost.go_back();
+        for (_, succeeded) in &mut self.unanswered {
+            *succeeded = false;
+        }
+    }
+
+    /// Whom the parameters have asked: what others told before is not what they tell.
+    pub fn ask(&mut self, service: &str) {
+        if self.asked != service {
+            service.clone_into(&mut self.asked);
+            if !service.is_empty() {
+                (self.told, self.told_in_force) = (Told::Nothing, Told::Nothing);
+            }
+        }
     }
 
     /// Another robot stands in the same scene.
@@ -146,11 +158,12 @@ impl SceneKeeper {
 
     /// Puts an order aside until there is a robot.
     pub fn wait(&mut self, order: SceneOrder) {
-        // who asked another node for its scene can wait; a client can not
-        let is_asked_for = order.source == SceneDoor::GetPlanningScene.name();
-        if let Some(done) = order.done.as_ref().filter(|_| !is_asked_for) {
+        // a client can not wait; whoever asked another node for its scene can
+        if [SceneDoor::ApplyPlanningScene.name(), CLEAR_OCTOMAP].contains(&order.source) {
             log::warn!("{}: there is no robot model yet", order.source);
-            let _ = done.try_send(false);
+            if let Some(done) = order.done {
+                let _ = done.try_send(false);
+            }
         } else if self.waiting.len() < WAITING {
             self.waiting.push_back(order);
         } else {
@@ -229,7 +242,9 @@ impl SceneKeeper {
         }
         let leaves_it = match update {
             Some(SceneUpdate::Octomap(_) | SceneUpdate::World(_)) => false,
-            Some(SceneUpdate::Scene(scene)) => scene.is_diff && scene.world.octomap.is_none(),
+            Some(SceneUpdate::Scene(scene)) => {
+                (scene.is_diff || scene.keeps_octomap) && scene.world.octomap.is_none()
+            }
             Some(SceneUpdate::Object(_) | SceneUpdate::Attached(_)) | None => true,
         };
         if leaves_it {
@@ -286,12 +301,8 @@ impl SceneKeeper {
             if !parameters.point_cloud_topics.contains(&topic) {
                 continue;
             }
-            let since = message.since;
-            let stamp = match time_of(&message.cloud.header.stamp) {
-                Time::ZERO => message.came.ros.unwrap_or_default(),
-                stamp => stamp,
-            };
-            let seen = self.sieve(&topic, (&message.cloud, stamp), robot, glimpse);
+            let (since, stamp) = (message.since, message.stamp());
+            let seen = self.sieve(&topic, &message.cloud, robot, glimpse);
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
                 Ok((obstacle, report)) => {
@@ -332,14 +343,14 @@ impl SceneKeeper {
     fn sieve(
         &mut self,
         topic: &str,
-        (message, stamp): (&PointCloud2, Time),
+        message: &PointCloud2,
         robot: &Arc<RobotModel>,
         glimpse: &Glimpse,
     ) -> Result<(Option<Obstacle>, CloudReport), String> {
         let Glimpse { now, parameters, transforms, .. } = glimpse;
         let points = decode(message)?;
         let poses =
-            glimpse.poses_at(robot, stamp).ok_or("no fresh joint state tells which points are the robot")?;
+            glimpse.poses_at(robot, topic).ok_or("no fresh joint state tells which points are the robot")?;
         let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =
@@ -478,12 +489,13 @@ impl Glimpse {
         judgement.placement.clone().filter(|_| same)
     }
 
-    /// Where the links were at a time, as far back as that is remembered.
-    fn poses_at(&self, robot: &Arc<RobotModel>, time: Time) -> Option<LinkPoses> {
+    /// Where the links were when a cloud was seen, as far as that is remembered, or are now.
+    fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<LinkPoses> {
         let now = self.evidence(robot)?;
-        let Some(then) = self.trail.at(robot, time) else { return Some(now.poses.clone()) };
+        let then = self.places.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));
+        let Some((_, then)) = then else { return Some(now.poses.clone()) };
         let mut poses = LinkPoses::new(robot);
-        robot.forward_kinematics(&then, &mut poses);
+        robot.forward_kinematics(then, &mut poses);
         Some(poses)
     }
 }

@@ -51,7 +51,7 @@ impl SceneOrder {
     /// Whether it says something of objects, or of what the robot makes of them.
     #[must_use]
     pub fn tells_of_objects(&self) -> bool {
-        self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
+        !self.refusals.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
     }
 
     /// With what else it says that never came, by the count of messages.

@@ -81,6 +81,22 @@ impl RobotModel {
         }
     }
 
+    /// By position: whether a whole turn changes nothing, also of what follows.
+    #[must_use]
+    pub fn whole_turns(&self) -> Vec<bool> {
+        let mut turns = vec![false; self.position_names.len()];
+        let leads = |id: JointId| self.mimicking_joints().any(|(_, mimic)| mimic.joint == id);
+        for id in self.joint_ids().filter(|id| !leads(*id)) {
+            let Some(first) = self.first_position(id) else { continue };
+            match self.joint(id).kind {
+                JointKind::Continuous(_) => turns[first] = true,
+                JointKind::Planar(_) => turns[first + 2] = true,
+                _ => {}
+            }
+        }
+        turns
+    }
+
     /// Every joint at zero, or at the middle of limits that exclude zero.
     #[must_use]
     pub fn default_configuration(&self) -> Configuration {

@@ -26,6 +26,7 @@ class MoveGroup:
     def _answer(self, request, response):
         assert request.components.components, "what is asked for is named"
         response.scene = self.scene
+        response.scene.robot_model_name = response.scene.robot_model_name or "two_link"
         self.calls += 1
         self._before_answering(self)
         return response

@@ -1,5 +1,6 @@
 """What the files of launch_scripts start, works; by stand-ins for `launch`: see launching.py."""
 
+import shlex
 import subprocess
 from contextlib import contextmanager
 
@@ -14,7 +15,7 @@ import scene as scenes
 import two_link
 from launching import FILES, LaunchFile
 from move_group import MoveGroup
-from node_process import ROOT, environment_of_node
+from node_process import BINARY, ROOT, environment_of_node
 from peer import LATCHED
 
 
@@ -171,6 +172,23 @@ def test_beside_moveit(peer, domain_id, tmp_path):
         for name in ("collision_object", "attached_collision_object", "planning_scene_world", "octomap_binary", "octomap_full"):
             peer.wait_for(lambda name=name: peer.node.count_subscribers(f"/clearance/{name}"), f"/clearance/{name}")
             assert peer.node.count_subscribers(f"/{name}") == 0
+
+
+def test_beside_moveit_by_hand(peer, domain_id):
+    """As the manual says it."""
+    manual = (ROOT / "docs/operation.md").read_text().split("## Beside MoveIt")[1]
+    words = shlex.split(manual.split("```sh\n")[1].split("```")[0].replace("\\\n", " "))
+    assert words[:2] == ["clearance", "node"]
+    two_link.Driver(peer, "/joint_states")
+    states = peer.record(CollisionState, "/clearance/state")
+    command = [BINARY, "node", "--urdf", two_link.URDF, *words[2:]]
+    with started(command, domain_id), MoveGroup(domain_id, "/get_planning_scene", scenes.full(scenes.ball("a", x=9.0))) as asked:
+        states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
+        peer.wait_for(asked.changes.get_subscription_count, "a subscription of MoveIt's scene")
+        asked.changes.publish(scenes.diff(scenes.ball("ball", x=2.0)))
+        states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "what has changed in MoveIt's scene")
+        own = dict(peer.node.get_service_names_and_types_by_node("clearance", "/"))
+        assert not {name for name in own if name.count("/") == 1}, "all services are in its own namespace"
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rclpy.qos import QoSProfile
 
 from move_group import MoveGroup
 from scene import ball, diff, fine_mesh, full, obstacle, pose, sphere
-from scene_client import SceneClient, distances
+from scene_client import KEPT, SceneClient, distances
 
 SERVICE = "/other/get_planning_scene"
 STRETCHED = {"joint1": 0, "joint2": 0}
@@ -49,6 +49,32 @@ def test_a_scene_that_was_there_before_is_asked_for(start, domain_id):
         cell.restart_node()
         cell.peer.wait_for(lambda: other.calls > 1, "the question of the other node")
         wait_for_names(cell, "a", after=len(cell.states.messages))
+
+
+def test_the_node_neither_asks_nor_hears_itself(start):
+    cell = start(
+        parameters=ASKING | {"planning_scene_service": "get_planning_scene"},
+        ros_arguments=["-r", "planning_scene:=monitored_planning_scene"],
+    )
+    cell.driver.report(**STRETCHED)
+    own = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"), KEPT)
+    own.wait_for(lambda scene: not scene.is_diff, "the node's own scene")
+    cell.peer.wait_for(lambda: "is the service of this node itself" in cell.node.output(), "a word about it")
+    seen = len(cell.states.messages)
+    cell.peer.wait_for(lambda: len(cell.states.messages) > seen + 10, "heartbeats")
+    assert {state.reason_code for state in cell.states.messages[seen:]} == {"stale_world"}
+
+
+def test_one_that_has_no_robot_yet_tells_nothing(start, domain_id):
+    cell = start(parameters=ASKING)
+    cell.driver.report(**STRETCHED)
+
+    def forget(asked):
+        asked.scene.robot_model_name = "" if asked.calls == 1 else "two_link"
+
+    with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3)), forget):
+        wait_for_names(cell, "a")
+    assert "tells the scene of no robot" in cell.node.output()
 
 
 def test_one_that_is_started_again_is_asked_again(start, domain_id):

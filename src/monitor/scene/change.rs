@@ -119,6 +119,8 @@ pub struct SceneChange {
     pub link_padding: Vec<(String, f64)>,
     pub link_scale: Vec<(String, f64)>,
     pub world: WorldChange,
+    /// Whether the octomap stays though this is a whole scene: who was asked knows of none.
+    pub keeps_octomap: bool,
 }
 
 impl SceneUpdate {
@@ -153,6 +155,7 @@ impl SceneUpdate {
                 let MatrixEntries { entry_names, default_entry_names, .. } = matrix;
                 let is_silent = fixed_frames.is_empty()
                     && robot_state.attached.is_empty()
+                    && (robot_state.is_diff || !robot_state.names_joints)
                     && (entry_names.is_empty() && default_entry_names.is_empty())
                     && (link_padding.is_empty() && link_scale.is_empty())
                     && world.objects.is_empty();

@@ -16,7 +16,7 @@ impl PlanningSceneState {
     /// Lets new obstacles take the place of all; what sensors see stays, but for the octomap.
     pub(super) fn replace_world(
         &mut self,
-        change: &WorldChange,
+        (change, keeps_octomap): (&WorldChange, bool),
         context: &SceneContext,
         applied: &mut Applied,
     ) {
@@ -25,8 +25,10 @@ impl PlanningSceneState {
             let _ = self.world.remove(&name);
             self.anchors.remove(&name);
         }
-        let _ = self.world.remove(OCTOMAP);
-        self.anchors.remove(OCTOMAP);
+        if !keeps_octomap {
+            let _ = self.world.remove(OCTOMAP);
+            self.anchors.remove(OCTOMAP);
+        }
         self.kinds.retain(|name, _| self.world.attached_by_name(name).is_some());
         self.change_world(change, context, applied);
     }
@@ -77,7 +79,7 @@ impl PlanningSceneState {
         if change.is_diff {
             self.change_world(&change.world, context, applied);
         } else {
-            self.replace_world(&change.world, context, applied);
+            self.replace_world((&change.world, change.keeps_octomap), context, applied);
         }
     }
 

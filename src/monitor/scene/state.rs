@@ -74,7 +74,7 @@ impl PlanningSceneState {
                 applied.note(result);
             }
             SceneUpdate::Octomap(octomap) => applied.note(self.set_octomap(octomap.as_ref(), context)),
-            SceneUpdate::World(world) => self.replace_world(world, context, &mut applied),
+            SceneUpdate::World(world) => self.replace_world((world, false), context, &mut applied),
             SceneUpdate::Scene(change) => self.change_scene(change, context, &mut applied),
         }
         applied

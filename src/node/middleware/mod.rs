@@ -338,6 +338,11 @@ impl Middleware {
             .count()
     }
 
+    /// Whether something was sent by this very program.
+    pub fn is_own(&self, source: SourceId) -> bool {
+        self.context.domain_participant().guid().prefix == rustdds::GUID::from_bytes(source.0).prefix
+    }
+
     /// Others who serve a service, as far as they are known.
     pub fn servers_elsewhere(&self, service: &FullName) -> BTreeSet<SourceId> {
         let requests = format!("rq{service}Request");

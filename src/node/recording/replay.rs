@@ -18,7 +18,7 @@ use crate::node::clearance_msgs::CollisionState;
 use crate::node::loader::{Loader, Order, Surroundings};
 use crate::node::messages::{collision_state, joint_state_input};
 use crate::node::monitor_loop::Event;
-use crate::node::outlook::Pass;
+use crate::node::outlook::{Pass, places_of};
 use crate::node::parameters::Parameters;
 use crate::node::scene::{
     CloudMessage, attached_order, clear_octomap, note_transforms, object_order, octomap_order, scene_order,
@@ -254,22 +254,19 @@ impl Run {
         (orders, clouds): (Vec<OrderStep>, Vec<CloudStep>),
         messages: &mut Messages,
     ) -> Result<Pass, String> {
-        let mut glimpse = Glimpse {
-            now: now.into(),
-            parameters: parameters_from_json(parameters)?,
-            transforms: self.transforms.clone(),
-            judgement: self.judgement.clone(),
-            trail: self.trail.clone(),
-        };
         let orders = orders.into_iter().map(|order| read_order(order, messages)).collect::<Result<_, _>>()?;
         let mut read = BTreeMap::new();
         for CloudStep { topic, came } in clouds {
             let cloud = Arc::new(messages.next("a cloud")?);
             read.insert(topic, CloudMessage { cloud, came: came.into(), since: Instant::now() });
         }
-        if read.is_empty() {
-            glimpse.trail = Trail::default();
-        }
+        let glimpse = Glimpse {
+            now: now.into(),
+            parameters: parameters_from_json(parameters)?,
+            transforms: self.transforms.clone(),
+            judgement: self.judgement.clone(),
+            places: places_of(&read, &self.trail),
+        };
         Ok(Pass { glimpse, orders, clouds: read })
     }
 

@@ -2,6 +2,7 @@
 
 mod limits;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,7 +27,7 @@ use crate::node::loader::{Loader, Order};
 use crate::node::messages::{joint_state_input, stamp_message};
 use crate::node::monitor_loop::Event;
 use crate::node::names::Names;
-use crate::node::outlook::Pass;
+use crate::node::outlook::{Pass, places_of};
 use crate::node::parameters::Parameters;
 use crate::node::scene::{CloudMessage, note_transforms, object_order};
 use crate::node::scene_keeper::Glimpse;
@@ -184,17 +185,19 @@ impl Cell {
             orders: steps,
             clouds: cloud.iter().cloned().collect(),
         });
+        let clouds: BTreeMap<_, _> = (cloud.into_iter())
+            .map(|(topic, came, cloud)| {
+                (topic, CloudMessage { cloud, came, since: std::time::Instant::now() })
+            })
+            .collect();
         let glimpse = Glimpse {
             transforms: self.transforms.clone(),
             judgement: self.judgement.clone(),
-            trail: self.trail.clone(),
+            places: places_of(&clouds, &self.trail),
             ..Glimpse::first(&self.parameters, now)
         };
-        let clouds = cloud.into_iter().map(|(topic, came, cloud)| {
-            (topic, CloudMessage { cloud, came, since: std::time::Instant::now() })
-        });
+        let pass = Pass { glimpse, orders, clouds };
         let mut told = Vec::new();
-        let pass = Pass { glimpse, orders, clouds: clouds.collect() };
         self.loader.carry_out(pass, |event| told.push(event));
         self.tape.note(|| Happening::Meshes(self.meshes.take()));
         for event in told {

@@ -12,7 +12,7 @@ use smol::Timer;
 
 use super::topics::SceneTopics;
 use crate::monitor::SourceId;
-use crate::node::middleware::{Client, Complaints, MiddlewareError};
+use crate::node::middleware::{Client, Complaints};
 use crate::node::names::FullName;
 use crate::node::recording::SceneDoor;
 
@@ -70,7 +70,7 @@ impl Asking {
 
     /// Asks if there is reason to now.
     async fn look(&mut self, topics: &SceneTopics) -> Result<(), String> {
-        self.turn_to(topics).map_err(|error| error.to_string())?;
+        self.turn_to(topics)?;
         let Some(service) = &mut self.service else { return Ok(()) };
         service.meet(topics.middleware.servers_elsewhere(&service.name));
         service.is_due |= topics.take_lost();
@@ -81,15 +81,26 @@ impl Asking {
     }
 
     /// The service that the parameter names, if it names one.
-    fn turn_to(&mut self, topics: &SceneTopics) -> Result<(), MiddlewareError> {
+    fn turn_to(&mut self, topics: &SceneTopics) -> Result<(), String> {
         let wanted = topics.shared.store.get().planning_scene_service;
-        let name = if wanted.is_empty() { None } else { Some(topics.names.expand(&wanted)?) };
+        let name = if wanted.is_empty() {
+            None
+        } else {
+            Some(topics.names.expand(&wanted).map_err(|why| why.to_string())?)
+        };
+        if name.is_some() && name == topics.names.resolve("get_planning_scene").ok() {
+            self.service = None;
+            return Err(format!(
+                "{wanted} is the service of this node itself: give that another name (--ros-args -r get_planning_scene:=~/get_planning_scene)"
+            ));
+        }
         if self.service.as_ref().map(|service| &service.name) == name.as_ref() {
             return Ok(());
         }
         self.service = match name {
             Some(name) => Some(Service {
-                client: topics.middleware.client(&name, ("moveit_msgs", "GetPlanningScene"))?,
+                client: (topics.middleware.client(&name, ("moveit_msgs", "GetPlanningScene")))
+                    .map_err(|why| why.to_string())?,
                 name,
                 servers: BTreeSet::new(),
                 is_due: true,
@@ -122,6 +133,9 @@ impl Service {
         let components = PlanningSceneComponents { components: EVERYTHING };
         let answer = self.client.call(GetPlanningSceneRequest { components }, self.patience);
         let scene = future::or(answer, self.another_server(topics)).await?.scene;
+        if scene.robot_model_name.is_empty() {
+            return Err(format!("{} tells the scene of no robot: it has none yet", self.name));
+        }
         if scene.is_diff {
             return Err(format!("{} tells what has changed, not the whole scene", self.name));
         }

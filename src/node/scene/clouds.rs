@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 
-use crate::monitor::Now;
+use crate::monitor::{Now, Time};
+use crate::node::messages::time_of;
 use crate::world::{ByteOrder, CloudPoints, Column, Columns, NumberKind};
 
 /// The last cloud of each topic that nobody has looked at yet: one that comes takes the place of the one before.
@@ -20,6 +21,17 @@ pub struct CloudMessage {
     pub cloud: Arc<PointCloud2>,
     pub came: Now,
     pub since: Instant,
+}
+
+impl CloudMessage {
+    /// When it was seen: by its stamp, if it has one.
+    #[must_use]
+    pub fn stamp(&self) -> Time {
+        match time_of(&self.cloud.header.stamp) {
+            Time::ZERO => self.came.ros.unwrap_or_default(),
+            stamp => stamp,
+        }
+    }
 }
 
 /// What became of the last cloud of one topic, for diagnostics.

@@ -23,6 +23,8 @@ mod validity;
 
 pub use clouds::{CloudMessage, CloudReport, decode};
 pub use monitored::Monitored;
-pub use orders::{attached_order, clear_octomap, object_order, octomap_order, scene_order, world_order};
+pub use orders::{
+    CLEAR_OCTOMAP, attached_order, clear_octomap, object_order, octomap_order, scene_order, world_order,
+};
 pub use services::SceneServices;
 pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms, note_transforms};

@@ -48,7 +48,8 @@ pub fn scene_order(
     unknown_is_occupied: bool,
     came: Now,
 ) -> SceneOrder {
-    let read = scene_change(&message, unknown_is_occupied);
+    let mut read = scene_change(&message, unknown_is_occupied);
+    read.change.keeps_octomap = by == SceneDoor::GetPlanningScene && read.change.world.octomap.is_none();
     let order = SceneOrder::on(by.name()).to(SceneUpdate::Scene(Box::new(read.change)));
     order.refused(read.refusals).with_octomap(message.world.octomap, sight(Time::ZERO, came))
 }
@@ -67,9 +68,12 @@ pub fn octomap_order(by: SceneDoor, message: Octomap, unknown_is_occupied: bool,
     }
 }
 
+/// The service of this name.
+pub const CLEAR_OCTOMAP: &str = "clear_octomap";
+
 #[must_use]
 pub fn clear_octomap() -> SceneOrder {
-    SceneOrder::on("clear_octomap").to(SceneUpdate::Octomap(None))
+    SceneOrder::on(CLEAR_OCTOMAP).to(SceneUpdate::Octomap(None))
 }
 
 /// When what is in a message was seen; without a stamp it is new.

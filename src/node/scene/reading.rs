@@ -187,6 +187,7 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<
         link_padding: message.link_padding.iter().map(|l| (l.link_name.clone(), l.padding)).collect(),
         link_scale: message.link_scale.iter().map(|l| (l.link_name.clone(), l.scale)).collect(),
         world: world.change,
+        keeps_octomap: false,
     };
     Read { change, refusals }
 }

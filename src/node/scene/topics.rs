@@ -147,7 +147,10 @@ impl SceneTopics {
     pub async fn listen(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
         let after = |order: SceneOrder, lost: u64| {
-            self.is_lost.set(self.is_lost.get() || lost > 0);
+            if lost > 0 {
+                self.is_lost.set(true);
+                self.changes_heard.set(self.changes_heard.get() + 1);
+            }
             Some(order.after(lost))
         };
         let objects = self.hear(&self.objects, |m, lost| after(self.object(m), lost));
@@ -178,6 +181,10 @@ impl SceneTopics {
         let mut arrivals = Arrivals::default();
         loop {
             let (message, Origin { publisher, number, .. }) = topic.next().await;
+            if self.middleware.is_own(publisher) {
+                // what the node tells of its scene, where the same name is given to both
+                continue;
+            }
             let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
             if let Some(order) = read(message, lost)
                 && self.orders.send(Order::Scene(Box::new(order))).await.is_err()
