@@ -73,8 +73,8 @@ impl Way {
 
     fn note(&mut self, stamp: Time, value: f64) {
         let since = self.values.back().map(|(last, _)| stamp.seconds_since(*last));
-        if since.is_some_and(|since| since < -STEP) {
-            // the clock was set back, or another driver took over
+        if since.is_some_and(|since| since < -LONGEST) {
+            // the clock was set back; who lags a little behind another tells nothing new
             self.values.clear();
         } else if since.is_some_and(|since| since < STEP) {
             return;
@@ -206,6 +206,9 @@ mod tests {
         }
         let counts = |trail: &Trail| trail.ways.iter().map(|way| way.values.len()).collect::<Vec<_>>();
         assert!(counts(&trail).iter().all(|count| (1400..1600).contains(count)), "{:?}", counts(&trail));
+        let before = counts(&trail);
+        trail.note(&judged(&revision, 9_900, [0.0, 1.0]));
+        assert_eq!(counts(&trail), before, "who lags behind");
         trail.note(&judged(&revision, 0, [0.0, 1.0]));
         assert_eq!(counts(&trail), [1, 1]);
         trail.note(&judged(&self::revision(), 100, [0.0, 1.0]));
