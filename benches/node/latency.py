@@ -136,7 +136,7 @@ def row(robot, told, limit, with_clients, note, published=ALL_PAIRS):
     p99, median, longest = (last[f"latency since start: {part} (ms)"] for part in ("p99", "median", "max"))
     which = ", ".join(f"{count} {name}" for name, count in dropped.items() if count)
     details = f"{rate:.0f} joint states sent a second for {last.at - first.at:.0f} s, {last['pairs checked']:.0f} pairs, median {median:.3f} ms, "
-    details += f"longest {longest:.3f} ms, p99 of the worst second {worst:.3f} ms, mean check {last['mean compute time (ms)']:.3f} ms"
+    details += f"longest {longest:.3f} ms, p99 of the worst second {worst:.3f} ms, mean check {last['mean compute time (ms)']:.3f} ms in the last second"
     return Row(
         f"joint_states at 1 kHz, {robot.name}, {published.words}"
         + (f", {CLIENTS} clients checking trajectories" if with_clients else "")
