@@ -7,6 +7,8 @@ mod extremes;
 
 pub(crate) use extremes::Extremes;
 
+use std::f64::consts::TAU;
+
 use crate::constants::LARGEST_COORDINATE;
 
 /// A position, in metres.
@@ -21,6 +23,12 @@ pub type Rotation = nalgebra::UnitQuaternion<f64>;
 pub type RotationMatrix = nalgebra::Matrix3<f64>;
 /// A rigid placement of one frame in another.
 pub type Pose = nalgebra::Isometry3<f64>;
+
+/// The angle (rad) from minus half a turn to half a turn that leads to the same place.
+#[must_use]
+pub(crate) fn without_whole_turns(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
 
 /// Pose from a position and a quaternion in the order (x, y, z, w), normalised here.
 ///

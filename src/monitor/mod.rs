@@ -19,7 +19,7 @@
 //! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
 //! | a joint has never been named | UNKNOWN | `partial` |
 //! | two publishers report a joint at different places at about the same time | UNKNOWN | `contradiction` |
-//! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke | UNKNOWN | `stale_world` |
+//! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke; a whole scene that is required was never told; `tf` lost the root in what obstacles stand in | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
 //! | every pair was found apart | FREE | |

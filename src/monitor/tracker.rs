@@ -1,7 +1,6 @@
 //! From names and numbers to a configuration, or why not.
 
 use std::collections::{BTreeMap, HashMap};
-use std::f64::consts::TAU;
 
 use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
@@ -9,7 +8,7 @@ use super::placement::Placed;
 use super::status::{quoted, quoted_list};
 use super::{JointStateInput, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::Extremes;
+use crate::math::{Extremes, without_whole_turns};
 use crate::robot::{Configuration, JointId, JointKind, RobotModel};
 
 /// How far a joint that follows others may be reported from where it should be without a word (rad; m of one that slides): gears have play.
@@ -240,12 +239,9 @@ impl<'t> Merge<'t> {
         let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
         let rates = [rate, self.rates[index]].into_iter().filter(|rate| rate.is_finite());
         let fastest = rates.map(f64::abs).fold(0.0, f64::greater);
-        let mut apart = (position - counts).abs();
-        if self.tracker.turns[index] {
-            let rest = apart % TAU;
-            apart = rest.lesser(TAU - rest);
-        }
-        if at_once && apart > CONTRADICTION + fastest * LAG {
+        let way = position - counts;
+        let way = if self.tracker.turns[index] { without_whole_turns(way) } else { way };
+        if at_once && way.abs() > CONTRADICTION + fastest * LAG {
             self.contradictions.entry(index).or_insert([counts, position]);
         }
     }

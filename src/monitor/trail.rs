@@ -1,10 +1,10 @@
 //! Where the robot was lately: what a sensor has seen, it saw from where its link was at that time, and of the robot as it stood then.
 
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::{Judgement, Time};
+use crate::math::without_whole_turns;
 use crate::robot::{Configuration, JointKind, RobotModel};
 
 /// Time (s) that is remembered.
@@ -102,16 +102,14 @@ impl Way {
         if self.is_stepped {
             return if share < 0.5 { a } else { b };
         }
-        let mut way = b - a;
-        if self.turns {
-            way -= TAU * (way / TAU).round();
-        }
+        let way = if self.turns { without_whole_turns(b - a) } else { b - a };
         a + share * way
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
     use std::time::Duration;
 
     use super::*;

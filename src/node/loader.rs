@@ -369,7 +369,9 @@ impl Loader {
             self.keeper.fit_to(&robot);
         }
         self.keeper.follow_frames(&robot, glimpse);
+        let mut awaited = Vec::new();
         for order in self.keeper.awaited() {
+            awaited.push(order.source);
             let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
             world += u64::from(changed);
         }
@@ -378,6 +380,7 @@ impl Loader {
             Err(fault) => {
                 // the robot before stays, in its scene
                 self.keeper.stay_in(before);
+                self.keeper.note_in_vain(&awaited);
                 return Err(fault);
             }
         };

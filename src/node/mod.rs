@@ -72,6 +72,7 @@ mod threads;
 mod trajectory_action;
 mod view;
 mod waiting;
+mod whole_scene;
 
 pub use arguments::{ArgumentError, ParameterSource, RosArguments};
 pub use environment::{Environment, EnvironmentError, Reach};

@@ -129,7 +129,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     }
     let meshes = options.given.meshes.clone();
     let (tape, recorder) = record(&parameters, &names, options.given)?;
-    let shared = Shared::new(store.clone(), Arc::clone(&clock), tape.clone());
+    let shared = Shared::new(loader.current_scene(), store.clone(), Arc::clone(&clock), tape.clone());
     let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
     outlook.note_meshes();
     let current_robot = loader.current_robot();
@@ -160,9 +160,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         report: Report::default(),
     };
     loader.tell_on(Monitored::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
-    let about_scene = (loader.current_scene(), Arc::clone(&current));
     let (scenes, validity_desk) =
-        SceneServices::offer(&middleware, &names, about_scene, shared.clone(), orders.clone())?;
+        SceneServices::offer(&middleware, &names, Arc::clone(&current), shared.clone())?;
     let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
     let (states, state_desk) =
         StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;

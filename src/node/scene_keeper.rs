@@ -13,9 +13,9 @@ use super::lost_messages::LostMessages;
 use super::missing_objects::MissingObjects;
 use super::outlook::Places;
 use super::parameters::Parameters;
-use super::recording::SceneDoor;
-use super::scene::{CLEAR_OCTOMAP, CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
+use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
 use super::scene_order::SceneOrder;
+use super::whole_scene::WholeScene;
 use crate::checker::MeshModel;
 use crate::math::Extremes;
 use crate::monitor::cloud::{SelfFilter, Sieve};
@@ -77,28 +77,10 @@ pub struct SceneKeeper {
     flood: Flood,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
-    /// What messages have brought as a whole, and what of that is in force.
-    told: Told,
-    told_in_force: Told,
-    /// Who is asked for a whole scene.
-    asked: String,
+    whole: WholeScene,
     /// Whether a message or sensor ever changed the scene.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
-}
-
-/// Who has to tell the world, where that is required.
-const WHOLE_SCENE: &str = "planning_scene, apply_planning_scene or planning_scene_world";
-
-/// How much of the world was told as a whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Told {
-    #[default]
-    Nothing,
-    /// All obstacles.
-    World,
-    /// What links hold and what is allowed, too.
-    Scene,
 }
 
 /// The last cloud of one topic.
@@ -130,20 +112,22 @@ impl SceneKeeper {
     /// The scene as it was, since another robot is refused.
     pub fn stay_in(&mut self, scene: PlanningSceneState) {
         self.state = scene;
-        self.told = self.told_in_force;
+        self.whole.go_back();
         self.lost.go_back();
         for (_, succeeded) in &mut self.unanswered {
             *succeeded = false;
         }
     }
 
-    /// Whom the parameters have asked: what others told before is not what they tell.
+    /// Whom the parameters have asked for a whole scene.
     pub fn ask(&mut self, service: &str) {
-        if self.asked != service {
-            service.clone_into(&mut self.asked);
-            if !service.is_empty() {
-                (self.told, self.told_in_force) = (Told::Nothing, Told::Nothing);
-            }
+        self.whole.ask(service);
+    }
+
+    /// Orders by these topics came to nothing: the robot that they waited for is refused.
+    pub fn note_in_vain(&mut self, topics: &[&'static str]) {
+        for topic in topics {
+            self.lost.note(topic, 1);
         }
     }
 
@@ -158,8 +142,7 @@ impl SceneKeeper {
 
     /// Puts an order aside until there is a robot.
     pub fn wait(&mut self, order: SceneOrder) {
-        // a client can not wait; whoever asked another node for its scene can
-        if [SceneDoor::ApplyPlanningScene.name(), CLEAR_OCTOMAP].contains(&order.source) {
+        if order.is_waited_for() {
             log::warn!("{}: there is no robot model yet", order.source);
             if let Some(done) = order.done {
                 let _ = done.try_send(false);
@@ -200,7 +183,11 @@ impl SceneKeeper {
         }
         self.note_refusals(source, &refusals, update.as_ref());
         if let Some(update) = &update {
-            self.note_whole(update);
+            self.whole.heed(update);
+            self.lost.heed(update);
+            if update.is_whole() {
+                self.unfit.clear();
+            }
         }
         warnings.extend_from_slice(&self.faults);
         if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
@@ -253,17 +240,6 @@ impl SceneKeeper {
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
         self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
-    }
-
-    fn note_whole(&mut self, update: &SceneUpdate) {
-        self.lost.heed(update);
-        if update.is_whole() {
-            self.unfit.clear();
-            self.told = self.told.max(match update {
-                SceneUpdate::World(_) => Told::World,
-                _ => Told::Scene,
-            });
-        }
     }
 
     fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal], update: Option<&SceneUpdate>) {
@@ -430,15 +406,7 @@ impl SceneKeeper {
     pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
         let mut watched = self.watched(parameters);
         watched.retain(|source| !self.dropped.contains(&source.name));
-        let service = &parameters.planning_scene_service;
-        let (needed, teller) = match (service.as_str(), parameters.require_planning_scene) {
-            ("", true) => (Told::World, WHOLE_SCENE),
-            ("", false) => (Told::Nothing, WHOLE_SCENE),
-            (service, _) => (Told::Scene, service),
-        };
-        let is_awaited = self.told < needed;
-        let scene = || WorldSource { name: teller.to_owned(), seen: None, ttl: f64::INFINITY };
-        watched.extend(is_awaited.then(scene));
+        watched.extend(self.whole.awaited(parameters));
         watched
     }
 
@@ -470,7 +438,7 @@ impl SceneKeeper {
 
     /// What came is in use from now on.
     pub fn note_in_use(&mut self) -> CloudReports {
-        self.told_in_force = self.told;
+        self.whole.note_in_use();
         self.lost.note_in_use();
         for cloud in self.clouds.values_mut() {
             if let Some(since) = cloud.since.take() {

@@ -3,7 +3,8 @@
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
-use super::recording::{OrderStep, Original};
+use super::recording::{OrderStep, Original, SceneDoor};
+use super::scene::CLEAR_OCTOMAP;
 use crate::monitor::Sight;
 use crate::monitor::scene::{SceneRefusal, SceneUpdate};
 
@@ -78,6 +79,13 @@ impl SceneOrder {
     /// What it was made of, told once.
     pub fn take_original(&mut self) -> Option<(OrderStep, Option<Original>)> {
         self.original.take()
+    }
+
+    /// Whether it is of those that somebody waits for: of a recording, nobody does any more.
+    #[must_use]
+    pub fn is_waited_for(&self) -> bool {
+        const DOORS: [SceneDoor; 2] = [SceneDoor::ApplyPlanningScene, SceneDoor::GetPlanningScene];
+        self.source == CLEAR_OCTOMAP || DOORS.iter().any(|door| door.name() == self.source)
     }
 
     #[must_use]

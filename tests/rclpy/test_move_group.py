@@ -80,9 +80,9 @@ def test_one_that_has_no_robot_yet_tells_nothing(start, domain_id):
 def test_one_that_is_started_again_is_asked_again(start, domain_id):
     cell = start(parameters=ASKING)
     cell.driver.report(**STRETCHED)
-    for obstacle in ("a", "b", "c"):
-        with MoveGroup(domain_id, SERVICE, full(ball(obstacle, 2.3))):
-            wait_for_names(cell, obstacle)
+    for name in ("a", "b", "c"):
+        with MoveGroup(domain_id, SERVICE, full(ball(name, 2.3))):
+            wait_for_names(cell, name)
 
 
 def test_the_parameter_may_change(start, domain_id):

@@ -71,7 +71,7 @@ impl Asking {
     /// Asks if there is reason to now.
     async fn look(&mut self, topics: &SceneTopics) -> Result<(), String> {
         self.turn_to(topics)?;
-        let Some(service) = &mut self.service else { return Ok(()) };
+        let Some(service) = self.service.as_mut().filter(|_| topics.has_robot()) else { return Ok(()) };
         service.meet(topics.middleware.servers_elsewhere(&service.name));
         service.is_due |= topics.take_lost();
         if service.is_due && !service.servers.is_empty() && Instant::now() >= service.due_at {
@@ -142,7 +142,7 @@ impl Service {
         if topics.changes_heard() != heard {
             return Ok(());
         }
-        if !topics.apply(SceneDoor::GetPlanningScene, scene).await {
+        if !topics.have_done(topics.scene(SceneDoor::GetPlanningScene, scene)).await {
             return Err(format!("not all of what {} told was taken", self.name));
         }
         log::info!("planning_scene_service: {} told its scene", self.name);

@@ -20,14 +20,12 @@ use super::topics::{SceneTopics, Shared};
 use super::validity::{Situation, constraints_given, state_validity};
 use crate::node::cell::known;
 use crate::node::flood::Flood;
-use crate::node::loader::Order;
 use crate::node::middleware::{Complaints, Message, Middleware, MiddlewareError, RequestId, Server};
 use crate::node::monitor_loop::CurrentJudgement;
 use crate::node::names::Names;
 use crate::node::recording::{OrderStep, SceneDoor};
 use crate::node::refusal::shortened;
 use crate::node::scene_keeper::{CurrentScene, SceneInForce};
-use crate::node::scene_order::SceneOrder;
 
 /// Questions about states that wait at most; who comes then is told at once that the state is not valid.
 const WAITING: usize = 64;
@@ -51,7 +49,6 @@ pub struct SceneServices {
     validity: Server<GetStateValidityRequest, GetStateValidityResponse>,
     scene: CurrentScene,
     judgement: CurrentJudgement,
-    orders: Sender<Order>,
     questions: Sender<(RequestId, GetStateValidityRequest)>,
     answers: Receiver<(RequestId, GetStateValidityResponse)>,
     busy: Complaints,
@@ -72,10 +69,10 @@ impl SceneServices {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        (scene, judgement): (CurrentScene, CurrentJudgement),
+        judgement: CurrentJudgement,
         shared: Shared,
-        orders: Sender<Order>,
     ) -> Result<(Self, ValidityDesk), MiddlewareError> {
+        let scene = Arc::clone(&shared.scene);
         let (questions, questions_in) = channel::bounded(WAITING);
         let (answers, answers_in) = channel::unbounded();
         let moveit = |kind| ("moveit_msgs", kind);
@@ -88,7 +85,6 @@ impl SceneServices {
                 .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
             scene: Arc::clone(&scene),
             judgement: Arc::clone(&judgement),
-            orders,
             questions,
             answers: answers_in,
             busy: Complaints::default(),
@@ -119,7 +115,7 @@ impl SceneServices {
                 let (id, request) = self.apply.next().await;
                 let order = topics.scene(SceneDoor::ApplyPlanningScene, request.scene);
                 let answer = async move {
-                    let success = self.ordered(order).await;
+                    let success = topics.have_done(order).await;
                     self.apply.answer(id, ApplyPlanningSceneResponse { success }).await;
                 };
                 answering.spawn(answer).detach();
@@ -129,7 +125,7 @@ impl SceneServices {
             loop {
                 let (id, _) = self.clear.next().await;
                 let answer = async move {
-                    self.ordered(clear_octomap().made_of(Some((OrderStep::ClearOctomap, None)))).await;
+                    topics.have_done(clear_octomap().made_of(Some((OrderStep::ClearOctomap, None)))).await;
                     self.clear.answer(id, Empty::default()).await;
                 };
                 answering.spawn(answer).detach();
@@ -154,14 +150,6 @@ impl SceneServices {
         };
         let scenes = future::zip(future::zip(get, apply), clear);
         answering.run(future::zip(scenes, future::zip(questions, answers))).await;
-    }
-
-    /// Has something done to the scene, and waits until it is in force; whether all of it was done.
-    async fn ordered(&self, order: SceneOrder) -> bool {
-        let (done, is_done) = channel::bounded(1);
-        let order = Order::Scene(Box::new(order.answered_on(done)));
-        // a loader that has ended does nothing any more
-        self.orders.send(order).await.is_ok() && is_done.recv().await.unwrap_or(false)
     }
 
     fn told(&self, components: u32) -> ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene {

@@ -30,6 +30,7 @@ use crate::node::middleware::{
 use crate::node::names::Names;
 use crate::node::parameter_services::ParameterStore;
 use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
+use crate::node::scene_keeper::CurrentScene;
 use crate::node::scene_order::SceneOrder;
 
 /// Frames that others publish, shared between who hears and who needs them.
@@ -59,6 +60,7 @@ pub struct SceneTopics {
 /// What is shared with the loader.
 #[derive(Clone)]
 pub struct Shared {
+    pub scene: CurrentScene,
     pub transforms: Transforms,
     /// What the loader has obstacles stand in.
     pub grounds: Arc<Mutex<Grounds>>,
@@ -72,8 +74,9 @@ pub struct Shared {
 
 impl Shared {
     #[must_use]
-    pub fn new(store: ParameterStore, clock: Arc<RosClock>, tape: Tape) -> Self {
+    pub fn new(scene: CurrentScene, store: ParameterStore, clock: Arc<RosClock>, tape: Tape) -> Self {
         Self {
+            scene,
             transforms: Transforms::default(),
             grounds: Arc::default(),
             clouds: Arc::default(),
@@ -194,6 +197,11 @@ impl SceneTopics {
         }
     }
 
+    /// Whether there is a robot that a scene can be around.
+    pub(super) fn has_robot(&self) -> bool {
+        self.shared.scene.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
     /// How many messages told of objects.
     pub(super) fn changes_heard(&self) -> u64 {
         self.changes_heard.get()
@@ -204,10 +212,10 @@ impl SceneTopics {
         self.is_lost.take()
     }
 
-    /// Has a scene applied, and waits until it is in force; whether all of it was taken.
-    pub(super) async fn apply(&self, by: SceneDoor, scene: PlanningScene) -> bool {
+    /// Has something done to the scene, and waits until it is in force; whether all of it was done.
+    pub(super) async fn have_done(&self, order: SceneOrder) -> bool {
         let (done, is_done) = channel::bounded(1);
-        let order = Order::Scene(Box::new(self.scene(by, scene).answered_on(done)));
+        let order = Order::Scene(Box::new(order.answered_on(done)));
         // a loader that has ended does nothing any more
         self.orders.send(order).await.is_ok() && is_done.recv().await.unwrap_or(false)
     }

@@ -1,0 +1,155 @@
+"""The fail-safe table of the README, and what brings its conditions about."""
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import cycle
+from math import isnan, pi
+
+from clearance_msgs.msg import CollisionState
+from rclpy.duration import Duration
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import SetBool
+
+import two_link
+from node_process import ROOT
+
+HEADING = "### When the answer is UNKNOWN"
+STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
+# What is said beside `~/state`, and what of it is said when nothing is known.
+BESIDE = {"is_free": Bool, "speed_scale": Float64, "distance": Float64}
+NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
+SIMULATED = {"use_sim_time": True, "stale_after": 5.0}
+HEARTBEATS = 3
+LONG = Duration(seconds=7200)  # more than stale_after
+ZERO = {"joint1": 0.0, "joint2": 0.0}
+ONTO = {"joint1": 0.0, "joint2": pi}
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of the table."""
+
+    condition: str
+    status: str
+    reason_code: str
+    is_free: str
+    says: str
+
+    def holds(self, state):
+        said = [state.reason] if self.status == "UNKNOWN" else state.warnings
+        return (
+            state.status in STATUS[self.status]
+            and state.reason_code == self.reason_code
+            and any(self.says in text for text in said)
+        )
+
+
+def table():
+    section = (ROOT / "README.md").read_text().split(HEADING)[1].split("\n#")[0]
+    rows = re.findall(r"^\|(.*)\|$", section, re.MULTILINE)
+    cells = [[cell.strip() for cell in row.split("|")] for row in rows][2:]
+    return [Line(condition, status, code.strip("`"), free, says) for condition, status, code, free, says in cells]
+
+
+class Situation:
+    """What a scenario needs, and what it left behind."""
+
+    def __init__(self, peer, start, tmp_path, pose=ZERO):
+        self.peer = peer
+        self.tmp_path = tmp_path
+        self.pose = pose
+        self._start = start
+        self.cell = None
+        self.beside = {}  # recorders by topic
+        self.ends = None  # waits for the end of a condition that ends by itself: its heartbeats can not be counted
+
+    def start(self, *arguments, **options):
+        self.cell = self._start(*arguments, **options)
+        self.beside = {name: self.peer.record(kind, self.cell.node.private(name)) for name, kind in BESIDE.items()}
+        return self.cell
+
+    def is_judged(self):
+        status = CollisionState.FREE if self.pose is ZERO else CollisionState.COLLIDING
+        assert self.cell.judged(**self.pose).status == status
+
+    def judging(self, **parameters):
+        """A node that has judged the robot once, and hears nothing any more."""
+        cell = self.start(parameters=parameters)
+        self.is_judged()
+        cell.driver.pause()
+        return cell
+
+    def heartbeats(self):
+        """Those that come next."""
+        seen = len(self.cell.states.messages)
+        self.peer.wait_for(lambda: len(self.cell.states.messages) >= seen + HEARTBEATS, "heartbeats")
+        return self.cell.states.messages[-HEARTBEATS:]
+
+    def until(self, word, again):
+        """Does something again and again until a state has this reason or warning: a datagram may be lost."""
+
+        def said():
+            again()
+            last = self.cell.states.messages[-1:]
+            return any(state.reason_code == word or any(word in text for text in state.warnings) for state in last)
+
+        self.peer.wait_for(said, f"the reason or warning '{word}'")
+
+    def enable(self, enabled):
+        client = self.peer.node.create_client(SetBool, self.cell.node.private("enable"))
+        self.peer.wait_for(client.service_is_ready, "~/enable")
+        return self.peer.result(client.call_async(SetBool.Request(data=enabled)))
+
+    def describe(self, text, topic):
+        return self.peer.latch(String(data=text), topic)
+
+    @cached_property
+    def _stranger(self):
+        return self.peer.node.create_publisher(JointState, self.cell.node.relative("joint_states"), 10)
+
+    def tell(self, names, positions, stamp=None):
+        """A joint state of any form, from another publisher than the driver."""
+        message = JointState(name=names, position=positions)
+        message.header.stamp = (stamp or self.peer.now()).to_msg()
+        self._stranger.publish(message)
+
+    @cached_property
+    def clock(self):
+        return self.peer.node.create_publisher(Clock, "/clock", 10)
+
+    def simulated(self):
+        """A node in simulated time, 100 s after its beginning, that has judged the robot once."""
+        cell = self.start(parameters=SIMULATED, driving=False)
+
+        def go_on():
+            self.tick(100)
+            cell.driver.publish(ZERO, Time(seconds=100))
+
+        self.until("", go_on)
+        return cell
+
+    def set_back(self):
+        """Sets the clock back to 10 s; once more, if a joint state of the time before came late."""
+        seconds = cycle([10] * 10 + [100] * 10)
+        self.until("clock_jump", lambda: self.tick(next(seconds)))
+
+    def tick(self, seconds):
+        self.clock.publish(Clock(clock=Time(seconds=seconds).to_msg()))
+
+def swapping(s, driving):
+    """Gives what swaps the model of a node that has one."""
+    publisher = s.describe(two_link.description(), "/swap/robot_description")
+    cell = s.start("--package-path", s.tmp_path, urdf=None, namespace="/swap", driving=driving)
+    cell.has_model()
+    heavy = String(data=two_link.description_with_fine_base(s.tmp_path))
+    s.ends = lambda: s.peer.wait_for(lambda: cell.states.messages[-1].model_revision == 2, "the other model", 100.0)
+    return lambda: publisher.publish(heavy)
+
+
+def drives(s):
+    """A robot of which tf has to tell where it is."""
+    return s.start(urdf="tests/rclpy/rover.urdf", parameters={"transform_joints": ["drive"]}, driving=False)
