@@ -118,6 +118,11 @@ impl AllowedCollisionMatrix {
         self.entries.get(&key(a, b)).copied()
     }
 
+    /// All names that there are entries or defaults for; one may come twice.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.named.iter().chain(self.defaults.keys()).map(String::as_str)
+    }
+
     /// Whether there is an entry or a default for a name.
     #[must_use]
     pub fn mentions(&self, name: &str) -> bool {

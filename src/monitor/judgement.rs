@@ -20,6 +20,8 @@ pub struct Revision {
     pub world: u64,
     /// Who has to see the world for it to count as known.
     pub sources: Vec<WorldSource>,
+    /// Why the world was known to be incomplete when this was built, if it was.
+    pub incomplete: Option<Reason>,
     /// What has to be known about the world beside that.
     pub warnings: Vec<String>,
     /// The frames that obstacles stand in.
@@ -37,6 +39,7 @@ impl Revision {
             model,
             world,
             sources: Vec::new(),
+            incomplete: None,
             warnings: Vec::new(),
             grounds: Grounds::default(),
             placed_at: None,
@@ -121,7 +124,7 @@ pub struct Judgement {
     pub left_out: LeftOut,
     /// Whether another robot is being built, so that this one counts no more, whatever else is the matter.
     pub is_swapping: bool,
-    /// Why the world is not known, if it is not, whatever else is the matter.
+    /// Why the world is not known or known to be incomplete, if it is so, whatever else is the matter.
     pub stale_world: Option<Reason>,
     /// The robot and world that were checked, or would be.
     pub revision: Option<Arc<Revision>>,
@@ -157,6 +160,15 @@ impl Judgement {
         if self.stale_world.is_none() && is_over(self.expiry.of_world) {
             self.stale_world = Some(overdue.clone());
             self.know_nothing(overdue);
+        }
+        self
+    }
+
+    /// With something else that should be known, if there is anything.
+    #[must_use]
+    pub fn with_warning(mut self, warning: Option<String>) -> Self {
+        if warning.is_some() {
+            self.warnings = self.warnings.iter().cloned().chain(warning).collect();
         }
         self
     }

@@ -19,12 +19,16 @@
 //! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
 //! | a joint has never been named | UNKNOWN | `partial` |
 //! | two publishers report a joint at different places at about the same time | UNKNOWN | `contradiction` |
+//! | the last message of a sensor shows nothing of the room | UNKNOWN | `blind_cloud` |
+//! | something that was announced is missing from the world because it was rejected | UNKNOWN | `rejected_obstacle` |
+//! | messages about the world were lost on their way | UNKNOWN | `lost_messages` |
 //! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke; a whole scene that is required was never told; `tf` lost the root in what obstacles stand in | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
 //! | every pair was found apart | FREE | |
 //!
 //! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
+//! A joint state that names joints and gives no positions at all is skipped, with a warning.
 //! Unknown joints, joints outside their limits, following joints that are reported elsewhere and stamps of zero do not prevent a
 //! judgement; they are warnings.
 //! Each judgement also says which share of its speed the robot may have: none unless it is FREE.

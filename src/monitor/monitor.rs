@@ -11,6 +11,7 @@ use super::pace::Pace;
 use super::placement::Placements;
 use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
+use super::status::quoted_list;
 use super::subject::{Subject, Verdict};
 use super::tracker::Tracker;
 use super::{
@@ -19,6 +20,9 @@ use super::{
 
 /// Time since any fixed moment; it is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
+
+/// Names that are remembered of a joint state without positions at most.
+const MOST_UNPOSITIONED: usize = 64;
 
 /// Decides what is known about one robot.
 #[derive(Debug)]
@@ -38,7 +42,11 @@ pub struct Monitor {
     model_fault: Option<String>,
     /// What was refused of the last changes of the world.
     world_faults: Vec<String>,
+    /// Why the world is known to be incomplete, if it is.
+    incomplete_world: Option<Reason>,
     hearing: Hearing,
+    /// The last joint state that gave no positions: when it came, and whose.
+    unpositioned: Option<(Duration, Vec<String>)>,
     pace: Pace,
     /// What the robot's state is made of, whatever the verdict.
     contributions: Contributions,
@@ -69,7 +77,9 @@ impl Monitor {
             heeded: 0,
             model_fault: None,
             world_faults: Vec::new(),
+            incomplete_world: None,
             hearing: Hearing::default(),
+            unpositioned: None,
             pace: Pace::default(),
             contributions: Contributions::default(),
             set_back: None,
@@ -100,6 +110,8 @@ impl Monitor {
             self.ground = GroundWatch::default();
         }
         self.ground.note_placed(revision.placed_at);
+        // before the first state is published that is checked in this world
+        self.incomplete_world.clone_from(&revision.incomplete);
         self.subject = Some(Subject {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
@@ -156,9 +168,15 @@ impl Monitor {
         self.left_out = Some(left_out);
     }
 
-    /// What was refused of the last changes of the world; the rest of the world stays in use.
-    pub fn note_world_faults(&mut self, faults: Vec<String>) {
+    /// What was rejected of the last changes of the world, for the warnings, and why the world is known to be incomplete, if it is. The
+    /// rest of the world stays in use.
+    pub fn note_world_faults(&mut self, faults: Vec<String>, incomplete: Option<Reason>) {
         self.world_faults = faults;
+        if self.incomplete_world != incomplete {
+            self.incomplete_world = incomplete;
+            // published at once
+            self.said_at = None;
+        }
     }
 
     pub fn set_settings(&mut self, settings: MonitorSettings) {
@@ -188,17 +206,30 @@ impl Monitor {
         }
     }
 
-    /// Takes note of a joint state that another one follows at once.
-    pub fn hear(&mut self, input: JointStateInput, now: Now) {
+    /// Takes note of a joint state that another one follows at once; whether it says anything about positions.
+    ///
+    /// One without positions is skipped, with its velocities: the positions received before stay in force and grow old.
+    pub fn hear(&mut self, mut input: JointStateInput, now: Now) -> bool {
         self.note_clock(now);
+        if input.positions.is_empty() && !input.names.is_empty() {
+            input.names.retain(|name| name.starts_with(&self.settings.joint_prefix));
+            input.names.truncate(MOST_UNPOSITIONED);
+            if !input.names.is_empty() {
+                self.unpositioned = Some((now.steady, input.names));
+            }
+            return false;
+        }
         self.pace.note(now.steady);
         self.hearing.hear(input, now);
         self.set_back = None;
+        true
     }
 
     /// Judges a joint state, together with what others said about joints that it does not name.
     pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
-        self.hear(input, now);
+        if !self.hear(input, now) {
+            return self.on_heartbeat(now);
+        }
         self.judge(now);
         self.say(now)
     }
@@ -340,7 +371,9 @@ impl Monitor {
         let heeded = subject.filter(|_| !unheeded);
         let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
         let ground = || self.ground.freshness(now, self.settings.transform_ttl).err();
-        let stale_world = subject.and_then(|subject| subject.revision.stale_world(now).or_else(ground));
+        let incomplete = self.incomplete_world.clone();
+        let silent = |subject: &Subject| subject.revision.stale_world(now);
+        let stale_world = subject.and_then(|subject| incomplete.or_else(|| silent(subject)).or_else(ground));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
             (Some(reason), _) => Status::Unknown(self.with_other_fault(reason)),
@@ -358,6 +391,7 @@ impl Monitor {
             format!("the last robot description was refused, and the one before counts: {fault}")
         });
         let of_world = of_revision.chain(&self.world_faults);
+        let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));
         let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
         Judgement {
             evidence: placement.clone().filter(|_| status.reason().is_none()),
@@ -373,6 +407,16 @@ impl Monitor {
             warnings: warnings.collect(),
             expiry: self.expiry(now),
         }
+    }
+
+    /// Of a joint state without positions that came not long ago.
+    fn unpositioned_warning(&self, now: Now) -> Option<String> {
+        let (at, names) = self.unpositioned.as_ref()?;
+        let silence = now.steady.saturating_sub(*at).as_secs_f64();
+        (silence <= self.settings.stale_after).then(|| {
+            let names = quoted_list(names);
+            format!("a joint state that names {names} gives no positions: it is skipped, with its velocities")
+        })
     }
 
     /// Whether what is known about the robot's joints still holds.

@@ -103,6 +103,23 @@ pub enum Reason {
         age: Option<f64>,
         ttl: f64,
     },
+    /// The last message of a sensor, the topic `source`, holds nothing that stands for the room: `cause`, with counts. Of `more` sensors
+    /// beside it.
+    BlindCloud {
+        source: String,
+        cause: String,
+        more: usize,
+    },
+    /// Something that was announced is missing from the world, or stands elsewhere, because it was rejected: `fault` names one such thing
+    /// and what is wrong with it. Of `more` things beside it.
+    RejectedObstacle {
+        fault: String,
+        more: usize,
+    },
+    /// Messages about the world were lost on their way; `topics` with counts.
+    LostMessages {
+        topics: Vec<String>,
+    },
     /// The time for one answer was over while `open` pairs were undecided, of which `pair` is one.
     Deadline {
         deadline: f64,
@@ -132,6 +149,9 @@ impl Reason {
             Self::Contradiction { .. } => "contradiction",
             Self::NoTransform { .. } => "no_transform",
             Self::StaleWorld { .. } => "stale_world",
+            Self::BlindCloud { .. } => "blind_cloud",
+            Self::RejectedObstacle { .. } => "rejected_obstacle",
+            Self::LostMessages { .. } => "lost_messages",
             Self::Deadline { .. } => "deadline",
         }
     }
@@ -147,6 +167,34 @@ impl Reason {
             self,
             Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. } | Self::NoTransform { .. }
         )
+    }
+}
+
+impl Reason {
+    /// Of a world that is known to be incomplete.
+    fn fmt_incomplete(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BlindCloud { source, cause, more } => {
+                write!(f, "the last message of {} shows nothing of the room: {cause}", quoted(source))?;
+                if *more > 0 {
+                    write!(f, "; {more} more sensors are blind")?;
+                }
+                f.write_str(": is the sensor covered, or a crop box set wrongly?")
+            }
+            Self::RejectedObstacle { fault, more } => {
+                write!(f, "the world is incomplete, because a part of it was rejected: {fault}")?;
+                if *more > 0 {
+                    write!(f, "; and {more} more parts")?;
+                }
+                Ok(())
+            }
+            Self::LostMessages { topics } => write!(
+                f,
+                "the world is incomplete, because messages about it were lost: {}: publish a whole planning_scene",
+                topics.join(", ")
+            ),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -232,6 +280,9 @@ impl fmt::Display for Reason {
                 "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
                 quoted(source)
             ),
+            Self::BlindCloud { .. } | Self::RejectedObstacle { .. } | Self::LostMessages { .. } => {
+                self.fmt_incomplete(f)
+            }
             Self::Deadline { deadline, open, pair: [a, b] } => write!(
                 f,
                 "check_deadline ({deadline} s) passed before {open} pairs were decided, such as that of {} and {}: allow more time, or simplify the meshes",

@@ -36,7 +36,7 @@ impl<'a> Cell<'a> {
             return Err(Refusal::NoModel(Reason::NoGeometry.to_string()));
         }
         if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
-            return Err(Refusal::StaleWorld(stale.to_string()));
+            return Err(Refusal::of_world(stale));
         }
         let placement = judgement.and_then(|judgement| judgement.placement.as_ref());
         let now = placement.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());

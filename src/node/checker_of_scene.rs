@@ -34,8 +34,18 @@ pub fn checker_of(
     built.map_err(|error| error.to_string())
 }
 
+/// What has to be known of what is checked, and what is not.
+pub fn warnings_of(checker: &CollisionChecker) -> impl Iterator<Item = String> {
+    told_solid_in_vain(checker).into_iter().chain(nothing_to_check(checker))
+}
+
+fn nothing_to_check(checker: &CollisionChecker) -> Option<String> {
+    const NOTHING: &str = "there is no pair to check: every state counts as free";
+    checker.pairs().is_empty().then(|| NOTHING.to_owned())
+}
+
 /// Meshes that are to be solid and cannot be: nothing inside of them is found.
-pub fn told_solid_in_vain(checker: &CollisionChecker) -> Option<String> {
+fn told_solid_in_vain(checker: &CollisionChecker) -> Option<String> {
     const TOLD: usize = 5;
     if checker.settings().mesh_model != MeshModel::Solid {
         return None;

@@ -60,6 +60,7 @@ pub struct CollisionState {
     pub time_to_contact: f64,
     pub time_to_contact_known: bool,
     pub first_contact_pair: BodyPair,
+    pub time_to_contact_considers_obstacle_motion: bool,
 }
 
 impl CollisionState {

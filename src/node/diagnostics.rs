@@ -168,6 +168,9 @@ fn cloud_values(topic: &str, report: &CloudReport) -> Vec<KeyValue> {
     if let Some(fault) = &report.fault {
         values.push(("last cloud not taken", fault.clone()));
     }
+    if let Some(cause) = &report.blind {
+        values.push(("last cloud shows nothing of the room", cause.clone()));
+    }
     let tell = |(key, value): (&str, String)| KeyValue { key: format!("{topic}: {key}"), value };
     values.into_iter().map(tell).collect()
 }

@@ -9,7 +9,7 @@ use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
 
-use super::checker_of_scene::{checker_of, told_solid_in_vain};
+use super::checker_of_scene::{checker_of, warnings_of};
 use super::link_volumes::LinkVolumes;
 use super::mailbox;
 use super::monitor_loop::Event;
@@ -205,7 +205,8 @@ impl Loader {
         if let Some(fault) = refused {
             tell(Event::ModelFault(fault));
         }
-        tell(Event::World(self.keeper.note_in_use(), self.keeper.faults()));
+        let incomplete = self.keeper.incomplete(&glimpse.parameters);
+        tell(Event::World(self.keeper.note_in_use(), self.keeper.faults(), incomplete));
     }
 
     /// Builds what changed, and tells what was refused: a robot that is takes no other change with it.
@@ -258,7 +259,7 @@ impl Loader {
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
         };
-        let moved = guarded_scene(|| self.keeper.follow_frames(&robot, glimpse));
+        let moved = guarded_scene(&mut self.keeper, |keeper| keeper.follow_frames(&robot, glimpse));
         if moved { Change::World } else { Change::Nothing }
     }
 
@@ -275,7 +276,7 @@ impl Loader {
             return Change::Nothing;
         };
         let clouds = std::mem::take(&mut self.clouds);
-        let seen = guarded_scene(|| self.keeper.see(clouds, &robot, glimpse));
+        let seen = guarded_scene(&mut self.keeper, |keeper| keeper.see(clouds, &robot, glimpse));
         let dropped = self.keeper.drop_stale(glimpse.now, &glimpse.parameters);
         if seen || dropped { Change::World } else { Change::Nothing }
     }
@@ -308,7 +309,7 @@ impl Loader {
             self.keeper.wait(order);
             return Change::Nothing;
         };
-        let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
+        let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, glimpse));
         if changed { Change::World } else { Change::Nothing }
     }
 
@@ -372,7 +373,7 @@ impl Loader {
         let mut awaited = Vec::new();
         for order in self.keeper.awaited() {
             awaited.push(order.source);
-            let changed = guarded_scene(|| self.keeper.apply(order, &robot, glimpse));
+            let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, glimpse));
             world += u64::from(changed);
         }
         let revision = match self.build(&robot, (self.model_revision + 1, world), glimpse) {
@@ -408,12 +409,13 @@ impl Loader {
         let known = before.as_ref().map(|before| &before.revision.checker);
         let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
         let mut warnings = self.keeper.warnings();
-        warnings.extend(told_solid_in_vain(&checker));
+        warnings.extend(scene.names_without_effect(robot).into_iter().chain(warnings_of(&checker)));
         let revision = Arc::new(Revision {
             checker,
             model,
             world,
             sources: self.keeper.sources(parameters),
+            incomplete: self.keeper.incomplete(parameters),
             warnings,
             grounds: scene.grounds(robot),
             placed_at: Some(now.steady),
@@ -455,9 +457,11 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 /// A message is a stranger's: what it breaks must not take the node with it.
-fn guarded_scene(change: impl FnOnce() -> bool) -> bool {
-    catch_unwind(AssertUnwindSafe(change)).unwrap_or_else(|_| {
-        log::error!("a change of the world failed inside the program; the world may lack it");
+fn guarded_scene(keeper: &mut SceneKeeper, change: impl FnOnce(&mut SceneKeeper) -> bool) -> bool {
+    catch_unwind(AssertUnwindSafe(|| change(keeper))).unwrap_or_else(|_| {
+        const FAULT: &str = "a change of the world failed inside the program; the world may lack it";
+        log::error!("{FAULT}");
+        keeper.note_failure(FAULT);
         true
     })
 }

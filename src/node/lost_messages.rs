@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::recording::SceneDoor;
+use crate::monitor::Reason;
 use crate::monitor::scene::SceneUpdate;
 
 type Counts = BTreeMap<&'static str, u64>;
@@ -29,7 +30,13 @@ impl LostMessages {
         match update {
             // nothing of what links hold, nor of matrices and paddings
             SceneUpdate::World(_) => drop(self.now.remove(SceneDoor::CollisionObject.name())),
-            whole if whole.is_whole() => self.now.clear(),
+            whole if whole.is_whole_of_robot() => self.now.clear(),
+            // what links hold stays as it is
+            SceneUpdate::Scene(scene) if !scene.is_diff => {
+                let of_world =
+                    [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
+                self.now.retain(|topic, _| !of_world.contains(topic));
+            }
             _ => {}
         }
     }
@@ -46,6 +53,14 @@ impl LostMessages {
         for (topic, count) in &self.since {
             add(&mut self.now, topic, *count);
         }
+    }
+
+    /// Why the world is incomplete, if messages were lost.
+    #[must_use]
+    pub fn reason(&self) -> Option<Reason> {
+        let topics: Vec<String> =
+            self.now.iter().map(|(topic, count)| format!("{count} of {topic}")).collect();
+        (!topics.is_empty()).then_some(Reason::LostMessages { topics })
     }
 
     /// What is told of them.

@@ -104,6 +104,8 @@ pub fn collision_state(judgement: &Judgement) -> CollisionState {
         if let Some(ahead) = &evidence.look_ahead {
             message.time_to_contact_known = true;
             message.time_to_contact = ahead.free_for;
+            // the look-ahead has no velocities of obstacles
+            message.time_to_contact_considers_obstacle_motion = false;
             let pair = ahead.first.map(|(a, b)| pair_message(&revision.checker, a, b));
             message.first_contact_pair = pair.unwrap_or_default();
         }

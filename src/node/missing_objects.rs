@@ -1,57 +1,83 @@
-//! What the scene lacks because messages about it were refused.
+//! What the scene lacks because messages about it were rejected.
 
 use std::collections::BTreeMap;
 
-use crate::monitor::scene::{SceneRefusal, SceneUpdate};
+use crate::monitor::scene::{Gap, SceneRefusal, SceneUpdate, Subject};
 
-/// Objects remembered at most, so that a hostile network can not fill the memory.
+/// Gaps remembered at most, so that a hostile network can not fill the memory.
 const MOST: usize = 1000;
 
-/// Objects told of at most, the first by name.
+/// Gaps listed at most, the first by name.
 const TOLD: usize = 20;
 
-/// Objects that were refused, until something about them is not.
+/// Gaps in the scene, until updates make up for them.
 #[derive(Debug, Default)]
 pub struct MissingObjects {
-    by_name: BTreeMap<String, Missing>,
-    /// How many more there were.
+    /// By subject and name: the gap and the fault of the last message that left it.
+    gaps: BTreeMap<(Subject, String), (Gap, String)>,
+    /// How many more there were. They are not known by name: only a whole scene makes up for them.
     unnamed: usize,
 }
 
-#[derive(Debug)]
-struct Missing {
-    fault: String,
-    /// Whether a link was to hold it.
-    is_attached: bool,
-}
-
 impl MissingObjects {
-    /// Heeds a message: what it is about, and what was refused of it.
+    /// Takes note of an update, if the message could be read as one, and of what was rejected of it.
     pub fn heed(&mut self, source: &str, update: Option<&SceneUpdate>, refusals: &[SceneRefusal]) {
         if let Some(update) = update {
-            self.by_name.retain(|id, missing| !update.settles(id, missing.is_attached));
-        }
-        for refusal in refusals.iter().filter(|refusal| refusal.leaves_out) {
-            let Some(id) = &refusal.object else { continue };
-            if self.by_name.len() >= MOST && !self.by_name.contains_key(id) {
-                self.unnamed += 1;
-                continue;
+            for (gap, fault) in std::mem::take(&mut self.gaps).into_values() {
+                let is_rejected = refusals.iter().any(|refusal| is_about(refusal, &gap));
+                if let Some(left) = update.left_of(gap, is_rejected) {
+                    self.note(left, fault);
+                }
             }
-            let is_attached = update.is_some_and(|update| update.attaches(id));
-            self.by_name.insert(id.clone(), Missing { fault: format!("{source}: {refusal}"), is_attached });
+            if update.is_whole_of_robot() {
+                self.unnamed = 0;
+            }
         }
-        if self.by_name.is_empty() {
-            self.unnamed = 0;
+        for refusal in refusals {
+            if let Some(gap) = &refusal.gap {
+                self.note(gap.clone(), format!("{source}: {refusal}"));
+            }
         }
     }
 
-    /// What is told of them.
+    /// Takes note of an update of which nothing came into force, and why.
+    pub fn note_unused(&mut self, source: &str, update: &SceneUpdate, why: &str) {
+        for gap in update.announced() {
+            let refusal = SceneRefusal::of(&gap.name, why);
+            self.note(gap, format!("{source}: {refusal}"));
+        }
+    }
+
+    fn note(&mut self, gap: Gap, fault: String) {
+        let key = (gap.subject, gap.name.clone());
+        let is_full = self.gaps.len() >= MOST;
+        match self.gaps.get_mut(&key) {
+            Some((known, known_fault)) => {
+                known.extent = known.extent.max(gap.extent);
+                *known_fault = fault;
+            }
+            None if is_full => self.unnamed += 1,
+            None => drop(self.gaps.insert(key, (gap, fault))),
+        }
+    }
+
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.gaps.len() + self.unnamed
+    }
+
+    /// The fault of each gap, and how many more there are.
     pub fn told(&self) -> impl Iterator<Item = String> {
-        let more = (self.by_name.len() + self.unnamed).saturating_sub(TOLD);
+        let more = self.len().saturating_sub(TOLD);
         let rest =
             (more > 0).then(|| format!("and {more} more objects are missing, because they were refused"));
-        self.by_name.values().take(TOLD).map(|missing| missing.fault.clone()).chain(rest)
+        self.gaps.values().take(TOLD).map(|(_, fault)| fault.clone()).chain(rest)
     }
+}
+
+fn is_about(refusal: &SceneRefusal, gap: &Gap) -> bool {
+    let is_same = |other: &Gap| (other.subject, &other.name) == (gap.subject, &gap.name);
+    refusal.gap.as_ref().is_some_and(is_same) || refusal.object.as_deref() == Some(&gap.name)
 }
 
 #[cfg(test)]
@@ -61,13 +87,22 @@ mod tests {
         AttachedChange, ObjectChange, OctomapPlacement, Operation, SceneChange, WorldChange,
     };
 
-    fn add(id: &str) -> ObjectChange {
-        ObjectChange::named(id, Operation::Add)
+    fn object(id: &str, operation: Operation) -> SceneUpdate {
+        SceneUpdate::Object(Box::new(ObjectChange::named(id, operation)))
+    }
+
+    fn add(id: &str) -> SceneUpdate {
+        object(id, Operation::Add)
     }
 
     fn attach(id: &str) -> SceneUpdate {
-        let touch_links = Vec::new();
-        SceneUpdate::Attached(Box::new(AttachedChange { link: String::new(), object: add(id), touch_links }))
+        let (link, touch_links) = (String::new(), Vec::new());
+        let object = ObjectChange::named(id, Operation::Add);
+        SceneUpdate::Attached(Box::new(AttachedChange { link, object, touch_links }))
+    }
+
+    fn no_link(id: &str) -> SceneRefusal {
+        SceneRefusal::of(id, "no link").of_attached().of_pose()
     }
 
     fn told(missing: &MissingObjects) -> Vec<String> {
@@ -77,18 +112,10 @@ mod tests {
     #[test]
     fn an_object_is_missing_until_something_about_it_is_right() {
         let mut missing = MissingObjects::default();
-        let object = |id| SceneUpdate::Object(Box::new(add(id)));
-        missing.heed("topic", Some(&object("a")), &[SceneRefusal::of("a", "no shapes")]);
-        missing.heed("topic", Some(&attach("held")), &[SceneRefusal::of("held", "no link")]);
-        missing.heed("topic", Some(&object("b")), &[]);
+        missing.heed("topic", Some(&add("a")), &[SceneRefusal::of("a", "no shapes")]);
+        missing.heed("topic", Some(&attach("held")), &[no_link("held")]);
+        missing.heed("topic", Some(&add("b")), &[]);
         assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
-        // who lets go of all that links hold says nothing of the world
-        missing.heed("topic", Some(&object("c")), &[SceneRefusal::of("c", "no shapes")]);
-        let mut all = AttachedChange { link: String::new(), object: add(""), touch_links: Vec::new() };
-        all.object.operation = Operation::Remove;
-        missing.heed("topic", Some(&SceneUpdate::Attached(Box::new(all))), &[]);
-        assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'c': no shapes"]);
-        missing.heed("topic", Some(&attach("held")), &[SceneRefusal::of("held", "no link")]);
         // a world says nothing of what links hold
         missing.heed("topic", Some(&SceneUpdate::World(Box::default())), &[]);
         assert_eq!(told(&missing), ["topic: object 'held': no link"]);
@@ -97,16 +124,57 @@ mod tests {
     }
 
     #[test]
+    fn what_is_moved_still_lacks_its_shapes() {
+        let mut missing = MissingObjects::default();
+        let append = object("a", Operation::Append);
+        missing.heed("topic", Some(&append), &[SceneRefusal::of("a", "a mesh")]);
+        // neither does a rejected move make less of it
+        let elsewhere = object("a", Operation::Move);
+        missing.heed("topic", Some(&elsewhere), &[SceneRefusal::of("a", "a frame").of_pose()]);
+        missing.heed("topic", Some(&elsewhere), &[]);
+        assert_eq!(told(&missing).len(), 1);
+        missing.heed("topic", Some(&object("a", Operation::Remove)), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn an_object_without_a_name_is_missing_until_all_are_removed() {
+        let mut missing = MissingObjects::default();
+        let gap = Gap::new(Subject::Object, "", crate::monitor::scene::Extent::Shapes);
+        let unnamed = SceneRefusal { gap: Some(gap), ..SceneRefusal::new("id is empty") };
+        missing.heed("topic", Some(&add("")), &[unnamed]);
+        missing.heed("topic", Some(&add("b")), &[]);
+        assert_eq!(told(&missing), ["topic: id is empty"]);
+        missing.heed("topic", Some(&object("", Operation::Remove)), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn an_update_that_came_to_nothing_is_missing_as_if_it_had_been_rejected() {
+        let mut missing = MissingObjects::default();
+        let objects = ["a", "b"].map(|id| ObjectChange::named(id, Operation::Add)).into();
+        let world = WorldChange { objects, octomap: None };
+        let update = SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..Default::default() }));
+        missing.note_unused("service", &update, "there is no robot yet");
+        assert_eq!(told(&missing).len(), 2);
+        missing.heed("service", Some(&update), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
     fn an_octomap_is_missing_until_one_comes() {
         let mut missing = MissingObjects::default();
-        let id = crate::monitor::scene::OCTOMAP;
-        let octomap =
-            OctomapPlacement { frame: String::new(), pose_fo: crate::math::Pose::identity(), shape: None };
+        let octomap = OctomapPlacement {
+            frame: String::new(),
+            pose_fo: crate::math::Pose::identity(),
+            shape: None,
+            is_blank: false,
+        };
         let with = |octomap| {
             let world = WorldChange { objects: Vec::new(), octomap };
             SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..SceneChange::default() }))
         };
-        missing.heed("topic", None, &[SceneRefusal::of(id, "broken")]);
+        missing.heed("topic", None, &[SceneRefusal::of_octomap("broken")]);
         missing.heed("topic", Some(&with(None)), &[]);
         assert_eq!(told(&missing).len(), 1);
         missing.heed("topic", Some(&with(Some(octomap))), &[]);
@@ -120,9 +188,10 @@ mod tests {
             (0..MOST + 7).map(|i| SceneRefusal::of(&format!("{i:05}"), "no shapes")).collect();
         missing.heed("topic", None, &refusals);
         let lines = told(&missing);
-        assert_eq!((lines.len(), missing.by_name.len()), (TOLD + 1, MOST));
+        assert_eq!((lines.len(), missing.gaps.len()), (TOLD + 1, MOST));
         assert!(lines[TOLD].contains(&format!("and {} more", MOST + 7 - TOLD)), "{}", lines[TOLD]);
-        missing.heed("topic", Some(&SceneUpdate::World(Box::default())), &[]);
+        let whole = SceneUpdate::Scene(Box::default());
+        missing.heed("topic", Some(&whole), &[]);
         assert!(told(&missing).is_empty());
     }
 }

@@ -35,8 +35,8 @@ pub enum Event {
     Enabled(bool, Sender<()>),
     /// Somebody waits for what came before to count: tell when it is said.
     Say(Sender<()>),
-    /// What sensors see, and what was refused of the last changes of the world.
-    World(CloudReports, Vec<String>),
+    /// What sensors see, what was rejected of the last changes of the world, and why the world is known to be incomplete, if it is.
+    World(CloudReports, Vec<String>, Option<Reason>),
     Parameters(Box<Parameters>),
     Stop,
 }
@@ -163,9 +163,9 @@ impl MonitorLoop {
                 self.report.is_due = true;
                 self.monitor.note_model_fault(fault);
             }
-            Event::World(clouds, faults) => {
+            Event::World(clouds, faults, incomplete) => {
                 self.report.clouds = clouds;
-                self.monitor.note_world_faults(faults);
+                self.monitor.note_world_faults(faults, incomplete);
             }
             Event::Parameters(parameters) => {
                 self.monitor.set_settings(parameters.monitor_settings());
@@ -259,7 +259,7 @@ impl MonitorLoop {
         self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
         drop(current);
         let now = self.clock.read();
-        let judgement = judgement.aged(now);
+        let judgement = judgement.aged(now).with_warning(self.tape.fault());
         self.log_change(&judgement);
         let said = self.publishers.say(&judgement, &self.parameters, now.steady);
         self.report.activity.note_dropped(said.dropped);

@@ -45,6 +45,9 @@ pub struct Parameters {
     pub point_radius: f64,
     pub point_cloud_ttl: f64,
     pub stale_source_policy: &'static str,
+    pub blind_cloud: &'static str,
+    pub rejected_obstacle: &'static str,
+    pub lost_messages: &'static str,
     pub self_filter_padding: f64,
     pub cloud_voxel_size: f64,
     pub cloud_crop_min: Vec<f64>,
@@ -61,6 +64,8 @@ pub struct Parameters {
 }
 
 const STALE_SOURCE_POLICIES: &[&str] = &["unknown", "drop"];
+/// What a fault of the world does: it makes the state UNKNOWN, or is a warning.
+pub const UNKNOWN_OR_WARN: &[&str] = &["unknown", "warn"];
 const UNKNOWN_SPACES: &[&str] = &["free", "occupied"];
 
 impl Default for Parameters {
@@ -97,6 +102,9 @@ impl Default for Parameters {
             point_radius: 0.01,
             point_cloud_ttl: 1.0,
             stale_source_policy: STALE_SOURCE_POLICIES[0],
+            blind_cloud: UNKNOWN_OR_WARN[0],
+            rejected_obstacle: UNKNOWN_OR_WARN[0],
+            lost_messages: UNKNOWN_OR_WARN[0],
             self_filter_padding: 0.0,
             cloud_voxel_size: 0.0,
             cloud_crop_min: Vec::new(),
@@ -151,6 +159,24 @@ impl Parameters {
     #[must_use]
     pub fn drops_stale_sources(&self) -> bool {
         self.stale_source_policy == STALE_SOURCE_POLICIES[1]
+    }
+
+    /// Whether a blind sensor makes the state unknown, instead of being a warning.
+    #[must_use]
+    pub fn blind_makes_unknown(&self) -> bool {
+        self.blind_cloud == UNKNOWN_OR_WARN[0]
+    }
+
+    /// The same of an obstacle that was announced and rejected.
+    #[must_use]
+    pub fn rejected_makes_unknown(&self) -> bool {
+        self.rejected_obstacle == UNKNOWN_OR_WARN[0]
+    }
+
+    /// The same of messages about the world that were lost.
+    #[must_use]
+    pub fn lost_makes_unknown(&self) -> bool {
+        self.lost_messages == UNKNOWN_OR_WARN[0]
     }
 
     /// How many steps below their roots hierarchies are shown, if they are.

@@ -1,5 +1,7 @@
 //! Why a request is not answered, as services say it.
 
+use crate::monitor::Reason;
+
 /// Bytes of a message at most: it must not grow with hostile input.
 pub const LONGEST_MESSAGE: usize = 480;
 
@@ -10,9 +12,9 @@ pub enum Refusal {
     NoModel(String),
     #[error("there is no joint state to start from: {0}")]
     NoJointState(String),
-    /// The world is not known any more.
-    #[error("{0}")]
-    StaleWorld(String),
+    /// The world is not known, or known to be incomplete: why, by a code and in words.
+    #[error("{1}")]
+    UnknownWorld(&'static str, String),
     #[error("{0}")]
     BadRequest(String),
     #[error("{0} requests are waiting already: ask again later")]
@@ -28,11 +30,22 @@ impl Refusal {
         match self {
             Self::NoModel(_) => "no_model",
             Self::NoJointState(_) => "no_joint_state",
-            Self::StaleWorld(_) => "stale_world",
+            Self::UnknownWorld(code, _) => code,
             Self::BadRequest(_) => "bad_request",
             Self::Busy(_) => "busy",
             Self::Internal => "internal",
         }
+    }
+
+    /// For a world that is not known for this reason.
+    #[must_use]
+    pub fn of_world(why: &Reason) -> Self {
+        let code = match why {
+            // the monitor was busy, and a sensor has been silent for too long meanwhile
+            Reason::Overdue { .. } => "stale_world",
+            _ => why.code(),
+        };
+        Self::UnknownWorld(code, why.to_string())
     }
 
     /// What is wrong, as a message.

@@ -1,11 +1,13 @@
 //! The scene in force: what messages and sensors make of it, and who has to hear of it.
 
+mod clouds;
+mod incomplete;
+
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
-use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use smol::channel::Sender;
 
 use super::flood::Flood;
@@ -13,18 +15,18 @@ use super::lost_messages::LostMessages;
 use super::missing_objects::MissingObjects;
 use super::outlook::Places;
 use super::parameters::Parameters;
-use super::scene::{CloudMessage, CloudReport, OCTOMAP_SOURCE, decode};
+use super::scene::{CloudReport, OCTOMAP_SOURCE};
 use super::scene_order::SceneOrder;
 use super::whole_scene::WholeScene;
 use crate::checker::MeshModel;
 use crate::math::Extremes;
-use crate::monitor::cloud::{SelfFilter, Sieve};
+use crate::monitor::cloud::SelfFilter;
 use crate::monitor::scene::{
-    OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, TransformTree,
+    OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, Subject, TransformTree, Unfit,
 };
 use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, WorldSource};
 use crate::robot::{LinkPoses, RobotModel};
-use crate::world::Obstacle;
+use clouds::Cloud;
 
 /// Orders that wait for a robot at most; later ones are refused.
 const WAITING: usize = 1000;
@@ -63,14 +65,24 @@ pub struct SceneKeeper {
     pub octomap: Option<Arc<OctomapWithPose>>,
     /// When the octomap was seen last, if one came since it was cleared.
     octomap_seen: Option<Sight>,
+    /// Whether the octomap in force tells of any place.
+    octomap_shows_room: bool,
+    /// Why the last octomap of a topic shows nothing of the room, if it does not.
+    blind_octomap: Option<String>,
     clouds: BTreeMap<String, Cloud>,
     filter: Option<SelfFilter>,
     /// What came before there was a robot.
     waiting: VecDeque<SceneOrder>,
     /// What was refused of the last message that changed the scene, or was meant to.
     faults: Vec<String>,
-    /// What was lost of the scene because another robot came, until a whole scene comes.
+    /// What of the scene does not fit to another robot that came, until a whole scene comes.
     unfit: Vec<String>,
+    /// What the robot before held and this one can not, until a whole scene comes.
+    dropped_objects: Vec<String>,
+    /// What failed as a whole, until a whole scene comes.
+    failure: Option<String>,
+    /// What of the last message changes nothing, though it was meant to.
+    ineffective: Vec<String>,
     missing: MissingObjects,
     lost: LostMessages,
     /// Messages with faults that were logged of late.
@@ -81,16 +93,6 @@ pub struct SceneKeeper {
     /// Whether a message or sensor ever changed the scene.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
-}
-
-/// The last cloud of one topic.
-#[derive(Default)]
-struct Cloud {
-    seen: Option<Sight>,
-    report: CloudReport,
-    /// When the message came that is being made use of.
-    since: Option<Instant>,
-    complained: Option<Instant>,
 }
 
 /// What sensors have to say for themselves.
@@ -106,7 +108,7 @@ impl SceneKeeper {
     /// The scene as it was: what was made of it last can not be checked.
     pub fn go_back(&mut self, scene: &PlanningSceneState, fault: &str) {
         self.stay_in(scene.clone());
-        self.faults.push(fault.to_owned());
+        self.note_failure(fault);
     }
 
     /// The scene as it was, since another robot is refused.
@@ -133,10 +135,12 @@ impl SceneKeeper {
 
     /// Another robot stands in the same scene.
     pub fn fit_to(&mut self, robot: &RobotModel) {
-        let warnings = self.state.fit_to(robot);
-        for warning in &warnings {
+        let Unfit { dropped, warnings } = self.state.fit_to(robot);
+        for warning in dropped.iter().chain(&warnings) {
             log::warn!("{warning}");
         }
+        self.dropped_objects.extend(dropped);
+        self.dropped_objects.truncate(TOLD);
         self.unfit = warnings.into_iter().take(TOLD).collect();
     }
 
@@ -144,6 +148,9 @@ impl SceneKeeper {
     pub fn wait(&mut self, order: SceneOrder) {
         if order.is_waited_for() {
             log::warn!("{}: there is no robot model yet", order.source);
+            if let Some(update) = &order.update {
+                self.missing.note_unused(order.source, update, "there was no robot model yet");
+            }
             if let Some(done) = order.done {
                 let _ = done.try_send(false);
             }
@@ -162,8 +169,13 @@ impl SceneKeeper {
 
     /// Does what a message asks for; whether that changed anything.
     pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
-        let SceneOrder { source, update, mut refusals, lost, octomap, done, .. } = order;
+        let SceneOrder { source, mut update, mut refusals, lost, mut octomap, done, .. } = order;
         self.lost.note(source, lost);
+        if self.note_blindness(source, update.as_ref()) && glimpse.parameters.blind_makes_unknown() {
+            // the last map that showed something stays in force
+            self.octomap_seen = octomap.take().map(|(_, sight)| sight);
+            update = None;
+        }
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
         let (mut changed, mut warnings) = (false, Vec::new());
         if let Some(update) = &update {
@@ -174,6 +186,8 @@ impl SceneKeeper {
             let applied = self.state.apply(update, &context);
             changed = applied.changed;
             refusals.extend(applied.refusals);
+            self.ineffective = applied.ineffective.iter().map(|text| format!("{source}: {text}")).collect();
+            warnings.extend_from_slice(&self.ineffective);
             warnings.extend(applied.warnings.iter().map(|warning| format!("{source}: {warning}")));
         }
         let after = self.state.world.obstacle_by_name(OCTOMAP);
@@ -187,6 +201,10 @@ impl SceneKeeper {
             self.lost.heed(update);
             if update.is_whole() {
                 self.unfit.clear();
+            }
+            if update.is_whole_of_robot() {
+                self.dropped_objects.clear();
+                self.failure = None;
             }
         }
         warnings.extend_from_slice(&self.faults);
@@ -224,22 +242,27 @@ impl SceneKeeper {
         refusals: &[SceneRefusal],
         update: Option<&SceneUpdate>,
     ) {
-        if refusals.iter().any(|refusal| refusal.object.as_deref() == Some(OCTOMAP)) {
+        let is_rejected =
+            |refusal: &SceneRefusal| refusal.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap);
+        if refusals.iter().any(is_rejected) {
             return;
         }
-        let leaves_it = match update {
-            Some(SceneUpdate::Octomap(_) | SceneUpdate::World(_)) => false,
-            Some(SceneUpdate::Scene(scene)) => {
-                (scene.is_diff || scene.keeps_octomap) && scene.world.octomap.is_none()
-            }
-            Some(SceneUpdate::Object(_) | SceneUpdate::Attached(_)) | None => true,
-        };
-        if leaves_it {
-            return;
-        }
+        let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
+        self.octomap_shows_room = octomap.is_some() && update.shows_room();
         self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
+    }
+
+    /// Takes note of whether an octomap of a topic shows nothing, after one that showed something. A scene that takes the map away means it.
+    fn note_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
+        let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
+        let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
+        let showed_room = self.octomap_shows_room || self.blind_octomap.is_some();
+        let is_blind = is_of_sensor && !update.shows_room() && showed_room;
+        let cause = || format!("the octree of {source} has no leaf, neither occupied nor free");
+        self.blind_octomap = is_blind.then(cause);
+        is_blind
     }
 
     fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal], update: Option<&SceneUpdate>) {
@@ -262,91 +285,6 @@ impl SceneKeeper {
             // a client that has gone needs no answer
             let _ = done.try_send(succeeded);
         }
-    }
-
-    /// Lets the newest clouds take the place of those before; whether any did.
-    pub fn see(
-        &mut self,
-        messages: BTreeMap<String, CloudMessage>,
-        robot: &Arc<RobotModel>,
-        glimpse: &Glimpse,
-    ) -> bool {
-        let parameters = &glimpse.parameters;
-        let mut changed = self.forget_unwatched(parameters);
-        for (topic, message) in messages {
-            if !parameters.point_cloud_topics.contains(&topic) {
-                continue;
-            }
-            let (since, stamp) = (message.since, message.stamp());
-            let seen = self.sieve(&topic, &message.cloud, robot, glimpse);
-            let cloud = self.clouds.entry(topic.clone()).or_default();
-            match seen {
-                Ok((obstacle, report)) => {
-                    cloud.report = report;
-                    cloud.seen = Some(Sight { stamp, at: message.came.steady });
-                    cloud.since = Some(since);
-                    self.state.set_sensed(&topic, obstacle);
-                    let context = SceneContext::new(
-                        robot,
-                        None,
-                        &glimpse.transforms,
-                        glimpse.now.ros,
-                        parameters.transform_ttl,
-                    );
-                    self.state.anchor(&topic, &message.cloud.header.frame_id, &context);
-                    self.dropped.retain(|name| *name != topic);
-                    changed = true;
-                }
-                Err(fault) => cloud.complain(&topic, fault),
-            }
-        }
-        self.touched |= changed;
-        changed
-    }
-
-    /// Clouds of topics that nobody asks for any more go.
-    fn forget_unwatched(&mut self, parameters: &Parameters) -> bool {
-        let watched = &parameters.point_cloud_topics;
-        let gone: Vec<String> =
-            self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();
-        for topic in &gone {
-            self.clouds.remove(topic);
-            self.state.set_sensed(topic, None);
-        }
-        !gone.is_empty()
-    }
-
-    fn sieve(
-        &mut self,
-        topic: &str,
-        message: &PointCloud2,
-        robot: &Arc<RobotModel>,
-        glimpse: &Glimpse,
-    ) -> Result<(Option<Obstacle>, CloudReport), String> {
-        let Glimpse { now, parameters, transforms, .. } = glimpse;
-        let points = decode(message)?;
-        let poses =
-            glimpse.poses_at(robot, topic).ok_or("no fresh joint state tells which points are the robot")?;
-        let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
-        let frame = &message.header.frame_id;
-        let pose_rc =
-            context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
-        let filter = match self.filter.take().filter(|filter| Arc::ptr_eq(filter.robot(), robot)) {
-            Some(filter) => filter,
-            None => SelfFilter::new(Arc::clone(robot)),
-        };
-        let filter = self.filter.insert(filter);
-        filter.hold(&self.state.world);
-        let sifted = sieve(parameters).sift(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
-        let report = CloudReport {
-            points: sifted.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
-            not_finite: points.dropped,
-            cropped: sifted.cropped,
-            of_robot: sifted.of_robot,
-            ..CloudReport::default()
-        };
-        let shape = sifted.cloud.map(crate::geometry::Shape::Points);
-        Ok((shape.map(|shape| Obstacle::of_shape(topic, crate::math::Pose::identity(), shape)), report))
     }
 
     /// Takes away what is too old, if the parameters want that; whether anything was.
@@ -419,23 +357,6 @@ impl SceneKeeper {
         self.dropped.iter().map(told).collect()
     }
 
-    /// What was refused of the last messages, and what the scene still lacks because it was refused.
-    #[must_use]
-    pub fn faults(&self) -> Vec<String> {
-        let of_clouds = self.clouds.iter().filter_map(|(topic, cloud)| {
-            Some(format!("the last cloud of '{topic}' was not taken: {}", cloud.report.fault.as_ref()?))
-        });
-        let missing = self.missing.told().filter(|fault| !self.faults.contains(fault));
-        self.faults
-            .iter()
-            .chain(&self.unfit)
-            .cloned()
-            .chain(self.lost.told())
-            .chain(missing)
-            .chain(of_clouds)
-            .collect()
-    }
-
     /// What came is in use from now on.
     pub fn note_in_use(&mut self) -> CloudReports {
         self.whole.note_in_use();
@@ -465,27 +386,5 @@ impl Glimpse {
         let mut poses = LinkPoses::new(robot);
         robot.forward_kinematics(then, &mut poses);
         Some(poses)
-    }
-}
-
-impl Cloud {
-    fn complain(&mut self, topic: &str, fault: String) {
-        const PAUSE: Duration = Duration::from_secs(1);
-        if self.complained.is_none_or(|at| at.elapsed() > PAUSE) {
-            self.complained = Some(Instant::now());
-            log::warn!("a cloud of '{topic}' is not taken: {fault}");
-        }
-        self.report.fault = Some(fault);
-    }
-}
-
-fn sieve(parameters: &Parameters) -> Sieve {
-    let corner = |numbers: &[f64]| <[f64; 3]>::try_from(numbers).ok();
-    Sieve {
-        point_radius: parameters.point_radius,
-        crop_min: corner(&parameters.cloud_crop_min),
-        crop_max: corner(&parameters.cloud_crop_max),
-        self_filter_padding: parameters.self_filter_padding,
-        voxel_size: parameters.cloud_voxel_size,
     }
 }

@@ -134,13 +134,87 @@ def test_points_that_are_no_place_are_dropped(shared, bad, axis):
     assert to_cloud(shared.sees(message)) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
 
 
-def test_a_cloud_of_nothing_is_heard_and_holds_nothing(shared):
-    shared.sees(cloud(WALL))
-    for empty in (cloud([]), cloud([(nan, nan, nan)] * 5)):
-        state = shared.sees(empty)
-        assert state.status == CollisionState.FREE
-        assert to_cloud(state) == inf
-        shared.sees(cloud(WALL))
+def blind_clouds():
+    """Each shows nothing of the room, with a word of the cause."""
+    angles = np.linspace(0, 2 * pi, 100)
+    return {
+        "empty": (cloud([]), "no points"),
+        "all NaN": (cloud([(nan, nan, nan)] * 5), "none of its 5 points"),
+        "all infinite": (cloud([(inf, 0, 0), (0, -inf, 0)]), "none of its 2 points"),
+        "all far away": (cloud([(1e30, 0, 0)]), "none of its 1 points"),
+        "all cropped": (cloud([(50, 0, 0), (60, 0, 0)]), "all of its 2 points"),
+        "all at the range limit": (cloud(np.stack([10 * np.cos(angles), 10 * np.sin(angles), 0 * angles], 1)), "10.000 m"),
+    }
+
+
+CROP = {"cloud_crop_min": [-20.0] * 3, "cloud_crop_max": [20.0] * 3}
+BLIND = ["empty", "all NaN", "all infinite", "all far away", "all cropped", "all at the range limit"]
+
+
+def published_until(cell, message, is_there, what):
+    """The first state of which this holds while the cloud is published again and again; it may be lost."""
+    publisher = cell.scene.topic(PointCloud2, "points", QOS)
+    seen = len(cell.states.messages)
+
+    def found():
+        message.header.stamp = cell.peer.now().to_msg()
+        publisher.publish(message)
+        return next((state for state in cell.states.messages[seen:] if is_there(state)), None)
+
+    return cell.peer.wait_for(found, what)
+
+
+def is_blind(state):
+    return state.status == CollisionState.UNKNOWN and state.reason_code == "blind_cloud"
+
+
+@pytest.mark.parametrize("kind", BLIND)
+def test_a_sensor_that_shows_nothing_is_blind_and_no_empty_room(start_cloud, kind):
+    cell = start_cloud(parameters=CROP)
+    message, cause = blind_clouds()[kind]
+    # as the first cloud, too
+    first = published_until(cell, message, is_blind, "UNKNOWN for a blind sensor")
+    assert "'points'" in first.reason and cause in first.reason
+    state = cell.sees(cloud([(2.11, 0, 0)]))
+    assert state.status == CollisionState.COLLIDING
+    seen = len(cell.states.messages)
+    published_until(cell, message, is_blind, "UNKNOWN for a sensor gone blind")
+    assert not cell.scene.validity(FOLDED).valid
+    assert all(state.status != CollisionState.FREE for state in cell.states.messages[seen:])
+    # the last cloud that showed something is in force beside that
+    cell.parameters.succeed(blind_cloud="warn")
+    cell.states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "a judgement", after=len(cell.states.messages))
+    cell.parameters.succeed(blind_cloud="unknown")
+    assert cell.sees(cloud(WALL)).status == CollisionState.FREE
+
+
+@pytest.mark.parametrize("kind", BLIND)
+def test_a_blind_sensor_is_a_warning_if_that_is_wanted(start_cloud, kind):
+    cell = start_cloud(parameters=CROP | {"blind_cloud": "warn"})
+    message, cause = blind_clouds()[kind]
+    assert cell.sees(cloud(WALL)).status == CollisionState.FREE
+    state = published_until(cell, message, lambda state: any(cause in text for text in state.warnings), "a warning")
+    assert state.status == CollisionState.FREE
+
+
+def test_a_cloud_of_the_robot_alone_is_not_blind(start_cloud):
+    cell = start_cloud(parameters={"self_filter_padding": 0.03})
+    state = cell.sees(cloud([(2, 0, 0), (1.5, 0, 0), (nan, nan, nan)]))
+    assert (state.status, to_cloud(state)) == (CollisionState.FREE, inf)
+
+
+def test_a_cloud_from_the_future_is_rejected(start_cloud):
+    cell = start_cloud(parameters={"point_cloud_ttl": 10.0})
+    cell.sees(cloud(WALL))
+    publisher = cell.scene.topic(PointCloud2, "points", QOS)
+    early = cloud(WALL, stamp=cell.peer.now() + Duration(seconds=3600))
+    seen = len(cell.states.messages)
+
+    def rejected():
+        publisher.publish(early)
+        return any(state.reason_code == "rejected_obstacle" for state in cell.states.messages[seen:])
+
+    cell.peer.wait_for(rejected, "UNKNOWN for a cloud of another clock")
 
 
 def organise(message, height, row_step):
@@ -169,11 +243,23 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("fault", BROKEN)
-def test_a_broken_cloud_is_refused_and_the_last_one_kept(shared, fault):
+def test_a_broken_cloud_makes_the_state_unknown_until_one_is_right(shared, fault):
     message, named = BROKEN[fault]
-    before = to_cloud(shared.sees(cloud(WALL)))
+    shared.sees(cloud(WALL))
+    seen = len(shared.states.messages)
     shared.says(message, "points", named)
-    assert to_cloud(shared.states.next()) == before
+    state = shared.unknown("rejected_obstacle", after=seen)
+    assert "'points'" in state.reason and named in state.reason
+    assert to_cloud(shared.sees(cloud(WALL))) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
+
+
+def test_a_broken_cloud_is_a_warning_if_that_is_wanted_and_the_last_one_kept(start_cloud):
+    cell = start_cloud(parameters={"rejected_obstacle": "warn"})
+    before = to_cloud(cell.sees(cloud(WALL)))
+    message, named = BROKEN["no z"]
+    cell.says(message, "points", named)
+    state = cell.states.next()
+    assert (state.status, to_cloud(state)) == (CollisionState.FREE, before)
 
 
 def test_a_best_effort_driver_is_heard(start_cloud):

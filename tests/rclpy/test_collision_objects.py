@@ -7,13 +7,16 @@ from math import inf, nan, pi
 
 import pytest
 from clearance_msgs.msg import CollisionState
+from clearance_msgs.srv import CheckMotion
 from geometry_msgs.msg import Quaternion, TransformStamped
-from moveit_msgs.msg import CollisionObject
+from moveit_msgs.msg import CollisionObject, PlanningSceneWorld
 from shape_msgs.msg import SolidPrimitive
+from std_msgs.msg import Bool
 from tf2_msgs.msg import TFMessage
 
 from cell import Cell
-from scene import attached, ball, box, cone, cube_mesh, cylinder, mesh, move, obstacle, plane, pose, removal, sphere
+from motions import Motions
+from scene import attached, ball, box, cone, cube_mesh, cylinder, full, mesh, move, obstacle, plane, pose, removal, sphere
 from scene_client import SceneClient, bodies, colliding, distance
 
 ACCURACY = 1e-6  # [m] curved primitives; boxes and balls do far better
@@ -153,18 +156,69 @@ def move_with_one_pose():
     return message
 
 
-def test_an_obstacle_that_was_refused_is_missed_until_something_about_it_is_not(cell, scene):
+def test_a_world_without_an_obstacle_that_was_rejected_is_unknown(cell, scene):
     """What is right about others makes nobody forget that it is not there."""
+    is_free = cell.peer.record(Bool, cell.node.private("is_free"))
+    motions = Motions(cell.peer, cell.node)
+    assert motions.check((0, 0), (0, 0.1)).verdict == CheckMotion.Response.FREE
+    seen = len(cell.states.messages)
+    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    reason = cell.unknown("rejected_obstacle", after=seen).reason
+    assert "'thing'" in reason and "header.frame_id" in reason and "nowhere" in reason
+    heard = len(is_free.messages)
+    scene.change(ball("other", 5))
+    state = cell.judged(joint1=0, joint2=0.1)
+    assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, "rejected_obstacle")
+    answer = motions.check((0, 0), (0, 0.1))
+    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "rejected_obstacle")
+    assert not scene.validity({"joint1": 0, "joint2": 0}).valid
+    assert not any(said.data for said in is_free.messages[heard:])
+
+    scene.change(ball("thing", 5))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    assert motions.check((0, 0), (0, 0.1)).verdict == CheckMotion.Response.FREE
+    assert scene.validity({"joint1": 0, "joint2": 0}).valid
+
+
+SETTLING = {
+    "an addition that is right": lambda: ball("thing", 5),
+    "a removal": lambda: removal("thing"),
+    "the removal of all": removal,
+    "a world": lambda: PlanningSceneWorld(),
+    "a whole scene": lambda: full(ball("other", 5)),
+}
+
+
+@pytest.mark.parametrize("by", SETTLING)
+def test_a_rejected_obstacle_counts_until_it_is_made_up_for(cell, scene, by):
+    seen = len(cell.states.messages)
+    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    cell.unknown("rejected_obstacle", after=seen)
+    seen = len(cell.states.messages)
+    scene.publish(SETTLING[by]())
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=seen)
+
+
+def test_a_move_does_not_make_up_for_shapes_that_were_rejected(cell, scene):
+    scene.change(ball("thing", 5))
+    seen = len(cell.states.messages)
+    more = obstacle("thing", mesh([], []), operation=CollisionObject.APPEND)
+    scene.refused(more, "thing", "mesh[0]")
+    cell.unknown("rejected_obstacle", after=seen)
+    scene.change(move("thing", pose(6)))
+    assert cell.judged(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
+    scene.change(ball("thing", 5))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+
+
+def test_a_rejected_obstacle_is_a_warning_if_that_is_wanted(start):
+    cell = start(parameters=NEARBY | {"rejected_obstacle": "warn"})
+    cell.judged(joint1=0, joint2=0)
+    scene = SceneClient(cell)
     scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     state = scene.change(ball("other", 5))
-    assert is_missed(state)
-    scene.change(ball("thing", 5))
-    # the world is in force a moment before what is said of it
-    cell.states.wait_for(lambda state: not is_missed(state), "no word about it any more", after=len(cell.states.messages))
-
-
-def is_missed(state):
-    return any("'thing'" in warning for warning in state.warnings)
+    assert state.status == CollisionState.FREE
+    assert any("'thing'" in warning for warning in state.warnings)
 
 
 def test_appending_to_nothing_adds(scene):
@@ -236,7 +290,8 @@ def test_an_object_in_a_frame_of_tf(peer, start):
     assert peer.wait_for(placed, "an obstacle in the frame of the camera") == pytest.approx(0.1, abs=ACCURACY)
 
 
-def test_an_unknown_frame_is_refused_and_nothing_is_lost(scene):
+def test_an_unknown_frame_is_refused_and_nothing_is_lost(cell, scene):
+    cell.parameters.succeed(rejected_obstacle="warn")
     scene.change(ball("first", 2.3))
     scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     # Nor does it take the place of what was there under its name.

@@ -6,12 +6,16 @@ import pytest
 from clearance_msgs.msg import CollisionState
 from rclpy.duration import Duration
 from rclpy.time import Time
+from moveit_msgs.msg import CollisionObject
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 import two_link
 from fail_safe import LONG, NOTHING_KNOWN, ONTO, ZERO, Situation, drives, swapping, table
 from localization import Localization
-from scene import ball
+from clouds import cloud
+from scene import ball, fine_mesh, obstacle, pose
 from scene_client import SceneClient
 
 PLANAR = """
@@ -111,6 +115,36 @@ def no_transform(s):
     s.until("no_transform", lambda: driver.publish({"lift": 0.0}))
 
 
+def blind_cloud(s):
+    cell = s.start(parameters={"point_cloud_topics": ["points"]})
+    cell.driver.report(**ZERO)
+    sensor = s.peer.node.create_publisher(PointCloud2, cell.node.relative("points"), 10)
+    s.peer.node.create_timer(0.05, lambda: sensor.publish(cloud([[nan, nan, nan]] * 5, stamp=s.peer.now())))
+
+
+def rejected_obstacle(s):
+    cell = s.start()
+    cell.driver.report(**ZERO)
+    scene = SceneClient(cell)
+    s.until("rejected_obstacle", lambda: scene.publish(ball("pillar", 9.0, frame="nowhere")))
+
+
+def lost_messages(s):
+    """A publisher that keeps one message overwrites what it could not send yet."""
+    cell = s.start()
+    cell.driver.report(**ZERO)
+    scene = SceneClient(cell)
+    scene.topic(CollisionObject, "collision_object", QoSProfile(depth=1))
+
+    message = obstacle("far", fine_mesh(2000), at=pose(9.0))
+
+    def overwhelm():
+        for _ in range(100):
+            scene.publish(message)
+
+    s.until("lost_messages", overwhelm)
+
+
 def stale_world(s):
     cell = s.start(parameters={"point_cloud_topics": ["points"]})
     cell.driver.report(**ZERO)
@@ -135,6 +169,11 @@ def lost_root(s):
 
 def deadline(s):
     s.start(parameters={"check_deadline": 1e-9})
+
+
+def no_positions(s):
+    s.judging()
+    s.until("gives no positions", lambda: s.tell(["joint1", "joint2"], []))
 
 
 def unknown_joint(s):
@@ -205,10 +244,14 @@ SCENARIOS = {
     "tf does not tell where a joint of `transform_joints` is, or its transform is older than `transform_ttl`": no_transform,
     "a joint of the robot has never been named": partial,
     "two publishers report a joint at different places (0.05 rad or m, and what it goes in 0.2 s) at about the same time (0.1 s)": contradiction,
+    "the last cloud of a topic has no usable point: it is empty, all NaN, cropped away or at one range; or an octomap has no leaf, after one that had (`blind_cloud: unknown`)": blind_cloud,
+    "something announced was rejected: an obstacle, attached object, octomap, cloud, or a message's matrix or link size (`rejected_obstacle: unknown`)": rejected_obstacle,
+    "messages about the world were lost on their way (`lost_messages: unknown`)": lost_messages,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
     "`require_planning_scene` or `planning_scene_service` is set, and no whole scene has come": untold_scene,
     "tf, which told again and again where the robot's root is in the frame that obstacles stand in, has been silent for `transform_ttl`, or does not connect the two": lost_root,
     "`check_deadline` passed before every pair was decided, and none was found to touch": deadline,
+    "a joint state names joints and gives velocities or efforts alone: it is skipped": no_positions,
     "a joint comes that the robot has not": unknown_joint,
     "a joint is outside its limits": outside_limits,
     "a joint is reported elsewhere than the joint it mimics takes it": mimic,

@@ -14,6 +14,8 @@ import two_link
 from clouds import cloud
 from fail_safe import LONG, SIMULATED, ZERO, Situation, drives, swapping, table
 from localization import Localization
+from scene import ball
+from scene_client import SceneClient
 
 
 def disabled_and_no_model(s):
@@ -148,6 +150,41 @@ def partial_and_stale_world(s):
     s.until("stale_world", lambda: driver.publish(ZERO))
 
 
+def contradiction_and_rejected_obstacle(s):
+    cell = s.start(parameters={"stale_after": 10.0}, driving=False)
+    scene = SceneClient(cell)
+
+    def publish(joint2):
+        stamp = s.peer.now()
+        cell.driver.publish(ZERO, stamp)
+        s.tell(list(ZERO), [0.0, joint2], stamp)
+        scene.publish(ball("pillar", 9.0, frame="nowhere"))
+
+    s.until("contradiction", lambda: publish(0.5))
+    yield
+    s.until("rejected_obstacle", lambda: publish(0.0))
+
+
+def blind_cloud_and_rejected_obstacle(s):
+    cell = s.start(parameters={"point_cloud_topics": ["points"], "point_cloud_ttl": 3600.0})
+    cell.driver.report(**ZERO)
+    scene = SceneClient(cell)
+    sensor = s.peer.node.create_publisher(PointCloud2, cell.node.relative("points"), 10)
+    scene.publish(ball("pillar", 9.0, frame="nowhere"))
+    s.until("blind_cloud", lambda: sensor.publish(cloud([[nan, nan, nan]], stamp=s.peer.now())))
+    yield
+    s.until("rejected_obstacle", lambda: sensor.publish(cloud([[5.0, 5.0, 5.0]], stamp=s.peer.now())))
+
+
+def rejected_obstacle_and_stale_world(s):
+    cell = s.start(parameters={"point_cloud_topics": ["points"]})
+    cell.driver.report(**ZERO)
+    scene = SceneClient(cell)
+    s.until("rejected_obstacle", lambda: scene.publish(ball("pillar", 9.0, frame="nowhere")))
+    yield
+    s.until("stale_world", lambda: scene.publish(ball("pillar", 9.0)))
+
+
 def stale_world_and_deadline(s):
     s.start(parameters={"point_cloud_topics": ["points"], "check_deadline": 1e-9})
     yield
@@ -172,6 +209,9 @@ TWO_FAULTS = [
     ("partial", "contradiction", partial_and_contradiction),
     ("contradiction", "stale_world", contradiction_and_stale_world),
     ("partial", "stale_world", partial_and_stale_world),
+    ("contradiction", "rejected_obstacle", contradiction_and_rejected_obstacle),
+    ("blind_cloud", "rejected_obstacle", blind_cloud_and_rejected_obstacle),
+    ("rejected_obstacle", "stale_world", rejected_obstacle_and_stale_world),
     ("stale_world", "deadline", stale_world_and_deadline),
 ]
 

@@ -156,3 +156,27 @@ def test_a_joint_state_that_arrives_old_is_stale(cell):
         for state in cell.states.messages
         if Time.from_msg(state.header.stamp) == stamp
     )
+
+
+def test_velocities_without_positions_are_skipped_with_a_warning(cell):
+    """The positions of before stay in force, and grow old."""
+    publisher = cell.peer.node.create_publisher(JointState, cell.node.relative("joint_states"), 10)
+    before = cell.judged(joint1=0, joint2=0)
+    cell.driver.pause()
+
+    def publish():
+        message = JointState(name=["joint1", "joint2"], velocity=[1.0, 1.0])
+        message.header.stamp = cell.peer.now().to_msg()
+        publisher.publish(message)
+        return next((s for s in cell.states.messages if any("gives no positions" in text for text in s.warnings)), None)
+
+    state = cell.peer.wait_for(publish, "a warning")
+    assert state.status == CollisionState.FREE
+    assert state.header.stamp.sec >= before.header.stamp.sec
+    cell.grows_old()
+
+    def is_stale():
+        publish()
+        return cell.states.messages[-1].reason_code == "stale"
+
+    cell.peer.wait_for(is_stale, "UNKNOWN, for velocities tell no position")

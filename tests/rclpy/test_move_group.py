@@ -120,7 +120,7 @@ def test_an_answer_that_a_change_overtook_is_asked_for_again(start, domain_id):
 def test_every_object_has_come_or_is_missed_aloud(start, depth, shape):
     """A publisher that keeps one message overwrites what it could not send yet."""
     count = 300
-    cell = start(parameters=NEARBY)
+    cell = start(parameters=NEARBY | {"lost_messages": "warn"})
     cell.judged(**STRETCHED)
     scene = SceneClient(cell)
     topic = scene.topic(CollisionObject, "collision_object", QoSProfile(depth=depth))

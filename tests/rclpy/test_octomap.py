@@ -254,15 +254,49 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("fault", BROKEN)
-def test_a_broken_map_is_refused_and_the_last_one_kept(scene, fault):
+def test_a_broken_map_makes_the_state_unknown_until_one_is_right(cell, scene, fault):
     scene.change(NEAR.message(), topic="octomap_binary")
     message = BROKEN[fault]
+    seen = len(cell.states.messages)
     scene.refused(message, "octomap", topic=TOPICS[message.binary])
+    assert "octomap" in cell.unknown("rejected_obstacle", after=seen).reason
+    # the last one is kept
+    cell.parameters.succeed(rejected_obstacle="warn")
     state = scene.change(ball("a", 2.3, 0.3))
     assert near(state) == pytest.approx(0.1, abs=ACCURACY)
-
-
-def test_a_map_of_nothing_is_an_empty_one(scene):
+    cell.parameters.succeed(rejected_obstacle="unknown")
     scene.change(NEAR.message(), topic="octomap_binary")
-    state = scene.change(Octomap(binary=True, id="OcTree", resolution=0.1), topic="octomap_binary")
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+
+
+def blank():
+    return Octomap(binary=True, id="OcTree", resolution=0.1)
+
+
+def test_the_first_map_may_be_one_of_nothing(scene):
+    """MoveIt publishes an empty one at its start."""
+    assert scene.change(blank(), topic="octomap_binary").status == CollisionState.FREE
+
+
+def test_a_map_of_nothing_after_one_of_something_is_blind(cell, scene):
+    scene.change(NEAR.message(), topic="octomap_binary")
+    seen = len(cell.states.messages)
+    scene.publish(blank(), topic="octomap_binary")
+    assert "no leaf" in cell.unknown("blind_cloud", after=seen).reason
+    # the map before is in force beside that
+    cell.parameters.succeed(blind_cloud="warn")
+    cell.states.wait_for(lambda state: near(state) == pytest.approx(0.1, abs=ACCURACY), "the map", after=len(cell.states.messages))
+    cell.parameters.succeed(blind_cloud="unknown")
+    scene.clear_octomap()
+    state = cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
     assert near(state) is None
+
+
+def test_a_map_of_nothing_is_an_empty_one_if_that_is_wanted(start):
+    cell = start(parameters=NEARBY | {"blind_cloud": "warn"})
+    cell.judged(**STRETCHED)
+    scene = SceneClient(cell)
+    scene.change(NEAR.message(), topic="octomap_binary")
+    state = scene.change(blank(), topic="octomap_binary")
+    assert (state.status, near(state)) == (CollisionState.FREE, None)
+    cell.states.wait_for(lambda state: any("no leaf" in text for text in state.warnings), "a warning")

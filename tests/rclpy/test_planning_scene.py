@@ -124,7 +124,8 @@ def test_a_scene_attaches_and_detaches(cell, scene):
     assert names(state) == set()
 
 
-def test_what_is_right_in_a_diff_comes_into_force_and_the_rest_is_complained_about(scene):
+def test_what_is_right_in_a_diff_comes_into_force_and_the_rest_is_complained_about(cell, scene):
+    cell.parameters.succeed(rejected_obstacle="warn")
     scene.complaints.forget()
     state = scene.change(diff(ball("a", 2.3), ball("thing", 0.3, frame="nowhere"), ball("b", 2.3, 0.3)))
     assert names(state) == {"a", "b"}
@@ -227,6 +228,20 @@ def test_removing_an_object_forgets_what_it_was_allowed(permissive):
     assert colliding(state) == [{("link", "tip"), ("obstacle", "a")}]
 
 
+def test_a_matrix_that_is_rejected_leaves_nothing_allowed_that_it_may_have_taken_back(permissive):
+    scene = SceneClient(permissive)
+    scene.change(diff(ball("a", 2.15), allowed=matrix(*NEIGHBOURS, ("base", "tip"), ("tip", "a"))))
+    cut = matrix(*NEIGHBOURS)
+    cut.entry_values[0] = AllowedCollisionEntry(enabled=[True])
+    seen = len(permissive.states.messages)
+    scene.refused(diff(allowed=cut), "allowed_collision_matrix")
+    assert "allowed_collision_matrix" in permissive.unknown("rejected_obstacle", after=seen).reason
+    scene.change(diff(allowed=matrix(*NEIGHBOURS)))
+    permissive.states.wait_for(
+        lambda state: state.status == CollisionState.COLLIDING, "a judgement", after=len(permissive.states.messages)
+    )
+
+
 def test_a_matrix_that_is_not_square_is_refused(permissive):
     scene = SceneClient(permissive)
     for cut in (matrix(*NEIGHBOURS), matrix(*NEIGHBOURS, defaults={"tip": True})):
@@ -296,3 +311,32 @@ def test_a_burst_of_changes_ends_as_the_last_one_says(cell, scene):
     for i in range(10):
         publisher.publish(ball(f"thing_{i}", 2.3, i))
     cell.peer.wait_for(lambda: len(scene.obstacles()) == 10, "ten obstacles")
+
+
+def warned(cell, *words):
+    """Waits until a state warns of this."""
+    return cell.states.wait_for(
+        lambda state: any(all(word in text for word in words) for text in state.warnings), f"a warning of {words}"
+    )
+
+
+def test_a_robot_of_which_no_pair_is_checked_is_told_so(permissive):
+    """Whatever it does counts as free."""
+    warned(permissive, "there is no pair to check: every state counts as free")
+    scene = SceneClient(permissive)
+    state = scene.change(ball("a", 9))
+    assert not any("no pair" in text for text in state.warnings)
+
+
+def test_touch_links_and_entries_that_name_nothing_are_warnings(cell, scene):
+    part = ball("part", 1, 0.4, radius=0.05, frame="tip")
+    scene.change(attached("tip", part, ["tip", "finger"]))
+    warned(cell, "'part'", "touch_links", "'finger'")
+    scene.change(diff(allowed=matrix(*NEIGHBOURS, ("tip", "gone"), defaults={"away": True})))
+    warned(cell, "allowed_collision_matrix", "'away' and 'gone'")
+    scene.publish(diff(allowed=matrix(defaults={"part": True})))
+    warned(cell, "default entries alone")
+    # a name that comes to stand for something is warned of no more
+    scene.change(diff(ball("gone", 9), ball("away", 9), allowed=matrix(*NEIGHBOURS, ("tip", "gone"), defaults={"away": True})))
+    scene.change(attached("tip", part, ["tip"]))
+    cell.states.wait_for(lambda state: state.warnings == [], "no warning", after=len(cell.states.messages))

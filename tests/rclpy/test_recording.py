@@ -5,6 +5,7 @@ from math import pi
 
 import pytest
 from clearance_msgs.msg import CollisionState
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool
@@ -289,3 +290,26 @@ def test_a_robot_that_was_refused_is_refused_again(start, peer, file):
     ended(cell)
 
     assert same(file) > 0
+
+
+def test_a_recording_that_can_not_be_written_is_a_warning_while_it_lasts(start, peer, tmp_path):
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    diagnostics = peer.record(DiagnosticArray, "/diagnostics")
+    cell = start(parameters=recorded(folder / "run.mcap"))
+    assert cell.judged(**FOLDED).warnings == []
+
+    def warns(state):
+        return any("run.mcap was moved or removed" in text for text in state.warnings)
+
+    folder.rename(tmp_path / "gone")
+    state = cell.states.wait_for(warns, "a warning of the recording")
+    assert state.status == CollisionState.FREE
+    diagnostics.wait_for(
+        lambda array: any("moved or removed" in item.value for status in array.status for item in status.values), "the same"
+    )
+    (tmp_path / "gone").rename(folder)
+    cell.states.wait_for(lambda state: not warns(state), "no warning", after=len(cell.states.messages))
+    ended(cell)
+    # warnings of the recording are no part of it
+    assert same(folder / "run.mcap") > 0

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{AttachedChange, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal};
+use super::{
+    AttachedChange, Extent, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal,
+};
 use crate::math::Pose;
 use crate::monitor::status::quoted;
 use crate::robot::LinkId;
@@ -11,6 +13,16 @@ use crate::world::AttachedObject;
 
 impl PlanningSceneState {
     pub(super) fn change_attached(
+        &mut self,
+        change: &AttachedChange,
+        context: &SceneContext,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), SceneRefusal> {
+        let applied = self.attach_or_detach(change, context, warnings).map_err(SceneRefusal::of_attached);
+        if change.extent() == Extent::Pose { applied.map_err(SceneRefusal::of_pose) } else { applied }
+    }
+
+    fn attach_or_detach(
         &mut self,
         change: &AttachedChange,
         context: &SceneContext,
@@ -115,7 +127,7 @@ impl PlanningSceneState {
         }
         let object = self.world.attached_by_name(id).ok_or_else(|| {
             SceneRefusal::of(id, "object.operation: it can not be detached, because no link holds it")
-                .of_nothing()
+                .without_gap()
         })?;
         if !link.is_empty() && object.link != *link {
             let holder = &object.link;

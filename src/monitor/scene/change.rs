@@ -80,6 +80,8 @@ pub struct OctomapPlacement {
     pub frame: String,
     pub pose_fo: Pose,
     pub shape: Option<Shape>,
+    /// Whether it tells nothing of any place: no leaf at all, neither occupied nor free.
+    pub is_blank: bool,
 }
 
 /// All obstacles anew: `moveit_msgs/PlanningSceneWorld`.
@@ -112,6 +114,8 @@ pub struct RobotStateChange {
 pub struct SceneChange {
     pub robot_model_name: String,
     pub is_diff: bool,
+    /// Whether the message gives `fixed_frames`, also where none of them could be read.
+    pub names_frames: bool,
     pub fixed_frames: Vec<FixedFrame>,
     pub robot_state: RobotStateChange,
     pub matrix: MatrixEntries,
@@ -134,6 +138,34 @@ impl SceneUpdate {
         }
     }
 
+    /// Whether it says all of what links hold.
+    #[must_use]
+    pub fn is_whole_of_robot(&self) -> bool {
+        matches!(self, Self::Scene(scene) if !scene.is_diff && !scene.robot_state.is_diff)
+    }
+
+    /// Whether it says what octomap there is, or that there is none.
+    #[must_use]
+    pub fn changes_octomap(&self) -> bool {
+        match self {
+            Self::Octomap(_) | Self::World(_) => true,
+            Self::Scene(scene) => !(scene.is_diff || scene.keeps_octomap) || scene.world.octomap.is_some(),
+            Self::Object(_) | Self::Attached(_) => false,
+        }
+    }
+
+    /// Whether it brings an octomap that tells of any place.
+    #[must_use]
+    pub fn shows_room(&self) -> bool {
+        let octomap = match self {
+            Self::Octomap(octomap) => octomap.as_ref(),
+            Self::World(world) => world.octomap.as_ref(),
+            Self::Scene(scene) => scene.world.octomap.as_ref(),
+            Self::Object(_) | Self::Attached(_) => None,
+        };
+        octomap.is_some_and(|octomap| !octomap.is_blank)
+    }
+
     /// Whether it says something of objects, or of what the robot makes of them: not of an octomap or the robot's joints alone, which are told
     /// again and again.
     #[must_use]
@@ -144,6 +176,7 @@ impl SceneUpdate {
             Self::Scene(scene) => {
                 let SceneChange {
                     is_diff,
+                    names_frames,
                     fixed_frames,
                     robot_state,
                     matrix,
@@ -153,7 +186,7 @@ impl SceneUpdate {
                     ..
                 } = scene.as_ref();
                 let MatrixEntries { entry_names, default_entry_names, .. } = matrix;
-                let is_silent = fixed_frames.is_empty()
+                let is_silent = (fixed_frames.is_empty() && !names_frames)
                     && robot_state.attached.is_empty()
                     && (robot_state.is_diff || !robot_state.names_joints)
                     && (entry_names.is_empty() && default_entry_names.is_empty())
@@ -161,38 +194,6 @@ impl SceneUpdate {
                     && world.objects.is_empty();
                 !(*is_diff && is_silent)
             }
-        }
-    }
-
-    /// Whether it says something anew about an object that was refused before, as something in the world or as what a link was to hold.
-    #[must_use]
-    pub fn settles(&self, id: &str, is_attached: bool) -> bool {
-        let takes_all = |object: &ObjectChange| object.id.is_empty() && object.operation == Operation::Remove;
-        let in_world = |object: &ObjectChange| object.id == id || (takes_all(object) && !is_attached);
-        let held = |object: &ObjectChange| object.id == id || (takes_all(object) && is_attached);
-        match self {
-            Self::Object(object) => in_world(object),
-            Self::Attached(attached) => held(&attached.object),
-            Self::World(_) => !is_attached,
-            Self::Scene(scene) => {
-                let SceneChange { is_diff, world, robot_state, .. } = scene.as_ref();
-                let mut attached = robot_state.attached.iter().map(|attached| &attached.object);
-                !is_diff
-                    || world.objects.iter().any(in_world)
-                    || attached.any(held)
-                    || (id == super::OCTOMAP && world.octomap.is_some())
-            }
-            Self::Octomap(_) => id == super::OCTOMAP,
-        }
-    }
-
-    /// Whether a link is to hold an object.
-    #[must_use]
-    pub fn attaches(&self, id: &str) -> bool {
-        match self {
-            Self::Attached(attached) => attached.object.id == id,
-            Self::Scene(scene) => scene.robot_state.attached.iter().any(|attached| attached.object.id == id),
-            Self::Object(_) | Self::World(_) | Self::Octomap(_) => false,
         }
     }
 }
@@ -217,7 +218,8 @@ mod tests {
         let update = |scene: SceneChange| SceneUpdate::Scene(Box::new(scene));
         let diff = || SceneChange { is_diff: true, ..SceneChange::default() };
         let robot_state = RobotStateChange { is_diff: true, names_joints: true, attached: Vec::new() };
-        let map = OctomapPlacement { frame: String::new(), pose_fo: Pose::identity(), shape: None };
+        let map =
+            OctomapPlacement { frame: String::new(), pose_fo: Pose::identity(), shape: None, is_blank: true };
         let world = WorldChange { objects: Vec::new(), octomap: Some(map.clone()) };
         let silent = [
             update(SceneChange { robot_state, ..diff() }),

@@ -15,6 +15,8 @@ mod anchors;
 mod attached;
 mod change;
 mod frames;
+mod gaps;
+mod ineffective;
 mod objects;
 mod refusal;
 mod scenes;
@@ -32,7 +34,8 @@ pub use change::{
     SceneUpdate, WorldChange,
 };
 pub use frames::SceneContext;
+pub use gaps::{Extent, Gap, Subject};
 pub use refusal::SceneRefusal;
-pub use state::{Applied, OCTOMAP, PlanningSceneState};
+pub use state::{Applied, OCTOMAP, PlanningSceneState, Unfit};
 pub use transform_tree::{Transform, TransformTree};
 pub(in crate::monitor) use way::{Link, Way};

@@ -1,7 +1,10 @@
 //! Obstacles: added, replaced, extended, moved and removed.
 
 use super::state::OCTOMAP;
-use super::{ObjectChange, OctomapPlacement, Operation, PlanningSceneState, SceneContext, SceneRefusal};
+use super::{
+    Extent, Gap, ObjectChange, OctomapPlacement, Operation, PlanningSceneState, SceneContext, SceneRefusal,
+    Subject,
+};
 use crate::math::Pose;
 use crate::world::Obstacle;
 
@@ -18,7 +21,7 @@ impl PlanningSceneState {
                 Ok(())
             }
             Operation::Remove => self.remove_object(&change.id),
-            Operation::Move => self.move_object(change, context, warnings),
+            Operation::Move => self.move_object(change, context, warnings).map_err(SceneRefusal::of_pose),
             Operation::Add | Operation::Append => self.add_object(change, context),
         }
     }
@@ -26,7 +29,8 @@ impl PlanningSceneState {
     /// Whether an object may bear this name.
     pub(super) fn check_name(&self, id: &str, context: &SceneContext) -> Result<(), SceneRefusal> {
         if id.is_empty() {
-            return Err(SceneRefusal::new("id is empty: every object needs a name"));
+            let unnamed = Gap::new(Subject::Object, "", Extent::Shapes);
+            return Err(SceneRefusal::new("id is empty: every object needs a name").leaving(unnamed));
         }
         if id == OCTOMAP || self.is_sensed(id) {
             return Err(SceneRefusal::of(id, "id: the name belongs to what sensors see; take another one"));
@@ -123,14 +127,15 @@ impl PlanningSceneState {
             return Err(SceneRefusal::of(
                 id,
                 "operation: what sensors see is not removed by name; see clear_octomap and point_cloud_ttl",
-            ));
+            )
+            .without_gap());
         }
         self.world.remove(id).map_err(|_| {
             SceneRefusal::of(
                 id,
                 "operation: it can not be removed, because there is no such object in the world",
             )
-            .of_nothing()
+            .without_gap()
         })?;
         self.kinds.remove(id);
         self.anchors.remove(id);
@@ -173,9 +178,9 @@ impl PlanningSceneState {
             return Ok(());
         };
         let pose_rf = (context.frame_pose(&octomap.frame, self))
-            .map_err(|message| SceneRefusal::of(OCTOMAP, format!("header.frame_id: {message}")))?;
+            .map_err(|message| SceneRefusal::of_octomap(format!("header.frame_id: {message}")))?;
         let obstacle = Obstacle::of_shape(OCTOMAP, pose_rf * octomap.pose_fo, shape);
-        (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of(OCTOMAP, error.to_string()))?;
+        (self.world.replace(obstacle)).map_err(|error| SceneRefusal::of_octomap(error.to_string()))?;
         self.anchor(OCTOMAP, &octomap.frame, context);
         Ok(())
     }

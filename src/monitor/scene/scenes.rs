@@ -2,8 +2,8 @@
 
 use super::state::{Applied, OCTOMAP};
 use super::{
-    FixedFrame, Operation, PlanningSceneState, RobotStateChange, SceneChange, SceneContext, SceneRefusal,
-    WorldChange,
+    Extent, FixedFrame, Gap, Operation, PlanningSceneState, RobotStateChange, SceneChange, SceneContext,
+    SceneRefusal, Subject, WorldChange,
 };
 use crate::checker::AllowedCollisionMatrix;
 use crate::monitor::status::quoted;
@@ -72,7 +72,9 @@ impl PlanningSceneState {
             self.link_padding.clear();
             self.link_scale.clear();
         }
-        self.set_fixed_frames(&change.fixed_frames, context, applied);
+        if change.names_frames || !change.fixed_frames.is_empty() {
+            self.set_fixed_frames(&change.fixed_frames, context, applied);
+        }
         self.change_robot_state(&change.robot_state, change.is_diff, context, applied);
         self.set_matrix(&change.matrix, change.is_diff, applied);
         self.set_link_sizes(change, context, applied);
@@ -83,11 +85,9 @@ impl PlanningSceneState {
         }
     }
 
-    /// Takes note of frames that stand still; those given take the place of all, as in `MoveIt`.
+    /// Takes note of frames that stand still; those given take the place of all, as in `MoveIt`, also where some are rejected: an
+    /// object is better rejected with its frame than placed where the frame was before.
     fn set_fixed_frames(&mut self, frames: &[FixedFrame], context: &SceneContext, applied: &mut Applied) {
-        if frames.is_empty() {
-            return;
-        }
         self.fixed_frames.clear();
         self.frame_anchors.clear();
         for frame in frames {
@@ -132,10 +132,8 @@ impl PlanningSceneState {
         }
         for attached in &change.attached {
             if !change.is_diff && attached.object.operation != Operation::Add {
-                applied.refusals.push(SceneRefusal::of(
-                    &attached.object.id,
-                    "object.operation: only ADD is possible unless robot_state.is_diff is set",
-                ));
+                let message = "object.operation: only ADD is possible unless robot_state.is_diff is set";
+                applied.refusals.push(SceneRefusal::of(&attached.object.id, message).of_attached());
                 continue;
             }
             let result = self.change_attached(attached, context, &mut applied.warnings);
@@ -158,10 +156,16 @@ impl PlanningSceneState {
         }
         let matrix = match AllowedCollisionMatrix::from_entries(entries) {
             Ok(matrix) => matrix,
-            Err(error) => return applied.refusals.push(SceneRefusal::new(error.to_string())),
+            Err(error) => {
+                let refusal = SceneRefusal::new(error.to_string());
+                // the SRDF's pairs are those that were always meant; another message's may be just what this one takes back
+                let gap = self.matrix.as_ref().map(|_| Gap::new(Subject::Matrix, "", Extent::Shapes));
+                applied.refusals.push(SceneRefusal { gap, ..refusal });
+                return;
+            }
         };
         if is_diff && entries.entry_names.is_empty() {
-            applied.warnings.push(
+            applied.ineffective.push(
                 "allowed_collision_matrix: a difference with default entries alone changes nothing, as in MoveIt; \
                  give entry_names"
                     .to_owned(),
@@ -188,7 +192,7 @@ impl PlanningSceneState {
                 }
                 let message =
                     format!("link_padding of '{link}' is {padding}, but must be metres, zero or more");
-                Err(SceneRefusal::new(message))
+                Err(SceneRefusal::new(message).leaving(Gap::new(Subject::LinkPadding, link, Extent::Shapes)))
             }));
         }
         for (link, scale) in &change.link_scale {
@@ -200,7 +204,7 @@ impl PlanningSceneState {
                 let message = format!(
                     "link_scale of '{link}' is {scale}, but must be above zero and at most {LARGEST_SCALE}"
                 );
-                Err(SceneRefusal::new(message))
+                Err(SceneRefusal::new(message).leaving(Gap::new(Subject::LinkScale, link, Extent::Shapes)))
             }));
         }
     }

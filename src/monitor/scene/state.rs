@@ -40,8 +40,18 @@ pub struct Applied {
     pub changed: bool,
     /// What was odd but accepted.
     pub warnings: Vec<String>,
+    /// What changes nothing, though it was meant to.
+    pub ineffective: Vec<String>,
     /// What was not done.
     pub refusals: Vec<SceneRefusal>,
+}
+
+/// What of a scene does not fit to another robot.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Unfit {
+    /// Objects that are no longer in the scene, wherever they are.
+    pub dropped: Vec<String>,
+    pub warnings: Vec<String>,
 }
 
 impl Applied {
@@ -99,13 +109,13 @@ impl PlanningSceneState {
     }
 
     /// Leaves out what another robot cannot have; gives what that was.
-    pub fn fit_to(&mut self, robot: &RobotModel) -> Vec<String> {
-        let mut warnings = Vec::new();
+    pub fn fit_to(&mut self, robot: &RobotModel) -> Unfit {
+        let Unfit { mut dropped, mut warnings } = Unfit::default();
         let gone: Vec<_> =
             self.world.attached().iter().filter(|o| robot.link_by_name(&o.link).is_none()).cloned().collect();
         for object in gone {
             let (name, link) = (&object.name, &object.link);
-            warnings.push(format!("object '{name}' is dropped: the robot has no link '{link}' any more"));
+            dropped.push(format!("object '{name}' is dropped: the robot has no link '{link}' any more"));
             let _ = self.world.drop_attached(name);
         }
         for (what, by_link) in
@@ -126,6 +136,6 @@ impl PlanningSceneState {
                 object.name
             ));
         }
-        warnings
+        Unfit { dropped, warnings }
     }
 }

@@ -50,7 +50,7 @@ impl Cell {
         let context = SceneContext::new(&self.robot, self.poses.as_ref(), &self.transforms, now, 1.0);
         let applied = self.scene.apply(update, &context);
         match applied.refusals.into_iter().next() {
-            None => Ok(applied.warnings),
+            None => Ok(applied.ineffective.into_iter().chain(applied.warnings).collect()),
             Some(refusal) => Err(refusal),
         }
     }
@@ -376,8 +376,8 @@ fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
     cell.object(add("a", "", Pose::identity())).unwrap();
     cell.attach(hold("hand", add("held", "hand", Pose::identity()))).unwrap();
     cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball())));
-    let octomap =
-        OctomapPlacement { frame: "flange".to_owned(), pose_fo: at(0.0, 0.0, 1.0), shape: Some(ball()) };
+    let (pose_fo, shape) = (at(0.0, 0.0, 1.0), Some(ball()));
+    let octomap = OctomapPlacement { frame: "flange".to_owned(), pose_fo, shape, is_blank: false };
     cell.apply(&SceneUpdate::Octomap(Some(octomap.clone()))).unwrap();
     assert_eq!(cell.places(OCTOMAP), [[0.0, 2.0, 1.0]]);
     let change = SceneChange {
@@ -485,8 +485,8 @@ fn another_robot_keeps_what_it_can() {
     };
     cell.scene(sized).unwrap();
     let other = RobotModel::from_urdf(&URDF.replace("\"hand\"", "\"thumb\""), &MeshFiles::default()).unwrap();
-    let warnings = cell.scene.fit_to(&other);
-    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    let unfit = cell.scene.fit_to(&other);
+    assert_eq!((unfit.dropped.len(), unfit.warnings.len()), (1, 2), "{unfit:?}");
     assert_eq!((cell.held(), cell.names()), (vec!["b"], vec!["thumb"]));
     assert_eq!(cell.scene.link_padding.len(), 1);
 }

@@ -5,12 +5,14 @@
 mod contact;
 mod ground;
 mod held;
+mod incomplete;
 mod laws;
 mod models;
 mod pace;
 mod placement;
 mod publishers;
 mod speed;
+mod unpositioned;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -443,9 +445,9 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
 #[test]
 fn what_was_refused_of_the_world_is_told() {
     let mut monitor = monitor();
-    monitor.note_world_faults(vec!["object 'a': no shapes".to_owned()]);
+    monitor.note_world_faults(vec!["object 'a': no shapes".to_owned()], None);
     assert_eq!(&*monitor.on_joint_state(state(0.0, FREE), at(0.0)).warnings, ["object 'a': no shapes"]);
-    monitor.note_world_faults(Vec::new());
+    monitor.note_world_faults(Vec::new(), None);
     assert!(monitor.on_heartbeat(at(0.1)).warnings.is_empty());
 }
 

@@ -42,10 +42,10 @@ fn what_others_publish_on_the_topic_takes_nothing_from_the_robot() {
     let gripper = monitor.on_joint_state(part(2, 0.1, &[("gripper", 0.0)]), at(0.1));
     assert_eq!((code(&gripper), gripper.stamp), ("FREE", Some(time(START))));
     assert!(gripper.warnings[0].contains("'gripper'"), "{:?}", gripper.warnings);
-    let broken = JointStateInput { positions: Vec::new(), ..part(2, 0.2, &[("gripper", 0.0)]) };
+    let broken = JointStateInput { positions: vec![0.0; 2], ..part(2, 0.2, &[("gripper", 0.0)]) };
     let broken = monitor.on_joint_state(broken, at(0.2));
     assert_eq!(code(&broken), "FREE");
-    assert!(broken.warnings.iter().any(|w| w.contains("1 names and 0 positions")), "{:?}", broken.warnings);
+    assert!(broken.warnings.iter().any(|w| w.contains("1 names and 2 positions")), "{:?}", broken.warnings);
     // the robot itself is heard no more
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.6, &[("gripper", 0.0)]), at(0.6))), "stale");
     // the gripper is forgotten when it falls silent

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::declaration::{Access, Declaration, Range, TOPICS};
-use super::{Parameters, STALE_SOURCE_POLICIES, UNKNOWN_SPACES};
+use super::{Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES};
 
 /// The parameter called `name`.
 #[must_use]
@@ -31,6 +31,11 @@ pub(super) fn unknown(name: &str) -> String {
 /// Every parameter, by name. `config/clearance.yaml` says the same with more words; a test compares them.
 pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     vec![
+        unknown_or_warn(
+            "blind_cloud",
+            |p| &mut p.blind_cloud,
+            "What a cloud or octomap does that shows nothing of the room: it makes the state unknown, or is a warning.",
+        ),
         double(
             "check_deadline",
             "s",
@@ -135,6 +140,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.look_ahead_horizon,
             "How far ahead contacts are looked for from the joint velocities; 0 turns it off.",
         ),
+        unknown_or_warn(
+            "lost_messages",
+            |p| &mut p.lost_messages,
+            "What lost messages about the world do: they make the state unknown until a whole scene comes, or are a warning.",
+        ),
         double(
             "marker_rate",
             "Hz",
@@ -212,6 +222,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             (0.0, 1e9),
             |p| &mut p.record_max_size,
             "Size at which a recording ends; 0 means never.",
+        ),
+        unknown_or_warn(
+            "rejected_obstacle",
+            |p| &mut p.rejected_obstacle,
+            "What an obstacle that was announced and rejected does: it makes the state unknown, or is a warning.",
         ),
         boolean(
             "require_planning_scene",
@@ -350,6 +365,15 @@ fn integer(
         range: Range::Integer { from, to },
         access: Access::Integer(field),
     }
+}
+
+fn unknown_or_warn(
+    name: &'static str,
+    field: fn(&mut Parameters) -> &mut &'static str,
+    description: &'static str,
+) -> Declaration {
+    let range = Range::Word(UNKNOWN_OR_WARN);
+    Declaration { name, unit: "", description, range, access: Access::Word(field) }
 }
 
 fn boolean(

@@ -8,7 +8,7 @@ use serde_json::{Map, Value as Json};
 
 use crate::monitor::{LeftOut, Now, Time};
 use crate::node::parameter_value::{self, Value};
-use crate::node::parameters::{DECLARATIONS, Parameters};
+use crate::node::parameters::{DECLARATIONS, Parameters, UNKNOWN_OR_WARN};
 
 /// One thing that changed what is known or said. The messages that it is about stand right before it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -212,6 +212,12 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
     if !json.contains_key("exact_distance_share") {
         // before there was a choice distances were exact
         parameters.exact_distance_share = 0.0;
+    }
+    // before there was a choice these were warnings
+    for name in ["blind_cloud", "rejected_obstacle", "lost_messages"] {
+        if !json.contains_key(name) {
+            parameters.assign(name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;
+        }
     }
     parameters.check_together()?;
     Ok(parameters)

@@ -1,8 +1,8 @@
 //! What the parts of the node tell the recorder: they never wait for it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::TransformStamped;
@@ -132,6 +132,18 @@ pub(super) struct Backlog {
     pub lost: AtomicU64,
     /// Nothing that comes later belongs to the recording.
     pub ended: AtomicBool,
+    /// Why the file lacks something, or is not where it was, if it is so.
+    pub fault: Mutex<Option<String>>,
+}
+
+impl Backlog {
+    pub fn fault(&self) -> Option<String> {
+        self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    pub fn set_fault(&self, fault: Option<String>) {
+        *self.fault.lock().unwrap_or_else(PoisonError::into_inner) = fault;
+    }
 }
 
 impl Tape {
@@ -143,6 +155,12 @@ impl Tape {
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.0.is_some()
+    }
+
+    /// Why the recording can not be written, or not completely, if it is so.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        self.0.as_ref()?.backlog.fault()
     }
 
     /// As if so many steps had not fitted.

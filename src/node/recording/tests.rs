@@ -206,9 +206,9 @@ impl Cell {
                     self.tape.note(|| Happening::Told(Tidings::Checker));
                     self.monitor.set_checker(revision);
                 }
-                Event::World(_, faults) => {
+                Event::World(_, faults, incomplete) => {
                     self.tape.note(|| Happening::Told(Tidings::World));
-                    self.monitor.note_world_faults(faults);
+                    self.monitor.note_world_faults(faults, incomplete);
                 }
                 _ => panic!("nothing else is expected"),
             }

@@ -1,8 +1,9 @@
 //! From happenings to a file, on a thread of its own.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -72,10 +73,19 @@ impl Recorder {
     ) -> Result<(Tape, Self), String> {
         let refused =
             |error: &dyn std::fmt::Display| format!("record_file: {}: {error}", settings.file.display());
-        let (file, path) = create(&settings.file).map_err(|error| refused(&error))?;
+        let created = create(&settings.file).map_err(|error| refused(&error))?;
+        Self::write_to(created, settings, (names, given, parameters)).map_err(|error| refused(&error))
+    }
+
+    /// Begins to write to a file that was made.
+    pub(super) fn write_to(
+        (file, path): (File, PathBuf),
+        settings: &RecordingSettings,
+        (names, given, parameters): (&Names, Given, &Parameters),
+    ) -> Result<(Tape, Self), Box<dyn std::error::Error>> {
         let topics = Topics::new(names);
-        let measured = file.try_clone().map_err(|error| refused(&error))?;
-        let mcap = mcap_writer(file).map_err(|error| refused(&error))?;
+        let measured = file.try_clone()?;
+        let mcap = mcap_writer(file)?;
         let (items, items_in) = mailbox::bounded(LONGEST_QUEUE);
         let backlog = Arc::new(Backlog::default());
         let tape = Tape::to(items, Arc::clone(&backlog));
@@ -87,12 +97,17 @@ impl Recorder {
             parameters: parameters_to_json(parameters),
             given: given.arguments,
         };
-        let limits = Limits { settings: settings.clone(), measured, began: Instant::now() };
+        let limits =
+            Limits { settings: settings.clone(), path: path.clone(), measured, began: Instant::now() };
         log::info!("recording to {}", path.display());
         let record = move || {
             let begun = given.files.iter().try_for_each(|file| writer.attach(file, file));
             let begun = begun.and_then(|()| writer.step(&started, system_time()));
             let written = begun.and_then(|()| follow(&mut writer, &items_in, &backlog, &limits));
+            let refuse = |error: &str| format!("recording to {} ended: {error}", path.display());
+            if let Err(error) = &written {
+                backlog.set_fault(Some(refuse(error)));
+            }
             // from here on nobody listens: what is told is passed over
             drop(items_in);
             let why = written.as_deref().unwrap_or("the recording failed").to_owned();
@@ -100,11 +115,15 @@ impl Recorder {
             let finished = ended.and_then(|()| writer.mcap.finish().map(drop).map_err(|e| e.to_string()));
             match written.and_then(|why| finished.map(|()| why)) {
                 Ok(why) => log::info!("{} is complete: {why}", path.display()),
-                Err(error) => log::error!("recording to {} ended: {error}", path.display()),
+                Err(error) => {
+                    let fault = refuse(&error);
+                    log::error!("{fault}");
+                    backlog.set_fault(Some(fault));
+                }
             }
         };
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(record);
-        Ok((tape, Self { thread: thread.map_err(|error| refused(&error))?, backlog: ends }))
+        Ok((tape, Self { thread: thread?, backlog: ends }))
     }
 
     #[cfg(test)]
@@ -125,11 +144,23 @@ impl Recorder {
 /// When a recording is long enough.
 struct Limits {
     settings: RecordingSettings,
+    path: PathBuf,
     measured: File,
     began: Instant,
 }
 
 impl Limits {
+    /// Why what is written will not be found, if it will not.
+    fn is_gone(&self) -> Option<String> {
+        let identity = |metadata: Metadata| (metadata.dev(), metadata.ino());
+        let written = self.measured.metadata().map(identity);
+        let found = self.path.metadata().map(identity);
+        let is_there = matches!((written, found), (Ok(written), Ok(found)) if written == found);
+        let path = self.path.display();
+        (!is_there)
+            .then(|| format!("the recording {path} was moved or removed: what is recorded now may be lost"))
+    }
+
     fn reached(&self) -> Option<String> {
         let RecordingSettings { max_size, max_duration, .. } = self.settings;
         #[expect(clippy::cast_precision_loss, reason = "a file's size is far below 2^52")]
@@ -152,12 +183,14 @@ fn follow(
     limits: &Limits,
 ) -> Result<String, String> {
     let mut flushed = Instant::now();
+    let mut missing: u64 = 0;
     loop {
         // what was told before the end is written; asked in this order, nothing of it is missed
         let ended = backlog.ended.load(Ordering::Relaxed);
         let item = wait_at_most(if ended { Duration::ZERO } else { LONGEST_WAIT }, items.receive());
         let lost = backlog.lost.swap(0, Ordering::Relaxed);
         if lost > 0 {
+            missing += lost;
             log::warn!("the recording misses {lost} steps here: the disk is slower than what happens");
             writer.step(&Step::Lost { steps: lost }, system_time())?;
         }
@@ -172,6 +205,12 @@ fn follow(
         if flushed.elapsed() >= FLUSH_PERIOD {
             flushed = Instant::now();
             writer.mcap.flush().map_err(|error| error.to_string())?;
+            let gap = || {
+                (missing > 0).then(|| {
+                    format!("the recording misses {missing} steps: the disk is slower than what happens")
+                })
+            };
+            backlog.set_fault(limits.is_gone().or_else(gap));
             if let Some(why) = limits.reached() {
                 return Ok(why);
             }

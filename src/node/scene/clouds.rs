@@ -47,6 +47,8 @@ pub struct CloudReport {
     pub latency: Duration,
     /// Why the last one was not taken, if it was not.
     pub fault: Option<String>,
+    /// Why the last one shows nothing of the room, if it does not.
+    pub blind: Option<String>,
 }
 
 impl CloudMessages {

@@ -56,12 +56,14 @@ pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRef
         return Ok(change);
     }
     change.frame.clone_from(&message.header.frame_id);
-    change.pose_fo = pose(&message.pose, "pose").map_err(refuse)?;
     if operation == Operation::Move {
+        let refuse = |why| refuse(why).of_pose();
+        change.pose_fo = pose(&message.pose, "pose").map_err(refuse)?;
         change.shape_poses = shape_poses(message).map_err(refuse)?;
         change.shapes = bare_shapes(message).map_err(refuse)?;
         return Ok(change);
     }
+    change.pose_fo = pose(&message.pose, "pose").map_err(refuse)?;
     change.shapes = shapes(message).map_err(refuse)?;
     change.subframes = subframes(message).map_err(refuse)?;
     Ok(change)
@@ -136,7 +138,7 @@ fn subframes(message: &CollisionObject) -> Result<Vec<(String, Pose)>, String> {
 pub fn attached_change(message: &AttachedCollisionObject) -> Result<AttachedChange, SceneRefusal> {
     Ok(AttachedChange {
         link: message.link_name.clone(),
-        object: object_change(&message.object)?,
+        object: object_change(&message.object).map_err(SceneRefusal::of_attached)?,
         touch_links: message.touch_links.clone(),
     })
 }
@@ -181,6 +183,7 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<
     let change = SceneChange {
         robot_model_name: message.robot_model_name.clone(),
         is_diff: message.is_diff,
+        names_frames: !message.fixed_frame_transforms.is_empty(),
         fixed_frames,
         robot_state: robot_state.change,
         matrix: entries(&message.allowed_collision_matrix),

@@ -84,7 +84,11 @@ fn unknown_world(situation: &Situation) -> Option<Reason> {
         return Some(Reason::NoGeometry);
     }
     let stale = judgement.and_then(|judgement| judgement.stale_world.clone());
-    scene.revision.stale_world(*now).or(stale)
+    // a scene that the monitor has not taken note of yet may be incomplete
+    let judged = judgement.and_then(|judgement| judgement.revision.as_ref());
+    let is_judged = judged.is_some_and(|judged| Arc::ptr_eq(judged, &scene.revision));
+    let incomplete = scene.revision.incomplete.clone().filter(|_| !is_judged);
+    scene.revision.stale_world(*now).or(incomplete).or(stale)
 }
 
 /// Whether an answer would have to evaluate constraints.

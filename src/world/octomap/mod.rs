@@ -85,6 +85,12 @@ impl Octomap {
         &self.cells
     }
 
+    /// Whether any cell is known to be free or occupied.
+    #[must_use]
+    pub fn has_known_cells(&self) -> bool {
+        self.cells.iter().any(|cell| cell.space != Space::Unknown)
+    }
+
     fn new(resolution: f64, cells: Vec<Cell>) -> Result<Self, OctomapError> {
         let largest = LARGEST_COORDINATE / f64::from(ORIGIN);
         // smaller ones have no 32-bit coordinates

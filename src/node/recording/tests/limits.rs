@@ -55,3 +55,48 @@ fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
     assert!(outcome.same <= 1 && !outcome.cut_off, "{outcome:?}");
     assert_eq!(again(&folder.path().join("record_1.mcap")).unwrap().same, 2);
 }
+
+/// What a recorder says of what it can not write, as soon as it does.
+fn fault(tape: &Tape) -> String {
+    let end = Instant::now() + Duration::from_secs(30);
+    while Instant::now() < end {
+        if let Some(fault) = tape.fault() {
+            return fault;
+        }
+        tape.note(|| Happening::Told(Tidings::World));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no fault of the recording is told");
+}
+
+#[test]
+fn a_disk_that_is_full_is_a_fault_of_the_recording() {
+    let path = PathBuf::from("/dev/full");
+    let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+    let settings = RecordingSettings { file: path.clone(), max_size: 0.0, max_duration: 0.0 };
+    let names = Names::new("clearance", &[]).unwrap();
+    let given = (&names, Given::default(), &Parameters::default());
+    let (tape, recorder) = Recorder::write_to((file, path), &settings, given).unwrap();
+    let fault = fault(&tape);
+    assert!(fault.contains("recording to /dev/full ended: "), "{fault}");
+    recorder.finish();
+    assert!(tape.fault().is_some(), "it lasts");
+}
+
+#[test]
+fn a_file_that_is_removed_or_moved_is_a_fault_of_the_recording_while_it_is_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let cell = Cell::start(folder.path());
+    let (file, elsewhere) = (folder.path().join("record.mcap"), folder.path().join("other.mcap"));
+    assert_eq!(cell.tape.fault(), None);
+    std::fs::rename(&file, &elsewhere).unwrap();
+    let fault = fault(&cell.tape);
+    assert!(fault.contains("record.mcap was moved or removed"), "{fault}");
+    std::fs::rename(&elsewhere, &file).unwrap();
+    let end = Instant::now() + Duration::from_secs(30);
+    while cell.tape.fault().is_some() {
+        assert!(Instant::now() < end, "the fault is told though the file is back");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    cell.end();
+}
