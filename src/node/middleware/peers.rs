@@ -3,14 +3,14 @@
 use std::collections::{HashMap, HashSet};
 use std::net::SocketAddr;
 use std::sync::Mutex;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use futures_lite::StreamExt;
+use futures_lite::{StreamExt, future};
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
 use smol::Timer;
 
 use super::bell;
-use super::first_request::question;
+use super::first_request::FirstRequests;
 use super::lock;
 use super::rtps::Wire;
 use crate::node::environment::Reach;
@@ -32,6 +32,7 @@ pub struct Peers {
     reliably_read: Mutex<HashSet<String>>,
     /// Readers of others that hear something of ours.
     hearers: Mutex<HashMap<GUID, Hearer>>,
+    first_requests: Mutex<FirstRequests>,
     wire: Option<Wire>,
 }
 
@@ -69,6 +70,7 @@ impl Peers {
             endpoints: Mutex::default(),
             reliably_read: Mutex::default(),
             hearers: Mutex::default(),
+            first_requests: Mutex::default(),
             wire: Wire::open(reach),
         }
     }
@@ -123,8 +125,9 @@ impl Peers {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
         let mut told = HashSet::new();
-        while let Some(event) = bell::wait(priority, events.next()).await {
+        while let Some(event) = self.next_event(bell::wait(priority, events.next())).await {
             self.note_event(participant, &event);
+            self.send_first_requests();
             // DDS itself keeps quiet about both
             if let Some(complaint) = self.mismatch(&event).or_else(|| self.namesake(&event))
                 && told.len() < COMPLAINTS
@@ -132,6 +135,29 @@ impl Peers {
             {
                 log::warn!("{complaint}");
             }
+        }
+    }
+
+    /// Waits for an event, and sends scheduled requests meanwhile.
+    async fn next_event<Event>(&self, event: impl Future<Output = Option<Event>>) -> Option<Event> {
+        let send_scheduled = async {
+            loop {
+                // the lock ends with this statement
+                let due = lock(&self.first_requests).next_due();
+                match due {
+                    Some(due) => drop(Timer::at(due).await),
+                    None => future::pending().await,
+                }
+                self.send_first_requests();
+            }
+        };
+        future::or(event, send_scheduled).await
+    }
+
+    fn send_first_requests(&self) {
+        let due = lock(&self.first_requests).take_due(Instant::now());
+        for (request, addresses) in due {
+            self.send(&request, &addresses);
         }
     }
 
@@ -143,12 +169,13 @@ impl Peers {
             DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
                 lock(&self.hearers).remove(&guid);
             }
+            DomainParticipantStatusEvent::WriterLost { guid, .. } => lock(&self.first_requests).lost(guid),
             // of its readers nothing more is said
             DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
                 lock(&self.hearers).retain(|reader, _| reader.prefix != id);
             }
             DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
-                self.ask_for_the_past(participant, local_reader, remote_writer);
+                self.schedule_first_requests(participant, local_reader, remote_writer);
             }
             _ => {}
         }
@@ -166,16 +193,14 @@ impl Peers {
         lock(&self.hearers).insert(reader, hearer);
     }
 
-    fn ask_for_the_past(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
+    fn schedule_first_requests(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
         let known = participant.discovered_writers();
         let Some(peer) = known.iter().find(|w| w.writer_proxy.remote_writer_guid == writer) else {
             return;
         };
-        if lock(&self.reliably_read).contains(&peer.publication_topic_data.topic_name)
-            && let Some(question) = question(&reader.to_bytes(), &writer.to_bytes())
-        {
-            // what does not arrive is asked for by the library's own means later
-            self.send(&question, &addresses(&peer.writer_proxy.unicast_locator_list));
+        if lock(&self.reliably_read).contains(&peer.publication_topic_data.topic_name) {
+            let addresses = addresses(&peer.writer_proxy.unicast_locator_list);
+            lock(&self.first_requests).matched(reader, writer, addresses, Instant::now());
         }
     }
 
