@@ -28,7 +28,7 @@ const CONNECTIONS: usize = 4 * VIEWERS;
 const REQUEST_TIME: Duration = Duration::from_secs(5);
 
 /// How long a browser may take nothing of what it asked for.
-const STANDSTILL: Duration = Duration::from_secs(10);
+const STANDSTILL: Duration = Duration::from_secs(5);
 
 /// Bytes of a request, and of an answer on its way, at most.
 const BUFFER: usize = 64 << 10;

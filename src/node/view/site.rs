@@ -63,6 +63,10 @@ impl Site {
             let why = "open the view by an IP address or as localhost: under any other name it is not served";
             return refusal(StatusCode::MISDIRECTED_REQUEST, why, progress);
         }
+        if !is_of_same_origin(request.headers()) {
+            let why = "pages from elsewhere cannot read the view: open it in a tab of its own";
+            return refusal(StatusCode::FORBIDDEN, why, progress);
+        }
         if request.method() != Method::GET {
             return refusal(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here", progress);
         }
@@ -157,6 +161,20 @@ fn is_for_this_machine(headers: &HeaderMap) -> bool {
         && (name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok())
 }
 
+/// Whether a request comes from a page of this view, or from no page: a browser names the origin of any other page that reads it.
+fn is_of_same_origin(headers: &HeaderMap) -> bool {
+    let mut origins = headers.get_all(header::ORIGIN).iter();
+    let (origin, another) = (origins.next(), origins.next());
+    let own = headers.get(header::HOST).map(|host| [b"http://", host.as_bytes()].concat());
+    let is_own =
+        origin.is_none_or(|origin| own.is_some_and(|own| origin.as_bytes().eq_ignore_ascii_case(&own)));
+    let is_from_another_site =
+        headers.get("sec-fetch-site").is_some_and(|site| site == "cross-site" || site == "same-site");
+    // a link to the page itself may stand anywhere
+    let is_navigation = headers.get("sec-fetch-mode").is_some_and(|mode| mode == "navigate");
+    is_own && another.is_none() && (!is_from_another_site || is_navigation)
+}
+
 fn refusal(status: StatusCode, why: &'static str, progress: Progress) -> Answer {
     whole(status, TEXT, Bytes::from_static(why.as_bytes()), (progress, None))
 }
@@ -201,6 +219,36 @@ fn response(status: StatusCode, kind: &'static str, chunks: Chunks) -> Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_pages_of_the_view_itself_read_it() {
+        let asked = |lines: &[(&'static str, &'static str)]| {
+            let mut headers = HeaderMap::new();
+            headers.append(header::HOST, HeaderValue::from_static("127.0.0.1:8642"));
+            for (name, value) in lines {
+                headers.append(*name, HeaderValue::from_static(value));
+            }
+            is_of_same_origin(&headers)
+        };
+        assert!(
+            asked(&[]) && asked(&[("origin", "http://127.0.0.1:8642"), ("sec-fetch-site", "same-origin")])
+        );
+        assert!(asked(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")]));
+        for strange in [
+            "http://127.0.0.1:8643",
+            "http://localhost:8642",
+            "https://127.0.0.1:8642",
+            "http://evil.example",
+            "http://127.0.0.1:8642.evil.example",
+            "null",
+            "",
+        ] {
+            assert!(!asked(&[("origin", strange)]), "{strange}");
+        }
+        let own = ("origin", "http://127.0.0.1:8642");
+        assert!(!asked(&[own, ("origin", "http://evil.example")]) && !asked(&[own, own]));
+        assert!(!asked(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "no-cors")]));
+    }
 
     #[test]
     fn only_numbers_and_localhost_are_served() {

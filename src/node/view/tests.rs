@@ -282,6 +282,48 @@ fn judgements_reach_browsers_while_others_read_nothing() {
 }
 
 #[test]
+fn robot_data_is_not_read_by_pages_of_other_sites() {
+    let (view, socket) = view();
+    let mut observer = view.observer();
+    observer(&judgement(0.0), &settings());
+    for path in ["/updates", "/robot", "/world", "/"] {
+        for origin in ["http://evil.example", "null", "http://localhost:1"] {
+            let line = format!("GET {path} HTTP/1.1\r\nOrigin: {origin}");
+            let mut text = String::new();
+            ask(socket, &format!("{line}\r\nHost: {socket}\r\n\r\n")).read_to_string(&mut text).unwrap();
+            assert!(text.starts_with("HTTP/1.1 403"), "{path} from {origin}: {text}");
+        }
+    }
+    let own = format!("GET /updates HTTP/1.1\r\nOrigin: http://{socket}\r\nHost: {socket}\r\n\r\n");
+    read_until(&mut ask(socket, &own), "FREE");
+}
+
+#[test]
+fn a_browser_that_never_completes_its_request_is_dropped() {
+    let (_view, socket) = view();
+    for begun in ["", "GET /updates HTTP/1.1\r\nHost: localhost\r\nX: "] {
+        let mut stream = ask(socket, begun);
+        let mut writer = stream.try_clone().unwrap();
+        // one byte at a time, for ever
+        let (stop, stopped) = std::sync::mpsc::channel::<()>();
+        let drip = std::thread::spawn(move || {
+            use std::sync::mpsc::RecvTimeoutError::Timeout;
+            while !begun.is_empty() && stopped.recv_timeout(Duration::from_millis(200)) == Err(Timeout) {
+                if writer.write_all(b"x").is_err() {
+                    break;
+                }
+            }
+        });
+        // the end of the connection, or an error of it; the read itself has a deadline
+        let ended = stream.read_to_end(&mut Vec::new());
+        let timed_out = ended.as_ref().is_err_and(|e| e.kind() == std::io::ErrorKind::WouldBlock);
+        drop(stop);
+        drip.join().unwrap();
+        assert!(!timed_out, "{begun:?} still connected: {ended:?}");
+    }
+}
+
+#[test]
 fn a_taken_port_is_avoided_only_if_nobody_asked_for_it() {
     let (_view, socket) = view();
     let taken = ViewAddress { socket, any_port: false };
