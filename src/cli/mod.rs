@@ -1,6 +1,7 @@
 //! What the `clearance` program does when it is called.
 //!
 //! Exit codes: 0 everything asked about is free; 1 answered, and something is not free; 2 bad input; 3 internal error.
+//! The node also has 4: ended by a signal, before its orderly end was complete.
 
 mod bench;
 mod check;

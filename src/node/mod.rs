@@ -67,6 +67,7 @@ mod simulation_clock;
 mod state_requests;
 mod state_services;
 mod swept_volume_markers;
+mod termination;
 mod thread_priority;
 mod threads;
 mod trajectory_action;

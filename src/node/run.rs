@@ -33,6 +33,7 @@ use super::scene::{Monitored, SceneServices, SceneTopics, Shared};
 use super::scene_keeper::Glimpse;
 use super::simulation_clock;
 use super::state_services::StateServices;
+use super::termination::end_on_signals;
 use super::thread_priority::ThreadPriority;
 use super::threads::{End, Part, run_together, until};
 use crate::checker::MeshModel;
@@ -404,11 +405,6 @@ fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
         (parameters.require_planning_scene, parameters.planning_scene_service.clone()),
         (parameters.blind_cloud, parameters.rejected_obstacle, parameters.lost_messages),
     )
-}
-
-fn end_on_signals(end: End) -> Result<(), NodeError> {
-    ctrlc::set_handler(move || end.tell())
-        .map_err(|error| NodeError::Internal(format!("signals can not be handled: {error}")))
 }
 
 /// Time since this was first asked.

@@ -1,6 +1,8 @@
 //! The parts of the node, each on a thread, beginning and ending together.
 
+use std::sync::mpsc;
 use std::thread;
+use std::time::{Duration, Instant};
 
 use futures_lite::{Future, future};
 use smol::channel::{Receiver, Sender};
@@ -8,6 +10,10 @@ use smol::channel::{Receiver, Sender};
 use super::loader::Order;
 use super::mailbox;
 use super::monitor_loop::Event;
+
+/// Time that parts have to end after the first of them has ended or the node was told to end. A part that needs longer, such as the
+/// loader in the middle of a large model, is abandoned.
+const TIME_TO_END: Duration = Duration::from_millis(700);
 
 /// A part of the node: its name and its work.
 pub struct Part {
@@ -40,20 +46,26 @@ impl End {
 }
 
 /// When one part ends, for whatever reason, all do: a node that does half its work looks alive.
-struct EndsOthers(End);
+struct EndsOthers {
+    end: End,
+    has_ended: mpsc::Sender<()>,
+}
 
 impl Drop for EndsOthers {
     fn drop(&mut self) {
-        self.0.tell();
+        self.end.tell();
+        // whoever no longer waits has abandoned this part
+        let _ = self.has_ended.send(());
     }
 }
 
-/// Runs all parts until they have ended. Says which one failed, if one did.
+/// Runs all parts until they have ended or are abandoned. Says which one failed, if one did.
 pub fn run_together(parts: Vec<Part>, end: &End) -> Result<(), String> {
     let mut running = Vec::new();
     let mut failed = None;
+    let (has_ended, ended) = mpsc::channel();
     for Part { name, work } in parts {
-        let guard = EndsOthers(end.clone());
+        let guard = EndsOthers { end: end.clone(), has_ended: has_ended.clone() };
         let thread = thread::Builder::new().name(name.to_owned()).spawn(move || {
             let _guard = guard;
             work();
@@ -63,12 +75,25 @@ pub fn run_together(parts: Vec<Part>, end: &End) -> Result<(), String> {
             Err(error) => failed = Some(format!("the {name} thread did not start: {error}")),
         }
     }
+    drop(has_ended);
+    await_end(&ended, TIME_TO_END);
     for (name, thread) in running {
-        if thread.join().is_err() {
+        if !thread.is_finished() {
+            log::warn!("the {name} thread is still busy and is abandoned");
+        } else if thread.join().is_err() {
             failed = Some(format!("the {name} thread failed"));
         }
     }
     failed.map_or(Ok(()), Err)
+}
+
+/// Waits for the first end of a part without a limit, for those of the others for a limited time.
+fn await_end(ended: &mpsc::Receiver<()>, time_to_end: Duration) {
+    if ended.recv().is_err() {
+        return;
+    }
+    let deadline = Instant::now() + time_to_end;
+    while ended.recv_timeout(deadline.saturating_duration_since(Instant::now())).is_ok() {}
 }
 
 /// Works until told to stop.
@@ -81,4 +106,38 @@ pub async fn until<T>(stopped: &Receiver<()>, work: impl Future<Output = T>) {
         work.await;
     };
     future::or(stop, work).await;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_that_does_not_end_holds_up_no_other() {
+        let (events, _events_in) = mailbox::unbounded();
+        let (orders, _orders_in) = smol::channel::unbounded();
+        let (stop, stopped) = smol::channel::bounded(1);
+        let end = End { events, orders, stop };
+        let (release, released) = mpsc::channel::<()>();
+        let parts = vec![
+            Part::new("stuck", move || drop(released.recv())),
+            Part::new("obedient", move || smol::block_on(until(&stopped, future::pending::<()>()))),
+        ];
+        end.tell();
+        assert_eq!(run_together(parts, &end), Ok(()));
+        release.send(()).expect("the stuck part was abandoned, not ended");
+    }
+
+    #[test]
+    fn a_part_that_fails_is_named_and_ends_the_others() {
+        let (events, _events_in) = mailbox::unbounded();
+        let (orders, _orders_in) = smol::channel::unbounded();
+        let (stop, stopped) = smol::channel::bounded(1);
+        let end = End { events, orders, stop };
+        let parts = vec![
+            Part::new("broken", || panic!("as planned")),
+            Part::new("obedient", move || smol::block_on(until(&stopped, future::pending::<()>()))),
+        ];
+        assert_eq!(run_together(parts, &end), Err("the broken thread failed".to_owned()));
+    }
 }
