@@ -29,11 +29,19 @@ pub enum MatrixError {
 }
 
 impl AllowedCollisionMatrix {
-    /// What the robot's SRDF says: disabled pairs may touch.
+    /// The matrix of the robot's SRDF, as `MoveIt` builds it: default entries of links with `<disable_default_collisions>`, and
+    /// entries of enabled and disabled pairs.
     #[must_use]
     pub fn from_srdf(robot: &RobotModel) -> Self {
         let mut matrix = Self::default();
-        for pair in robot.srdf().iter().flat_map(|s| &s.disabled_pairs) {
+        let Some(srdf) = robot.srdf() else { return matrix };
+        for &link in &srdf.unchecked_by_default {
+            matrix.set_default(&robot.link(link).name, true);
+        }
+        for &(a, b) in &srdf.enabled_pairs {
+            matrix.set(&robot.link(a).name, &robot.link(b).name, false);
+        }
+        for pair in &srdf.disabled_pairs {
             matrix.set(&robot.link(pair.a).name, &robot.link(pair.b).name, true);
         }
         matrix
@@ -93,6 +101,11 @@ impl AllowedCollisionMatrix {
         }
     }
 
+    /// Sets whether `name` may touch everything that it has no entry with, now and later.
+    pub fn set_default(&mut self, name: &str, allowed: bool) {
+        self.defaults.insert(name.to_owned(), allowed);
+    }
+
     /// Leaves out everything about a name.
     pub fn forget(&mut self, name: &str) {
         self.entries.retain(|(a, b), _| a != name && b != name);
@@ -112,6 +125,12 @@ impl AllowedCollisionMatrix {
             default_entry_names: defaults.keys().map(|name| (*name).clone()).collect(),
             default_entry_values: defaults.values().map(|allowed| **allowed).collect(),
         }
+    }
+
+    /// Whether an entry of the pair itself, not a default, decides about it.
+    #[must_use]
+    pub fn has_entry(&self, a: &str, b: &str) -> bool {
+        self.entry(a, b).is_some()
     }
 
     fn entry(&self, a: &str, b: &str) -> Option<bool> {

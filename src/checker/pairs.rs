@@ -21,10 +21,56 @@ pub struct PairList {
     /// For obstacles that the matrix says nothing of.
     usual: Arc<[bool]>,
     world_count: usize,
-    skipped: [usize; 5],
-    /// The matrix of the planning scene.
-    scene: Option<AllowedCollisionMatrix>,
+    skipped: [usize; SkipReason::ALL.len()],
+    rules: PairRules,
     checks_world: bool,
+}
+
+/// Source of the decision which pairs are skipped; the first of these that exists.
+#[derive(Clone, Debug, Default, PartialEq)]
+enum PairRules {
+    /// The allowed collision matrix of a planning scene.
+    Scene(AllowedCollisionMatrix),
+    /// The matrix that the SRDF describes.
+    Srdf(AllowedCollisionMatrix),
+    /// Adjacency of rigid bodies.
+    #[default]
+    Adjacency,
+}
+
+impl PairRules {
+    fn new(robot: &RobotModel, scene: Option<&AllowedCollisionMatrix>) -> Self {
+        match (scene, robot.srdf()) {
+            (Some(scene), _) => Self::Scene(scene.clone()),
+            (None, Some(_)) => Self::Srdf(AllowedCollisionMatrix::from_srdf(robot)),
+            (None, None) => Self::Adjacency,
+        }
+    }
+
+    fn matrix(&self) -> Option<&AllowedCollisionMatrix> {
+        match self {
+            Self::Scene(matrix) | Self::Srdf(matrix) => Some(matrix),
+            Self::Adjacency => None,
+        }
+    }
+
+    /// The reason why the matrix allows contact of two bodies, if it does.
+    fn why_allowed(&self, a: &str, b: &str) -> Option<SkipReason> {
+        let matrix = self.matrix().filter(|matrix| matrix.allows(a, b))?;
+        Some(match self {
+            Self::Srdf(_) if matrix.has_entry(a, b) => SkipReason::Disabled,
+            Self::Srdf(_) => SkipReason::DisabledByDefault,
+            Self::Scene(_) | Self::Adjacency => SkipReason::Allowed,
+        })
+    }
+
+    /// The reason why pairs with an obstacle are skipped: the SRDF has no entries for obstacles, only defaults of links.
+    fn world_reason(&self) -> SkipReason {
+        match self {
+            Self::Srdf(_) => SkipReason::DisabledByDefault,
+            Self::Scene(_) | Self::Adjacency => SkipReason::Allowed,
+        }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +88,8 @@ pub enum SkipReason {
     Adjacent,
     /// The SRDF disables the pair.
     Disabled,
+    /// The SRDF disables collisions of one of the bodies with everything that it does not enable.
+    DisabledByDefault,
     /// The planning scene's allowed collision matrix allows contact.
     Allowed,
     /// The link carries the attached object, or is one of its touch links.
@@ -49,8 +97,14 @@ pub enum SkipReason {
 }
 
 impl SkipReason {
-    pub const ALL: [Self; 5] =
-        [Self::SameRigidBody, Self::Adjacent, Self::Disabled, Self::Allowed, Self::Touches];
+    pub const ALL: [Self; 6] = [
+        Self::SameRigidBody,
+        Self::Adjacent,
+        Self::Disabled,
+        Self::DisabledByDefault,
+        Self::Allowed,
+        Self::Touches,
+    ];
 }
 
 impl std::fmt::Display for SkipReason {
@@ -59,6 +113,7 @@ impl std::fmt::Display for SkipReason {
             Self::SameRigidBody => "same rigid body",
             Self::Adjacent => "adjacent rigid bodies (no SRDF)",
             Self::Disabled => "disabled by the SRDF",
+            Self::DisabledByDefault => "disabled by the SRDF's disable_default_collisions",
             Self::Allowed => "allowed by the collision matrix",
             Self::Touches => "may touch the attached object",
         })
@@ -68,8 +123,8 @@ impl std::fmt::Display for SkipReason {
 impl PairList {
     /// Pairs of links and attached objects that have geometry, and of those with obstacles.
     ///
-    /// A scene's matrix replaces what the SRDF disables, as in MoveIt; without either, adjacent rigid bodies are
-    /// skipped. Attached objects are checked against all links but those that may touch them, and against each other
+    /// A scene's matrix replaces the SRDF's, as in MoveIt; without either, adjacent rigid bodies are skipped. Default entries of
+    /// either matrix hold for links, attached objects and obstacles alike. Attached objects are checked against all links but those that may touch them, and against each other
     /// unless one link carries both.
     #[must_use]
     pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
@@ -78,10 +133,11 @@ impl PairList {
         let attached = (0..).map(AttachedId).zip(world.attached());
         let attached = attached.map(|(id, o)| Part { body: Body::Attached(id), name: o.name.clone() });
         let parts: Vec<Part> = links.chain(attached).collect();
+        let rules = PairRules::new(robot, scene);
         let usual = (parts.iter())
-            .map(|part| !scene.is_some_and(|scene| scene.allows_by_default(&part.name)))
+            .map(|part| !rules.matrix().is_some_and(|matrix| matrix.allows_by_default(&part.name)))
             .collect();
-        let mut list = Self { parts, usual, scene: scene.cloned(), checks_world: true, ..Self::default() };
+        let mut list = Self { parts, usual, rules, checks_world: true, ..Self::default() };
         list.add_self_pairs(robot, world);
         for id in (0..).map(ObstacleId).take(world.place_count()) {
             list.set_obstacle(id, world.place(id).map(|obstacle| obstacle.name.as_str()));
@@ -90,10 +146,9 @@ impl PairList {
     }
 
     fn add_self_pairs(&mut self, robot: &RobotModel, world: &World) {
-        let srdf = robot.srdf().map(|_| AllowedCollisionMatrix::from_srdf(robot));
         for (i, a) in self.parts.iter().enumerate() {
             for b in &self.parts[i + 1..] {
-                match why_skipped(robot, world, (a, b), self.scene.as_ref(), srdf.as_ref()) {
+                match why_skipped(robot, world, [a, b], &self.rules) {
                     Some(reason) => self.skipped[reason as usize] += 1,
                     None => self.self_pairs.push((a.body, b.body)),
                 }
@@ -107,22 +162,23 @@ impl PairList {
         if self.checked.len() <= place {
             self.checked.resize(place + 1, None);
         }
+        let reason = self.rules.world_reason() as usize;
         if let Some(before) = self.checked[place].take() {
             let checked = before.iter().filter(|checked| **checked).count();
             self.world_count -= checked;
-            self.skipped[SkipReason::Allowed as usize] -= before.len() - checked;
+            self.skipped[reason] -= before.len() - checked;
         }
         if !self.checks_world {
             return;
         }
         let Some(name) = name else { return };
-        let row = match self.scene.as_ref().filter(|scene| scene.mentions(name)) {
-            Some(scene) => self.parts.iter().map(|part| !scene.allows(&part.name, name)).collect(),
+        let row = match self.rules.matrix().filter(|matrix| matrix.mentions(name)) {
+            Some(matrix) => self.parts.iter().map(|part| !matrix.allows(&part.name, name)).collect(),
             None => Arc::clone(&self.usual),
         };
         let checked = row.iter().filter(|checked| **checked).count();
         self.world_count += checked;
-        self.skipped[SkipReason::Allowed as usize] += row.len() - checked;
+        self.skipped[reason] += row.len() - checked;
         self.checked[place] = Some(row);
     }
 
@@ -196,23 +252,19 @@ impl PairList {
 }
 
 /// Why two parts are not checked, if they are not.
-fn why_skipped(
-    robot: &RobotModel,
-    world: &World,
-    (a, b): (&Part, &Part),
-    scene: Option<&AllowedCollisionMatrix>,
-    srdf: Option<&AllowedCollisionMatrix>,
-) -> Option<SkipReason> {
-    let allowed = || scene.is_some_and(|scene| scene.allows(&a.name, &b.name)).then_some(SkipReason::Allowed);
+fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &PairRules) -> Option<SkipReason> {
+    let [a, b] = pair;
+    let allowed = || rules.why_allowed(&a.name, &b.name);
     match (a.body, b.body) {
         (Body::Link(link_a), Body::Link(link_b)) => {
             if robot.same_rigid_body(link_a, link_b) {
                 return Some(SkipReason::SameRigidBody);
             }
-            match (scene, srdf) {
-                (Some(_), _) => allowed(),
-                (None, Some(srdf)) => srdf.allows(&a.name, &b.name).then_some(SkipReason::Disabled),
-                (None, None) => robot.adjacent_rigid_bodies(link_a, link_b).then_some(SkipReason::Adjacent),
+            match rules {
+                PairRules::Adjacency => {
+                    robot.adjacent_rigid_bodies(link_a, link_b).then_some(SkipReason::Adjacent)
+                }
+                PairRules::Scene(_) | PairRules::Srdf(_) => allowed(),
             }
         }
         (Body::Attached(id), Body::Attached(other)) => {
@@ -220,11 +272,8 @@ fn why_skipped(
             if same { Some(SkipReason::SameRigidBody) } else { allowed() }
         }
         (Body::Link(_), Body::Attached(id)) => {
-            if world.attached_object(id).may_touch(&a.name) {
-                Some(SkipReason::Touches)
-            } else {
-                allowed()
-            }
+            let may_touch = world.attached_object(id).may_touch(&a.name);
+            if may_touch { Some(SkipReason::Touches) } else { allowed() }
         }
         _ => None,
     }

@@ -7,6 +7,7 @@ use roxmltree::Node;
 use super::xml::{Expected, Xml, children, read_xml};
 use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
+mod collision_rules;
 mod group;
 
 /// An SRDF with its names resolved; what it says of links and joints that the robot does not have is left out.
@@ -15,6 +16,10 @@ pub struct Srdf {
     pub robot_name: String,
     /// Pairs never checked; each pair once, the link that comes first in the URDF first.
     pub disabled_pairs: Vec<DisabledPair>,
+    /// Pairs that are checked although a default entry of their links would allow contact; ordered as above.
+    pub enabled_pairs: Vec<(LinkId, LinkId)>,
+    /// Links with `<disable_default_collisions>`: they may touch everything that no pair names.
+    pub unchecked_by_default: Vec<LinkId>,
     pub groups: Vec<Group>,
     pub virtual_joints: Vec<VirtualJoint>,
     pub passive_joints: Vec<JointId>,
@@ -115,12 +120,14 @@ impl<'d> Reader<'d> {
         let robot_name = self.check_root(root)?;
         self.read_virtual_joints(root);
         let passive_joints = self.passive_joints(root);
-        let disabled_pairs = self.disabled_pairs(root);
+        let rules = self.collision_rules(root);
         let groups = self.read_groups(root)?;
         self.note_unknown_elements(root);
         Ok(Srdf {
             robot_name,
-            disabled_pairs,
+            disabled_pairs: rules.disabled_pairs,
+            enabled_pairs: rules.enabled_pairs,
+            unchecked_by_default: rules.unchecked_by_default,
             groups,
             virtual_joints: std::mem::take(&mut self.virtual_joints),
             passive_joints,
@@ -158,41 +165,6 @@ impl<'d> Reader<'d> {
     fn passive_joints(&mut self, root: Node<'d, 'd>) -> Vec<JointId> {
         let nodes: Vec<Node> = children(root, "passive_joint").collect();
         nodes.into_iter().filter_map(|n| self.joint(n, "name", "passive_joint")).collect()
-    }
-
-    /// `MoveIt`'s order: links whose collisions are off by default, then pairs switched on, then pairs switched off.
-    fn disabled_pairs(&mut self, root: Node<'d, 'd>) -> Vec<DisabledPair> {
-        let mut pairs: BTreeMap<(LinkId, LinkId), String> = BTreeMap::new();
-        for node in children(root, "disable_default_collisions") {
-            if let Some(link) = self.link(node, "link", "disable_default_collisions") {
-                let others = self.model.link_ids().filter(|&other| other != link);
-                pairs.extend(others.map(|other| (ordered(link, other), "Default".to_owned())));
-            }
-        }
-        for node in children(root, "enable_collisions") {
-            if let Some(pair) = self.pair(node) {
-                pairs.remove(&pair);
-            }
-        }
-        for node in children(root, "disable_collisions") {
-            if let Some(pair) = self.pair(node) {
-                pairs.insert(pair, node.attribute("reason").unwrap_or_default().to_owned());
-            }
-        }
-        (pairs.into_iter()).map(|((a, b), reason)| DisabledPair { a, b, reason }).collect()
-    }
-
-    fn pair(&mut self, node: Node<'d, 'd>) -> Option<(LinkId, LinkId)> {
-        let element = node.tag_name().name();
-        // both, so that both are told when unknown
-        let (a, b) = (self.link(node, "link1", element), self.link(node, "link2", element));
-        let (a, b) = (a?, b?);
-        if a == b {
-            let name = &self.model.link(a).name;
-            self.warn(node, element, format!("link '{name}' with itself is no pair; ignored"));
-            return None;
-        }
-        Some(ordered(a, b))
     }
 
     fn note_unknown_elements(&mut self, root: Node<'d, 'd>) {
@@ -262,10 +234,6 @@ impl<'d> Reader<'d> {
         warnings.sort_by_key(|w| w.place.line);
         warnings
     }
-}
-
-fn ordered(a: LinkId, b: LinkId) -> (LinkId, LinkId) {
-    (a.min(b), a.max(b))
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ from scene import (
     sphere,
     xyz,
 )
-from scene_client import SceneClient, distance, distances
+from scene_client import SceneClient, bodies, colliding, distance, distances
 from states import States
 from two_link import JOINTS, description, description_with_fine_base
 
@@ -61,6 +61,37 @@ def cell(start, tmp_path):
 
 
 # get_planning_scene
+
+
+def test_default_entries_of_the_srdf_are_reported_and_in_force(start, tmp_path):
+    path = tmp_path / "two_link.srdf"
+    path.write_text(
+        """
+<robot name="two_link">
+  <disable_default_collisions link="tip"/>
+  <enable_collisions link1="tip" link2="base"/>
+  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
+</robot>
+"""
+    )
+    cell = start("--srdf", path, parameters=NEARBY)
+    cell.judged(**STRETCHED)
+    scene = SceneClient(cell)
+    told = scene.get("ALLOWED_COLLISION_MATRIX").allowed_collision_matrix
+    assert (list(told.default_entry_names), list(told.default_entry_values)) == (["tip"], [True])
+
+    # An obstacle that comes later, and an object that another link holds, may touch the tip.
+    state = scene.change(ball("a", 2.0), attached("base", ball("part", 2.0), ["base"]))
+    assert state.status == CollisionState.COLLIDING, "the obstacle and the object touch each other"
+    assert [{body for _, body in bodies(pair)} for pair in state.colliding_pairs] == [{"a", "part"}]
+    state = scene.change(removal("a"))
+    assert state.status == CollisionState.FREE
+    reasons = {skipped.reason: skipped.count for skipped in state.skipped}
+    assert reasons["disabled by the SRDF's disable_default_collisions"] == 2
+
+    # An enabled pair is checked all the same.
+    assert colliding(cell.judged(**ON_BASE)) == [{("link", "base"), ("link", "tip")}]
+
 
 
 def test_all_that_was_said_of_the_world_is_told(scene):

@@ -39,12 +39,16 @@ fn pairs_are_unordered_and_count_once() {
 }
 
 #[test]
-fn defaults_are_switched_on_then_off() {
-    let (srdf, _) = srdf(
+fn disabled_pairs_overrule_enabled_ones_and_defaults_stay_defaults() {
+    let (srdf, warnings) = srdf(
         "<enable_collisions link1='b' link2='a'/><disable_default_collisions link='a'/>
         <disable_collisions link1='b' link2='c'/><enable_collisions link1='b' link2='c'/>",
     );
-    assert_eq!(pairs(&srdf), [(0, 2), (0, 3), (0, 4), (1, 2)]);
+    assert_eq!(pairs(&srdf), [(1, 2)]);
+    assert_eq!(srdf.enabled_pairs, [(LinkId(0), LinkId(1))]);
+    assert_eq!(srdf.unchecked_by_default, [LinkId(0)]);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].starts_with("r.srdf:2: ") && warnings[0].contains("link 'a'"), "{warnings:?}");
 }
 
 #[test]
