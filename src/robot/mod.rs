@@ -16,6 +16,7 @@ mod model;
 mod numbers;
 mod prefix;
 mod robot_text;
+mod sampling;
 mod source;
 mod srdf;
 mod tree;

@@ -90,6 +90,7 @@ function count({ data }, condition) {
   return found;
 }
 
+const isGrey = (r, g, b) => Math.max(r, g, b) - Math.min(r, g, b) < 12 && r > 90 && r < 200;
 const isRed = (r, g, b) => r > 110 && r > 2 * g && r > 2 * b;
 
 const colours = (image) => {
@@ -120,7 +121,7 @@ test("the demo in a browser: status, robot, distances, picture", { timeout: TIME
   const distances = new Set();
   await until(async () => {
     const distance = await text(page, "distance");
-    if (/^\d\.\d{4} m$/.test(distance)) distances.add(distance);
+    if (/^\d+\.\d mm$/.test(distance)) distances.add(distance);
     return distances.size >= 5;
   }, "five different distances");
 
@@ -143,7 +144,7 @@ test("the demo in a browser: status, robot, distances, picture", { timeout: TIME
 async function keepPicture(page) {
   await until(async () => {
     const now = await seen(page);
-    return now.status === "FREE" && Number.parseFloat(now.distance) < 0.05 && now.pairs !== "";
+    return now.status === "FREE" && Number.parseFloat(now.distance) < 50 && now.pairs !== "";
   }, "near pairs");
   await writeFile(process.env.CLEARANCE_VIEW_PICTURE, await page.screenshot());
 }
@@ -163,15 +164,15 @@ test("joint states of rclpy: distances, collision, silence", { timeout: TIMEOUT 
   };
 
   driver.report(0, 0);
-  const stretched = await until(says("FREE", "0.7000 m"), "the stretched robot");
+  const stretched = await until(says("FREE", "700.0 mm"), "the stretched robot");
   assert.equal(stretched.nearest, "base – tip");
   await until(async () => (await text(page, "links")) === "3", "the links");
   driver.report(0, (5 * Math.PI) / 6);
-  await until(says("FREE", "0.2000 m"), "the robot folded");
+  await until(says("FREE", "200.0 mm"), "the robot folded");
   const red = count(await picture(page, "#scene"), isRed);
 
   driver.report(0, Math.PI);
-  const collision = await until(says("COLLIDING", "0.0000 m"), "the collision");
+  const collision = await until(says("COLLIDING", "0.0 mm"), "the collision");
   assert.equal(collision.pairs, "base – tiptouches");
   await until(async () => count(await picture(page, "#scene"), isRed) > red + 500, "colliding links in red");
 
@@ -184,7 +185,7 @@ test("joint states of rclpy: distances, collision, silence", { timeout: TIMEOUT 
   await until(async () => count(await picture(page, "#scene"), isRed) <= red + 50, "no link in red");
 
   driver.report(0, 0);
-  await until(says("FREE", "0.7000 m"), "the stretched robot again");
+  await until(says("FREE", "700.0 mm"), "the stretched robot again");
   assert.deepEqual(faults, []);
   assert.equal(await node.stop(), 0, node.output);
 });
@@ -200,9 +201,68 @@ test("without joint states the page says UNKNOWN and why", { timeout: TIMEOUT },
   assert.deepEqual([silence.status, silence.distance], ["UNKNOWN", "–"]);
   assert.match(silence.reason, /joint state/);
   await until(async () => (await text(page, "robot")) === "demo_arm", "the robot");
-  assert.equal(await page.isVisible("#scene-note"), true, "where the robot is, is not known");
+  const note = await until(async () => {
+    const now = await text(page, "scene-note");
+    return now.includes("default pose") && now;
+  }, "the robot in its default pose, and a word about it");
+  assert.match(note, /joint state/, "the note says what is missing");
+  await until(async () => count(await picture(page, "#scene"), isGrey) > 1000, "a greyed robot");
   assert.deepEqual(faults, []);
   assert.equal(await node.stop(), 0, node.output);
+});
+
+test("lengths have one unit, and what is padding is said", { timeout: TIMEOUT }, async (t) => {
+  const node = new NodeProcess("node", "--urdf", TWO_LINK, "--padding", "0.1", "--view", "0", "--ros-args", "-p", "pad_self:=true",
+    "-p", "influence_distance:=5.0");
+  process.env.ROS_DOMAIN_ID = "8";
+  t.after(() => {
+    node.kill();
+    delete process.env.ROS_DOMAIN_ID;
+  });
+  const { page, faults } = await open(t, await node.url());
+  const driver = new Driver(t);
+  driver.report(0, 0);
+  const shown = await until(async () => {
+    const now = await seen(page);
+    return now.status === "FREE" && now.labels !== "" && now;
+  }, "a label at the line between nearest points");
+  assert.equal(shown.distance, "500.0 mm");
+  assert.match(shown.labels, /^500\.0 mm700\.0 mm less 200\.0 mm padding/, "numbers and labels are of the same state");
+  assert.match(shown.padding, /^up to 200\.0 mm/);
+  assert.doesNotMatch(shown.pairs, /\d\.\d{4} m/);
+  assert.deepEqual(faults, []);
+});
+
+/** The box around the pixels that satisfy a condition, as shares of the picture: left, top, right, bottom. */
+function boxOf({ data, width, height }, condition) {
+  const box = [1, 1, 0, 0];
+  for (let i = 0; i < data.length; i += 4) {
+    if (!condition(data[i], data[i + 1], data[i + 2])) continue;
+    const [x, y] = [((i / 4) % width) / width, Math.floor(i / 4 / width) / height];
+    [box[0], box[1], box[2], box[3]] = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
+  }
+  return box;
+}
+
+test("the camera shows robot and world whole, and does so again on request", { timeout: TIMEOUT }, async (t) => {
+  const node = new NodeProcess("node", "--urdf", URDF, "--world", "config/demo_world.yaml", "--view", "0");
+  t.after(() => node.kill());
+  const { page } = await open(t, await node.url());
+  const isObstacle = (r, g, b) => b > r + 35 && b > g + 15;
+  const isWhole = async () => {
+    const image = await picture(page, "#scene");
+    const [left, top, right, bottom] = boxOf(image, isObstacle);
+    return count(image, isObstacle) > 1000 && left > 0.005 && top > 0.005 && right < 0.995 && bottom < 0.995;
+  };
+  await until(isWhole, "all obstacles in the picture");
+  const middle = [300, 290];
+  await page.mouse.move(...middle);
+  for (let i = 0; i < 12; i++) await page.mouse.wheel(0, -400);
+  await until(async () => !(await isWhole()), "a camera that the user has moved");
+  await page.click("#fit");
+  await until(isWhole, "all obstacles in the picture again");
+  await page.setViewportSize({ width: 420, height: 900 });
+  await until(isWhole, "all obstacles in a narrow picture");
 });
 
 test("a page that was pointed here by another name is refused", { timeout: TIMEOUT }, async (t) => {

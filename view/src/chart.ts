@@ -3,6 +3,7 @@
 import uPlot from "uplot";
 
 import type { Update } from "./messages";
+import { roundLength } from "./units";
 
 /** How much time is shown (s). */
 const WINDOW = 60;
@@ -26,7 +27,7 @@ export class Chart {
         },
         axes: [
           { ...axis, size: 24, values: (_, ticks) => ticks.map((t) => `${t} s`) },
-          { ...axis, size: 62, values: (_, ticks) => ticks.map((d) => `${parseFloat(d.toFixed(4))} m`) },
+          { ...axis, size: 62, values: (_, ticks) => ticks.map(roundLength) },
         ],
         series: [{}, { stroke: "#4f81bd", width: 2, spanGaps: false, points: { show: false } }],
       },

@@ -61,6 +61,10 @@ export interface Robot {
   name: string;
   frame: string;
   links: Body[];
+  /** By link, while no joint state is known. */
+  default_poses: Pose[];
+  /** Corners of a box around what the robot can reach. */
+  reach: [Point, Point] | null;
 }
 
 export interface World {
@@ -69,6 +73,7 @@ export interface World {
   obstacles: Body[];
   attached: Body[];
   link_scales: number[];
+  largest_padding: number;
 }
 
 /** A text with numbers behind it (src/node/view/document.rs). */

@@ -2,6 +2,7 @@
 
 import type { Geometry } from "./geometry";
 import type { BodyName, Update } from "./messages";
+import { duration, length } from "./units";
 
 /** Pairs that are listed. */
 const LISTED = 12;
@@ -17,14 +18,6 @@ function write(id: string, text: string): void {
 
 const pairName = (bodies: [BodyName, BodyName]) => bodies.map(([, name]) => name).join(" – ");
 
-const metres = (distance: number) => `${distance.toFixed(4)} m`;
-
-function duration(seconds: number | null | undefined): string {
-  if (seconds === null || seconds === undefined) return NOTHING;
-  if (Math.abs(seconds) < 1e-3) return `${(1e6 * seconds).toFixed(0)} µs`;
-  return Math.abs(seconds) < 1 ? `${(1e3 * seconds).toFixed(1)} ms` : `${seconds.toFixed(1)} s`;
-}
-
 export function showGeometry({ robot, world }: Geometry): void {
   write("robot", robot?.text.name ?? NOTHING);
   write("links", `${robot?.text.links.length ?? NOTHING}`);
@@ -35,6 +28,12 @@ export function showGeometry({ robot, world }: Geometry): void {
     "obstacles",
     `${world?.text.obstacles.length ?? NOTHING}${held ? `, ${held} held` : ""}${coarse ? " (large ones in part)" : ""}`,
   );
+}
+
+/** Padding is part of every distance, but not of the picture. */
+export function showPadding({ world }: Geometry): void {
+  const padding = world?.text.largest_padding ?? 0;
+  write("padding", padding > 0 ? `up to ${length(padding)} off each distance; not drawn` : "none");
 }
 
 export function showUpdate(update: Update): void {
@@ -57,10 +56,10 @@ function showDistance({ status, nearest, colliding }: Update): void {
     write("distance", NOTHING);
     write("nearest", "");
   } else if (nearest) {
-    write("distance", metres(nearest.distance));
+    write("distance", length(nearest.distance));
     write("nearest", pairName(nearest.bodies));
   } else {
-    write("distance", colliding?.length ? metres(0) : "far");
+    write("distance", colliding?.length ? length(0) : "far");
     write("nearest", colliding?.length ? "" : "nothing within the distance limit");
   }
 }
@@ -68,7 +67,7 @@ function showDistance({ status, nearest, colliding }: Update): void {
 function showPairs(update: Update): void {
   const colliding = (update.colliding ?? []).map((bodies) => row(pairName(bodies), "touches", "colliding"));
   const near = (update.near ?? []).filter((pair) => pair.distance > 0);
-  const apart = near.map((pair) => row(pairName(pair.bodies), metres(pair.distance), ""));
+  const apart = near.map((pair) => row(pairName(pair.bodies), length(pair.distance), ""));
   element("pairs").replaceChildren(...[...colliding, ...apart].slice(0, LISTED));
   const touchingOfNear = (update.near?.length ?? 0) - near.length;
   const all = (update.colliding_count ?? 0) + (update.near_count ?? 0) - touchingOfNear;

@@ -4,7 +4,6 @@ import {
   AmbientLight,
   AxesHelper,
   Box3,
-  CanvasTexture,
   Color,
   DirectionalLight,
   DoubleSide,
@@ -16,31 +15,41 @@ import {
   Mesh,
   MeshStandardMaterial,
   type Object3D,
-  PerspectiveCamera,
   Points,
   PointsMaterial,
   Scene,
-  Sprite,
-  SpriteMaterial,
   Vector3,
   WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import { CSS2DObject, CSS2DRenderer } from "three/addons/renderers/CSS2DRenderer.js";
 
+import { FittingCamera } from "./camera";
 import type { Geometry } from "./geometry";
-import type { Body, BodyName, Document, Pair, Robot, Update } from "./messages";
+import type { Body, BodyName, Document, Pair, Pose, Robot, Update } from "./messages";
 import { draw, place, pointsMaterial } from "./shapes";
+import { length } from "./units";
 
 const COLOURS = { link: 0xb9c0c9, attached: 0xd79a3c, obstacle: 0x4f81bd };
 const COLLIDING = 0xd92d20;
+/** A robot whose pose is not known. */
+const GREYED = 0x9aa0a8;
 const WITNESS = 0xe5a50a;
 const GROUND = { light: 0xf4f5f7, dark: 0x16181c };
 
 /** Distances that are written beside their lines, where they do not hide each other. */
 const LABELS = 4;
+
+/** How far beyond the robot's reach obstacles are kept in the picture, as a share of its size. */
+const AROUND = 0.25;
+
+/** Padding (m) that is too small to be mentioned. */
+const NO_PADDING = 5e-5;
+
+/** Which pose of the robot is drawn: none, the default one, the last one that was known, or that of the update. */
+export type DrawnPose = "none" | "default" | "last" | "current";
 
 type Kind = BodyName[0];
 
@@ -54,9 +63,9 @@ interface Figure {
 
 export class Stage {
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(45, 1, 0.01, 500);
   private readonly renderer: WebGLRenderer;
-  private readonly controls: OrbitControls;
+  private readonly labels: CSS2DRenderer;
+  private readonly view: FittingCamera;
   private readonly bodies = new Group();
   private readonly findings = new Group();
   private readonly figures = new Map<string, Figure>();
@@ -64,50 +73,45 @@ export class Stage {
   /** Figures of links, in the order of the robot's document. */
   private links: Figure[] = [];
   private model = 0;
-  private shown = 0;
-  /** Of the robot (m). */
-  private size = 1;
+  private world = 0;
+  private drawnPose: DrawnPose = "none";
   private due = true;
   private readonly gl: WebGL2RenderingContext;
   /** Signalled when the last picture is finished. */
   private drawing: WebGLSync | null = null;
-  /** Whether the robot is in it. */
-  private drawsRobot = false;
 
-  /** `drawn` is called when there is a picture of the robot. */
-  constructor(
-    private readonly canvas: HTMLCanvasElement,
-    private readonly drawn: () => void,
-  ) {
+  constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.set(2, -2, 1.5);
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => (this.due = true));
+    this.labels = new CSS2DRenderer({ element: document.getElementById("labels") as HTMLElement });
+    this.view = new FittingCamera(canvas, () => (this.due = true));
     this.addSurroundings();
     this.scene.add(this.bodies, this.findings);
     new ResizeObserver(() => this.resize()).observe(canvas);
-    const frame = () => {
-      requestAnimationFrame(frame);
-      if (!this.due || this.isDrawing()) return;
-      this.due = false;
-      this.renderer.render(this.scene, this.camera);
-      this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-      this.drawsRobot = this.shown !== 0;
-    };
-    frame();
+  }
+
+  /** Draws a picture if there is something new to see. */
+  draw(): void {
+    if (!this.due || this.isDrawing()) return;
+    this.due = false;
+    this.renderer.render(this.scene, this.view.camera);
+    this.labels.render(this.scene, this.view.camera);
+    this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   }
 
   /** Whether the last picture is not finished: without a graphics card that takes longer than the next one needs to come. */
-  private isDrawing(): boolean {
+  isDrawing(): boolean {
     const { gl, drawing } = this;
     if (!drawing) return false;
     if (!gl.isContextLost() && gl.getSyncParameter(drawing, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
     gl.deleteSync(drawing);
     this.drawing = null;
-    if (this.drawsRobot) this.drawn();
     return false;
+  }
+
+  /** Turns the camera to all that there is to see. */
+  fit(): void {
+    this.view.refit();
   }
 
   private addSurroundings(): void {
@@ -131,8 +135,8 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.renderer.setPixelRatio(window.devicePixelRatio);
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.labels.setSize(width, height);
+    this.view.resize(width / height);
     this.due = true;
   }
 
@@ -153,7 +157,11 @@ export class Stage {
       (carrier?.group ?? this.bodies).add(figure.group);
       return figure;
     };
-    if (!isSameRobot) this.links = robot.text.links.map(add("link", robot));
+    if (!isSameRobot) {
+      this.links = robot.text.links.map(add("link", robot));
+      this.place(robot.text.default_poses);
+      this.drawnPose = "default";
+    }
     this.robot = robot;
     this.links.forEach((link, i) => {
       const scale = world.text.link_scales[i] ?? 1;
@@ -162,21 +170,48 @@ export class Stage {
     world.text.obstacles.forEach(add("obstacle", world));
     world.text.attached.forEach(add("attached", world));
     this.model = robot.text.model;
+    this.world = world.text.world;
+    this.view.watch(this.extent(robot.text), !isSameRobot);
     this.due = true;
   }
 
-  /** Shows what is known now. */
-  show(update: Update): void {
+  private place(poses: Pose[]): void {
+    this.links.forEach((link, i) => poses[i] && place(link.group, poses[i]));
+  }
+
+  /** All that the robot can reach, where it is now, and what stands near it. */
+  private extent({ reach }: Robot): Box3 {
+    this.bodies.updateMatrixWorld(true);
+    const box = new Box3();
+    for (const { group } of this.links) box.expandByObject(group);
+    if (reach) reach.forEach((corner) => box.expandByPoint(new Vector3(...corner)));
+    if (box.isEmpty()) return box;
+    const near = box.clone().expandByScalar(AROUND * box.getSize(new Vector3()).length());
+    for (const { group, kind } of this.figures.values()) {
+      if (kind === "obstacle") box.union(new Box3().expandByObject(group).intersect(near));
+    }
+    return box;
+  }
+
+  /** Shows what is known now; tells which pose of the robot that is. */
+  show(update: Update): DrawnPose {
     const poses = update.model === this.model ? update.poses : null;
-    if (poses) this.links.forEach((link, i) => poses[i] && place(link.group, poses[i]));
+    if (poses) {
+      this.place(poses);
+      this.view.follow(this.links.map(({ group }) => group.position));
+    }
+    if (poses) this.drawnPose = "current";
+    else if (this.drawnPose === "current") this.drawnPose = "last";
     const colliding = new Set((update.colliding ?? []).flat().map(key));
     for (const [name, figure] of this.figures) colour(figure, colliding.has(name), poses !== null);
     this.showFindings(update);
-    if (poses && this.shown !== this.model) {
-      this.shown = this.model;
-      this.frameRobot();
-    }
     this.due = true;
+    return this.drawnPose;
+  }
+
+  /** Whether the geometry in the picture is that of an update. */
+  isAbout({ model, world }: Update): boolean {
+    return model === 0 || (model === this.model && world === this.world);
   }
 
   private showFindings(update: Update): void {
@@ -195,25 +230,10 @@ export class Stage {
     const written: Vector3[] = [];
     for (const pair of apart) {
       const middle = new Vector3(...pair.witness_points[0]).add(new Vector3(...pair.witness_points[1])).multiplyScalar(0.5);
-      if (written.length === LABELS || written.some((other) => other.distanceTo(middle) < 0.12 * this.size)) continue;
+      if (written.length === LABELS || written.some((other) => other.distanceTo(middle) < 0.06 * this.view.size)) continue;
       written.push(middle);
-      this.findings.add(label(pair.distance, middle));
+      this.findings.add(label(pair, middle));
     }
-  }
-
-  /** Looks at the robot from a distance at which all of it is seen. */
-  private frameRobot(): void {
-    this.bodies.updateMatrixWorld(true);
-    const box = new Box3();
-    for (const { group } of this.links) box.expandByObject(group);
-    if (box.isEmpty()) return;
-    const size = (this.size = box.getSize(new Vector3()).length());
-    box.getCenter(this.controls.target);
-    this.camera.position.copy(this.controls.target).add(new Vector3(0.9, -1.1, 0.7).multiplyScalar(Math.max(size, 0.1)));
-    this.camera.near = size / 200;
-    this.camera.far = Math.max(size * 50, 50);
-    this.camera.updateProjectionMatrix();
-    this.controls.update();
   }
 }
 
@@ -235,52 +255,43 @@ function drawBody(kind: Kind, body: Body, numbers: Document<unknown>): Figure {
   return figure;
 }
 
-/** Where the robot is unknown, it is only hinted at. */
+/** A robot whose pose is not known is greyed. */
 function colour({ materials, kind }: Figure, colliding: boolean, placed: boolean): void {
-  const solid = kind === "obstacle" ? 0.55 : placed ? 1 : 0.25;
+  const greyed = kind !== "obstacle" && !placed;
+  const solid = kind === "obstacle" ? 0.55 : greyed ? 0.45 : 1;
   for (const material of materials) {
-    material.color.setHex(colliding ? COLLIDING : COLOURS[kind]);
+    material.color.setHex(colliding ? COLLIDING : greyed ? GREYED : COLOURS[kind]);
     material.opacity = colliding ? Math.max(solid, 0.7) : solid;
     material.transparent = material.opacity < 1;
     material.depthWrite = !material.transparent;
   }
 }
 
-/** The distance of a pair, beside the middle of its line. */
-function label(distance: number, middle: Vector3): Sprite {
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [256, 64];
-  const pen = canvas.getContext("2d");
-  if (pen) {
-    pen.font = "600 40px system-ui, sans-serif";
-    pen.textAlign = "center";
-    pen.textBaseline = "middle";
-    pen.lineWidth = 8;
-    pen.strokeStyle = "#000a";
-    pen.fillStyle = "#ffd75e";
-    const text = `${(1000 * distance).toFixed(1)} mm`;
-    pen.strokeText(text, 128, 32);
-    pen.fillText(text, 128, 32);
+/** The distance of a pair, above the middle of its line. The line is longer by the padding, which is not drawn. */
+function label({ distance, witness_points: [a, b] }: Pair, middle: Vector3): CSS2DObject {
+  const text = document.createElement("div");
+  text.className = "label";
+  text.textContent = length(distance);
+  const gap = new Vector3(...a).distanceTo(new Vector3(...b));
+  if (gap - distance > NO_PADDING) {
+    const note = document.createElement("small");
+    note.textContent = `${length(gap)} less ${length(gap - distance)} padding`;
+    text.append(note);
   }
-  const texture = new CanvasTexture(canvas);
-  const sprite = new Sprite(new SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false }));
-  sprite.position.copy(middle);
-  sprite.center.set(0.5, -0.2);
-  sprite.scale.set(0.14, 0.035, 1);
-  sprite.renderOrder = 2;
-  return sprite;
+  const object = new CSS2DObject(text);
+  object.position.copy(middle);
+  object.center.set(0.5, 1.3);
+  return object;
 }
 
 /** Empties a group and frees what the graphics card holds of it. */
 function dispose(group: Group): void {
   group.traverse((object) => {
     if (object instanceof InstancedMesh) object.dispose();
-    if (object instanceof Mesh || object instanceof Points || object instanceof Sprite) {
+    if (object instanceof CSS2DObject) object.element.remove();
+    if (object instanceof Mesh || object instanceof Points) {
       object.geometry.dispose();
-      for (const material of [object.material as Material | Material[]].flat()) {
-        if (material instanceof SpriteMaterial) material.map?.dispose();
-        material.dispose();
-      }
+      for (const material of [object.material as Material | Material[]].flat()) material.dispose();
     }
   });
   group.clear();

@@ -98,8 +98,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
         args.model.settings(),
     )?;
     let mut random = fastrand::Rng::with_seed(args.seed);
-    let states = (0..args.states).map(|_| scatter::state(alone.robot(), &mut random));
-    let states = states.collect::<Result<Vec<_>, _>>()?;
+    let states: Vec<_> = (0..args.states).map(|_| alone.robot().random_configuration(&mut random)).collect();
     let worlds = if loaded.world.is_empty() {
         let region = region(&alone, &states);
         let worlds = args.obstacles.iter().map(|&count| scatter::boxes(count, &region, &mut random));

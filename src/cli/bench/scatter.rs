@@ -1,9 +1,8 @@
-//! Random states, and random boxes around a robot.
+//! Random boxes around a robot.
 
 use clearance::bvh::AxisBox;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
-use clearance::robot::{Configuration, JointKind, RobotModel};
 use clearance::world::{Obstacle, World};
 
 use crate::cli::failure::Failure;
@@ -17,22 +16,6 @@ const EDGES: [f64; 2] = [0.05, 0.2];
 
 /// Nothing stands nearer to the root's origin than this (m), where bases are.
 const KEPT_FREE: f64 = 0.3;
-
-/// A state within limits: what has none turns once, and planar and floating joints stay where they are.
-pub fn state(robot: &RobotModel, random: &mut fastrand::Rng) -> Result<Configuration, Failure> {
-    let mut positions = robot.default_configuration().positions().to_vec();
-    for id in robot.joint_ids() {
-        let joint = robot.joint(id);
-        let Some(first) = robot.first_position(id) else { continue };
-        let [low, high] = match (&joint.kind, joint.limits) {
-            (JointKind::Planar(_) | JointKind::Floating, _) => continue,
-            (JointKind::Continuous(_), _) | (_, None) => [-std::f64::consts::PI, std::f64::consts::PI],
-            (_, Some(limits)) => [limits.lower, limits.upper],
-        };
-        positions[first] = low + (high - low) * random.f64();
-    }
-    robot.configuration(&positions).map_err(internal)
-}
 
 /// A box around all boxes.
 pub fn around<'b>(boxes: impl IntoIterator<Item = &'b AxisBox>) -> AxisBox {

@@ -15,6 +15,7 @@
 mod address;
 mod assets;
 mod document;
+mod reach;
 mod scene;
 mod server;
 mod site;

@@ -4,9 +4,12 @@ use hyper::body::Bytes;
 use serde::Serialize;
 
 use super::document::{Numbers, Span};
+use super::reach::sampled_reach;
+use crate::checker::Settings;
 use crate::geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
-use crate::math::Pose;
+use crate::math::{Extremes, Pose};
 use crate::monitor::Revision;
+use crate::robot::LinkPoses;
 use crate::world::ObstacleShape;
 
 /// Triangles in one document at most; what has more is shown as the box around it.
@@ -22,6 +25,10 @@ struct Robot<'a> {
     name: &'a str,
     frame: &'a str,
     links: Vec<DrawnBody<'a>>,
+    /// By link: its pose while no joint state is known, in the default configuration.
+    default_poses: Vec<[f32; 7]>,
+    /// Lower and upper corner (root frame) of a box around all that the robot can reach.
+    reach: Option<[[f32; 3]; 2]>,
 }
 
 #[derive(Serialize)]
@@ -32,6 +39,8 @@ struct Surroundings<'a> {
     attached: Vec<DrawnBody<'a>>,
     /// By link: the factor of its shapes.
     link_scales: Vec<f32>,
+    /// The largest padding (m) that is taken off the distance of a pair. Padding is not drawn.
+    largest_padding: f32,
 }
 
 #[derive(Serialize)]
@@ -78,12 +87,23 @@ pub fn robot(revision: &Revision) -> Bytes {
         shapes: link.collisions.iter().map(|c| sketch.shape(&c.pose_ls, &c.shape)).collect(),
     });
     let links = links.collect();
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&robot.default_configuration(), &mut poses);
     sketch.numbers.document(&Robot {
         model: revision.model,
         name: robot.name(),
         frame: revision.frame(),
         links,
+        default_poses: robot.link_ids().map(|link| pose_numbers(poses.pose(link))).collect(),
+        reach: sampled_reach(robot).map(|corners| corners.map(|corner| corner.map(short).into())),
     })
+}
+
+/// The largest padding (m) that a distance between two bodies may contain.
+fn largest_padding(settings: &Settings) -> f64 {
+    let of_links = settings.link_padding.values().copied().fold(settings.padding, f64::greater);
+    let of_links = if settings.pad_self { 2.0 * of_links } else { of_links };
+    of_links + settings.object_padding.values().copied().fold(0.0, f64::greater)
 }
 
 /// What stands around the robot and what it holds.
@@ -109,6 +129,7 @@ pub fn world(revision: &Revision) -> Bytes {
         world: revision.world,
         obstacles,
         attached,
+        largest_padding: short(largest_padding(settings)),
         link_scales: checker.robot().links().iter().map(|link| scale(&link.name)).collect(),
     })
 }

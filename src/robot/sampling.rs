@@ -1,0 +1,27 @@
+//! Random configurations.
+
+use std::f64::consts::PI;
+
+use super::{Configuration, JointKind, RobotModel};
+
+impl RobotModel {
+    /// A configuration that is uniform over the joint limits. Joints without limits take half a turn or half a metre to either
+    /// side; planar and floating joints stay where they are by default.
+    #[must_use]
+    pub fn random_configuration(&self, random: &mut fastrand::Rng) -> Configuration {
+        let mut positions = self.default_configuration().positions().to_vec();
+        for id in self.joint_ids() {
+            let joint = self.joint(id);
+            let Some(first) = self.first_position(id) else { continue };
+            let (low, high) = match (&joint.kind, joint.limits) {
+                (JointKind::Planar(_) | JointKind::Floating, _) => continue,
+                (JointKind::Continuous(_), _) | (JointKind::Revolute(_), None) => (-PI, PI),
+                (_, None) => (-0.5, 0.5),
+                (_, Some(limits)) => (limits.lower, limits.upper),
+            };
+            positions[first] = low + (high - low) * random.f64();
+        }
+        // a follower that would be too far to compute with leaves the robot at its default
+        self.configuration(&positions).unwrap_or_else(|_| self.default_configuration())
+    }
+}
