@@ -120,7 +120,9 @@ mod tests {
         let end = End { events, orders, stop };
         let (release, released) = mpsc::channel::<()>();
         let parts = vec![
-            Part::new("stuck", move || drop(released.recv())),
+            Part::new("stuck", move || {
+                let _ = released.recv();
+            }),
             Part::new("obedient", move || smol::block_on(until(&stopped, future::pending::<()>()))),
         ];
         end.tell();
