@@ -8,6 +8,7 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 from moveit_msgs.msg import CollisionObject
 from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
@@ -130,17 +131,16 @@ def rejected_obstacle(s):
 
 
 def lost_messages(s):
-    """A publisher that keeps one message overwrites what it could not send yet."""
+    """A publisher that keeps one message overwrites what it could not send yet; bytes are published faster than they are received."""
     cell = s.start()
     cell.driver.report(**ZERO)
     scene = SceneClient(cell)
-    scene.topic(CollisionObject, "collision_object", QoSProfile(depth=1))
-
-    message = obstacle("far", fine_mesh(2000), at=pose(9.0))
+    topic = scene.topic(CollisionObject, "collision_object", QoSProfile(depth=1))
+    message = serialize_message(obstacle("far", fine_mesh(2000), at=pose(9.0)))
 
     def overwhelm():
-        for _ in range(100):
-            scene.publish(message)
+        for _ in range(300):
+            topic.publish(message)
 
     s.until("lost_messages", overwhelm)
 
