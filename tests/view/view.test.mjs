@@ -212,9 +212,9 @@ test("without joint states the page says UNKNOWN and why", { timeout: TIMEOUT },
 });
 
 test("lengths have one unit, and what is padding is said", { timeout: TIMEOUT }, async (t) => {
-  const node = new NodeProcess("node", "--urdf", TWO_LINK, "--padding", "0.1", "--view", "0", "--ros-args", "-p", "pad_self:=true",
-    "-p", "influence_distance:=5.0");
   process.env.ROS_DOMAIN_ID = "8";
+  const parameters = ["-p", "pad_self:=true", "-p", "influence_distance:=5.0"];
+  const node = new NodeProcess("node", "--urdf", TWO_LINK, "--padding", "0.1", "--view", "0", "--ros-args", ...parameters);
   t.after(() => {
     node.kill();
     delete process.env.ROS_DOMAIN_ID;

@@ -10,9 +10,9 @@ export function pictureNote(update: Update, drawn: DrawnPose, isWhole: boolean):
     case "none":
       return `The robot is not shown yet. ${reason}`.trim();
     case "default":
-      return `Not the robot's pose: it is drawn in its default pose. ${reason}`.trim();
+      return `Shown in its default pose, which is not the robot's: ${reason}`.trim();
     case "last":
-      return `Not the robot's pose now: it is drawn where it was last. ${reason}`.trim();
+      return `Shown where it was last, which may not be where it is now: ${reason}`.trim();
     case "current":
       return isWhole ? "" : "The picture does not show the present world yet.";
   }
