@@ -168,8 +168,8 @@ impl Monitor {
         self.left_out = Some(left_out);
     }
 
-    /// What was rejected of the last changes of the world, for the warnings, and why the world is known to be incomplete, if it is. The
-    /// rest of the world stays in use.
+    /// Sets the faults of the last changes of the world, which become warnings, and the reason why the world is incomplete, if it is.
+    /// The rest of the world stays in use.
     pub fn note_world_faults(&mut self, faults: Vec<String>, incomplete: Option<Reason>) {
         self.world_faults = faults;
         if self.incomplete_world != incomplete {

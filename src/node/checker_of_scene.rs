@@ -34,7 +34,7 @@ pub fn checker_of(
     built.map_err(|error| error.to_string())
 }
 
-/// What has to be known of what is checked, and what is not.
+/// Warnings about the checks themselves: meshes that are not solid although that was asked for, and no pair to check.
 pub fn warnings_of(checker: &CollisionChecker) -> impl Iterator<Item = String> {
     told_solid_in_vain(checker).into_iter().chain(nothing_to_check(checker))
 }

@@ -1,4 +1,4 @@
-//! What is missing or misplaced in a scene because something announced was rejected, and which later updates make up for it.
+//! Gaps in a scene: announced objects or settings that were rejected, and the later updates that close them.
 
 use super::{AttachedChange, ObjectChange, Operation, SceneChange, SceneUpdate};
 
@@ -42,8 +42,8 @@ impl Gap {
 }
 
 impl SceneUpdate {
-    /// What is left of a gap after this update; `None` if nothing is. `is_rejected`: whether a part of the update about the same thing
-    /// was rejected.
+    /// The rest of a gap after this update; `None` if the update closes it. `is_rejected`: whether a part of the update about the same
+    /// object was rejected.
     ///
     /// Only an update that gives everything about an object closes its gap: an object that is moved still lacks the shapes that were
     /// rejected before.

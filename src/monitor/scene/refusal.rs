@@ -9,7 +9,7 @@ pub struct SceneRefusal {
     pub object: Option<String>,
     /// Begins with the field, where one is at fault.
     pub message: String,
-    /// What is missing or misplaced in the scene because of it; `None` if the scene errs on the safe side.
+    /// The gap that it leaves in the scene; `None` if the scene errs on the safe side.
     pub gap: Option<Gap>,
 }
 

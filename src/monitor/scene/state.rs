@@ -40,13 +40,13 @@ pub struct Applied {
     pub changed: bool,
     /// What was odd but accepted.
     pub warnings: Vec<String>,
-    /// What changes nothing, though it was meant to.
+    /// Accepted settings without effect, such as a matrix entry that names nothing.
     pub ineffective: Vec<String>,
     /// What was not done.
     pub refusals: Vec<SceneRefusal>,
 }
 
-/// What of a scene does not fit to another robot.
+/// Parts of a scene that were dropped or are in doubt after a change of the robot.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unfit {
     /// Objects that are no longer in the scene, wherever they are.

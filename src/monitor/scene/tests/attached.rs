@@ -1,4 +1,4 @@
-//! What the robot takes up, holds and puts down.
+//! Attached objects: attaching, appending, detaching, rejecting.
 
 use super::*;
 
