@@ -26,8 +26,11 @@ class Reports:
         self._recorder = peer.record(DiagnosticArray, "/diagnostics", 100)
 
     def all(self):
+        return self._read(self._recorder.all())
+
+    def _read(self, arrays):
         told = []
-        for array in list(self._recorder.messages):
+        for array in arrays:
             for status in array.status:
                 if status.name == self._name:
                     at = Time.from_msg(array.header.stamp).nanoseconds * 1e-9
@@ -35,12 +38,12 @@ class Reports:
         return told
 
     def wait_for(self, accept, what):
-        """The first report that is accepted, of those that come from now on."""
-        seen = len(self.all())
+        """The first report that is accepted, of those that are published from now on."""
+        start = self._peer.now()
 
         def search():
             assert self._node.exit_code is None, f"the node ended: {self._node.output()}"
-            return next(filter(accept, self.all()[seen:]), None)
+            return next(filter(accept, self._read(self._recorder.published_since(start))), None)
 
         return self._peer.wait_for(search, what, PATIENCE)
 

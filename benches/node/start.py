@@ -34,7 +34,7 @@ def first_answer(robot, number, peer):
 
         def answered():
             assert node.exit_code is None, f"the node ended: {node.output()}"
-            return any(state.status != CollisionState.UNKNOWN for state in states.messages)
+            return any(state.status != CollisionState.UNKNOWN for state in states.all())
 
         peer.wait_for(answered, "an answer", PATIENCE)
         return time.monotonic() - start

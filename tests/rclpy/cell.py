@@ -2,8 +2,10 @@
 
 import itertools
 from functools import cached_property
+from time import monotonic
 
 from clearance_msgs.msg import CollisionState
+from std_msgs.msg import Bool, Float64
 
 import two_link
 from node_process import NodeProcess
@@ -11,6 +13,7 @@ from parameters import Parameters
 
 # Nothing grows old by accident on a loaded machine.
 QUICK = {"heartbeat_rate": 20.0, "stale_after": 3600.0}
+PATIENCE = 5.0  # [s] after which a joint state is published again
 # Soon enough for a test to see it.
 STALE_AFTER = 1.0  # [s]
 
@@ -46,14 +49,39 @@ class Cell:
         return Parameters(self.peer, self.node)
 
     def judged(self, **positions):
-        """The first state judged of these joint positions, which the driver now reports."""
+        """The first state evaluated of these joint positions, which the driver reports from now on."""
         stamp = self.driver.report(**positions)
-        return self.states.wait_for(two_link.judged_since(stamp), f"a judgement of {positions}")
+        return self.states.ever(two_link.judged_since(stamp), f"a state of {positions}")
 
     def moving(self, positions, velocities):
-        """The first state judged of these joint positions and velocities, which the driver now reports."""
+        """The first state evaluated of these joint positions and velocities, which the driver reports from now on."""
         self.driver.velocities = velocities
         return self.judged(**positions)
+
+    def evaluated(self, positions, stamp=None):
+        """The state evaluated of exactly this joint state. The driver falls silent, and this is its last one."""
+        self.driver.pause()
+        sent = []  # stamps and times [s] of publishing
+
+        def publish():
+            sent.append((stamp or self.peer.now(), monotonic()))
+            self.driver.publish(positions, sent[-1][0])
+
+        def answered():
+            # what the node receives best effort may be lost on a busy machine
+            if not sent or monotonic() > sent[-1][1] + PATIENCE:
+                publish()
+            return next(filter(two_link.evaluated_of(sent[-1][0]), self.states.all()), None)
+
+        return self.peer.wait_for(answered, f"a state of {positions}")
+
+    def falls_silent(self):
+        """The driver stops, and its last joint state is evaluated: gives that state."""
+        return self.evaluated(self.driver.positions)
+
+    def state_now(self):
+        """A state whose evaluation began after this call: of all that the node has acknowledged."""
+        return self.states.wait_for(lambda _: True, "a state evaluated from now on", after=self.peer.now())
 
     def grows_old(self):
         """From now on joint states are soon stale."""
@@ -61,12 +89,37 @@ class Cell:
 
     def has_model(self, revision=1):
         """Waits until this model is in force."""
-        self.states.wait_for(lambda state: state.model_revision == revision, f"model revision {revision}")
+        return self.states.ever(lambda state: state.model_revision == revision, f"model revision {revision}")
 
-    def unknown(self, reason_code, after=0):
-        """The first state that is UNKNOWN for this reason, of those after the first `after` ones."""
+    def becomes(self, status, what, after=None):
+        """The first state of this status that follows `after`: a state, or a moment; without one, this moment."""
+        return self.states.wait_for(lambda state: state.status == status, what, after or self.peer.now())
+
+    def unknown(self, reason_code, after=None):
+        """The first state that is UNKNOWN for this reason and follows `after`, as in `becomes`."""
         return self.states.wait_for(
             lambda state: state.status == CollisionState.UNKNOWN and state.reason_code == reason_code,
             f"UNKNOWN for the reason {reason_code}",
-            after,
+            after or self.peer.now(),
         )
+
+
+class Companions:
+    """What the node publishes beside `~/state` on topics of standard types, which carry no stamp.
+
+    It publishes one message on each of them with every state, so that equal sequence numbers are about the same state.
+    """
+
+    KINDS = {"is_free": Bool, "distance": Float64, "speed_scale": Float64}
+
+    def __init__(self, cell, kinds=KINDS):
+        self._states = cell.states
+        self._recorders = {name: cell.peer.record(kind, cell.node.private(name)) for name, kind in kinds.items()}
+        # a message published before both sides have met is lost
+        for name, recorder in self._recorders.items():
+            recorder.ever(lambda _: True, f"the first message of {name}")
+
+    def of(self, state):
+        """The values published with a state that came after this was made, by topic."""
+        number = self._states.number(state)
+        return {name: recorder.numbered(number).data for name, recorder in self._recorders.items()}

@@ -3,7 +3,6 @@
 import re
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import cycle
 from math import isnan, pi
 
 from clearance_msgs.msg import CollisionState
@@ -11,16 +10,16 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, String
+from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
 import two_link
+from cell import Companions
 from node_process import ROOT
 
 HEADING = "### When the answer is UNKNOWN"
 STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
-# What is said beside `~/state`, and what of it is said when nothing is known.
-BESIDE = {"is_free": Bool, "speed_scale": Float64, "distance": Float64}
+# What is published beside `~/state` when nothing is known.
 NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
 SIMULATED = {"use_sim_time": True, "stale_after": 5.0}
 HEARTBEATS = 3
@@ -64,12 +63,12 @@ class Situation:
         self.pose = pose
         self._start = start
         self.cell = None
-        self.beside = {}  # recorders by topic
+        self.companions = None
         self.ends = None  # waits for the end of a condition that ends by itself: its heartbeats can not be counted
 
     def start(self, *arguments, **options):
         self.cell = self._start(*arguments, **options)
-        self.beside = {name: self.peer.record(kind, self.cell.node.private(name)) for name, kind in BESIDE.items()}
+        self.companions = Companions(self.cell)
         return self.cell
 
     def is_judged(self):
@@ -80,24 +79,25 @@ class Situation:
         """A node that has judged the robot once, and hears nothing any more."""
         cell = self.start(parameters=parameters)
         self.is_judged()
-        cell.driver.pause()
+        cell.falls_silent()
         return cell
 
-    def heartbeats(self):
-        """Those that come next."""
-        seen = len(self.cell.states.messages)
-        self.peer.wait_for(lambda: len(self.cell.states.messages) >= seen + HEARTBEATS, "heartbeats")
-        return self.cell.states.messages[-HEARTBEATS:]
+    def heartbeats(self, after):
+        """States that follow that one."""
+        return self.cell.states.more(HEARTBEATS, after)
 
     def until(self, word, again):
-        """Does something again and again until a state has this reason or warning: a datagram may be lost."""
+        """Does something again and again until a state has this reason or warning, and gives it: a datagram may be lost."""
+        start = self.peer.now()
+
+        def has_it(state):
+            return state.reason_code == word or any(word in text for text in state.warnings)
 
         def said():
             again()
-            last = self.cell.states.messages[-1:]
-            return any(state.reason_code == word or any(word in text for text in state.warnings) for state in last)
+            return next(filter(has_it, self.cell.states.after(start)), None)
 
-        self.peer.wait_for(said, f"the reason or warning '{word}'")
+        return self.peer.wait_for(said, f"the reason or warning '{word}'")
 
     def enable(self, enabled):
         client = self.peer.node.create_client(SetBool, self.cell.node.private("enable"))
@@ -125,17 +125,18 @@ class Situation:
         """A node in simulated time, 100 s after its beginning, that has judged the robot once."""
         cell = self.start(parameters=SIMULATED, driving=False)
 
+        # `no_joint_state` stands before `no_clock`: the clock counts once a joint state is evaluated
         def go_on():
             self.tick(100)
-            cell.driver.publish(ZERO, Time(seconds=100))
+            cell.driver.publish({"joint1": 0.0}, Time(seconds=99))
 
-        self.until("", go_on)
+        self.until("partial", go_on)
+        assert cell.evaluated(ZERO, Time(seconds=100)).status == CollisionState.FREE
         return cell
 
     def set_back(self):
-        """Sets the clock back to 10 s; once more, if a joint state of the time before came late."""
-        seconds = cycle([10] * 10 + [100] * 10)
-        self.until("clock_jump", lambda: self.tick(next(seconds)))
+        """Sets the clock back to 10 s."""
+        self.until("clock_jump", lambda: self.tick(10))
 
     def tick(self, seconds):
         self.clock.publish(Clock(clock=Time(seconds=seconds).to_msg()))
@@ -146,7 +147,7 @@ def swapping(s, driving):
     cell = s.start("--package-path", s.tmp_path, urdf=None, namespace="/swap", driving=driving)
     cell.has_model()
     heavy = String(data=two_link.description_with_fine_base(s.tmp_path))
-    s.ends = lambda: s.peer.wait_for(lambda: cell.states.messages[-1].model_revision == 2, "the other model", 100.0)
+    s.ends = lambda: cell.states.ever(lambda state: state.model_revision == 2, "the other model", 100.0)
     return lambda: publisher.publish(heavy)
 
 

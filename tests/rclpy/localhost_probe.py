@@ -40,7 +40,7 @@ def main(domain_id, *of_node):
     # Without a driver: Fast DDS sends joint states by multicast to a RustDDS subscriber, and on every interface
     # whatever its own discovery range is, so they would be counted as the node's.
     with Peer(int(domain_id)) as peer, Cell(peer, environment=environment, driving=False) as cell:
-        peer.wait_for(lambda: len(cell.states.messages) >= 100, "100 states")
+        peer.wait_for(lambda: len(cell.states.all()) >= 100, "100 states")
         print(packets_sent("out"))
 
 

@@ -50,7 +50,7 @@ class Motions:
     def certificate(self, answer):
         """The certificate of an answer; the same is published on its topic."""
         assert answer.certificate_digest
-        message = self._certificates.wait_for(
+        message = self._certificates.ever(
             lambda message: json.loads(message.data)["digest"] == answer.certificate_digest, "the certificate"
         )
         assert answer.certificate == message.data
@@ -58,8 +58,9 @@ class Motions:
 
     def with_swept_volume(self, ask):
         """What `ask()` gives, and the markers that are published meanwhile, without the one that takes away all others."""
-        heard = len(self._swept_volumes.messages)
+        start = self._peer.now()
         answer = ask()
-        first, *markers = self._swept_volumes.wait_for(lambda _: True, "a swept volume", after=heard).markers
+        # volumes of earlier requests were published before their responses
+        first, *markers = self._swept_volumes.event(lambda _: True, "a swept volume", since=start).markers
         assert first.action == Marker.DELETEALL
         return answer, markers

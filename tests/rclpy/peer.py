@@ -3,12 +3,14 @@
 import threading
 import time
 from contextlib import suppress
+from dataclasses import dataclass
 
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.time import Time
 
 DEADLINE = 20.0  # [s] discovery between two middlewares on a loaded machine may take several seconds
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -48,8 +50,8 @@ class Peer:
     def now(self):
         return self.node.get_clock().now()
 
-    def record(self, kind, topic, qos=10):
-        return Recorder(self, kind, topic, qos)
+    def record(self, kind, topic, qos=10, only=lambda message: True):
+        return Recorder(self, kind, topic, qos, only)
 
     def latch(self, message, topic):
         """Publishes once, for those who listen now and for those who come later."""
@@ -81,32 +83,92 @@ class Peer:
         return future.result()
 
 
-class Recorder:
-    """Every message of a topic, in the order of arrival."""
+@dataclass(frozen=True)
+class Received:
+    message: object
+    number: int  # in the sequence of its publisher, counted from 1
+    published: int  # [ns] when, by the clock of the publisher's machine
 
-    def __init__(self, peer, kind, topic, qos):
+
+class Recorder:
+    """The messages of one publisher on a topic, in their order; of a topic with several publishers, `only` those of one.
+
+    There is no way to wait for "the next message", which may be about an older input. A wait names the message or the
+    moment that its result has to follow (`wait_for`, `more`, `event`), or is for something that no older input could
+    bring about (`ever`).
+    """
+
+    def __init__(self, peer, kind, topic, qos, only):
         self._peer = peer
         self._topic = topic
-        self.messages = []
+        self._only = only
+        self._received = []
         peer.node.create_subscription(kind, topic, self._receive, qos)
 
-    def _receive(self, message):
+    def _receive(self, message, info):
+        if not self._only(message):
+            return
+        received = Received(message, info["publication_sequence_number"], info["source_timestamp"])
         with self._peer.changed:
-            self.messages.append(message)
+            self._received.append(received)
             self._peer.changed.notify_all()
 
-    def wait_for(self, accept, what, after=0, deadline=DEADLINE):
-        """The first message that is accepted, of those that arrived after the first `after` ones."""
+    def all(self):
+        """Every message so far."""
+        return [received.message for received in self._received]
+
+    def after(self, mark):
+        """The messages so far that follow `mark`: a message of this recorder, or a moment that `peer.now()` gave.
+
+        The publisher began to make them after the moment: it makes one message at a time, and may have been at work on
+        the first one that it published after the moment, so that this one is left out.
+        """
+        if isinstance(mark, Time):
+            return self.published_since(mark)[1:]
+        received = self.all()
+        return received[next(i for i, message in enumerate(received) if message is mark) + 1 :]
+
+    def published_since(self, moment):
+        """The messages so far that were published after a moment, whenever they were made."""
+        return [one.message for one in self._received if one.published > moment.nanoseconds]
+
+    def number(self, message):
+        """Its place in its publisher's sequence, counted from 1."""
+        return next(one.number for one in self._received if one.message is message)
+
+    def numbered(self, number):
+        """The message at this place of the publisher's sequence."""
 
         def search():
-            return next((message for message in self.messages[after:] if accept(message)), None)
+            return next((one.message for one in reversed(self._received) if one.number == number), None)
 
+        return self._wait(search, f"message {number}")
+
+    def wait_for(self, accept, what, after, deadline=DEADLINE):
+        """The first accepted message that follows `after`: see the method of that name."""
+        return self._wait(lambda: next(filter(accept, self.after(after)), None), what, deadline)
+
+    def event(self, accept, what, since):
+        """The first accepted message published after a moment: for topics with one message for each event."""
+        return self._wait(lambda: next(filter(accept, self.published_since(since)), None), what)
+
+    def ever(self, accept, what, deadline=DEADLINE):
+        """The first accepted message of all, however long ago it came."""
+        return self._wait(lambda: next(filter(accept, self.all()), None), what, deadline)
+
+    def more(self, count, after):
+        """At least so many messages that follow `after`."""
+
+        def search():
+            found = self.after(after)
+            return found if len(found) >= count else None
+
+        return self._wait(search, f"{count} more messages")
+
+    def _wait(self, search, what, deadline=DEADLINE):
         try:
             return self._peer.wait_for(search, f"{what} on {self._topic}", deadline)
         except AssertionError as error:
-            last = self.messages[-1] if self.messages else "nothing"
-            raise AssertionError(f"{error}; {len(self.messages)} messages came, the last: {last}") from None
-
-    def next(self, what="a new message"):
-        """A message that arrives from now on."""
-        return self.wait_for(lambda _: True, what, after=len(self.messages))
+            received = self.all()
+            last = received[-1] if received else "nothing"
+            raise AssertionError(f"{error}; {len(received)} messages came, the last: {last}") from None

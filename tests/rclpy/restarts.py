@@ -45,8 +45,7 @@ class Restarts:
     def joint_state_publisher(self):
         """It crashes; that it is silent is noticed before the next one speaks."""
         self._source.kill()
-        seen = len(self._cell.states.messages)
-        self._cell.unknown("stale", seen)
+        self._cell.unknown("stale")
         start, since = time.monotonic(), self._peer.now()
         self._drive()
         self._free(since)
@@ -73,7 +72,7 @@ class Restarts:
 
     def description_publisher(self):
         """Another one comes with another robot, which has to come into force."""
-        before = self._cell.states.next("a state").model_revision
+        before = self._cell.state_now().model_revision
         self._describer.__exit__(None, None, None)
         start = time.monotonic()
         self._describe()
@@ -92,8 +91,7 @@ class Restarts:
 
     def _free(self, since, accept=lambda state: True):
         judged = two_link.judged_since(since)
-        self._cell.states.wait_for(
+        self._cell.states.ever(
             lambda state: state.status == CollisionState.FREE and judged(state) and accept(state),
             f"FREE from a joint state after {since}",
-            max(len(self._cell.states.messages) - 1, 0),
         )

@@ -56,7 +56,8 @@ class SceneClient:
         self.complaints = Complaints(cell)
 
     def world_revision(self):
-        return self._cell.states.next().world_revision
+        """Of a world with all changes that the node has acknowledged."""
+        return self._cell.state_now().world_revision
 
     # By topic
 
@@ -85,8 +86,7 @@ class SceneClient:
         return state
 
     def _change(self, message, topic):
-        before = self.world_revision()
-        seen = len(self._cell.states.messages)
+        before = self._cell.state_now()
         self.publish(message, topic)
         published = monotonic()
 
@@ -96,9 +96,10 @@ class SceneClient:
             if topic and monotonic() > published + PATIENCE:
                 published = monotonic()
                 self.publish(message, topic)
-            return state.world_revision > before
+            return state.world_revision > before.world_revision
 
-        return self._cell.states.wait_for(is_there, f"a world after revision {before}", seen)
+        what = f"a world after revision {before.world_revision}"
+        return self._cell.states.wait_for(is_there, what, after=before)
 
     def refused(self, message, *words, topic=None):
         """Publishes what must be refused: it is complained about with these words, and the world stays as it was."""
@@ -165,20 +166,19 @@ class Complaints:
         self.forget()
 
     def forget(self):
-        """From now on only new ones count."""
-        self._seen = len(self._cell.states.messages), len(self._diagnostics.messages), len(self._log.messages)
+        """Only what is published from now on counts."""
+        self._start = self._cell.peer.now()
         self._printed = len(self._cell.node.output())
 
     def texts(self):
-        states, diagnostics, log = self._seen
-        for state in self._cell.states.messages[states:]:
+        for state in self._cell.states.after(self._start):
             yield from state.warnings
             yield state.reason
-        for array in self._diagnostics.messages[diagnostics:]:
+        for array in self._diagnostics.after(self._start):
             for status in array.status:
                 yield status.message
                 yield from (item.value for item in status.values)
-        for entry in self._log.messages[log:]:
+        for entry in self._log.published_since(self._start):
             if entry.level >= Log.WARN:
                 yield entry.msg
         printed = self._cell.node.output()[self._printed :].splitlines()

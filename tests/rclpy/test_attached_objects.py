@@ -109,19 +109,19 @@ def test_all_that_a_link_holds_is_let_go(cell, scene):
 def test_a_robot_that_may_hold_more_than_is_known_is_unknown(cell, scene):
     """Taken out of the world, it is in no place that is known."""
     scene.change(ball("a", 5))
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.refused(attached("hand", "a"), "a", "hand")
     cell.unknown("rejected_obstacle", after=seen)
     scene.change(removal("a"))
     assert cell.judged(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
     scene.change(attached("tip", ball("a", 1, 0.4, radius=0.05, frame="tip"), ["tip"]))
-    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.refused(detachment("a", "upper"), "a", "upper")
     cell.unknown("rejected_obstacle", after=seen)
     scene.change(detachment("a"))
-    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
 
 def test_what_cannot_be_attached_is_refused_by_name(cell, scene):

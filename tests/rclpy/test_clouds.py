@@ -11,7 +11,6 @@ from clearance_msgs.msg import BodyPair, CollisionState
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
-from rclpy.time import Time
 from sensor_msgs.msg import PointCloud2, PointField
 
 from cell import Cell
@@ -154,12 +153,12 @@ BLIND = ["empty", "all NaN", "all infinite", "all far away", "all cropped", "all
 def published_until(cell, message, is_there, what):
     """The first state of which this holds while the cloud is published again and again; it may be lost."""
     publisher = cell.scene.topic(PointCloud2, "points", QOS)
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
 
     def found():
         message.header.stamp = cell.peer.now().to_msg()
         publisher.publish(message)
-        return next((state for state in cell.states.messages[seen:] if is_there(state)), None)
+        return next((state for state in cell.states.after(seen) if is_there(state)), None)
 
     return cell.peer.wait_for(found, what)
 
@@ -177,13 +176,13 @@ def test_a_sensor_that_shows_nothing_is_blind_and_no_empty_room(start_cloud, kin
     assert "'points'" in first.reason and cause in first.reason
     state = cell.sees(cloud([(2.11, 0, 0)]))
     assert state.status == CollisionState.COLLIDING
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     published_until(cell, message, is_blind, "UNKNOWN for a sensor gone blind")
     assert not cell.scene.validity(FOLDED).valid
-    assert all(state.status != CollisionState.FREE for state in cell.states.messages[seen:])
+    assert all(state.status != CollisionState.FREE for state in cell.states.after(seen))
     # the last cloud that showed something is in force beside that
     cell.parameters.succeed(blind_cloud="warn")
-    cell.states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "a judgement", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "a judgement", after=cell.peer.now())
     cell.parameters.succeed(blind_cloud="unknown")
     assert cell.sees(cloud(WALL)).status == CollisionState.FREE
 
@@ -208,11 +207,11 @@ def test_a_cloud_from_the_future_is_rejected(start_cloud):
     cell.sees(cloud(WALL))
     publisher = cell.scene.topic(PointCloud2, "points", QOS)
     early = cloud(WALL, stamp=cell.peer.now() + Duration(seconds=3600))
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
 
     def rejected():
         publisher.publish(early)
-        return any(state.reason_code == "rejected_obstacle" for state in cell.states.messages[seen:])
+        return any(state.reason_code == "rejected_obstacle" for state in cell.states.after(seen))
 
     cell.peer.wait_for(rejected, "UNKNOWN for a cloud of another clock")
 
@@ -246,7 +245,7 @@ BROKEN = {
 def test_a_broken_cloud_makes_the_state_unknown_until_one_is_right(shared, fault):
     message, named = BROKEN[fault]
     shared.sees(cloud(WALL))
-    seen = len(shared.states.messages)
+    seen = shared.peer.now()
     shared.says(message, "points", named)
     state = shared.unknown("rejected_obstacle", after=seen)
     assert "'points'" in state.reason and named in state.reason
@@ -258,7 +257,7 @@ def test_a_broken_cloud_is_a_warning_if_that_is_wanted_and_the_last_one_kept(sta
     before = to_cloud(cell.sees(cloud(WALL)))
     message, named = BROKEN["no z"]
     cell.says(message, "points", named)
-    state = cell.states.next()
+    state = cell.state_now()
     assert (state.status, to_cloud(state)) == (CollisionState.FREE, before)
 
 
@@ -268,7 +267,7 @@ def test_a_best_effort_driver_is_heard(start_cloud):
 
     def seen():
         publisher.publish(cloud(WALL))
-        return to_cloud(cell.states.next()) < inf
+        return any(to_cloud(state) < inf for state in cell.states.all())
 
     cell.peer.wait_for(seen, "the cloud")
 
@@ -285,33 +284,26 @@ def test_a_cloud_in_the_frame_of_a_link_stays_where_the_link_was(start_cloud):
 def test_a_cloud_is_of_the_time_of_its_stamp(start_cloud):
     """The link with the camera has moved on before the cloud comes."""
     cell = start_cloud()
-    cell.driver.pause()
+    cell.falls_silent()
     start = cell.peer.now()
 
     def report(positions, seconds):
-        stamp = start + Duration(seconds=seconds)
-
-        def is_judged():
-            cell.driver.publish(positions, stamp)
-            return cell.states.messages and Time.from_msg(cell.states.messages[-1].header.stamp) == stamp
-
-        cell.peer.wait_for(is_judged, f"a judgement of {positions}")
+        return cell.evaluated(positions, start + Duration(seconds=seconds))
 
     report(STRETCHED, 1.0)
     report(FOLDED, 1.5)
     message = cloud(np.array(WALL) - (1, 0, 0), frame="tip", stamp=start + Duration(seconds=1.0))
     cell.scene.topic(PointCloud2, "points")
     cell.scene.change(message, topic="points")
-    report(STRETCHED, 2.0)
-    assert to_cloud(cell.states.messages[-1]) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
+    assert to_cloud(report(STRETCHED, 2.0)) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
 
 
 def test_nothing_is_free_before_the_first_cloud(start_cloud):
     cell = start_cloud()
-    state = cell.states.wait_for(lambda state: "points" in state.reason, "UNKNOWN for want of points")
+    state = cell.states.ever(lambda state: "points" in state.reason, "UNKNOWN for want of points")
     assert state.status == CollisionState.UNKNOWN
     assert cell.sees(cloud(WALL)).status == CollisionState.FREE
-    assert all(state.status == CollisionState.UNKNOWN for state in cell.states.messages if state.world_revision == 0)
+    assert all(state.status == CollisionState.UNKNOWN for state in cell.states.all() if state.world_revision == 0)
 
 
 def test_a_cloud_that_went_stale_makes_the_state_unknown(start_cloud):
@@ -320,15 +312,13 @@ def test_a_cloud_that_went_stale_makes_the_state_unknown(start_cloud):
 
     cell.live(1.0)
     state = cell.states.wait_for(
-        lambda state: "points" in state.reason, "UNKNOWN for a stale cloud", after=len(cell.states.messages)
+        lambda state: "points" in state.reason, "UNKNOWN for a stale cloud", after=cell.peer.now()
     )
     assert state.status == CollisionState.UNKNOWN
     assert state.reason_code
     assert not state.distance_known
     # The heartbeat does not make it free again, and a new cloud does.
-    seen = len(cell.states.messages)
-    cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 10, "ten more states")
-    assert all(state.status == CollisionState.UNKNOWN for state in cell.states.messages[seen:])
+    assert all(later.status == CollisionState.UNKNOWN for later in cell.states.more(10, after=state))
     cell.live(3600.0)
     assert cell.sees(cloud(WALL)).status == CollisionState.FREE
 
@@ -338,16 +328,15 @@ def test_a_colliding_cloud_that_went_stale_is_never_free(start_cloud):
     first = cell.sees(cloud([(2.11, 0, 0)]))
     assert first.status == CollisionState.COLLIDING
     cell.live(1.0)
-    seen = len(cell.states.messages)
-    cell.peer.wait_for(lambda: cell.states.messages[-1].header.stamp.sec > first.header.stamp.sec + 3, "three seconds")
-    assert all(state.status != CollisionState.FREE for state in cell.states.messages[seen:])
+    cell.states.ever(lambda state: state.header.stamp.sec > first.header.stamp.sec + 3, "three seconds")
+    assert all(state.status != CollisionState.FREE for state in cell.states.after(first))
 
 
 def test_a_cloud_that_went_stale_is_dropped_with_a_warning_if_that_is_wanted(start_cloud):
     cell = start_cloud(parameters={"stale_source_policy": "drop"})
     cell.sees(cloud([(2.11, 0, 0)]))
     cell.live(1.0)
-    state = cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE without the stale cloud")
+    state = cell.becomes(CollisionState.FREE, "FREE without the stale cloud")
     assert any("points" in warning for warning in state.warnings)
 
 
@@ -358,9 +347,11 @@ def test_a_broken_cloud_does_not_keep_the_last_one_fresh(start_cloud):
     message, _ = BROKEN["no z"]
     publisher = cell.scene.topic(PointCloud2, "points")
 
+    start = cell.peer.now()
+
     def stale():
         publisher.publish(message)
-        return cell.states.next().status == CollisionState.UNKNOWN
+        return any(state.status == CollisionState.UNKNOWN for state in cell.states.after(start))
 
     cell.peer.wait_for(stale, "UNKNOWN beside broken clouds")
 
@@ -369,11 +360,10 @@ def test_the_age_of_a_cloud_is_that_of_its_stamp(start_cloud):
     """A cloud that was late on its way has already used up its time."""
     cell = start_cloud(parameters={"point_cloud_ttl": 1.0})
     old = cell.peer.now()
-    cell.states.wait_for(lambda state: stamp_of(state) > old.nanoseconds + 1_100_000_000, "1.1 s later")
+    later = cell.states.ever(lambda state: stamp_of(state) > old.nanoseconds + 1_100_000_000, "1.1 s later")
     cell.scene.topic(PointCloud2, "points", QOS).publish(cloud(WALL, stamp=old))
-    seen = len(cell.states.messages)
-    cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 20, "a second of states")
-    assert all(state.status == CollisionState.UNKNOWN for state in cell.states.messages[seen:])
+    cell.states.more(20, after=cell.peer.now())
+    assert all(state.status == CollisionState.UNKNOWN for state in cell.states.after(later))
     cell.live(3600.0)
     assert cell.sees(cloud(WALL)).status == CollisionState.FREE
 
@@ -393,7 +383,7 @@ def test_what_the_robot_sees_of_itself_is_left_out_and_counted(start_cloud):
     def counted(array):
         return any("self" in item.key and item.value == "3" for status in array.status for item in status.values)
 
-    diagnostics.wait_for(counted, "three points of the robot itself")
+    diagnostics.ever(counted, "three points of the robot itself")
     # What was left out was there: it does not come back when the arm has moved away.
     state = cell.judged(**FOLDED)
     assert state.status == CollisionState.FREE
@@ -430,11 +420,11 @@ def test_large_clouds_ten_times_a_second(start_cloud, count):
     publisher = cell.scene.topic(PointCloud2, "points", QOS)
     cell.peer.node.create_timer(0.1, lambda: publisher.publish(clouds.pop(0) if len(clouds) > 1 else clouds[0]))
 
-    state = cell.states.wait_for(
+    state = cell.states.ever(
         lambda state: to_cloud(state) == pytest.approx(0.2 - RADIUS, abs=ACCURACY), "the last of the clouds", deadline=60.0
     )
     assert state.status == CollisionState.FREE
-    assert all(to_cloud(state) > 0.17 for state in cell.states.messages)
+    assert all(to_cloud(state) > 0.17 for state in cell.states.all())
 
 
 def test_the_time_from_message_to_use_is_told(start_cloud):
@@ -449,7 +439,7 @@ def test_the_time_from_message_to_use_is_told(start_cloud):
             for item in status.values
         )
 
-    diagnostics.wait_for(told, "the latency of the cloud")
+    diagnostics.ever(told, "the latency of the cloud")
 
 
 def test_two_sources_count_both_and_each_grows_old_by_itself(start_cloud):
@@ -458,19 +448,23 @@ def test_two_sources_count_both_and_each_grows_old_by_itself(start_cloud):
         cell.scene.topic(PointCloud2, topic, QOS)
     left, right = cloud([(2.3, 0.2, 0)]), cloud([(2.3, 0, 0)])
 
+    def wait_for(status, publish, what):
+        """The first state of this status evaluated from now on, while clouds are published again and again."""
+        start = cell.peer.now()
+
+        def found():
+            publish()
+            return next((state for state in cell.states.after(start) if state.status == status), None)
+
+        return cell.peer.wait_for(found, what)
+
     def both():
         cell.scene.publish(left, "points")
         cell.scene.publish(right, "more_points")
-        state = cell.states.next()
-        return state if state.status == CollisionState.FREE else None
 
-    assert to_cloud(cell.peer.wait_for(both, "both clouds")) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
+    state = wait_for(CollisionState.FREE, both, "both clouds")
+    assert to_cloud(state) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
 
     cell.live(2.0)
-
-    def one_stale():
-        cell.scene.publish(left, "points")
-        state = cell.states.next()
-        return state if state.status == CollisionState.UNKNOWN else None
-
-    assert "more_points" in cell.peer.wait_for(one_stale, "UNKNOWN for one stale cloud").reason
+    state = wait_for(CollisionState.UNKNOWN, lambda: cell.scene.publish(left, "points"), "UNKNOWN for one stale cloud")
+    assert "more_points" in state.reason

@@ -161,21 +161,21 @@ def test_a_world_without_an_obstacle_that_was_rejected_is_unknown(cell, scene):
     is_free = cell.peer.record(Bool, cell.node.private("is_free"))
     motions = Motions(cell.peer, cell.node)
     assert motions.check((0, 0), (0, 0.1)).verdict == CheckMotion.Response.FREE
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     reason = cell.unknown("rejected_obstacle", after=seen).reason
     assert "'thing'" in reason and "header.frame_id" in reason and "nowhere" in reason
-    heard = len(is_free.messages)
+    heard = cell.peer.now()
     scene.change(ball("other", 5))
     state = cell.judged(joint1=0, joint2=0.1)
     assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, "rejected_obstacle")
     answer = motions.check((0, 0), (0, 0.1))
     assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "rejected_obstacle")
     assert not scene.validity({"joint1": 0, "joint2": 0}).valid
-    assert not any(said.data for said in is_free.messages[heard:])
+    assert not any(said.data for said in is_free.after(heard))
 
     scene.change(ball("thing", 5))
-    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
     assert motions.check((0, 0), (0, 0.1)).verdict == CheckMotion.Response.FREE
     assert scene.validity({"joint1": 0, "joint2": 0}).valid
 
@@ -191,24 +191,24 @@ SETTLING = {
 
 @pytest.mark.parametrize("by", SETTLING)
 def test_a_rejected_obstacle_counts_until_it_is_made_up_for(cell, scene, by):
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     cell.unknown("rejected_obstacle", after=seen)
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.publish(SETTLING[by]())
     cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=seen)
 
 
 def test_a_move_does_not_make_up_for_shapes_that_were_rejected(cell, scene):
     scene.change(ball("thing", 5))
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     more = obstacle("thing", mesh([], []), operation=CollisionObject.APPEND)
     scene.refused(more, "thing", "mesh[0]")
     cell.unknown("rejected_obstacle", after=seen)
     scene.change(move("thing", pose(6)))
     assert cell.judged(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
     scene.change(ball("thing", 5))
-    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
 
 def test_a_rejected_obstacle_is_a_warning_if_that_is_wanted(start):
@@ -285,7 +285,7 @@ def test_an_object_in_a_frame_of_tf(peer, start):
 
     def placed():
         scene.publish(ball("thing", 0.3, frame="camera"))
-        return near(cell.states.next())
+        return next(filter(None, map(near, cell.states.all())), None)
 
     assert peer.wait_for(placed, "an obstacle in the frame of the camera") == pytest.approx(0.1, abs=ACCURACY)
 

@@ -20,17 +20,21 @@ class Diagnostics:
 
     def __init__(self, cell):
         self.name = f"{cell.node.path[1:]}: collision monitor"
-        self._arrays = cell.peer.record(DiagnosticArray, "/diagnostics")
+        self._now = cell.peer.now
+        self._arrays = cell.peer.record(DiagnosticArray, "/diagnostics", only=self._of_node)
+
+    def _of_node(self, array):
+        return [status for status in array.status if status.name == self.name]
 
     def wait_for(self, level):
-        """The first status of this level that comes from now on."""
+        """The first status of this level that is published from now on."""
 
         def of_level(array):
-            return [status for status in array.status if (status.name, status.level) == (self.name, level)]
+            return [status for status in self._of_node(array) if status.level == level]
 
-        array = self._arrays.wait_for(of_level, f"level {level} of {self.name}", after=len(self._arrays.messages))
+        # one is published as soon as the status changes
+        array = self._arrays.event(of_level, f"level {level} of {self.name}", since=self._now())
         return of_level(array)[0]
-
 
     def after(self, moment, *keys):
         """The first status that was told after this moment, and has something to say about these keys."""
@@ -38,10 +42,9 @@ class Diagnostics:
         def later(array):
             if Time.from_msg(array.header.stamp) < moment:
                 return None
-            of_node = [status for status in array.status if status.name == self.name]
-            return next((s for s in of_node if all(values(s)[key] != "0" for key in keys)), None)
+            return next((s for s in self._of_node(array) if all(values(s)[key] != "0" for key in keys)), None)
 
-        return later(self._arrays.wait_for(later, f"a status of {self.name} after {moment}"))
+        return later(self._arrays.ever(later, f"a status of {self.name} after {moment}"))
 
 
 @pytest.fixture
@@ -106,7 +109,7 @@ def test_every_joint_state_is_counted_once(start):
     for _ in range(JOINT_STATES):
         stamp = cell.peer.now()
         cell.driver.publish(ZERO, stamp)
-        cell.states.wait_for(two_link.judged_since(stamp), "an answer")
+        cell.states.ever(two_link.evaluated_of(stamp), "an answer")
     after = totals(diagnostics.after(cell.peer.now()))
 
     grown = {name: after[name] - before[name] for name in after}
@@ -136,7 +139,7 @@ def publish_until_answered(cell):
     stamps = []
 
     def answered():
-        return stamps and any(map(two_link.judged_since(stamps[-1]), cell.states.messages[-1:]))
+        return stamps and any(map(two_link.evaluated_of(stamps[-1]), cell.states.all()))
 
     def publish():
         if not answered() and (not stamps or cell.peer.now() - stamps[-1] > Duration(seconds=1)):

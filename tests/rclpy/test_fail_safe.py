@@ -42,11 +42,10 @@ def no_model(s):
 def model_swap(s):
     swap = swapping(s, driving=True)
     s.is_judged()
-    s.beside["is_free"].wait_for(lambda said: said.data, "free")
-    heard = {name: len(topic.messages) for name, topic in s.beside.items()}
+    before = s.peer.now()
     swap()
-    for name, is_nothing in NOTHING_KNOWN.items():
-        s.beside[name].wait_for(lambda said, is_nothing=is_nothing: is_nothing(said.data), "nothing known", heard[name])
+    said = s.companions.of(s.cell.unknown("model_swap", after=before))
+    assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
 
 
 def no_geometry(s):
@@ -71,7 +70,7 @@ def stale(s):
     cell = s.start()
     assert cell.judged(**ZERO).status == CollisionState.FREE
     cell.grows_old()
-    cell.driver.pause()
+    cell.falls_silent()
 
 
 def stale_joint(s):
@@ -278,21 +277,22 @@ CASES = {
 def test_the_line_holds(line, pose, peer, start, tmp_path):
     situation = Situation(peer, start, tmp_path, pose)
     SCENARIOS[line.condition](situation)
-    situation.cell.states.wait_for(line.holds, f"what the table says of '{line.condition}'")
+    what = f"what the table says of '{line.condition}'"
     if situation.ends:
+        situation.cell.states.ever(line.holds, what)
         situation.ends()
         return
-    # The driver may still report what was asked of it before.
-    heartbeats = situation.heartbeats()
+    # a driver may still report what was asked of it before
+    first = situation.cell.states.wait_for(line.holds, what, after=peer.now())
+    heartbeats = situation.heartbeats(first)
     assert all(line.holds(state) for state in heartbeats), heartbeats
-    # The status stays: what comes next without a stamp is of such a judgement too.
-    (status,) = {state.status for state in heartbeats}
-    said = {name: topic.next().data for name, topic in situation.beside.items()}
-    assert said["is_free"] == (status == CollisionState.FREE)
-    assert line.is_free in ("as found", str(said["is_free"]).lower())
-    if status == CollisionState.UNKNOWN:
-        assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
-        assert not any(state.distance_known for state in heartbeats)
+    for state in heartbeats:
+        said = situation.companions.of(state)
+        assert said["is_free"] == (state.status == CollisionState.FREE)
+        assert line.is_free in ("as found", str(said["is_free"]).lower())
+        if state.status == CollisionState.UNKNOWN:
+            assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
+            assert not state.distance_known
 
 
 def test_what_is_enabled_again_is_judged_at_once(peer, start, tmp_path):
@@ -300,15 +300,13 @@ def test_what_is_enabled_again_is_judged_at_once(peer, start, tmp_path):
     cell = situation.judging()
     for enabled, status in [(False, CollisionState.UNKNOWN), (True, CollisionState.FREE)] * 2:
         assert situation.enable(enabled).success
-        state = cell.states.next()
-        assert state.status == status
-        # who was told so hears nothing older
-        assert state.reason_code == ("" if enabled else "disabled")
+        # nothing older is published after the response
+        state = cell.states.event(lambda _: True, "a state", since=peer.now())
+        assert (state.status, state.reason_code) == (status, "" if enabled else "disabled")
 
 
 def test_joint_states_after_the_clock_was_set_back_are_judged(peer, start, tmp_path):
     situation = Situation(peer, start, tmp_path)
     cell = situation.simulated()
     situation.set_back()
-    situation.until("", lambda: cell.driver.publish(ZERO, Time(seconds=10)))
-    assert cell.states.messages[-1].status == CollisionState.FREE
+    assert cell.evaluated(ZERO, Time(seconds=10)).status == CollisionState.FREE

@@ -222,11 +222,12 @@ def test_of_two_faults_the_line_that_stands_first_decides(first, second, scenari
     assert codes.index(first) < codes.index(second)
     situation = Situation(peer, start, tmp_path)
     steps = scenario(situation)
+    before = peer.now()
     next(steps)
     cell = situation.cell
-    cell.unknown(first)
+    state = cell.unknown(first, after=before if situation.ends else peer.now())
     if not situation.ends:
-        assert {state.reason_code for state in situation.heartbeats()} == {first}
-    seen = len(cell.states.messages)
+        assert {state.reason_code for state in situation.heartbeats(state)} == {first}
+    before = peer.now()
     next(steps, None)
-    cell.unknown(second, after=seen)
+    cell.unknown(second, after=before)

@@ -7,24 +7,24 @@ from clearance_msgs.msg import CollisionState
 from rclpy.duration import Duration
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
 
-from cell import STALE_AFTER
+import two_link
+from cell import STALE_AFTER, Companions
 
 
 def test_nothing_is_free_before_the_first_joint_state(start):
     cell = start(driving=False)
-    is_free = cell.peer.record(Bool, cell.node.private("is_free"))
-    distance = cell.peer.record(Float64, cell.node.private("distance"))
+    companions = Companions(cell)
 
     state = cell.unknown("no_joint_state")
     assert "joint_states" in state.reason
-    assert is_free.next().data is False
-    assert isnan(distance.next().data)
+    said = companions.of(state)
+    assert said["is_free"] is False
+    assert isnan(said["distance"])
 
 
 def test_silence_becomes_stale_and_the_heartbeat_goes_on(cell):
-    is_free = cell.peer.record(Bool, cell.node.private("is_free"))
+    companions = Companions(cell)
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
     cell.grows_old()
     cell.driver.pause()
@@ -34,11 +34,10 @@ def test_silence_becomes_stale_and_the_heartbeat_goes_on(cell):
     assert first.reason
     assert not first.distance_known
 
-    seen = len(cell.states.messages)
-    cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 10, "ten heartbeats")
-    assert all(state.reason_code == "stale" for state in cell.states.messages[seen:])
-    assert cell.states.messages[-1].age > first.age
-    assert is_free.next().data is False
+    heartbeats = cell.states.more(10, after=first)
+    assert {state.reason_code for state in heartbeats} == {"stale"}
+    assert heartbeats[-1].age > first.age
+    assert not any(companions.of(state)["is_free"] for state in heartbeats)
 
     cell.driver.resume()
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
@@ -88,7 +87,7 @@ def test_fewer_positions_than_names_are_malformed(cell):
         message = JointState(name=["joint1", "joint2"], position=[0.0])
         message.header.stamp = cell.peer.now().to_msg()
         publisher.publish(message)
-        return next((state for state in cell.states.messages if state.reason_code == "malformed"), None)
+        return next((state for state in cell.states.all() if state.reason_code == "malformed"), None)
 
     state = cell.peer.wait_for(refused, "UNKNOWN for a joint state that is cut short")
     assert state.status == CollisionState.UNKNOWN
@@ -102,14 +101,12 @@ def test_a_stamp_far_in_the_future_is_not_trusted(cell):
 
     def refused():
         cell.driver.publish({"joint1": 0, "joint2": 0}, cell.peer.now() + Duration(seconds=10))
-        return next((state for state in cell.states.messages if state.reason_code == "future_stamp"), None)
+        return next((state for state in cell.states.all() if state.reason_code == "future_stamp"), None)
 
     assert cell.peer.wait_for(refused, "UNKNOWN for a stamp in the future").status == CollisionState.UNKNOWN
 
     cell.driver.resume()
-    cell.states.wait_for(
-        lambda state: state.status == CollisionState.FREE, "FREE once more", after=len(cell.states.messages)
-    )
+    cell.becomes(CollisionState.FREE, "FREE once more")
 
 
 def test_a_joint_state_without_a_stamp_is_judged_with_a_warning(start):
@@ -117,7 +114,7 @@ def test_a_joint_state_without_a_stamp_is_judged_with_a_warning(start):
 
     def judged():
         cell.driver.publish({"joint1": 0, "joint2": 0}, Time())
-        return next((state for state in cell.states.messages if state.status == CollisionState.FREE), None)
+        return next((state for state in cell.states.all() if state.status == CollisionState.FREE), None)
 
     state = cell.peer.wait_for(judged, "a judgement")
     assert any("stamp" in warning for warning in state.warnings)
@@ -130,7 +127,7 @@ def test_a_stamp_before_the_last_one_is_out_of_order(cell):
 
     def refused():
         cell.driver.publish({"joint1": 0, "joint2": 0}, stamp)
-        return next((state for state in cell.states.messages if state.reason_code == "out_of_order"), None)
+        return next((state for state in cell.states.all() if state.reason_code == "out_of_order"), None)
 
     state = cell.peer.wait_for(refused, "UNKNOWN for a stamp out of order")
     assert state.status == CollisionState.UNKNOWN
@@ -142,19 +139,12 @@ def test_a_stamp_before_the_last_one_is_out_of_order(cell):
 def test_a_joint_state_that_arrives_old_is_stale(cell):
     assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
     cell.grows_old()
-    cell.driver.pause()
+    last = cell.falls_silent()
     stamp = cell.peer.now()
-    cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "silence that began before that stamp")
-
-    def judged():
-        cell.driver.publish({"joint1": 0, "joint2": 0}, stamp)
-        return any(Time.from_msg(state.header.stamp) == stamp for state in cell.states.messages)
-
-    cell.peer.wait_for(judged, "a judgement of the joint state that arrives late")
+    cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "silence that began before that stamp", after=last)
+    assert cell.evaluated({"joint1": 0, "joint2": 0}, stamp).status == CollisionState.UNKNOWN
     assert all(
-        state.status == CollisionState.UNKNOWN
-        for state in cell.states.messages
-        if Time.from_msg(state.header.stamp) == stamp
+        state.status == CollisionState.UNKNOWN for state in cell.states.all() if two_link.evaluated_of(stamp)(state)
     )
 
 
@@ -168,15 +158,16 @@ def test_velocities_without_positions_are_skipped_with_a_warning(cell):
         message = JointState(name=["joint1", "joint2"], velocity=[1.0, 1.0])
         message.header.stamp = cell.peer.now().to_msg()
         publisher.publish(message)
-        return next((s for s in cell.states.messages if any("gives no positions" in text for text in s.warnings)), None)
+        return next((s for s in cell.states.all() if any("gives no positions" in text for text in s.warnings)), None)
 
     state = cell.peer.wait_for(publish, "a warning")
     assert state.status == CollisionState.FREE
     assert state.header.stamp.sec >= before.header.stamp.sec
     cell.grows_old()
+    start = cell.peer.now()
 
     def is_stale():
         publish()
-        return cell.states.messages[-1].reason_code == "stale"
+        return any(state.reason_code == "stale" for state in cell.states.after(start))
 
     cell.peer.wait_for(is_stale, "UNKNOWN, for velocities tell no position")

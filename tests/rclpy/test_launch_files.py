@@ -51,7 +51,7 @@ def test_one_robot(peer, domain_id, tmp_path):
     two_link.Driver(peer, "/driver/joint_states")
     states = peer.record(CollisionState, "/left/clearance/state")
     with started(command, domain_id):
-        state = states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
+        state = states.ever(lambda state: state.status == CollisionState.FREE, "FREE")
         assert state.nearest.distance == pytest.approx(0.7)
 
 
@@ -109,8 +109,8 @@ def test_in_a_namespace_transforms_are_heard_where_they_are_published(peer, doma
         moving.publish(transform("cart"))
         for frame in ("table", "cart"):
             objects.publish(scenes.ball(f"on_{frame}", 0, frame=frame))
-        bodies = {body for state in states.messages[-1:] for pair in state.colliding_pairs for body in (pair.body_a, pair.body_b)}
-        return {"on_table", "on_cart"} <= bodies
+        touched = ({body for pair in state.colliding_pairs for body in (pair.body_a, pair.body_b)} for state in states.all())
+        return any({"on_table", "on_cart"} <= bodies for bodies in touched)
 
     with started(command, domain_id):
         peer.wait_for(touching, "both balls at the tip")
@@ -132,8 +132,8 @@ def test_two_robots(peer, domain_id, tmp_path):
         two_link.Driver(peer, f"/{side}/joint_states")
     states = {side: peer.record(CollisionState, f"/{side}/clearance/state") for side in ("left", "right")}
     with started(left, domain_id), started(right, domain_id):
-        states["left"].wait_for(lambda state: state.status == CollisionState.FREE, "FREE on the left")
-        state = states["right"].wait_for(lambda state: state.status == CollisionState.COLLIDING, "the ball on the right")
+        states["left"].ever(lambda state: state.status == CollisionState.FREE, "FREE on the left")
+        state = states["right"].ever(lambda state: state.status == CollisionState.COLLIDING, "the ball on the right")
         assert "ball" in (state.colliding_pairs[0].body_a, state.colliding_pairs[0].body_b)
 
 
@@ -141,7 +141,7 @@ def test_the_demo(peer, domain_id, tmp_path):
     command = LaunchFile("demo.launch.py").command(tmp_path, urdf=two_link.URDF)
     states = peer.record(CollisionState, "/clearance/state")
     with started(command, domain_id):
-        states.wait_for(lambda state: state.status != CollisionState.UNKNOWN, "a judgement")
+        states.ever(lambda state: state.status != CollisionState.UNKNOWN, "a judgement")
 
 
 def test_the_demo_of_any_robot():
@@ -161,10 +161,10 @@ def test_beside_moveit(peer, domain_id, tmp_path):
     scene = PlanningScene(is_diff=False, world=PlanningSceneWorld(collision_objects=[scenes.ball("ball", x=2.0)]))
     assert scene.world.collision_objects[0].operation == CollisionObject.ADD
     with started(command, domain_id), MoveGroup(domain_id, "/get_planning_scene", scenes.full()) as asked:
-        states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
+        states.ever(lambda state: state.status == CollisionState.FREE, "FREE")
         peer.wait_for(asked.changes.get_subscription_count, "a subscription of MoveIt's scene")
         asked.changes.publish(scene)
-        state = states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "the ball of MoveIt's scene")
+        state = states.ever(lambda state: state.status == CollisionState.COLLIDING, "the ball of MoveIt's scene")
         assert "ball" in (state.colliding_pairs[0].body_a, state.colliding_pairs[0].body_b)
         names = dict(peer.node.get_service_names_and_types_by_node("clearance", "/"))
         assert "/clearance/get_planning_scene" in names and "/get_planning_scene" not in names
@@ -183,10 +183,10 @@ def test_beside_moveit_by_hand(peer, domain_id):
     states = peer.record(CollisionState, "/clearance/state")
     command = [BINARY, "node", "--urdf", two_link.URDF, *words[2:]]
     with started(command, domain_id), MoveGroup(domain_id, "/get_planning_scene", scenes.full(scenes.ball("a", x=9.0))) as asked:
-        states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
+        states.ever(lambda state: state.status == CollisionState.FREE, "FREE")
         peer.wait_for(asked.changes.get_subscription_count, "a subscription of MoveIt's scene")
         asked.changes.publish(scenes.diff(scenes.ball("ball", x=2.0)))
-        states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "what has changed in MoveIt's scene")
+        states.ever(lambda state: state.status == CollisionState.COLLIDING, "what has changed in MoveIt's scene")
         own = dict(peer.node.get_service_names_and_types_by_node("clearance", "/"))
         assert not {name for name in own if name.count("/") == 1}, "all services are in its own namespace"
 

@@ -18,7 +18,7 @@ def boxes(array):
 
 def test_boxes_of_a_level_are_shown_in_the_frames_of_their_links(start):
     cell = start(parameters={"link_volume_level": 0})
-    array = record(cell).wait_for(boxes, "the boxes")
+    array = record(cell).ever(boxes, "the boxes")
     assert array.markers[0].action == Marker.DELETEALL
     shown = boxes(array)
     assert {marker.ns for marker in shown} == {"base", "upper", "tip"}
@@ -33,16 +33,15 @@ def test_boxes_of_a_level_are_shown_in_the_frames_of_their_links(start):
 def test_a_level_can_be_chosen_changed_and_turned_off(cell):
     volumes = record(cell)
     cell.judged(joint1=0, joint2=0)
-    assert not volumes.messages, "none are asked for"
+    assert not volumes.all(), "none are asked for"
 
     cell.parameters.succeed(link_volume_level=0)
-    whole = boxes(volumes.wait_for(boxes, "the boxes of level 0"))
+    whole = boxes(volumes.ever(boxes, "the boxes of level 0"))
     cell.parameters.succeed(link_volume_level=1)
-    volumes.wait_for(lambda array: len(boxes(array)) > len(whole), "the finer boxes of level 1")
+    finer = volumes.ever(lambda array: len(boxes(array)) > len(whole), "the finer boxes of level 1")
 
-    before = len(volumes.messages)
     cell.parameters.succeed(link_volume_level=-1)
-    array = volumes.wait_for(lambda array: not boxes(array), "that all are taken away", before)
+    array = volumes.wait_for(lambda array: not boxes(array), "that all are taken away", after=finer)
     assert [marker.action for marker in array.markers] == [Marker.DELETEALL]
 
 
@@ -54,7 +53,7 @@ def test_what_a_link_takes_up_has_boxes_too(start):
     def of_part(array):
         return [marker for marker in boxes(array) if marker.ns == "part"]
 
-    (part,) = of_part(record(cell).wait_for(of_part, "the box of the part"))
+    (part,) = of_part(record(cell).ever(of_part, "the box of the part"))
     assert part.header.frame_id == "tip"
     assert xyz(part.pose.position) == pytest.approx((1, 0.4, 0), abs=1e-4)
     assert xyz(part.scale) == pytest.approx((0.1, 0.1, 0.1), abs=1e-4)

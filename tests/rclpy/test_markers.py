@@ -33,7 +33,7 @@ def xyz(vector):
 def test_a_near_pair_is_joined_by_a_line_between_its_witness_points(cell, markers):
     state = cell.judged(joint1=0, joint2=5 * pi / 6)
 
-    array = markers.wait_for(after(state), "the markers of this state")
+    array = markers.ever(after(state), "the markers of this state")
     (line,) = markers_of(array, "witness_lines")
     assert line.type == Marker.LINE_LIST
     assert line.header.frame_id == "base"
@@ -54,7 +54,7 @@ def test_distances_are_written_beside_their_lines(cell, markers):
     state = cell.judged(joint1=0, joint2=5 * pi / 6)
     assert len(state.pair_distances) == 2
 
-    array = markers.wait_for(after(state), "the markers of this state")
+    array = markers.ever(after(state), "the markers of this state")
     (least,) = markers_of(array, "least_distance")
     assert (least.type, least.text) == (Marker.TEXT_VIEW_FACING, "0.200 m")
     (other,) = markers_of(array, "distances")
@@ -68,7 +68,7 @@ def test_what_the_robot_holds_is_shown_when_it_collides(cell, markers):
     # folded, the tip is free and the part is in the cube of the base
     state = cell.judged(joint1=0, joint2=5 * pi / 6)
 
-    array = markers.wait_for(after(state), "the markers of this state")
+    array = markers.ever(after(state), "the markers of this state")
     (part,) = markers_of(array, "colliding_attached_objects")
     assert part.type == Marker.SPHERE
     assert xyz(part.scale) == pytest.approx((0.1, 0.1, 0.1))
@@ -81,7 +81,7 @@ def test_what_the_robot_holds_is_shown_when_it_collides(cell, markers):
 def test_colliding_links_are_shown_and_taken_away_again(cell, markers):
     state = cell.judged(joint1=0, joint2=pi)
 
-    array = markers.wait_for(after(state), "the markers of this state")
+    array = markers.ever(after(state), "the markers of this state")
     shown = markers_of(array, "colliding_links")
     # The cube of the base, and the elbow, rod and ball of the tip.
     assert sorted(marker.type for marker in shown) == sorted(
@@ -96,7 +96,7 @@ def test_colliding_links_are_shown_and_taken_away_again(cell, markers):
     assert not markers_of(array, "witness_lines")
 
     state = cell.judged(joint1=0, joint2=0)
-    array = markers.wait_for(after(state), "the markers of the next state")
+    array = markers.ever(after(state), "the markers of the next state")
     gone = markers_of(array, "colliding_links", Marker.DELETE)
     assert {marker.id for marker in gone} == {marker.id for marker in shown}
     assert not markers_of(array, "colliding_links")
@@ -104,15 +104,15 @@ def test_colliding_links_are_shown_and_taken_away_again(cell, markers):
 
 def test_markers_can_be_turned_off_and_on(cell, markers):
     state = cell.judged(joint1=0, joint2=pi)
-    markers.wait_for(after(state), "markers")
+    markers.ever(after(state), "markers")
 
     cell.parameters.succeed(publish_markers=False)
     state = cell.judged(joint1=0, joint2=pi)
-    cell.states.wait_for(judged_since(cell.peer.now()), "later states")
+    cell.states.ever(judged_since(cell.peer.now()), "later states")
     assert not any(
-        marker.action == Marker.ADD for array in markers.messages if after(state)(array) for marker in array.markers
+        marker.action == Marker.ADD for array in markers.all() if after(state)(array) for marker in array.markers
     )
 
     cell.parameters.succeed(publish_markers=True)
     state = cell.judged(joint1=0, joint2=pi)
-    assert markers_of(markers.wait_for(after(state), "markers"), "colliding_links")
+    assert markers_of(markers.ever(after(state), "markers"), "colliding_links")

@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker
 
 import two_link
-from cell import STALE_AFTER, Cell
+from cell import STALE_AFTER, Cell, Companions
 from motions import Motions
 
 NEAR = (0, 5 * pi / 6)  # folded, still free
@@ -173,7 +173,7 @@ def test_without_a_joint_state_there_is_no_start(start):
     assert motions.check((), (0, 1)).verdict == CheckMotion.Response.FREE
     cell.grows_old()
     cell.driver.pause()
-    cell.unknown("stale", after=len(cell.states.messages))
+    cell.unknown("stale")
     answer = motions.check((), (0, 1))
     assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
     assert f"stale_after is {STALE_AFTER:g} s" in answer.message
@@ -463,12 +463,12 @@ def test_eight_clients_at_once_are_answered_while_states_go_on(peer, start):
         return CheckMotion.Response.FREE if goal[1] < two_link.FIRST_TOUCH else CheckMotion.Response.CONTACT
 
     for _ in range(5):
-        heard = len(cell.states.messages)
+        start = peer.now()
         straight = [client.ask((0, 0), goal) for client, goal in zip(clients, goals, strict=True)]
         followed = [client.ask_to_follow(way) for client, way in zip(clients, ways, strict=True)]
         assert [peer.result(future).verdict for future in straight] == [expected(goal) for goal in goals]
         assert [peer.result(future).verdict for future in followed] == [expected(goal) for goal in reversed(goals)]
-        cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "a judgement", after=heard)
+        cell.becomes(CollisionState.FREE, "a state of meanwhile", after=start)
 
 
 def endless(clients, timeout):
@@ -485,9 +485,9 @@ def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
     clients = [Motions(peer, cell.node) for _ in range(8)]
     cell.judged(joint1=0, joint2=0)
     futures = endless(clients, timeout=0.2)
-    heard = len(cell.states.messages)
+    start = peer.now()
     answers = [peer.result(future) for future in futures]
-    heard = len(cell.states.messages) - heard
+    meanwhile = cell.states.after(start)
 
     busy = [answer for answer in answers if answer.reason_code == "busy"]
     worked = [answer for answer in answers if answer.reason_code != "busy"]
@@ -495,7 +495,7 @@ def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
     assert all(answer.verdict == CheckMotion.Response.ERROR for answer in busy)
     assert all(answer.verdict == CheckMotion.Response.UNDECIDED for answer in worked)
     # The monitor went on all the while.
-    assert heard >= len(worked)
+    assert len(meanwhile) >= len(worked)
 
 
 def test_a_node_that_checks_long_motions_still_ends(peer, start):
@@ -516,7 +516,7 @@ def test_the_time_to_contact_of_a_robot_at_rest_is_the_horizon(start):
     assert state.time_to_contact == pytest.approx(0.2)
     assert state.first_contact_pair.body_a == ""
     # On the topic, which has no stamp, the age of the joint state is taken off.
-    data = spoken.wait_for(lambda message: message.data > 0, "a time").data
+    data = spoken.ever(lambda message: message.data > 0, "a time").data
     assert 0 < data <= 0.2
 
 
@@ -538,8 +538,9 @@ def test_the_time_to_contact_is_no_longer_than_the_truth(start, speed):
 
 def test_the_time_to_contact_of_a_collision_is_zero_and_without_velocities_it_is_not_known(start):
     cell = start(parameters={"look_ahead_horizon": 0.2})
-    spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
+    companions = Companions(cell, {"time_to_contact": Float64})
     state = cell.moving({"joint1": 0, "joint2": pi}, (0, 0))
+    assert companions.of(state)["time_to_contact"] == 0
     assert (state.time_to_contact_known, state.time_to_contact) == (True, 0)
     assert {state.first_contact_pair.body_a, state.first_contact_pair.body_b} == {"base", "tip"}
 
@@ -548,7 +549,7 @@ def test_the_time_to_contact_of_a_collision_is_zero_and_without_velocities_it_is
         assert state.status == CollisionState.FREE
         assert (state.time_to_contact_known, state.time_to_contact) == (False, 0)
         assert any("time to contact" in warning for warning in state.warnings)
-    assert spoken.next().data == 0
+        assert companions.of(state)["time_to_contact"] == 0
 
 
 def test_the_look_ahead_is_off_unless_it_is_asked_for(cell):
@@ -564,7 +565,8 @@ def test_turning_the_look_ahead_off_says_zero_once_more(start):
     cell = start(parameters={"look_ahead_horizon": 0.2, "look_ahead_acceleration": 1.0})
     spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
     cell.moving({"joint1": 0, "joint2": 0}, (0, 0))
-    spoken.wait_for(lambda message: message.data > 0, "a time")
+    last = spoken.ever(lambda message: message.data > 0, "a time")
     cell.parameters.succeed(look_ahead_horizon=0.0)
-    cell.states.wait_for(lambda state: not state.time_to_contact_known, "no time", after=len(cell.states.messages))
-    cell.peer.wait_for(lambda: spoken.messages[-1].data == 0, "a last zero")
+    cell.states.wait_for(lambda state: not state.time_to_contact_known, "no time", after=cell.peer.now())
+    zero = spoken.wait_for(lambda message: message.data == 0, "a last zero", after=last)
+    assert spoken.after(zero) == []

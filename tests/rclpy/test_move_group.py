@@ -25,9 +25,11 @@ def names(state):
     return {name for pair in distances(state) for name in pair} - {"base", "upper", "tip"}
 
 
-def wait_for_names(cell, *wanted, after=0):
+def wait_for_names(cell, *wanted):
     return cell.states.wait_for(
-        lambda state: state.status == CollisionState.FREE and names(state) == set(wanted), f"{wanted} near, and FREE", after
+        lambda state: state.status == CollisionState.FREE and names(state) == set(wanted),
+        f"{wanted} near, and FREE",
+        after=cell.peer.now(),
     )
 
 
@@ -37,7 +39,7 @@ def test_nothing_is_free_before_the_scene_was_told(start, domain_id):
     assert SERVICE in cell.unknown("stale_world").reason
     with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))):
         wait_for_names(cell, "a")
-        assert not [state for state in cell.states.messages if state.status == CollisionState.FREE and not names(state)]
+        assert not [state for state in cell.states.all() if state.status == CollisionState.FREE and not names(state)]
 
 
 def test_a_scene_that_was_there_before_is_asked_for(start, domain_id):
@@ -48,7 +50,7 @@ def test_a_scene_that_was_there_before_is_asked_for(start, domain_id):
         wait_for_names(cell, "a")
         cell.restart_node()
         cell.peer.wait_for(lambda: other.calls > 1, "the question of the other node")
-        wait_for_names(cell, "a", after=len(cell.states.messages))
+        wait_for_names(cell, "a")
 
 
 def test_the_node_neither_asks_nor_hears_itself(start):
@@ -58,11 +60,9 @@ def test_the_node_neither_asks_nor_hears_itself(start):
     )
     cell.driver.report(**STRETCHED)
     own = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"), KEPT)
-    own.wait_for(lambda scene: not scene.is_diff, "the node's own scene")
+    own.ever(lambda scene: not scene.is_diff, "the node's own scene")
     cell.peer.wait_for(lambda: "is the service of this node itself" in cell.node.output(), "a word about it")
-    seen = len(cell.states.messages)
-    cell.peer.wait_for(lambda: len(cell.states.messages) > seen + 10, "heartbeats")
-    assert {state.reason_code for state in cell.states.messages[seen:]} == {"stale_world"}
+    assert {state.reason_code for state in cell.states.more(10, after=cell.peer.now())} == {"stale_world"}
 
 
 def test_one_that_has_no_robot_yet_tells_nothing(start, domain_id):
@@ -113,7 +113,7 @@ def test_an_answer_that_a_change_overtook_is_asked_for_again(start, domain_id):
     with MoveGroup(domain_id, SERVICE, old, overtake) as other:
         wait_for_names(cell, "a", "b")
         assert other.calls > 1
-        assert {frozenset(names(state)) for state in cell.states.messages if state.status == CollisionState.FREE} == {frozenset("ab")}
+        assert {frozenset(names(state)) for state in cell.states.all() if state.status == CollisionState.FREE} == {frozenset("ab")}
 
 
 @pytest.mark.parametrize(("depth", "shape"), [(1, fine_mesh(2000)), (1000, sphere(0.1))], ids=["large, one kept", "small, all kept"])
@@ -129,9 +129,9 @@ def test_every_object_has_come_or_is_missed_aloud(start, depth, shape):
         topic.publish(obstacle(f"far{number}", shape, at=pose(9.0)))
     topic.publish(ball("last", 2.3))
     wait_for_names(cell, "last")
-    warnings = cell.states.next().warnings  # they follow what they are about
+    warnings = cell.state_now().warnings  # they follow what they are about
     lost = sum(int(number) for text in warnings for number in re.findall(r"collision_object: (\d+) messages were lost", text))
     known = len(scene.get("WORLD_OBJECT_NAMES").world.collision_objects)
     assert known + lost == count + 2, warnings
     scene.publish(full(ball("only", 2.3)))
-    cell.states.wait_for(lambda state: names(state) == {"only"} and not state.warnings, "a whole scene, and no word of what was lost")
+    cell.states.ever(lambda state: names(state) == {"only"} and not state.warnings, "a whole scene, and no word of what was lost")

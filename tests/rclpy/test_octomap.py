@@ -214,7 +214,7 @@ def test_a_map_that_went_stale_makes_the_state_unknown(start):
 
     cell.parameters.succeed(octomap_ttl=1.0)
     state = cell.states.wait_for(
-        lambda state: "octomap" in state.reason, "UNKNOWN for a stale map", after=len(cell.states.messages)
+        lambda state: "octomap" in state.reason, "UNKNOWN for a stale map", after=cell.peer.now()
     )
     assert state.status == CollisionState.UNKNOWN
     cell.parameters.succeed(octomap_ttl=3600.0)
@@ -225,7 +225,7 @@ def test_a_latched_map_from_before_the_start_is_heard(peer, start):
     peer.latch(NEAR.message(), "/early/octomap_binary")
     cell = start(parameters=NEARBY, namespace="/early")
     cell.driver.report(**STRETCHED)
-    cell.states.wait_for(lambda state: near(state) == pytest.approx(0.1, abs=ACCURACY), "the map")
+    cell.states.ever(lambda state: near(state) == pytest.approx(0.1, abs=ACCURACY), "the map")
 
 
 def altered(**fields):
@@ -257,7 +257,7 @@ BROKEN = {
 def test_a_broken_map_makes_the_state_unknown_until_one_is_right(cell, scene, fault):
     scene.change(NEAR.message(), topic="octomap_binary")
     message = BROKEN[fault]
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.refused(message, "octomap", topic=TOPICS[message.binary])
     assert "octomap" in cell.unknown("rejected_obstacle", after=seen).reason
     # the last one is kept
@@ -266,7 +266,7 @@ def test_a_broken_map_makes_the_state_unknown_until_one_is_right(cell, scene, fa
     assert near(state) == pytest.approx(0.1, abs=ACCURACY)
     cell.parameters.succeed(rejected_obstacle="unknown")
     scene.change(NEAR.message(), topic="octomap_binary")
-    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
 
 def blank():
@@ -280,15 +280,15 @@ def test_the_first_map_may_be_one_of_nothing(scene):
 
 def test_a_map_of_nothing_after_one_of_something_is_blind(cell, scene):
     scene.change(NEAR.message(), topic="octomap_binary")
-    seen = len(cell.states.messages)
+    seen = cell.peer.now()
     scene.publish(blank(), topic="octomap_binary")
     assert "no leaf" in cell.unknown("blind_cloud", after=seen).reason
     # the map before is in force beside that
     cell.parameters.succeed(blind_cloud="warn")
-    cell.states.wait_for(lambda state: near(state) == pytest.approx(0.1, abs=ACCURACY), "the map", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: near(state) == pytest.approx(0.1, abs=ACCURACY), "the map", after=cell.peer.now())
     cell.parameters.succeed(blind_cloud="unknown")
     scene.clear_octomap()
-    state = cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=len(cell.states.messages))
+    state = cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
     assert near(state) is None
 
 
@@ -299,4 +299,4 @@ def test_a_map_of_nothing_is_an_empty_one_if_that_is_wanted(start):
     scene.change(NEAR.message(), topic="octomap_binary")
     state = scene.change(blank(), topic="octomap_binary")
     assert (state.status, near(state)) == (CollisionState.FREE, None)
-    cell.states.wait_for(lambda state: any("no leaf" in text for text in state.warnings), "a warning")
+    cell.states.ever(lambda state: any("no leaf" in text for text in state.warnings), "a warning")

@@ -8,10 +8,9 @@ import pytest
 import yaml
 from clearance_msgs.msg import CollisionState
 from rcl_interfaces.msg import ParameterEvent, ParameterType
-from std_msgs.msg import Float64
 
 import two_link
-from cell import QUICK, STALE_AFTER
+from cell import QUICK, STALE_AFTER, Companions
 from node_process import ROOT, NodeProcess
 from parameters import Parameters
 from peer import Peer
@@ -50,15 +49,16 @@ def test_the_influence_distance_changes_live(start):
 
 def test_the_distance_limit_changes_live(start):
     cell = start(parameters={"distance_limit": 0.5, "influence_distance": 0.1})
-    distance = cell.peer.record(Float64, cell.node.private("distance"))
+    companions = Companions(cell)
     state = cell.judged(joint1=0, joint2=0)
     assert state.status == CollisionState.FREE
     assert not state.distance_known
-    assert distance.next().data == inf
+    assert companions.of(state)["distance"] == inf
 
     cell.parameters.succeed(distance_limit=1.0)
-    assert cell.judged(joint1=0, joint2=0).distance_known
-    distance.wait_for(lambda message: message.data == pytest.approx(0.7), "the distance")
+    state = cell.judged(joint1=0, joint2=0)
+    assert state.distance_known
+    assert companions.of(state)["distance"] == pytest.approx(0.7)
 
 
 def test_a_tolerance_tells_distances_too_small_if_anything(start):
@@ -74,8 +74,8 @@ def test_a_tolerance_tells_distances_too_small_if_anything(start):
 
 def test_staleness_changes_live(cell):
     cell.judged(joint1=0, joint2=0)
-    cell.driver.pause()
-    old = cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "an old joint state")
+    last = cell.falls_silent()
+    old = cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "an old joint state", after=last)
     assert old.status == CollisionState.FREE
 
     cell.grows_old()
@@ -89,7 +89,7 @@ def test_a_change_is_told_on_parameter_events(cell):
 
     def told():
         cell.parameters.succeed(stale_after=next(values))
-        return [event for event in events.messages if event.node == cell.node.path and event.changed_parameters]
+        return [event for event in events.all() if event.node == cell.node.path and event.changed_parameters]
 
     for event in cell.peer.wait_for(told, "a change on /parameter_events"):
         assert [parameter.name for parameter in event.changed_parameters] == ["stale_after"]

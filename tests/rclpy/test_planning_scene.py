@@ -52,9 +52,9 @@ def test_where_a_scene_is_required_nothing_is_free_before_one_came(start):
     assert "planning_scene" in cell.unknown("stale_world").reason
     scene = SceneClient(cell)
     assert scene.apply(diff(ball("a", 9.0)))
-    cell.unknown("stale_world", after=len(cell.states.messages))
+    cell.unknown("stale_world")
     scene.topic(PlanningScene, "planning_scene").publish(full())
-    cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE")
+    cell.becomes(CollisionState.FREE, "FREE")
 
 
 def names(state):
@@ -75,12 +75,11 @@ def test_a_diff_adds_moves_and_removes(cell, scene, durability):
 
 def test_a_diff_comes_into_force_as_a_whole(cell, scene):
     """No state is judged of a world in which the obstacle has left one side and not yet come to the other."""
-    scene.change(ball("left", 2.3, 0.3))
-    seen = len(cell.states.messages)
+    first = scene.change(ball("left", 2.3, 0.3))
     for _ in range(5):
         scene.change(diff(removal("left"), ball("right", 2.3, -0.3)))
         scene.change(diff(removal("right"), ball("left", 2.3, 0.3)))
-    assert all(len(names(state)) == 1 for state in cell.states.messages[seen:])
+    assert all(len(names(state)) == 1 for state in cell.states.after(first))
 
 
 def test_a_full_scene_replaces_the_one_before(cell, scene):
@@ -233,12 +232,12 @@ def test_a_matrix_that_is_rejected_leaves_nothing_allowed_that_it_may_have_taken
     scene.change(diff(ball("a", 2.15), allowed=matrix(*NEIGHBOURS, ("base", "tip"), ("tip", "a"))))
     cut = matrix(*NEIGHBOURS)
     cut.entry_values[0] = AllowedCollisionEntry(enabled=[True])
-    seen = len(permissive.states.messages)
+    seen = permissive.peer.now()
     scene.refused(diff(allowed=cut), "allowed_collision_matrix")
     assert "allowed_collision_matrix" in permissive.unknown("rejected_obstacle", after=seen).reason
     scene.change(diff(allowed=matrix(*NEIGHBOURS)))
     permissive.states.wait_for(
-        lambda state: state.status == CollisionState.COLLIDING, "a judgement", after=len(permissive.states.messages)
+        lambda state: state.status == CollisionState.COLLIDING, "a judgement", after=permissive.peer.now()
     )
 
 
@@ -301,7 +300,7 @@ def test_the_monitored_scene_follows(cell, scene):
     ):
         scene.change(message)
         cell.peer.wait_for(
-            lambda expected=expected: mirror.fold(told.messages) == expected, f"{expected} in the monitored scene"
+            lambda expected=expected: mirror.fold(told.all()) == expected, f"{expected} in the monitored scene"
         )
 
 
@@ -339,4 +338,4 @@ def test_touch_links_and_entries_that_name_nothing_are_warnings(cell, scene):
     # a name that comes to stand for something is warned of no more
     scene.change(diff(ball("gone", 9), ball("away", 9), allowed=matrix(*NEIGHBOURS, ("tip", "gone"), defaults={"away": True})))
     scene.change(attached("tip", part, ["tip"]))
-    cell.states.wait_for(lambda state: state.warnings == [], "no warning", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: state.warnings == [], "no warning", after=cell.peer.now())

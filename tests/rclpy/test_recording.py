@@ -79,10 +79,10 @@ def test_a_run_with_everything_in_it_is_the_same_again(start, peer, file):
     assert "'joint2'" in cell.unknown("stale").reason
     cell.judged(**FOLDED)
     cell.driver.pause()
-    cell.unknown("stale", after=len(cell.states.messages))
+    cell.unknown("stale")
     ended(cell)
 
-    assert same(file) >= len(cell.states.messages) / 2
+    assert same(file) >= len(cell.states.all()) / 2
     assert replay(file).returncode == 0
     clouds = [cloud for step in steps(file, cell.node) if "pass" in step for cloud in step["pass"]["clouds"]]
     assert {cloud["topic"] for cloud in clouds} == {"points"}
@@ -114,7 +114,7 @@ def test_a_run_of_several_drivers_that_is_slowed_turned_off_and_late_is_the_same
     elbow = two_link.Driver(peer, cell.node.relative("joint_states"))
     elbow.report(joint2=5 * pi / 6)
     cell.driver.report(joint1=0.0)
-    scales.wait_for(lambda scale: 0.0 < scale.data < 1.0, "a slower robot")
+    scales.ever(lambda scale: 0.0 < scale.data < 1.0, "a slower robot")
     enable = peer.node.create_client(SetBool, cell.node.private("enable"))
     peer.wait_for(enable.service_is_ready, "the service enable")
     peer.result(enable.call_async(SetBool.Request(data=False)))
@@ -123,9 +123,9 @@ def test_a_run_of_several_drivers_that_is_slowed_turned_off_and_late_is_the_same
     cell.parameters.succeed(check_deadline=1e-9)
     cell.unknown("deadline")
     cell.parameters.succeed(check_deadline=0.0, joint_prefix="other_")
-    cell.unknown("partial", after=len(cell.states.messages))
+    cell.unknown("partial")
     cell.parameters.succeed(joint_prefix="", link_volume_level=1)
-    scales.wait_for(lambda scale: 0.0 < scale.data < 1.0, "a slower robot", after=len(scales.messages))
+    scales.wait_for(lambda scale: 0.0 < scale.data < 1.0, "a slower robot", after=peer.now())
     cell.grows_old()
     elbow.pause()
     assert "'joint2'" in cell.unknown("stale").reason
@@ -145,9 +145,9 @@ def test_a_base_that_tf_places_is_placed_again(start, peer, file):
     for x in (2.0, 3.0):
         localization.tell(x)
         distance = pytest.approx(x + 1.4, abs=1e-9)
-        cell.states.wait_for(lambda state: state.nearest.distance == distance, "the distance to the wall")
+        cell.states.ever(lambda state: state.nearest.distance == distance, "the distance to the wall")
     localization.fall_silent()
-    cell.unknown("no_transform", after=len(cell.states.messages))
+    cell.unknown("no_transform")
     ended(cell)
 
     assert same(file) > 3
@@ -156,8 +156,7 @@ def test_a_base_that_tf_places_is_placed_again(start, peer, file):
 
 def several_answers(cell):
     """Waits for more of them, whatever came before."""
-    for _ in range(5):
-        cell.states.next()
+    cell.states.more(5, after=cell.peer.now())
 
 
 def test_meshes_are_in_the_recording(start, peer, file, tmp_path):
@@ -286,7 +285,7 @@ def test_a_robot_that_was_refused_is_refused_again(start, peer, file):
     mesh = '<mesh filename="package://nowhere/tip.stl"/>'
     peer.latch(String(data=two_link.description().replace(SPHERE, mesh)), topic)
     cell = start(urdf=None, namespace="/refused", parameters=recorded(file))
-    cell.states.wait_for(lambda state: "nowhere/tip.stl" in state.reason, "the fault")
+    cell.states.ever(lambda state: "nowhere/tip.stl" in state.reason, "the fault")
     ended(cell)
 
     assert same(file) > 0
@@ -303,13 +302,13 @@ def test_a_recording_that_can_not_be_written_is_a_warning_while_it_lasts(start, 
         return any("run.mcap was moved or removed" in text for text in state.warnings)
 
     folder.rename(tmp_path / "gone")
-    state = cell.states.wait_for(warns, "a warning of the recording")
+    state = cell.states.ever(warns, "a warning of the recording")
     assert state.status == CollisionState.FREE
-    diagnostics.wait_for(
+    diagnostics.ever(
         lambda array: any("moved or removed" in item.value for status in array.status for item in status.values), "the same"
     )
     (tmp_path / "gone").rename(folder)
-    cell.states.wait_for(lambda state: not warns(state), "no warning", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: not warns(state), "no warning", after=cell.peer.now())
     ended(cell)
     # warnings of the recording are no part of it
     assert same(folder / "run.mcap") > 0

@@ -193,7 +193,7 @@ def test_a_fine_mesh_is_told_by_topic(cell, scene):
         lambda: cell.peer.node.count_publishers(cell.node.relative("monitored_planning_scene")), "the topic"
     )
     scene.change(obstacle("strip", (fine_mesh(3000), pose(3))))
-    monitored.wait_for(
+    monitored.ever(
         lambda told: any(len(mesh.triangles) == 3000 for item in told.world.collision_objects for mesh in item.meshes),
         "the whole strip by topic",
     )
@@ -211,15 +211,14 @@ def test_a_scene_is_in_force_when_the_answer_comes(cell, scene):
 
 def test_whoever_has_the_answer_asks_about_that_scene_and_hears_nothing_older(cell, scene):
     states, is_free = States(cell.peer, cell.node), cell.peer.record(Bool, cell.node.private("is_free"))
-    is_free.next()
+    is_free.ever(lambda _: True, "a first message")
     stretched = [list(STRETCHED.values())]
     for _ in range(20):
         assert scene.apply(diff(ball("a", 2.15)))
+        applied = cell.peer.now()
         assert states.check(stretched).verdicts[0] == CheckStates.Response.COLLIDING
-        heard = len(is_free.messages)
-        cell.driver.report(**STRETCHED)
-        is_free.next()
-        assert not any(message.data for message in is_free.messages[heard:])
+        is_free.more(1, after=applied)
+        assert not any(message.data for message in is_free.published_since(applied))
         assert scene.apply(diff(removal("a")))
         assert states.check(stretched).verdicts[0] == CheckStates.Response.FREE
 
@@ -477,12 +476,12 @@ def test_the_states_go_on_while_many_ask_at_once(cell):
     clients = [SceneClient(cell) for _ in range(8)]
     for client in clients:
         assert client.validity(FOLDED).valid
-    heard = len(cell.states.messages)
+    start = cell.state_now()
     for turn in range(20):
         asked = [(client.ask_validity(FOLDED if number % 2 else ON_BASE), number % 2) for number, client in enumerate(clients, turn)]
         for answer, valid in asked:
             assert cell.peer.result(answer).valid == valid
-    assert {state.status for state in cell.states.messages[heard:]} == {CollisionState.FREE}
+    assert {state.status for state in cell.states.after(start)} == {CollisionState.FREE}
     assert distance(cell.judged(**FOLDED), "base", "tip") == pytest.approx(0.2, abs=ACCURACY)
 
 
@@ -495,7 +494,7 @@ def test_who_asks_when_too_many_wait_is_told_that_nothing_is_valid(start):
     assert scene.apply(diff(*(obstacle(f"ball {i}", sphere(0.1), at=at) for i, at in enumerate(ring))))
     assert scene.validity(STRETCHED, attached=[HELD]).valid
     scene.complaints.forget()
-    heard = len(cell.states.messages)
+    start = cell.state_now()
     asked = [scene.ask_validity(STRETCHED, attached=[HELD]) for _ in range(150)]
     answers = [cell.peer.result(answer) for answer in asked]
 
@@ -503,5 +502,5 @@ def test_who_asks_when_too_many_wait_is_told_that_nothing_is_valid(start):
     assert refused and len(answers) - len(refused) >= 64
     assert all(answer.contacts == [] for answer in refused)
     scene.complaints.wait_for("check_state_validity", "64 requests are waiting already")
-    assert {state.status for state in cell.states.messages[heard:]} == {CollisionState.FREE}, "the monitor went on"
+    assert {state.status for state in cell.states.after(start)} == {CollisionState.FREE}, "the monitor went on"
     assert scene.validity(STRETCHED, attached=[HELD]).valid

@@ -21,10 +21,6 @@ def driver(cell, **positions):
     other.disconnect()
 
 
-def found(cell, status, what):
-    return cell.states.wait_for(lambda state: state.status == status, what, after=len(cell.states.messages))
-
-
 @pytest.fixture
 def shoulder(cell):
     """A cell whose driver knows joint1 alone."""
@@ -35,18 +31,18 @@ def shoulder(cell):
 
 def test_two_drivers_make_one_robot(shoulder):
     with driver(shoulder, joint2=0.0) as elbow:
-        state = found(shoulder, CollisionState.FREE, "FREE from two drivers")
+        state = shoulder.becomes(CollisionState.FREE, "FREE from two drivers")
         assert state.nearest.distance == pytest.approx(0.7)
         elbow.report(joint2=pi)
-        found(shoulder, CollisionState.COLLIDING, "a collision that the elbow's driver reports")
+        shoulder.becomes(CollisionState.COLLIDING, "a collision that the elbow's driver reports")
         shoulder.driver.report(joint1=1.0)
         elbow.report(joint2=0.0)
-        found(shoulder, CollisionState.FREE, "FREE")
+        shoulder.becomes(CollisionState.FREE, "FREE")
 
 
 def test_a_driver_that_falls_silent_is_missed_by_the_names_of_its_joints(shoulder):
     with driver(shoulder, joint2=0.0) as elbow:
-        found(shoulder, CollisionState.FREE, "FREE from two drivers")
+        shoulder.becomes(CollisionState.FREE, "FREE from two drivers")
         shoulder.grows_old()
         elbow.pause()
         state = shoulder.unknown("stale")
@@ -54,32 +50,30 @@ def test_a_driver_that_falls_silent_is_missed_by_the_names_of_its_joints(shoulde
         assert "joint1" not in state.reason
         assert state.age > STALE_AFTER
         elbow.resume()
-        found(shoulder, CollisionState.FREE, "FREE once more")
+        shoulder.becomes(CollisionState.FREE, "FREE once more")
 
 
 def test_a_driver_that_starts_anew_takes_its_place(shoulder):
     with driver(shoulder, joint2=0.0):
-        found(shoulder, CollisionState.FREE, "FREE from two drivers")
+        shoulder.becomes(CollisionState.FREE, "FREE from two drivers")
     shoulder.grows_old()
-    shoulder.unknown("stale", after=len(shoulder.states.messages))
+    shoulder.unknown("stale")
     with driver(shoulder, joint2=pi):
-        found(shoulder, CollisionState.COLLIDING, "the new driver's answer")
+        shoulder.becomes(CollisionState.COLLIDING, "the new driver's answer")
 
 
 def test_the_gripper_of_another_robot_makes_nothing_partial(cell):
     diagnostics = cell.peer.record(DiagnosticArray, "/diagnostics")
     cell.judged(joint1=0, joint2=0)
     with driver(cell, left_finger=0.02, right_finger=0.02):
-        state = cell.states.wait_for(lambda state: state.warnings, "a warning")
+        state = cell.states.ever(lambda state: state.warnings, "a warning")
         assert "'left_finger' and 'right_finger'" in state.warnings[0]
-        seen = len(cell.states.messages)
-        cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 50, "50 states")
-        assert {state.status for state in cell.states.messages[seen:]} == {CollisionState.FREE}
-        diagnostics.wait_for(
+        assert {later.status for later in cell.states.more(50, after=state)} == {CollisionState.FREE}
+        diagnostics.ever(
             lambda array: any(status.level == DiagnosticStatus.WARN for status in array.status), "a warning"
         )
     cell.grows_old()
-    cell.states.wait_for(lambda state: not state.warnings, "no warning", after=len(cell.states.messages))
+    cell.states.wait_for(lambda state: not state.warnings, "no warning", after=cell.peer.now())
 
 
 def test_messages_of_one_publisher_about_other_joints_have_an_order_of_their_own(shoulder):
@@ -91,7 +85,7 @@ def test_messages_of_one_publisher_about_other_joints_have_an_order_of_their_own
         now = shoulder.peer.now()
         publish({"joint1": 0.0}, now)
         publish({"joint2": 0.0}, now - Duration(seconds=0.01))
-        return any(state.status == CollisionState.FREE for state in shoulder.states.messages)
+        return any(state.status == CollisionState.FREE for state in shoulder.states.all())
 
     shoulder.peer.wait_for(played, "FREE")
-    assert all(state.reason_code != "out_of_order" for state in shoulder.states.messages)
+    assert all(state.reason_code != "out_of_order" for state in shoulder.states.all())

@@ -74,16 +74,16 @@ def free_after(cell, time):
     return cell.states.wait_for(
         lambda state: state.status == CollisionState.FREE and seconds(state) >= time,
         f"FREE after {time} s",
-        after=len(cell.states.messages),
+        after=cell.peer.now(),
     )
 
 
 def test_a_bag_that_is_played_twenty_times_as_fast_is_judged_all_the_time(bag):
     bag.step = 0.2
-    seen = len(bag.cell.states.messages)
+    first = bag.cell.state_now()
     bag.reaches(END)
     free_after(bag.cell, END - STALE_AFTER)
-    states = bag.cell.states.messages[seen:]
+    states = bag.cell.states.after(first)
     assert {state.status for state in states} == {CollisionState.FREE}
     assert all(state.age < STALE_AFTER for state in states)
 
@@ -92,7 +92,7 @@ def test_silence_counts_in_the_time_of_the_bag(bag):
     bag.step = 0.2
     bag.drives = False
     last = bag.time
-    state = bag.cell.unknown("stale", len(bag.cell.states.messages))
+    state = bag.cell.unknown("stale")
     assert state.age > STALE_AFTER
     assert seconds(state) <= last + bag.step
     bag.drives = True
@@ -104,10 +104,8 @@ def test_a_bag_that_is_paused_is_not_free_for_ever(bag, clock):
     if clock == "falls silent":
         bag.stop()
     bag.step, bag.drives = 0.0, False
-    bag.cell.unknown("stale", len(bag.cell.states.messages))
-    seen = len(bag.cell.states.messages)
-    bag.cell.peer.wait_for(lambda: len(bag.cell.states.messages) > seen + 10, "ten heartbeats")
-    assert {state.reason_code for state in bag.cell.states.messages[seen:]} == {"stale"}
+    first = bag.cell.unknown("stale")
+    assert {state.reason_code for state in bag.cell.states.more(10, after=first)} == {"stale"}
 
     bag.step, bag.drives = 0.01, True
     bag.play()
@@ -120,15 +118,14 @@ def test_a_bag_that_begins_again_is_judged_again(bag, clock_first):
     bag.step = 0.2
     for _ in range(3):
         bag.reaches(END)
-        seen = len(bag.cell.states.messages)
+        before = bag.cell.peer.now()
         bag.time = BEGIN
         again = bag.cell.states.wait_for(
-            lambda state: state.status == CollisionState.FREE and seconds(state) < BEGIN + 20, "FREE from the beginning", seen
+            lambda state: state.status == CollisionState.FREE and seconds(state) < BEGIN + 20, "FREE from the beginning", before
         )
         # once the new round is judged, nothing of the old one is free
-        after = bag.cell.states.messages.index(again)
         bag.reaches(BEGIN + 20)
-        assert all(seconds(state) < END - 1 for state in bag.cell.states.messages[after:] if state.status == CollisionState.FREE)
+        assert all(seconds(state) < END - 1 for state in bag.cell.states.after(again) if state.status == CollisionState.FREE)
 
 
 def test_what_was_free_before_the_clock_was_set_back_is_so_no_more(bag):
@@ -136,12 +133,12 @@ def test_what_was_free_before_the_clock_was_set_back_is_so_no_more(bag):
     bag.reaches(END)
     bag.drives = False
     # by now the last joint state has come, so that none does after the jump
-    bag.cell.unknown("stale", len(bag.cell.states.messages))
+    bag.cell.unknown("stale")
     bag.time = BEGIN
-    first = bag.cell.unknown("clock_jump", len(bag.cell.states.messages))
-    seen = bag.cell.states.messages.index(first)
+    first = bag.cell.unknown("clock_jump")
     bag.reaches(BEGIN + 10)
-    assert {state.status for state in bag.cell.states.messages[seen:]} == {CollisionState.UNKNOWN}
-    assert not any(state.distance_known for state in bag.cell.states.messages[seen:])
+    later = [first, *bag.cell.states.after(first)]
+    assert {state.status for state in later} == {CollisionState.UNKNOWN}
+    assert not any(state.distance_known for state in later)
     bag.drives = True
     free_after(bag.cell, BEGIN + 10)

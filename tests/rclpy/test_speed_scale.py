@@ -31,13 +31,12 @@ class Speed:
     def becomes(self, scale):
         expected = pytest.approx(scale, abs=1e-6)
         self._scales.wait_for(
-            lambda message: message.data == expected, f"a speed of {scale}", after=len(self._scales.messages)
+            lambda message: message.data == expected, f"a speed of {scale}", after=self._cell.peer.now()
         )
 
     def stays_within(self, least, most, count=20):
-        seen = len(self._scales.messages)
-        self._cell.peer.wait_for(lambda: len(self._scales.messages) >= seen + count, f"{count} speeds")
-        assert all(least <= message.data <= most for message in self._scales.messages[seen:])
+        scales = self._scales.more(count, after=self._cell.peer.now())
+        assert all(least <= message.data <= most for message in scales)
 
 
 @pytest.fixture

@@ -1,14 +1,12 @@
 """`~/state`, `~/is_free` and `~/distance` against answers worked out by hand."""
 
-from math import pi
+from math import isnan, nan, pi
 
 import pytest
 from clearance_msgs.msg import BodyPair, CollisionState
-from rclpy.time import Time
-from std_msgs.msg import Bool, Float64
 
 import two_link
-from cell import Cell
+from cell import Cell, Companions
 
 ACCURACY = 1e-9  # [m] the answers are exact but for rounding; GJK on curved primitives comes this near
 
@@ -17,8 +15,6 @@ ACCURACY = 1e-9  # [m] the answers are exact but for rounding; GJK on curved pri
 def cell(module_peer):
     """One node answers for the whole module: every question here leaves it as it was."""
     with Cell(module_peer, parameters={"influence_distance": 0.5, "distance_limit": 2.0}) as cell:
-        cell.is_free = module_peer.record(Bool, cell.node.private("is_free"))
-        cell.distance = module_peer.record(Float64, cell.node.private("distance"))
         yield cell
 
 
@@ -31,10 +27,6 @@ def witness_points(pair_distance):
     """By the name of the body that each lies on."""
     on_a, on_b = ((point.x, point.y, point.z) for point in pair_distance.witness_points)
     return {pair_distance.pair.body_a: on_a, pair_distance.pair.body_b: on_b}
-
-
-def stamp_of(message):
-    return Time.from_msg(message.header.stamp).nanoseconds
 
 
 @pytest.mark.parametrize("answer", two_link.FREE, ids=str)
@@ -100,16 +92,9 @@ def test_a_state_says_what_was_judged_and_how(cell):
 
 def test_the_stamp_is_that_of_the_judged_joint_state(cell):
     cell.judged(joint1=0, joint2=0)
-    cell.driver.pause()
-    stamp = cell.peer.now()
-
-    def judged():
-        cell.driver.publish({"joint1": 0, "joint2": pi}, stamp)
-        return next((state for state in cell.states.messages if stamp_of(state) == stamp.nanoseconds), None)
-
-    judgement = cell.peer.wait_for(judged, f"a judgement of the joint state stamped {stamp}")
+    state = cell.evaluated({"joint1": 0, "joint2": pi})
     cell.driver.resume()
-    assert judgement.status == CollisionState.COLLIDING
+    assert state.status == CollisionState.COLLIDING
 
 
 def test_every_joint_state_is_judged_that_comes_when_the_last_one_is(cell):
@@ -119,15 +104,22 @@ def test_every_joint_state_is_judged_that_comes_when_the_last_one_is(cell):
     for number in range(50):
         stamp = cell.peer.now()
         cell.driver.publish({"joint1": 0, "joint2": 0.01 * number}, stamp)
-        cell.states.wait_for(lambda state: stamp_of(state) == stamp.nanoseconds, f"a judgement of joint state {number}")
+        cell.states.ever(two_link.evaluated_of(stamp), f"a state of joint state {number}")
     cell.driver.resume()
 
 
 def test_the_standard_types_say_the_same(cell):
-    cell.judged(joint1=0, joint2=0)
-    assert cell.is_free.next().data is True
-    assert cell.distance.next().data == pytest.approx(0.7, abs=ACCURACY)
+    """With every state, whatever it is: FREE, COLLIDING or UNKNOWN."""
+    companions = Companions(cell)
+    first = cell.judged(joint1=0, joint2=0)
+    for joint2 in (pi, 5 * pi / 6, nan, 0):
+        cell.judged(joint1=0, joint2=joint2)
 
-    cell.judged(joint1=0, joint2=pi)
-    cell.is_free.wait_for(lambda message: not message.data, "false", after=len(cell.is_free.messages))
-    cell.distance.wait_for(lambda message: message.data == 0, "0", after=len(cell.distance.messages))
+    states = [first, *cell.states.after(first)]
+    assert {state.status for state in states} == {CollisionState.FREE, CollisionState.COLLIDING, CollisionState.UNKNOWN}
+    for state in states:
+        said = companions.of(state)
+        assert said["is_free"] == (state.status == CollisionState.FREE)
+        assert state.distance_known != isnan(said["distance"])
+        assert not state.distance_known or said["distance"] == state.nearest.distance
+    assert companions.of(first)["distance"] == pytest.approx(0.7, abs=ACCURACY)

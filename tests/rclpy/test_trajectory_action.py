@@ -168,7 +168,7 @@ def test_a_node_with_too_many_goals_rejects_more_and_states_go_on(peer, cell, go
     handles = [goals.send(turning(SEGMENTS))[0] for _ in range(20)]
     accepted = [handle for handle in handles if handle.accepted]
     assert 16 <= len(accepted) <= 17 and handles[0].accepted
-    assert cell.states.next().status == CollisionState.FREE
+    assert cell.state_now().status == CollisionState.FREE
 
     for handle in accepted:
         goals.cancel(handle)

@@ -51,7 +51,7 @@ def free_at(cell, distance):
     return cell.states.wait_for(
         lambda state: state.status == CollisionState.FREE and state.nearest.distance == pytest.approx(distance, abs=1e-9),
         f"FREE with a distance of {distance}",
-        after=len(cell.states.messages),
+        after=cell.peer.now(),
     )
 
 
@@ -67,7 +67,7 @@ def test_the_base_stands_where_tf_tells(rover):
     localization.tell(2.0, theta=pi)
     free_at(rover, 2.0 - 0.5 - 0.1 + 1.0)
     localization.tell(-0.45, theta=pi)
-    rover.states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "a collision with the wall")
+    rover.becomes(CollisionState.COLLIDING, "a collision with the wall")
 
 
 def test_a_localization_that_falls_silent_or_leaves_the_plane_is_named(rover):
@@ -75,13 +75,13 @@ def test_a_localization_that_falls_silent_or_leaves_the_plane_is_named(rover):
     localization.tell(2.0)
     free_at(rover, 3.4)
     localization.fall_silent()
-    reason = rover.unknown("no_transform", after=len(rover.states.messages)).reason
+    reason = rover.unknown("no_transform").reason
     assert "s old, and transform_ttl is 1 s" in reason
 
     localization.tell(2.0)
     free_at(rover, 3.4)
     localization.tell(2.0, z=0.1)
-    reason = rover.unknown("no_transform", after=len(rover.states.messages)).reason
+    reason = rover.unknown("no_transform").reason
     assert "leaves the joint's plane by 0.1000" in reason
 
 

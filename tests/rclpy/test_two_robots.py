@@ -26,28 +26,27 @@ def arms(peer, start):
 
 def settles(cell, status):
     """The first state that says so, when ten have come since."""
-    state = cell.states.wait_for(lambda state: state.status == status, f"status {status}")
-    seen = len(cell.states.messages)
-    cell.peer.wait_for(lambda: len(cell.states.messages) >= seen + 10, "ten states")
+    state = cell.becomes(status, f"status {status}")
+    assert {later.status for later in cell.states.more(10, after=state)} == {status}
     return state
 
 
 def test_each_judges_its_own_robot(arms):
     left, right = arms
     assert left.judged(joint1=0, joint2=0).nearest.distance == pytest.approx(0.7)
-    assert right.judged(joint1=0, joint2=0).nearest.distance == pytest.approx(0.5)
+    first = right.judged(joint1=0, joint2=0)
+    assert first.nearest.distance == pytest.approx(0.5)
 
-    seen = len(right.states.messages)
     assert left.judged(joint1=0, joint2=pi).status == COLLIDING
     settles(right, FREE)
-    assert {state.status for state in right.states.messages[seen:]} == {FREE}
+    assert {state.status for state in right.states.after(first)} == {FREE}
 
 
 def test_what_befalls_one_leaves_the_other_alone(arms):
     left, right = arms
-    for cell in arms:
-        assert cell.judged(joint1=0, joint2=0).status == FREE
-    seen = len(right.states.messages)
+    assert left.judged(joint1=0, joint2=0).status == FREE
+    first = right.judged(joint1=0, joint2=0)
+    assert first.status == FREE
 
     left.grows_old()
     left.driver.pause()
@@ -61,7 +60,7 @@ def test_what_befalls_one_leaves_the_other_alone(arms):
     left.node.stop()
 
     settles(right, FREE)
-    assert {state.status for state in right.states.messages[seen:]} == {FREE}
+    assert {state.status for state in right.states.after(first)} == {FREE}
     assert right.parameters.get("padding") == [0.0]
 
 
@@ -97,7 +96,7 @@ def test_equal_robots_on_the_same_topics_are_told_apart_by_their_names(twins):
     right.grows_old()
     driver.report(left_joint1=0.0, left_joint2=0.0, left_gripper=0.0)
     right.unknown("stale")
-    state = left.states.wait_for(lambda state: state.warnings, "a warning")
+    state = left.states.ever(lambda state: state.warnings, "a warning")
     assert "'left_gripper'" in state.warnings[0]
 
 

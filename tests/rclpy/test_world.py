@@ -31,12 +31,12 @@ def test_padding_changes_live(cell):
     assert cell.judged(joint1=0, joint2=0).nearest.distance == pytest.approx(0.1)
 
     cell.parameters.succeed(padding=0.04)
-    cell.states.wait_for(lambda state: state.nearest.distance == pytest.approx(0.06), "a padded distance")
-    assert cell.states.messages[-1].status == CollisionState.FREE
+    state = cell.states.ever(lambda state: state.nearest.distance == pytest.approx(0.06), "a padded distance")
+    assert state.status == CollisionState.FREE
 
     cell.parameters.succeed(padding=0.11)
-    cell.states.wait_for(lambda state: state.status == CollisionState.COLLIDING, "a collision of the padded robot")
-    assert cell.states.messages[-1].model_revision == 1
+    state = cell.becomes(CollisionState.COLLIDING, "a collision of the padded robot")
+    assert state.model_revision == 1
 
 
 def test_a_message_with_every_field_filled_arrives_whole(start):

@@ -120,8 +120,15 @@ class Driver:
             self._positions = positions
             return self._peer.now()
 
+    @property
+    def positions(self):
+        """The reported joints."""
+        return self._positions
+
     def pause(self):
+        """Nothing is published by itself any more, not even by a tick that had begun."""
         self._timer.cancel()
+        self._peer.between_callbacks(lambda: None)
 
     def resume(self):
         self._timer.reset()
@@ -135,3 +142,8 @@ class Driver:
 def judged_since(stamp):
     """Accepts what is said about joint states that are not older than `stamp`."""
     return lambda said: Time.from_msg(said.header.stamp) >= stamp
+
+
+def evaluated_of(stamp):
+    """Accepts states evaluated of the joint state with exactly this stamp."""
+    return lambda state: Time.from_msg(state.header.stamp).nanoseconds == stamp.nanoseconds
