@@ -314,7 +314,7 @@ def test_a_burst_of_changes_ends_as_the_last_one_says(cell, scene):
 
 def warned(cell, *words):
     """Waits until a state warns of this."""
-    return cell.states.wait_for(
+    return cell.states.ever(
         lambda state: any(all(word in text for word in words) for text in state.warnings), f"a warning of {words}"
     )
 
