@@ -9,6 +9,8 @@ pub enum Failure {
     Input(String),
     /// Something here is wrong: exit code 3.
     Internal(String),
+    /// The process took more memory than it may: exit code 5.
+    OutOfMemory(String),
 }
 
 impl Failure {
@@ -20,6 +22,7 @@ impl Failure {
         match self {
             Self::Input(_) => ExitCode::from(2),
             Self::Internal(_) => ExitCode::from(3),
+            Self::OutOfMemory(_) => ExitCode::from(5),
         }
     }
 }
@@ -27,7 +30,7 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Input(message) => f.write_str(message),
+            Self::Input(message) | Self::OutOfMemory(message) => f.write_str(message),
             Self::Internal(message) => write!(f, "internal error: {message}"),
         }
     }

@@ -89,6 +89,7 @@ pub fn failure(error: NodeError) -> Failure {
     match error {
         NodeError::Input(message) => Failure::Input(message),
         NodeError::Internal(message) => Failure::Internal(message),
+        NodeError::OutOfMemory(message) => Failure::OutOfMemory(message),
     }
 }
 

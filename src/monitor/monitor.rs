@@ -30,6 +30,8 @@ pub struct Monitor {
     settings: MonitorSettings,
     stopwatch: Stopwatch,
     enabled: bool,
+    /// Why nothing is known any more, once the process takes too much memory.
+    out_of_memory: Option<Reason>,
     /// What checks leave out, whatever time they take; without it, the deadline decides.
     left_out: Option<LeftOut>,
     subject: Option<Subject>,
@@ -70,6 +72,7 @@ impl Monitor {
             settings,
             stopwatch,
             enabled: true,
+            out_of_memory: None,
             left_out: None,
             subject: None,
             swapping: false,
@@ -160,6 +163,12 @@ impl Monitor {
     /// Turns checking off and on; while it is off, nothing is known.
     pub fn set_enabled(&mut self, enabled: bool) {
         self.enabled = enabled;
+        self.outdated = true;
+    }
+
+    /// From now on nothing is known: the process takes too much memory (MiB), and ends.
+    pub fn note_memory(&mut self, used: u64, limit: u64) {
+        self.out_of_memory = Some(Reason::Memory { used, limit });
         self.outdated = true;
     }
 
@@ -327,6 +336,9 @@ impl Monitor {
 
     fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
         self.contributions = Contributions::default();
+        if let Some(reason) = &self.out_of_memory {
+            return Err(reason.clone());
+        }
         if !self.enabled {
             return Err(Reason::Disabled);
         }

@@ -45,6 +45,11 @@ pub enum Reason {
     NoModel {
         fault: Option<String>,
     },
+    /// The process takes more memory than it may (MiB), and is about to end.
+    Memory {
+        used: u64,
+        limit: u64,
+    },
     /// Checking was turned off.
     Disabled,
     /// Another robot was described, and its model is not built yet.
@@ -134,6 +139,7 @@ impl Reason {
     pub fn code(&self) -> &'static str {
         match self {
             Self::NoModel { .. } => "no_model",
+            Self::Memory { .. } => "memory",
             Self::Disabled => "disabled",
             Self::ModelSwap => "model_swap",
             Self::NoGeometry => "no_geometry",
@@ -158,7 +164,10 @@ impl Reason {
 
     /// Whether it says that nobody would have looked at a joint state, however fresh.
     pub(super) fn precedes_joint_states(&self) -> bool {
-        matches!(self, Self::NoModel { .. } | Self::Disabled | Self::ModelSwap | Self::NoGeometry)
+        matches!(
+            self,
+            Self::Memory { .. } | Self::NoModel { .. } | Self::Disabled | Self::ModelSwap | Self::NoGeometry
+        )
     }
 
     /// Whether the joint state itself may be right, and only the clock is against it.
@@ -207,6 +216,10 @@ impl fmt::Display for Reason {
             Self::NoModel { fault: Some(fault) } => {
                 write!(f, "there is no robot model: the last one was refused: {fault}")
             }
+            Self::Memory { used, limit } => write!(
+                f,
+                "the node takes {used} MiB of memory, and memory_limit is {limit} MiB: it ends, to be started again"
+            ),
             Self::Disabled => f.write_str("checking is disabled: call ~/enable with data: true"),
             Self::ModelSwap => f.write_str(
                 "another robot came on robot_description, and its model is still being built: the last one does not count any more",

@@ -43,6 +43,7 @@ mod lost_messages;
 mod mailbox;
 mod marker_topic;
 mod markers;
+mod memory_limit;
 mod messages;
 mod middleware;
 mod missing_objects;

@@ -38,6 +38,8 @@ pub enum Event {
     /// What sensors see, what was rejected of the last changes of the world, and why the world is known to be incomplete, if it is.
     World(CloudReports, Vec<String>, Option<Reason>),
     Parameters(Box<Parameters>),
+    /// The process takes this much memory (MiB), and may take that much; the sender waits until it is published.
+    Memory { used: u64, limit: u64, published: Sender<()> },
     Stop,
 }
 
@@ -159,6 +161,11 @@ impl MonitorLoop {
                 self.beat();
                 let _ = said.send(());
             }
+            Event::Memory { used, limit, published } => {
+                self.monitor.note_memory(used, limit);
+                self.beat();
+                let _ = published.send(());
+            }
             Event::ModelFault(fault) => {
                 self.report.is_due = true;
                 self.monitor.note_model_fault(fault);
@@ -203,6 +210,7 @@ impl MonitorLoop {
             Event::Heeded(_) => Tidings::Heeded,
             Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
             Event::World(..) => Tidings::World,
+            Event::Memory { used, limit, .. } => Tidings::Memory { used: *used, limit: *limit },
             Event::Enabled(enabled, _) => return self.tape.note(|| Happening::Enabled(*enabled)),
             Event::Parameters(parameters) => {
                 return self.tape.note(|| Happening::Parameters(parameters.clone()));

@@ -59,6 +59,7 @@ pub struct Parameters {
     pub record_file: String,
     pub record_max_size: f64,
     pub record_max_duration: f64,
+    pub memory_limit: f64,
     pub use_realtime_priority: bool,
     pub use_sim_time: bool,
 }
@@ -116,6 +117,7 @@ impl Default for Parameters {
             record_file: String::new(),
             record_max_size: 4000.0,
             record_max_duration: 0.0,
+            memory_limit: 0.0,
             use_realtime_priority: false,
             use_sim_time: false,
         }

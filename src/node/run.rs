@@ -16,6 +16,7 @@ use super::loader::{Loader, Order, Surroundings};
 use super::logging::{self, Line};
 use super::mailbox;
 use super::marker_topic;
+use super::memory_limit::{Components, MemoryWatch, OutOfMemory};
 use super::middleware::{
     self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
 };
@@ -82,6 +83,9 @@ pub enum NodeError {
     /// The network or this program failed.
     #[error("{0}")]
     Internal(String),
+    /// The process took more memory than it may.
+    #[error("{0}")]
+    OutOfMemory(String),
 }
 
 fn input(error: impl std::fmt::Display) -> NodeError {
@@ -134,6 +138,13 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
     outlook.note_meshes();
     let current_robot = loader.current_robot();
+    let out_of_memory = OutOfMemory::default();
+    let memory = MemoryWatch {
+        store: store.clone(),
+        events: events.clone(),
+        components: Components { scene: loader.current_scene(), tape: tape.clone() },
+        out_of_memory: Arc::clone(&out_of_memory),
+    };
     end_on_signals(end.clone())?;
     let domain = options.announcement.environment().domain;
     let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
@@ -183,6 +194,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             smol::block_on(until(&stopped, play));
         }));
     }
+    parts.push(task("memory", &stopped, async move || memory.work().await));
     parts.push(desk("motions", &stopped, move || motion_desk.work()));
     parts.push(desk("states", &stopped, move || state_desk.work()));
     parts.push(desk("validity", &stopped, move || validity_desk.work()));
@@ -202,6 +214,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         return Err(NodeError::Internal(DEAF.to_owned()));
     }
     middleware.leave();
+    if let Some(why) = out_of_memory.get() {
+        return Err(NodeError::OutOfMemory(why.clone()));
+    }
     log::info!("{node} has ended");
     Ok(())
 }

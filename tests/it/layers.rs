@@ -42,6 +42,7 @@ const HOMES: [(&str, &str); 25] = [
     ("mcap", "src/node/recording/"),
     ("hdrhistogram", "src/node/activity.rs"),
     ("strsim", "src/node/parameters/"),
+    ("sysinfo", "src/node/memory_limit.rs"),
     ("cdr_encoding", "src/node/cdr.rs"),
     ("byteorder", "src/node/cdr.rs"),
     ("clap", "src/cli/"),

@@ -23,6 +23,7 @@ STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE,
 NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
 SIMULATED = {"use_sim_time": True, "stale_after": 5.0}
 HEARTBEATS = 3
+OUT_OF_MEMORY = 5  # exit code
 LONG = Duration(seconds=7200)  # more than stale_after
 ZERO = {"joint1": 0.0, "joint2": 0.0}
 ONTO = {"joint1": 0.0, "joint2": pi}
@@ -140,6 +141,16 @@ class Situation:
 
     def tick(self, seconds):
         self.clock.publish(Clock(clock=Time(seconds=seconds).to_msg()))
+
+def runs_out_of_memory(s):
+    """A node that takes more memory than it may from now on, and ends."""
+
+    def ends():
+        assert s.cell.node.ended() == OUT_OF_MEMORY
+
+    s.ends = ends
+    s.cell.parameters.request(memory_limit=1.0)
+
 
 def swapping(s, driving):
     """Gives what swaps the model of a node that has one."""

@@ -15,14 +15,14 @@ EXIT_DEADLINE = 10.0  # [s] a node that needs longer to end than this does not e
 class NodeProcess:
     """`clearance node` with a name and a namespace of its own.
 
-    `environment` changes that of this process; None unsets a variable.
+    `environment` changes that of this process; None unsets a variable. `output` is where it writes to instead of a file.
     As a context it must end cleanly: only when asked to, with exit code 0, without a panic.
     """
 
     running = []
 
     def __init__(
-        self, *arguments, domain_id, name="clearance", namespace="", parameters=None, ros_arguments=(), environment=None
+        self, *arguments, domain_id, name="clearance", namespace="", parameters=None, ros_arguments=(), environment=None, output=None
     ):
         self.name = name
         self.namespace = namespace
@@ -39,7 +39,7 @@ class NodeProcess:
             command,
             cwd=ROOT,
             stdin=subprocess.DEVNULL,
-            stdout=self._output,
+            stdout=output or self._output,
             stderr=subprocess.STDOUT,
             env=environment_of_node(domain_id, environment or {}),
         )

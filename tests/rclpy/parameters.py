@@ -27,8 +27,11 @@ class Parameters:
         return [parameter_value_to_python(value) for value in values]
 
     def set(self, **values):
-        parameters = [Parameter(name, value=value) for name, value in values.items()]
-        return self._answer(self._client.set_parameters(parameters)).results
+        return self._answer(self.request(**values)).results
+
+    def request(self, **values):
+        """Like `set`, but gives the future of the answer."""
+        return self._client.set_parameters([Parameter(name, value=value) for name, value in values.items()])
 
     def succeed(self, **values):
         for result in self.set(**values):

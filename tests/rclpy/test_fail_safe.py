@@ -13,7 +13,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 import two_link
-from fail_safe import LONG, NOTHING_KNOWN, ONTO, ZERO, Situation, drives, swapping, table
+from fail_safe import LONG, NOTHING_KNOWN, ONTO, ZERO, Situation, drives, runs_out_of_memory, swapping, table
 from localization import Localization
 from clouds import cloud
 from scene import ball, fine_mesh, obstacle, pose
@@ -26,6 +26,11 @@ PLANAR = """
   <disable_collisions link1="upper" link2="tip" reason="Adjacent"/>
 </robot>
 """
+
+
+def memory(s):
+    s.judging()
+    runs_out_of_memory(s)
 
 
 def disabled(s):
@@ -226,6 +231,7 @@ def refused_description(s):
 
 
 SCENARIOS = {
+    "the process takes more memory than `memory_limit`; it ends with exit code 5": memory,
     "checking was turned off (`~/enable`)": disabled,
     "no robot description yet, or none that loads": no_model,
     "another robot description came and is being built": model_swap,

@@ -153,6 +153,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "How often markers are published at most; a change of status publishes them at once.",
         ),
         double(
+            "memory_limit",
+            "MiB",
+            (0.0, 1e9),
+            |p| &mut p.memory_limit,
+            "Resident memory of the process above which the state is unknown and the node ends with exit code 5; 0 means 2048, a quarter of the machine's or 90 % of the container's, whichever is least.",
+        ),
+        double(
             "octomap_ttl",
             "s",
             (0.0, 86400.0),

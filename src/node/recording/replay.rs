@@ -281,6 +281,10 @@ impl Run {
             self.monitor.note_description();
             return Done::Nothing;
         }
+        if let Tidings::Memory { used, limit } = *recorded {
+            self.monitor.note_memory(used, limit);
+            return Done::Nothing;
+        }
         // recordings of older versions lack it
         while let (true, Some(Event::Heeded(descriptions))) =
             (*recorded != Tidings::Heeded, self.told.front())
@@ -312,6 +316,7 @@ impl Run {
                     | Event::Enabled(..)
                     | Event::Say(_)
                     | Event::Described
+                    | Event::Memory { .. }
                     | Event::Stop,
                 )
                 | None,

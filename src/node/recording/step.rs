@@ -74,6 +74,11 @@ pub enum Tidings {
     /// In words that name the folders of the machine it was on.
     ModelFault(String),
     World,
+    /// The process took this much memory and was allowed that much (MiB).
+    Memory {
+        used: u64,
+        limit: u64,
+    },
 }
 
 /// What the clocks showed, in nanoseconds.

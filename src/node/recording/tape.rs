@@ -163,6 +163,12 @@ impl Tape {
         self.0.as_ref()?.backlog.fault()
     }
 
+    /// Bytes that wait to be written.
+    #[must_use]
+    pub fn waiting_bytes(&self) -> usize {
+        self.0.as_ref().map_or(0, |line| line.backlog.bytes.load(Ordering::Relaxed))
+    }
+
     /// As if so many steps had not fitted.
     #[cfg(test)]
     pub(super) fn lose(&self, steps: u64) {
