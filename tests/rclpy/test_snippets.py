@@ -59,6 +59,9 @@ def home(tmp_path):
     """A user's folder: this repository's files, a folder of the path with `clearance` and this Python, and a robot of the user's own."""
     for entry in ROOT.iterdir():
         (tmp_path / entry.name).symlink_to(entry)
+    # the environment's name depends on these files, and links are none
+    (tmp_path / "interfaces").unlink()
+    shutil.copytree(ROOT / "interfaces", tmp_path / "interfaces")
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/clearance").symlink_to(BINARY)
     python = tmp_path / "bin/python3"
