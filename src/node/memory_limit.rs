@@ -60,7 +60,9 @@ impl MemoryWatch {
         arm_watchdog(OUT_OF_MEMORY);
         let growth = self.components.usage(used).growth_since(at_start);
         let used = used.div_ceil(MIB);
-        let why = format!("the node takes {used} MiB of memory, and memory_limit is {limit} MiB: {growth}; raise memory_limit if the robot and its world need that much");
+        let why = format!(
+            "the node takes {used} MiB of memory, and memory_limit is {limit} MiB: {growth}; raise memory_limit if the robot and its world need that much"
+        );
         let (published, is_published) = mailbox::bounded(1);
         if self.events.send(Event::Memory { used, limit, published }).is_ok() {
             let give_up = async {

@@ -39,7 +39,11 @@ pub enum Event {
     World(CloudReports, Vec<String>, Option<Reason>),
     Parameters(Box<Parameters>),
     /// The process takes this much memory (MiB), and may take that much; the sender waits until it is published.
-    Memory { used: u64, limit: u64, published: Sender<()> },
+    Memory {
+        used: u64,
+        limit: u64,
+        published: Sender<()>,
+    },
     Stop,
 }
 

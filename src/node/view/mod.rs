@@ -21,6 +21,7 @@ mod server;
 mod site;
 mod slot;
 mod update;
+mod watched_stream;
 
 #[cfg(test)]
 mod tests;

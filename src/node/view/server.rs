@@ -3,9 +3,8 @@
 use std::convert::Infallible;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use futures_lite::future;
 use hyper::server::conn::http1;
@@ -19,6 +18,7 @@ use smol_hyper::rt::{FuturesIo, SmolTimer};
 use super::ViewAddress;
 use super::site::{Site, VIEWERS};
 use super::slot::Slot;
+use super::watched_stream::WatchedStream;
 use crate::node::Observer;
 
 /// Connections at once; a page needs two beside its updates.
@@ -131,13 +131,13 @@ fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
 
 /// Answers one request.
 async fn converse(stream: TcpStream, site: &Arc<Site>) {
-    let progress = Progress::default();
+    let stream = WatchedStream::new(stream);
+    let blocked = stream.blocked();
     let answers = {
-        let progress = progress.clone();
         let site = Arc::clone(site);
         service_fn(move |request| {
-            let (site, progress) = (Arc::clone(&site), progress.clone());
-            async move { Ok::<_, Infallible>(site.answer(request, progress).await) }
+            let site = Arc::clone(&site);
+            async move { Ok::<_, Infallible>(site.answer(request).await) }
         })
     };
     let connection = http1::Builder::new()
@@ -151,40 +151,5 @@ async fn converse(stream: TcpStream, site: &Arc<Site>) {
             log::debug!("the view: a browser has gone: {error}");
         }
     };
-    future::or(talk, progress.standstill()).await;
-}
-
-/// When a browser took something last.
-#[derive(Clone, Debug)]
-pub struct Progress {
-    start: Instant,
-    /// Milliseconds after the start.
-    last: Arc<AtomicU64>,
-}
-
-impl Default for Progress {
-    fn default() -> Self {
-        Self { start: Instant::now(), last: Arc::default() }
-    }
-}
-
-impl Progress {
-    fn now(&self) -> u64 {
-        u64::try_from(self.start.elapsed().as_millis()).unwrap_or(u64::MAX)
-    }
-
-    pub fn note(&self) {
-        self.last.store(self.now(), Ordering::Relaxed);
-    }
-
-    /// Comes back when nothing was taken for too long.
-    async fn standstill(&self) {
-        loop {
-            let still = Duration::from_millis(self.now().saturating_sub(self.last.load(Ordering::Relaxed)));
-            match STANDSTILL.checked_sub(still) {
-                Some(left) if !left.is_zero() => drop(Timer::after(left).await),
-                _ => return,
-            }
-        }
-    }
+    future::or(talk, blocked.for_long(STANDSTILL)).await;
 }

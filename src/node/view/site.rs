@@ -17,7 +17,6 @@ use smol::lock::{Semaphore, SemaphoreGuardArc};
 
 use super::assets::{ASSETS, TEXT};
 use super::scene;
-use super::server::Progress;
 use super::slot::{Said, Slot};
 use super::update::update;
 use crate::monitor::Revision;
@@ -27,6 +26,13 @@ const UPDATE_PERIOD: Duration = Duration::from_millis(33);
 
 /// Time between two updates at most: a page that hears nothing for longer knows that nothing is known.
 const LONGEST_PAUSE: Duration = Duration::from_millis(500);
+
+/// How long one stream of updates lasts. Browsers ask for another one at once, and who reads nothing loses its seat: megabytes of
+/// updates fit into the buffers of the systems between, so that a connection does not show it for minutes.
+const STREAM_TIME: Duration = Duration::from_secs(4);
+
+/// Milliseconds after which a browser asks again, as the first line of a stream.
+const RETRY: &str = "retry: 20\n";
 
 /// Browsers that are kept up to date at once.
 pub const VIEWERS: usize = 8;
@@ -58,55 +64,51 @@ impl Site {
         Self { slot, viewers: seats(VIEWERS), documents: seats(DOCUMENTS) }
     }
 
-    pub async fn answer<B>(&self, request: Request<B>, progress: Progress) -> Answer {
+    pub async fn answer<B>(&self, request: Request<B>) -> Answer {
         if !is_for_this_machine(request.headers()) {
             let why = "open the view by an IP address or as localhost: under any other name it is not served";
-            return refusal(StatusCode::MISDIRECTED_REQUEST, why, progress);
+            return refusal(StatusCode::MISDIRECTED_REQUEST, why);
         }
         if !is_of_same_origin(request.headers()) {
             let why = "pages from elsewhere cannot read the view: open it in a tab of its own";
-            return refusal(StatusCode::FORBIDDEN, why, progress);
+            return refusal(StatusCode::FORBIDDEN, why);
         }
         if request.method() != Method::GET {
-            return refusal(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here", progress);
+            return refusal(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here");
         }
         match request.uri().path() {
-            "/robot" => self.geometry(scene::robot, progress).await,
-            "/world" => self.geometry(scene::world, progress).await,
-            "/updates" => self.updates(progress),
+            "/robot" => self.geometry(scene::robot).await,
+            "/world" => self.geometry(scene::world).await,
+            "/updates" => self.updates(),
             path => match ASSETS.iter().find(|asset| asset.path == path) {
-                Some(asset) => {
-                    whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), (progress, None))
-                }
-                None => refusal(StatusCode::NOT_FOUND, "there is no such page", progress),
+                Some(asset) => whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), None),
+                None => refusal(StatusCode::NOT_FOUND, "there is no such page"),
             },
         }
     }
 
     /// A document about the robot and world that were judged last.
-    async fn geometry(&self, document: fn(&Revision) -> Bytes, progress: Progress) -> Answer {
+    async fn geometry(&self, document: fn(&Revision) -> Bytes) -> Answer {
         let seat = self.documents.acquire_arc().await;
         let said = self.slot.last().clone();
         let Some(revision) = said.and_then(|said| said.judgement.revision.clone()) else {
-            return refusal(StatusCode::NOT_FOUND, "there is no robot yet", progress);
+            return refusal(StatusCode::NOT_FOUND, "there is no robot yet");
         };
         // large meshes take a while; other browsers go on meanwhile
         // the seat goes with the work, which goes on when the browser has left
         let (document, seat) = smol::unblock(move || (document(&revision), seat)).await;
-        progress.note();
-        whole(StatusCode::OK, "application/octet-stream", document, (progress, Some(seat)))
+        whole(StatusCode::OK, "application/octet-stream", document, Some(seat))
     }
 
-    fn updates(&self, progress: Progress) -> Answer {
+    fn updates(&self) -> Answer {
         let Some(seat) = self.viewers.try_acquire_arc() else {
             let why = "too many browsers watch already: close one of them";
-            return refusal(StatusCode::SERVICE_UNAVAILABLE, why, progress);
+            return refusal(StatusCode::SERVICE_UNAVAILABLE, why);
         };
-        let events =
-            stream::unfold(Viewer::new(Arc::clone(&self.slot), seat, progress), |mut viewer| async {
-                let event = viewer.next_event().await;
-                Some((Ok(Frame::data(event)), viewer))
-            });
+        let events = stream::unfold(Viewer::new(Arc::clone(&self.slot), seat), |mut viewer| async {
+            let event = viewer.next_event().await?;
+            Some((Ok(Frame::data(event)), viewer))
+        });
         response(StatusCode::OK, "text/event-stream", Box::pin(events))
     }
 }
@@ -115,21 +117,21 @@ impl Site {
 struct Viewer {
     slot: Arc<Slot>,
     _seat: SemaphoreGuardArc,
-    progress: Progress,
+    since: Instant,
     /// What was sent last, and when.
     last: Option<(Option<Arc<Said>>, Instant)>,
 }
 
 impl Viewer {
-    fn new(slot: Arc<Slot>, seat: SemaphoreGuardArc, progress: Progress) -> Self {
-        Self { slot, _seat: seat, progress, last: None }
+    fn new(slot: Arc<Slot>, seat: SemaphoreGuardArc) -> Self {
+        Self { slot, _seat: seat, since: Instant::now(), last: None }
     }
 
-    /// The newest judgement, as soon as there is a new one and not too often; the last one again after a pause.
-    async fn next_event(&mut self) -> Bytes {
-        loop {
-            // asked for only when what came before is on its way
-            self.progress.note();
+    /// The newest judgement, when what came before is on its way, as soon as there is a new one and not too often; the last one again
+    /// after a pause.
+    /// Nothing when the stream has lasted long enough.
+    async fn next_event(&mut self) -> Option<Bytes> {
+        while self.since.elapsed() < STREAM_TIME {
             let said = self.slot.last().clone();
             let is_due = self.last.as_ref().is_none_or(|(last, at)| {
                 let is_new = last.as_ref().map(Arc::as_ptr) != said.as_ref().map(Arc::as_ptr);
@@ -137,12 +139,14 @@ impl Viewer {
             });
             if is_due {
                 let now = Instant::now();
-                let event = format!("data: {}\n\n", update(said.as_deref(), now));
+                let begin = if self.last.is_none() { RETRY } else { "" };
+                let event = format!("{begin}data: {}\n\n", update(said.as_deref(), now));
                 self.last = Some((said, now));
-                return event.into();
+                return Some(event.into());
             }
             Timer::after(UPDATE_PERIOD / 4).await;
         }
+        None
     }
 }
 
@@ -175,25 +179,19 @@ fn is_of_same_origin(headers: &HeaderMap) -> bool {
     is_own && another.is_none() && (!is_from_another_site || is_navigation)
 }
 
-fn refusal(status: StatusCode, why: &'static str, progress: Progress) -> Answer {
-    whole(status, TEXT, Bytes::from_static(why.as_bytes()), (progress, None))
+fn refusal(status: StatusCode, why: &'static str) -> Answer {
+    whole(status, TEXT, Bytes::from_static(why.as_bytes()), None)
 }
 
 /// An answer of known length, piece by piece; its seat, if it has one, becomes free when it is taken.
-fn whole(
-    status: StatusCode,
-    kind: &'static str,
-    content: Bytes,
-    (progress, seat): (Progress, Option<SemaphoreGuardArc>),
-) -> Answer {
+fn whole(status: StatusCode, kind: &'static str, content: Bytes, seat: Option<SemaphoreGuardArc>) -> Answer {
     let length = content.len();
-    let chunks = stream::unfold((content, progress, seat), |(mut left, progress, seat)| async {
-        progress.note();
+    let chunks = stream::unfold((content, seat), |(mut left, seat)| async {
         if left.is_empty() {
             return None;
         }
         let chunk = left.split_to(left.len().min(CHUNK));
-        Some((Ok(Frame::data(chunk)), (left, progress, seat)))
+        Some((Ok(Frame::data(chunk)), (left, seat)))
     });
     let mut answer = response(status, kind, Box::pin(chunks));
     answer.headers_mut().insert(header::CONTENT_LENGTH, length.into());

@@ -229,6 +229,18 @@ fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
     text
 }
 
+/// Asks for updates until there is room, and until one of them says this.
+fn seated(socket: SocketAddr, wanted: &str) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    loop {
+        let text = answer(socket, "GET /updates", "localhost");
+        if text.starts_with("HTTP/1.1 200") && text.contains(wanted) {
+            return;
+        }
+        assert!(Instant::now() < deadline, "no place becomes free, or '{wanted}' does not come: {text}");
+    }
+}
+
 #[test]
 fn pages_are_served_and_nothing_else() {
     let (_view, socket) = view();
@@ -266,18 +278,11 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     }
     // a lock, a queue or a write to a browser would take far longer than this
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
-    read_until(&mut browsers[0], "FREE");
-    observer(&judgement(std::f64::consts::PI), &settings());
-    read_until(&mut browsers[0], "COLLIDING");
-
     // who leaves makes room
-    drop(browsers);
-    let deadline = Instant::now() + Duration::from_secs(20);
-    let mut next = ask(socket, request);
-    while !read_until(&mut next, "\r\n").starts_with("HTTP/1.1 200") {
-        assert!(Instant::now() < deadline, "no place becomes free");
-        next = ask(socket, request);
-    }
+    browsers.pop();
+    seated(socket, "FREE");
+    observer(&judgement(std::f64::consts::PI), &settings());
+    seated(socket, "COLLIDING");
     assert!(answer(socket, "GET /robot", "localhost").starts_with("HTTP/1.1 200"));
 }
 
@@ -321,6 +326,16 @@ fn a_browser_that_never_completes_its_request_is_dropped() {
         drip.join().unwrap();
         assert!(!timed_out, "{begun:?} still connected: {ended:?}");
     }
+}
+
+#[test]
+fn browsers_that_read_nothing_keep_no_place() {
+    let (view, socket) = view();
+    view.observer()(&judgement(0.0), &settings());
+    let request = "GET /updates HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let stalled: Vec<_> = (0..VIEWERS).map(|_| ask(socket, request)).collect();
+    seated(socket, "FREE");
+    drop(stalled);
 }
 
 #[test]

@@ -1,0 +1,79 @@
+//! A connection that knows since when its peer takes nothing.
+
+use std::io;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+
+use smol::Timer;
+use smol::io::{AsyncRead, AsyncWrite};
+use smol::net::TcpStream;
+
+/// Time between two looks at whether the peer takes something.
+const PERIOD: Duration = Duration::from_millis(500);
+
+/// Passes everything on, and notes when the peer does not take it.
+#[derive(Debug)]
+pub struct WatchedStream {
+    stream: TcpStream,
+    blocked: Blocked,
+}
+
+/// Since when a peer takes nothing of what waits for it, if it does not.
+#[derive(Clone, Debug, Default)]
+pub struct Blocked(Arc<Mutex<Option<Instant>>>);
+
+impl WatchedStream {
+    pub fn new(stream: TcpStream) -> Self {
+        Self { stream, blocked: Blocked::default() }
+    }
+
+    pub fn blocked(&self) -> Blocked {
+        self.blocked.clone()
+    }
+}
+
+impl Blocked {
+    fn note(&self, is_blocked: bool) {
+        let mut since = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *since = if is_blocked { since.or_else(|| Some(Instant::now())) } else { None };
+    }
+
+    /// Returns once the peer has taken nothing for that long.
+    pub async fn for_long(&self, time: Duration) {
+        loop {
+            let since = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            if since.is_some_and(|since| since.elapsed() >= time) {
+                return;
+            }
+            Timer::after(PERIOD).await;
+        }
+    }
+}
+
+impl AsyncRead for WatchedStream {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        buffer: &mut [u8],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.stream).poll_read(cx, buffer)
+    }
+}
+
+impl AsyncWrite for WatchedStream {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
+        self.blocked.note(written.is_pending());
+        written
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_close(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_close(cx)
+    }
+}
