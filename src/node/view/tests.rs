@@ -229,10 +229,12 @@ fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
     text
 }
 
-/// Asks for updates until there is room, and until one of them says this.
-fn seated(socket: SocketAddr, wanted: &str) {
+/// Judges and asks for updates until there is room, and until one of them says this.
+fn seated(view: &View, wanted: &str, judgement: &Judgement) {
+    let socket = view.url().trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     loop {
+        view.observer()(judgement, &settings());
         let text = answer(socket, "GET /updates", "localhost");
         if text.starts_with("HTTP/1.1 200") && text.contains(wanted) {
             return;
@@ -280,9 +282,8 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
     // who leaves makes room
     browsers.pop();
-    seated(socket, "FREE");
-    observer(&judgement(std::f64::consts::PI), &settings());
-    seated(socket, "COLLIDING");
+    seated(&view, "FREE", &free);
+    seated(&view, "COLLIDING", &judgement(std::f64::consts::PI));
     assert!(answer(socket, "GET /robot", "localhost").starts_with("HTTP/1.1 200"));
 }
 
@@ -331,10 +332,9 @@ fn a_browser_that_never_completes_its_request_is_dropped() {
 #[test]
 fn browsers_that_read_nothing_keep_no_place() {
     let (view, socket) = view();
-    view.observer()(&judgement(0.0), &settings());
     let request = "GET /updates HTTP/1.1\r\nHost: localhost\r\n\r\n";
     let stalled: Vec<_> = (0..VIEWERS).map(|_| ask(socket, request)).collect();
-    seated(socket, "FREE");
+    seated(&view, "FREE", &judgement(0.0));
     drop(stalled);
 }
 
