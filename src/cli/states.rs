@@ -27,7 +27,7 @@ struct EdgesText {
 
 /// States of `robot` from a file: `{"joints": [...], "states": [[...], ...]}`, or CSV with a header of joint names.
 ///
-/// Joints that are not given take their default, mimicking joints follow.
+/// Joints that are not given take their default. Mimic joints follow; a value of one moves its leader.
 pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
@@ -41,6 +41,8 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     if states.is_empty() {
         return Err(bad(&"there are no states"));
     }
+    let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(|e| bad(&e))?;
+    let rest = robot.default_configuration();
     (states.iter().enumerate())
         .map(|(i, positions)| {
             let of_state = |e: &dyn std::fmt::Display| bad(&format!("state {i}: {e}"));
@@ -48,8 +50,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
                 let (given, wanted) = (positions.len(), joints.len());
                 return Err(of_state(&format!("{given} positions for {wanted} joints")));
             }
-            let named = joints.iter().map(String::as_str).zip(positions.iter().copied());
-            robot.configuration_from_names(named).map_err(|e| of_state(&e))
+            named.configuration(&rest, positions).map_err(|e| of_state(&e))
         })
         .collect()
 }
@@ -77,7 +78,8 @@ pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Confi
     robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
 }
 
-/// A tolerance for each position: one number for all, or joints by name and zero for the rest. Following joints follow.
+/// A tolerance for each position: one number for all, or joints by name and zero for the rest. Mimic joints follow; a tolerance of one counts
+/// for its leader.
 pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
     let names = robot.position_names();
     if let Ok(all) = text.trim().parse::<f64>() {
@@ -90,18 +92,9 @@ pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failur
         }
         return Ok(tube);
     }
-    let mut tube = vec![0.0; names.len()];
-    for (joint, value) in named("--tube", text)? {
-        let index = names.iter().position(|name| name == joint);
-        let index = index.ok_or_else(|| {
-            Failure::Input(format!(
-                "--tube: '{joint}' is no position of the robot; it has {}",
-                names.join(", ")
-            ))
-        })?;
-        tube[index] = value;
-    }
-    Ok(tube)
+    let (joints, values): (Vec<&str>, Vec<f64>) = named("--tube", text)?.into_iter().unzip();
+    let tube = robot.named_joints(joints).and_then(|joints| joints.tolerances(&values));
+    tube.map_err(|e| Failure::Input(format!("--tube: {e}")))
 }
 
 /// Edges of `robot` from a file: `{"joints": [...], "edges": [[[...], [...]], ...]}`.
@@ -114,13 +107,14 @@ pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configura
     if edges.is_empty() {
         return Err(bad(&"there are no edges"));
     }
+    let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(|e| bad(&e))?;
+    let rest = robot.default_configuration();
     let end = |i: usize, positions: &[f64]| {
         let of_edge = |e: &dyn std::fmt::Display| bad(&format!("edge {i}: {e}"));
         if positions.len() != joints.len() {
             return Err(of_edge(&format!("{} positions for {} joints", positions.len(), joints.len())));
         }
-        let named = joints.iter().map(String::as_str).zip(positions.iter().copied());
-        robot.configuration_from_names(named).map_err(|e| of_edge(&e))
+        named.configuration(&rest, positions).map_err(|e| of_edge(&e))
     };
     (edges.iter().enumerate()).map(|(i, [from, to])| Ok([end(i, from)?, end(i, to)?])).collect()
 }

@@ -3,7 +3,7 @@
 use super::obstacle_trajectory::jumping_obstacle;
 use super::{MotionSegment, SegmentError};
 use crate::math::Extremes;
-use crate::robot::{Configuration, ConfigurationError, RobotModel};
+use crate::robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 
 /// Segments, and the seconds at which they begin and end.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,8 +46,8 @@ pub enum TrajectoryError {
     Length { point: usize, what: &'static str, given: usize, expected: usize },
     #[error("point {point}: its {what} of joint '{joint}' is not finite")]
     NotFinite { point: usize, what: &'static str, joint: String },
-    #[error("joint '{0}' follows another or has no position of its own: it can have no velocity")]
-    NoPosition(String),
+    #[error("joint_names: {0}")]
+    Names(ConfigurationError),
     #[error("point {point}: time_from_start {time} s does not come after {previous} s")]
     Time { point: usize, time: f64, previous: f64 },
     #[error("point {0} has velocities but the trajectory has no times")]
@@ -100,14 +100,15 @@ impl Trajectory {
             return Err(TrajectoryError::TooShort(points.len()));
         }
         let timed = check_times(points)?;
+        let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(TrajectoryError::Names)?;
         let configurations = (points.iter().enumerate())
             .map(|(point, p)| {
                 check_lengths(point, p, joints)?;
-                let named = joints.iter().map(String::as_str).zip(p.positions.iter().copied());
-                robot.configuration_over(rest, named).map_err(|error| TrajectoryError::Point { point, error })
+                named
+                    .configuration(rest, &p.positions)
+                    .map_err(|error| TrajectoryError::Point { point, error })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let indices = position_indices(robot, joints)?;
         let segments = (0..points.len() - 1)
             .map(|i| {
                 let ends = [&points[i], &points[i + 1]];
@@ -117,7 +118,7 @@ impl Trajectory {
                 if !timed {
                     return Err(TrajectoryError::NoTimes(i));
                 }
-                let bent = polynomials(&indices, ends, [&configurations[i], &configurations[i + 1]]);
+                let bent = polynomials(&named, i, ends, [&configurations[i], &configurations[i + 1]])?;
                 MotionSegment::polynomial(robot, bent)
                     .map_err(|error| TrajectoryError::Segment { segment: i, error })
             })
@@ -169,18 +170,6 @@ impl Trajectory {
     }
 }
 
-/// Where each named joint's position stands; `None` for those that follow others.
-fn position_indices(robot: &RobotModel, joints: &[String]) -> Result<Vec<Option<usize>>, TrajectoryError> {
-    let index = |name: &String| robot.position_names().iter().position(|n| n == name);
-    let follows = |name: &String| robot.joint_by_name(name).is_some_and(|j| robot.joint(j).mimic.is_some());
-    (joints.iter())
-        .map(|name| match index(name) {
-            None if !follows(name) => Err(TrajectoryError::NoPosition(name.clone())),
-            found => Ok(found),
-        })
-        .collect()
-}
-
 /// Whether there are times.
 fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
     if points.iter().all(|p| p.time_from_start == 0.0) {
@@ -211,26 +200,41 @@ fn check_lengths(point: usize, p: &TrajectoryPoint, joints: &[String]) -> Result
     Ok(())
 }
 
-/// Cubic or quintic pieces between two points with velocities, in t from 0 to 1.
+/// Cubic or quintic pieces from point `first` to the next, both with velocities, in t from 0 to 1.
 fn polynomials(
-    indices: &[Option<usize>],
+    named: &NamedJoints,
+    first: usize,
     [p, q]: [&TrajectoryPoint; 2],
     [from, to]: [&Configuration; 2],
-) -> Vec<[f64; 6]> {
+) -> Result<Vec<[f64; 6]>, TrajectoryError> {
     let seconds = q.time_from_start - p.time_from_start;
-    let straight = from.positions().iter().zip(to.positions());
-    let mut pieces: Vec<[f64; 6]> = straight.map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect();
-    for (i, index) in indices.iter().enumerate() {
-        let Some(index) = *index else { continue };
-        let ends = [from.positions()[index], to.positions()[index]];
-        let velocities = [p.velocities[i] * seconds, q.velocities[i] * seconds];
-        pieces[index] = if p.accelerations.is_empty() || q.accelerations.is_empty() {
-            cubic(ends, velocities)
-        } else {
-            quintic(ends, velocities, [p.accelerations[i], q.accelerations[i]].map(|a| a * seconds * seconds))
+    let per_t = |what: &'static str, [a, b]: [&[f64]; 2], scale: f64| {
+        let of_point = |point: usize, values: &[f64]| {
+            let rates = named.rates(what, values, scale);
+            rates.map_err(|error| TrajectoryError::Point { point, error })
         };
-    }
-    pieces
+        Ok([of_point(first, a)?, of_point(first + 1, b)?])
+    };
+    let velocities = per_t("velocity", [&p.velocities, &q.velocities], seconds)?;
+    let is_cubic = p.accelerations.is_empty() || q.accelerations.is_empty();
+    let accelerations = [&p.accelerations[..], &q.accelerations];
+    let accelerations = (!is_cubic).then(|| per_t("acceleration", accelerations, seconds * seconds));
+    let accelerations = accelerations.transpose()?;
+    let piece = |index: usize| {
+        let ends = [from.positions()[index], to.positions()[index]];
+        // joints that are not named stay where they are
+        let at = |rates: &[Vec<Option<f64>>; 2], scale: f64| {
+            Some([rates[0][index]? * scale, rates[1][index]? * scale])
+        };
+        let Some(velocities) = at(&velocities, seconds) else {
+            return [ends[0], ends[1] - ends[0], 0.0, 0.0, 0.0, 0.0];
+        };
+        match accelerations.as_ref().and_then(|rates| at(rates, seconds * seconds)) {
+            None => cubic(ends, velocities),
+            Some(accelerations) => quintic(ends, velocities, accelerations),
+        }
+    };
+    Ok((0..from.positions().len()).map(piece).collect())
 }
 
 /// The cubic polynomial with these ends and slopes at 0 and 1.

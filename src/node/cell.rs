@@ -7,7 +7,7 @@ use super::monitor_loop::CurrentJudgement;
 use super::refusal::{Refusal, bad};
 use crate::checker::CollisionChecker;
 use crate::monitor::{Judgement, Now, Reason, quoted_list};
-use crate::robot::{Configuration, RobotModel};
+use crate::robot::{Configuration, NamedJoints, RobotModel};
 
 /// The robot, its surroundings, and where it is now.
 pub struct Cell<'a> {
@@ -47,20 +47,31 @@ impl<'a> Cell<'a> {
         self.checker.robot()
     }
 
-    /// Where joints are that are not named, and a word about it if nobody knows.
-    pub fn rest(&self, named: &[String]) -> (Configuration, Option<String>) {
+    /// The joints that a request names.
+    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Refusal> {
+        let named = self.robot().named_joints(names.iter().map(String::as_str));
+        named.map_err(|error| bad(format!("{field}: {error}")))
+    }
+
+    /// Where joints are that are not named, and a note if that is not known.
+    pub fn rest(&self, named: &NamedJoints) -> (Configuration, Option<String>) {
         let robot = self.robot();
         let why = match &self.now {
             Ok(now) => return ((*now).clone(), None),
             Err(why) => why,
         };
-        let others: Vec<String> =
-            robot.position_names().iter().filter(|name| !named.contains(name)).cloned().collect();
+        let others = undecided(robot, named);
         let note = (!others.is_empty()).then(|| {
             format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
         });
         (robot.default_configuration(), note)
     }
+}
+
+/// The positions that named joints leave open.
+pub fn undecided(robot: &RobotModel, named: &NamedJoints) -> Vec<String> {
+    let names = robot.position_names().iter().enumerate();
+    names.filter(|(position, _)| !named.decides(*position)).map(|(_, name)| name.clone()).collect()
 }
 
 /// The revisions of the robot and of the world that a judgement is about.

@@ -14,7 +14,7 @@ use super::loader::CurrentRobot;
 use super::mailbox::Sender;
 use super::messages::stamp_message;
 use super::middleware::Publisher;
-use crate::robot::RobotModel;
+use crate::robot::{ConfigurationError, RobotModel};
 
 /// Time between two joint states.
 const PERIOD: Duration = Duration::from_millis(10);
@@ -86,15 +86,44 @@ impl Trajectory {
 }
 
 impl Motion {
-    fn joint_state(&self, robot: &CurrentRobot, time: f64) -> Option<(Vec<String>, Vec<f64>)> {
-        match self {
-            Self::Trajectory(trajectory) => Some((trajectory.joint_names.clone(), trajectory.sample(time))),
-            Self::Sweep => {
-                let robot = robot.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
-                Some((robot.position_names().to_vec(), sweep(&robot, time)))
+    /// The joint state at `time` (s); none while there is no robot to sweep.
+    fn joint_state(&self, robot: &CurrentRobot, time: f64) -> Result<Option<Named>, ConfigurationError> {
+        let robot = robot.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        match (self, robot) {
+            (Self::Trajectory(trajectory), robot) => {
+                let named = (trajectory.joint_names.clone(), trajectory.sample(time));
+                robot.map_or(Ok(named.clone()), |robot| with_leaders(&robot, named)).map(Some)
+            }
+            (Self::Sweep, robot) => {
+                Ok(robot.map(|robot| (robot.position_names().to_vec(), sweep(&robot, time))))
             }
         }
     }
+}
+
+/// Joint names and their positions.
+type Named = (Vec<String>, Vec<f64>);
+
+/// With the joints that named mimic joints move. Names that the robot does not have stay: the monitor reports them.
+fn with_leaders(robot: &RobotModel, (mut names, mut positions): Named) -> Result<Named, ConfigurationError> {
+    let Ok(named) = robot.named_joints(names.iter().map(String::as_str)) else {
+        return Ok((names, positions));
+    };
+    let q = match named.configuration(&robot.default_configuration(), &positions) {
+        Err(error @ ConfigurationError::Mimic(_)) => return Err(error),
+        Err(_) => return Ok((names, positions)),
+        Ok(q) => q,
+    };
+    let decided = robot.position_names().iter().zip(q.positions()).enumerate();
+    let leaders: Vec<_> = decided
+        .filter(|(position, (name, _))| named.decides(*position) && !names.contains(name))
+        .map(|(_, (name, q))| (name.clone(), *q))
+        .collect();
+    for (name, position) in leaders {
+        names.push(name);
+        positions.push(position);
+    }
+    Ok((names, positions))
 }
 
 /// Every joint swings about the middle of its limits, each with a period of its own.
@@ -135,10 +164,17 @@ pub async fn play(
 ) {
     let mut ticks = Timer::interval(PERIOD);
     let start = clock.steady();
+    let mut complaint = None;
     loop {
         futures_lite::StreamExt::next(&mut ticks).await;
         let time = clock.steady().saturating_sub(start).as_secs_f64();
-        let (Some((name, position)), Some(now)) = (motion.joint_state(robot, time), clock.now()) else {
+        let state = motion.joint_state(robot, time);
+        if let Err(error) = &state
+            && complaint.replace(error.to_string()).is_none()
+        {
+            log::error!("the demo motion is not published where it contradicts itself: {error}");
+        }
+        let (Ok(Some((name, position))), Some(now)) = (state, clock.now()) else {
             continue;
         };
         let message = JointState {

@@ -129,11 +129,11 @@ impl Cell<'_> {
         if joint_names.is_empty() {
             return Err(bad("joint_names is empty"));
         }
-        let (rest, note) = self.rest(joint_names);
+        let named = self.named("joint_names", joint_names)?;
+        let (rest, note) = self.rest(&named);
         let end = |what: &str, numbers: &[f64]| {
             of_equal_length(what, numbers, joint_names)?;
-            let named = joint_names.iter().map(String::as_str).zip(numbers.iter().copied());
-            self.robot().configuration_over(&rest, named).map_err(|error| bad(format!("{what}: {error}")))
+            named.configuration(&rest, numbers).map_err(|error| bad(format!("{what}: {error}")))
         };
         let from = match (start.as_slice(), &self.now) {
             ([], Ok(now)) => (*now).clone(),
@@ -150,7 +150,7 @@ impl Cell<'_> {
         if joints.is_empty() {
             return Err(bad("trajectory.joint_names is empty"));
         }
-        let (rest, note) = self.rest(joints);
+        let (rest, note) = self.rest(&self.named("trajectory.joint_names", joints)?);
         let point = |p: &JointTrajectoryPoint| {
             let time = &p.time_from_start;
             TrajectoryPoint {
@@ -177,18 +177,12 @@ impl Cell<'_> {
             return Ok(trajectory);
         }
         of_equal_length("joint_tolerances", tolerances, joints)?;
-        let names = self.robot().position_names();
-        let mut tube = vec![0.0; names.len()];
-        for (joint, &tolerance) in joints.iter().zip(tolerances) {
-            match names.iter().position(|name| name == joint) {
-                Some(index) => tube[index] = tolerance,
-                None if tolerance == 0.0 => {}
-                None => return Err(bad(format!("joint_tolerances: joint '{joint}' follows another"))),
-            }
-        }
+        let named = self.named("joint_names", joints)?;
+        let refuse = |error: &dyn std::fmt::Display| bad(format!("joint_tolerances: {error}"));
+        let tube = named.tolerances(tolerances).map_err(|error| refuse(&error))?;
         trajectory
             .map(|segment| segment.with_tube(self.robot(), tube.clone()))
-            .map_err(|error| bad(format!("joint_tolerances: {error}")))
+            .map_err(|error| refuse(&error))
     }
 }
 

@@ -150,9 +150,13 @@ impl Cell<'_> {
                 numbers / joints
             )));
         }
-        let (rest, note) = self.rest(joint_names);
-        let rows = positions.chunks_exact(joints).enumerate();
-        let states = rows.map(|(i, row)| self.over(&rest, joint_names, row, &format!("state {i}")));
+        let named = self.named("joint_names", joint_names)?;
+        let (rest, note) = self.rest(&named);
+        let state = |(i, row)| {
+            let state = named.configuration(&rest, row);
+            state.map_err(|error| bad(format!("state {i}: {error}")))
+        };
+        let states = positions.chunks_exact(joints).enumerate().map(state);
         Ok((states.collect::<Result<_, _>>()?, note))
     }
 
@@ -163,22 +167,12 @@ impl Cell<'_> {
         match &self.now {
             Err(why) if joint_names.is_empty() => Err(Refusal::NoJointState(why.clone())),
             _ => {
-                let (rest, note) = self.rest(joint_names);
-                Ok((self.over(&rest, joint_names, positions, "positions")?, note))
+                let named = self.named("joint_names", joint_names)?;
+                let (rest, note) = self.rest(&named);
+                let state = named.configuration(&rest, positions);
+                Ok((state.map_err(|error| bad(format!("positions: {error}")))?, note))
             }
         }
-    }
-
-    /// Some joints elsewhere than `rest` has them.
-    fn over(
-        &self,
-        rest: &Configuration,
-        joints: &[String],
-        positions: &[f64],
-        what: &str,
-    ) -> Result<Configuration, Refusal> {
-        let named = joints.iter().map(String::as_str).zip(positions.iter().copied());
-        self.robot().configuration_over(rest, named).map_err(|error| bad(format!("{what}: {error}")))
     }
 
     /// The names of bodies that pairs are wanted of.

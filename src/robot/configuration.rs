@@ -1,8 +1,7 @@
 //! Joint positions of a whole robot, checked once.
 
-use std::collections::HashMap;
-
 use super::joint::JointKind;
+use super::named_values::MimicContradiction;
 use super::{JointId, RobotModel};
 use crate::constants::LARGEST_COORDINATE;
 
@@ -29,6 +28,14 @@ pub enum ConfigurationError {
     Duplicate { joint: String },
     #[error("joint '{joint}' is fixed and has no position")]
     Fixed { joint: String },
+    #[error("{given} values are given for {expected} named joints")]
+    WrongCount { given: usize, expected: usize },
+    #[error("{0}")]
+    Mimic(Box<MimicContradiction>),
+    #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
+    Tolerance { joint: String, value: f64 },
+    #[error("joint '{joint}' has tolerance {value}, but it mimics another with multiplier 0, so it never moves: give it 0")]
+    ToleranceOfStanding { joint: String, value: f64 },
 }
 
 impl Configuration {
@@ -118,10 +125,11 @@ impl RobotModel {
 
     /// The default configuration with some joints set by name.
     ///
-    /// A joint that mimics another may be named: its value is ignored, since it follows.
+    /// A joint that mimics another moves that one, or has to be where that one takes it.
     ///
     /// # Errors
-    /// When a name is unknown, fixed or given twice, and as for [`Self::configuration`].
+    /// When a name is unknown, fixed or given twice, when a mimic joint is not where its leader takes it, and as for
+    /// [`Self::configuration`].
     pub fn configuration_from_names<'a>(
         &self,
         named: impl IntoIterator<Item = (&'a str, f64)>,
@@ -135,44 +143,8 @@ impl RobotModel {
         rest: &Configuration,
         named: impl IntoIterator<Item = (&'a str, f64)>,
     ) -> Result<Configuration, ConfigurationError> {
-        let mut positions = rest.0.clone();
-        let index: HashMap<&str, usize> =
-            (self.position_names.iter()).enumerate().map(|(i, n)| (n.as_str(), i)).collect();
-        let mut seen = std::collections::HashSet::new();
-        for (name, value) in named {
-            if !seen.insert(name) {
-                return Err(ConfigurationError::Duplicate { joint: name.to_owned() });
-            }
-            match index.get(name) {
-                Some(&i) => positions[i] = value,
-                None => self.check_follower(name, value)?,
-            }
-        }
-        self.configuration(&positions)
-    }
-
-    /// A name that is no free position: fine if that joint mimics another, else an error.
-    fn check_follower(&self, name: &str, value: f64) -> Result<(), ConfigurationError> {
-        let joint = name.to_owned();
-        match self.joint_by_name(name).map(|j| self.joint(j)) {
-            Some(j) if j.mimic.is_some() && value.is_finite() => Ok(()),
-            Some(j) if j.mimic.is_some() => Err(ConfigurationError::NotFinite { joint, value }),
-            Some(j) if j.kind == JointKind::Fixed => Err(ConfigurationError::Fixed { joint }),
-            Some(j) => Err(ConfigurationError::UnknownJoint {
-                hint: format!(
-                    ", but it has {}",
-                    (j.kind.position_suffixes().iter())
-                        .map(|s| format!("'{joint}{s}'"))
-                        .collect::<Vec<_>>()
-                        .join(", ")
-                ),
-                joint,
-            }),
-            None => Err(ConfigurationError::UnknownJoint {
-                hint: format!("; it has {}", self.position_names.join(", ")),
-                joint,
-            }),
-        }
+        let (names, values): (Vec<&str>, Vec<f64>) = named.into_iter().unzip();
+        self.named_joints(names)?.configuration(rest, &values)
     }
 
     fn normalise_quaternions(&self, positions: &mut [f64]) -> Result<(), ConfigurationError> {

@@ -26,13 +26,18 @@ impl std::fmt::Display for OutsideLimits {
 }
 
 impl RobotModel {
-    /// The joints that are beyond their limits by more than noise, where `positions` has one for each of
-    /// [`Self::position_names`]. Joints with several positions, and those that follow others, have no limits of their own.
+    /// The joints that are beyond their limits by more than noise, mimic joints included, where `positions` has one for each of
+    /// [`Self::position_names`]. Joints with several positions have no limits of their own.
     pub fn outside_limits<'a>(&'a self, positions: &'a [f64]) -> impl Iterator<Item = OutsideLimits> + 'a {
         self.joint_ids().filter_map(|id| {
             let joint = self.joint(id);
             let limits = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1)?;
-            let position = *positions.get(self.first_position(id)?)?;
+            let position = match joint.mimic {
+                Some(mimic) => {
+                    mimic.multiplier * positions.get(self.first_position(mimic.joint)?)? + mimic.offset
+                }
+                None => *positions.get(self.first_position(id)?)?,
+            };
             let is_inside = |q: f64| (limits.lower - SLACK..=limits.upper + SLACK).contains(&q);
             (!is_inside(position)).then(|| OutsideLimits {
                 joint: joint.name.clone(),

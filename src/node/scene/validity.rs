@@ -16,10 +16,11 @@ use crate::monitor::scene::{
     TransformTree,
 };
 use crate::monitor::{Evidence, Judgement, Now, Reason, quoted_list};
+use crate::node::cell::undecided;
 use crate::node::checker_of_scene::checker_of;
 use crate::node::messages::{point_message, stamp_message};
 use crate::node::scene_keeper::SceneInForce;
-use crate::robot::{Configuration, LinkId, LinkPoses, RobotModel};
+use crate::robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
 use crate::world::AttachedId;
 
 /// Contacts told at most: the answer must not grow with the number of bodies.
@@ -114,10 +115,17 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
             quoted_list(&[name.to_owned()])
         )
     })?;
+    // what mimics a joint of the group, or is mimicked by one, moves with it
+    let driver = |id: JointId| match robot.joint(id).mimic {
+        Some(mimic) => (mimic.multiplier != 0.0).then_some(mimic.joint),
+        None => Some(id),
+    };
+    let drivers: HashSet<JointId> = group.joints.iter().filter_map(|&id| driver(id)).collect();
     let mut links: HashSet<LinkId> = HashSet::new();
     for &id in robot.topological_order() {
         let joint = robot.joint(id);
-        if group.joints.contains(&id) || links.contains(&joint.parent) {
+        let moves = group.joints.contains(&id) || driver(id).is_some_and(|driver| drivers.contains(&driver));
+        if moves || links.contains(&joint.parent) {
             links.insert(joint.child);
         }
     }
@@ -153,12 +161,13 @@ fn configuration(
         let (names, positions) = (given.name.len(), given.position.len());
         return Err(format!("robot_state.joint_state has {names} names and {positions} positions"));
     }
+    let refuse = |error| format!("robot_state.joint_state: {error}");
+    let named = robot.named_joints(given.name.iter().map(String::as_str)).map_err(refuse)?;
     let usual;
     let rest = if let Some(evidence) = placement(situation) {
         &evidence.configuration
     } else {
-        let named = |position: &&String| !given.name.contains(position);
-        let missing: Vec<String> = robot.position_names().iter().filter(named).cloned().collect();
+        let missing = undecided(robot, &named);
         if !missing.is_empty() {
             return Err(format!(
                 "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
@@ -168,8 +177,7 @@ fn configuration(
         usual = robot.default_configuration();
         &usual
     };
-    let named = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
-    robot.configuration_over(rest, named).map_err(|error| format!("robot_state.joint_state: {error}"))
+    named.configuration(rest, &given.position).map_err(refuse)
 }
 
 /// Where the robot is now, if that is known.
