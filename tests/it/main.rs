@@ -12,6 +12,7 @@ mod hostile;
 mod hostile_requests;
 mod large_worlds;
 mod layers;
+mod mimic_joints;
 mod motions;
 mod moving;
 mod other_shapes;

@@ -150,7 +150,7 @@ fn without_a_model_nothing_is_checked() {
 fn broken_requests_are_refused_by_name() {
     type Break = fn(&mut CheckMotionRequest);
     let broken: [(Break, &str); 17] = [
-        (|r| r.joint_names[1] = "wrist".into(), "start: the robot has no joint 'wrist'"),
+        (|r| r.joint_names[1] = "wrist".into(), "joint_names: the robot has no joint 'wrist'"),
         (|r| r.joint_names[1] = "joint1".into(), "joint 'joint1' is given twice"),
         (|r| r.joint_names.clear(), "joint_names is empty"),
         (|r| r.start.truncate(1), "start has 1 numbers, but joint_names has 2 names"),
@@ -166,7 +166,7 @@ fn broken_requests_are_refused_by_name() {
         (|r| r.terms.joint_tolerances = vec![0.1], "joint_tolerances has 1 numbers"),
         (|r| r.terms.joint_tolerances = vec![0.1, -0.1], "tolerance of joint 'joint2' is -0.1"),
         (|r| r.terms.joint_tolerances = vec![f64::NAN, 0.0], "tolerance of joint 'joint1' is NaN"),
-        (|r| r.joint_names[0] = "x".repeat(1 << 20), "start: the robot has no joint 'xxx"),
+        (|r| r.joint_names[0] = "x".repeat(1 << 20), "joint_names: the robot has no joint 'xxx"),
     ];
     for (break_it, named) in broken {
         let mut request = from_to(&NEAR, &BEYOND);

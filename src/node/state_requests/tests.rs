@@ -256,7 +256,7 @@ fn broken_requests_are_refused_by_name() {
         (|r| r.positions.truncate(3), "positions has 3 numbers"),
         (|r| r.positions[3] = f64::NAN, "state 1: joint 'joint2' has position NaN"),
         (|r| r.positions[0] = 1e300, "state 0: joint 'joint1' has position 1e300"),
-        (|r| r.joint_names[1] = "wrist".into(), "state 0: the robot has no joint 'wrist'"),
+        (|r| r.joint_names[1] = "wrist".into(), "joint_names: the robot has no joint 'wrist'"),
         (|r| r.joint_names[1] = "joint1".into(), "joint 'joint1' is given twice"),
         (|r| r.joint_names[0] = "x".repeat(1 << 20), "the robot has no joint 'xxx"),
         (|r| r.positions = vec![0.0; 2 * STATES + 2], "positions has 10001 states, but at most 10000"),
