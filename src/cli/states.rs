@@ -41,7 +41,8 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     if states.is_empty() {
         return Err(bad(&"there are no states"));
     }
-    let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(|e| bad(&e))?;
+    let named = robot.named_joints(joints.iter().map(String::as_str));
+    let named = named.map_err(|e| bad(&format!("state 0: {e}")))?;
     let rest = robot.default_configuration();
     (states.iter().enumerate())
         .map(|(i, positions)| {
@@ -107,7 +108,8 @@ pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configura
     if edges.is_empty() {
         return Err(bad(&"there are no edges"));
     }
-    let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(|e| bad(&e))?;
+    let named = robot.named_joints(joints.iter().map(String::as_str));
+    let named = named.map_err(|e| bad(&format!("edge 0: {e}")))?;
     let rest = robot.default_configuration();
     let end = |i: usize, positions: &[f64]| {
         let of_edge = |e: &dyn std::fmt::Display| bad(&format!("edge {i}: {e}"));

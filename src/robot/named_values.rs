@@ -271,8 +271,7 @@ impl NamedJoints<'_> {
         };
         let leader = self.robot.joint(follower.mimic.joint).name.clone();
         let joint = self.name(follower);
-        let contradiction =
-            MimicContradiction { joint, what, given, leader, of_leader, expected, from };
+        let contradiction = MimicContradiction { joint, what, given, leader, of_leader, expected, from };
         Err(ConfigurationError::Mimic(Box::new(contradiction)))
     }
 

@@ -28,7 +28,9 @@ def cell(module_peer, tmp_path_factory):
     urdf.write_text(two_link.description_with_follower())
     srdf.write_text(
         '<robot name="two_link"><group name="elbow"><joint name="joint2"/></group>'
-        '<group name="flag"><joint name="follower"/></group></robot>'
+        '<group name="flag"><joint name="follower"/></group>'
+        '<disable_collisions link1="base" link2="upper" reason="Adjacent"/>'
+        '<disable_collisions link1="upper" link2="tip" reason="Adjacent"/></robot>'
     )
     with Cell(module_peer, "--srdf", str(srdf), urdf=str(urdf)) as cell:
         cell.judged(joint1=0, joint2=0)

@@ -67,7 +67,10 @@ fn mimic_joints_that_agree_are_accepted_in_any_order() {
 fn a_contradiction_names_both_joints_and_both_values() {
     let robot = chain();
     for (named, words) in [
-        (&[("back", 0.5), ("drive", 0.0)][..], &["'back'", "0.5", "'drive'", "position 0 makes that 0.1"][..]),
+        (
+            &[("back", 0.5), ("drive", 0.0)][..],
+            &["'back'", "0.5", "'drive'", "position 0 makes that 0.1"][..],
+        ),
         (&[("drive", 0.0), ("far", 0.0)], &["'far'", "'drive'", "0.3"]),
         (&[("back", 0.1), ("far", 3.0)], &["'back'", "0.1", "'drive'", "'far' has 3"]),
         (&[("stands", 0.3)], &["'stands'", "0.3", "'drive'", "0.25"]),
@@ -104,11 +107,16 @@ fn rates_of_mimic_joints_are_those_of_their_leaders() {
     assert_eq!(rates(&["back"], &[3.0], 1.0), Ok(vec![Some(-1.5), None]));
     assert_eq!(rates(&["back", "drive", "stands"], &[3.0, -1.5, 0.0], 1.0), Ok(vec![Some(-1.5), None]));
     let error = rates(&["back", "drive"], &[3.0, 1.5], 1.0).unwrap_err();
-    assert!(["'back'", "'drive'", "velocity 3", "velocity 1.5", "-3"].iter().all(|w| error.contains(w)), "{error}");
+    assert!(
+        ["'back'", "'drive'", "velocity 3", "velocity 1.5", "-3"].iter().all(|w| error.contains(w)),
+        "{error}"
+    );
     assert!(rates(&["stands"], &[1.0], 1.0).unwrap_err().contains("'stands'"));
     // over a long time, a small difference goes far
     let nearly = [3.0 + 5e-7, -1.5];
-    assert!(rates(&["back", "drive"], &nearly, 1.0).is_ok() && rates(&["back", "drive"], &nearly, 10.0).is_err());
+    assert!(
+        rates(&["back", "drive"], &nearly, 1.0).is_ok() && rates(&["back", "drive"], &nearly, 10.0).is_err()
+    );
 }
 
 #[test]
