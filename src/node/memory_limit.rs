@@ -25,18 +25,28 @@ const DEFAULT_LIMIT: u64 = 2048;
 
 const MIB: u64 = 1 << 20;
 
-/// Why the node ends, once it takes too much memory.
+/// Why the node ends, once the process takes too much memory.
 pub type OutOfMemory = Arc<OnceLock<String>>;
 
 /// Watches the resident memory of this process.
 pub struct MemoryWatch {
-    pub store: ParameterStore,
-    pub events: mailbox::Sender<Event>,
-    pub components: Components,
-    pub out_of_memory: OutOfMemory,
+    store: ParameterStore,
+    events: mailbox::Sender<Event>,
+    components: Components,
+    out_of_memory: OutOfMemory,
 }
 
 impl MemoryWatch {
+    #[must_use]
+    pub fn new(store: ParameterStore, events: mailbox::Sender<Event>, components: Components) -> Self {
+        Self { store, events, components, out_of_memory: OutOfMemory::default() }
+    }
+
+    #[must_use]
+    pub fn out_of_memory(&self) -> OutOfMemory {
+        Arc::clone(&self.out_of_memory)
+    }
+
     /// Returns once the limit was exceeded and that was published.
     pub async fn work(self) {
         let Some(mut process) = Process::this() else {

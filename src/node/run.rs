@@ -16,7 +16,7 @@ use super::loader::{Loader, Order, Surroundings};
 use super::logging::{self, Line};
 use super::mailbox;
 use super::marker_topic;
-use super::memory_limit::{Components, MemoryWatch, OutOfMemory};
+use super::memory_limit::{Components, MemoryWatch};
 use super::middleware::{
     self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
 };
@@ -138,13 +138,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
     outlook.note_meshes();
     let current_robot = loader.current_robot();
-    let out_of_memory = OutOfMemory::default();
-    let memory = MemoryWatch {
-        store: store.clone(),
-        events: events.clone(),
-        components: Components { scene: loader.current_scene(), tape: tape.clone() },
-        out_of_memory: Arc::clone(&out_of_memory),
-    };
+    let components = Components { scene: loader.current_scene(), tape: tape.clone() };
+    let memory = MemoryWatch::new(store.clone(), events.clone(), components);
+    let out_of_memory = memory.out_of_memory();
     end_on_signals(end.clone())?;
     let domain = options.announcement.environment().domain;
     let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
