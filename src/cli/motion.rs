@@ -8,7 +8,10 @@ use clap::Args;
 use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
-use clearance::motion::{Certificate, MotionSegment, ObstacleTrajectory, Trajectory};
+use clearance::motion::{
+    Certificate, ContinuousDirection, ContinuousTurn, MotionSegment, ObstacleTrajectory, Trajectory,
+    shortest_way,
+};
 use clearance::robot::{Configuration, RobotModel};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -38,6 +41,10 @@ pub struct MotionArgs {
     /// How far the robot may be from its way: one number (rad, m) for every joint, or "j1=0.01 j2=0.02"
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tube: Option<String>,
+
+    /// Which way round continuous joints go between two positions
+    #[arg(long, value_enum, default_value_t = Continuous::AsGiven)]
+    continuous: Continuous,
 
     /// Obstacles that move meanwhile: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
     /// m/s, "angular" in rad/s about "centre") or with "poses" ("time" in s, "position", "orientation"), in the root frame.
@@ -96,6 +103,14 @@ enum Order {
     Any,
 }
 
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+enum Continuous {
+    /// Through all positions between the two
+    AsGiven,
+    /// By half a turn at most, as joint_trajectory_controller goes from its current state: whole turns are taken off the start
+    Shortest,
+}
+
 /// The JSON answer.
 #[derive(Serialize)]
 struct Answer {
@@ -128,10 +143,20 @@ struct WayAnswer {
     segment: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<[f64; 2]>,
+    /// The continuous joints that turn, through all positions from the first to the last.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    turns: Vec<TurnAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     swept_volumes: Option<Vec<SweptVolumeAnswer>>,
     #[serde(skip)]
     reason_text: String,
+}
+
+#[derive(Serialize)]
+struct TurnAnswer {
+    joint: String,
+    from: f64,
+    to: f64,
 }
 
 /// A capsule: all points within `radius` of the line from `a` to `b`.
@@ -165,6 +190,9 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     if let Some(note) = robot.limits_note("way", &ends) {
         log::warn!("{note}");
     }
+    if let Some(note) = long_turn_note(&robots_ways, robot) {
+        log::warn!("{note}");
+    }
     let reports = check_all(&checker, &ways, &options, args)?;
     if let Some(path) = &args.certificate {
         write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
@@ -173,7 +201,9 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     let is_trajectory = args.input.trajectory.is_some();
     let results = reports.iter().zip(&ways).zip(&robots_ways).map(|((report, way), robots_way)| {
         let swept = args.swept_volumes.map(|n| swept_volumes(&checker, robots_way, n as usize));
-        WayAnswer { swept_volumes: swept, ..WayAnswer::new(report, way, &checker, is_trajectory) }
+        let turns = robots_way.continuous_turns(robot).into_iter();
+        let turns = turns.map(|ContinuousTurn { joint, from, to }| TurnAnswer { joint, from, to }).collect();
+        WayAnswer { turns, swept_volumes: swept, ..WayAnswer::new(report, way, &checker, is_trajectory) }
     });
     let answer = Answer {
         robot: robot.name().to_owned(),
@@ -233,16 +263,37 @@ impl MotionArgs {
         (ways.iter()).map(|way| way.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e))).collect()
     }
 
+    fn direction(&self) -> ContinuousDirection {
+        match self.continuous {
+            Continuous::AsGiven => ContinuousDirection::AsGiven,
+            Continuous::Shortest => ContinuousDirection::Shortest,
+        }
+    }
+
+    /// The ends of a straight way between which continuous joints go the way that is asked for.
+    fn directed(&self, robot: &RobotModel, ends: [Configuration; 2]) -> Result<[Configuration; 2], Failure> {
+        if self.continuous == Continuous::AsGiven {
+            return Ok(ends);
+        }
+        let (ends, held) = shortest_way(robot, ends.to_vec()).map_err(Failure::input)?;
+        match (held.into_iter().next(), <[Configuration; 2]>::try_from(ends)) {
+            (None, Ok(ends)) => Ok(ends),
+            (Some(held), _) => Err(Failure::Input(format!("--continuous shortest: {held}"))),
+            (None, Err(_)) => Err(Failure::Internal("a way has two ends".to_owned())),
+        }
+    }
+
     /// What is to be checked: each way as a trajectory.
     fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
-        let straight = |[from, to]: [Configuration; 2]| {
+        let straight = |ends: [Configuration; 2]| {
+            let [from, to] = self.directed(robot, ends)?;
             Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)]).map_err(Failure::input)
         };
         let ways = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
             (Some(path), ..) => {
                 states::edges_from_file(path, robot)?.into_iter().map(straight).collect::<Result<_, _>>()?
             }
-            (_, Some(path), ..) => vec![trajectory(path, robot)?],
+            (_, Some(path), ..) => vec![trajectory(path, robot, self.direction())?],
             (.., Some(from), Some(to)) => {
                 let end = |name: &str, text: &str| states::from_text(name, text, robot);
                 vec![straight([end("--from", from)?, end("--to", to)?])?]
@@ -260,11 +311,27 @@ impl MotionArgs {
     }
 }
 
-fn trajectory(path: &Path, robot: &RobotModel) -> Result<Trajectory, Failure> {
+/// A warning about the first of the ways in which a continuous joint turns far, and how many others there are.
+fn long_turn_note(ways: &[Trajectory], robot: &RobotModel) -> Option<String> {
+    let mut notes = ways.iter().enumerate().filter_map(|(i, way)| Some((i, way.long_turn_note(robot)?)));
+    let (i, note) = notes.next()?;
+    let which = if ways.len() > 1 { format!("motion {i}: ") } else { String::new() };
+    let others = match notes.count() {
+        0 => String::new(),
+        others => format!("; likewise in {others} more motions"),
+    };
+    Some(format!("{which}{note}{others}"))
+}
+
+fn trajectory(
+    path: &Path,
+    robot: &RobotModel,
+    direction: ContinuousDirection,
+) -> Result<Trajectory, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
-    let way = Trajectory::from_yaml(robot, &text, &robot.default_configuration());
+    let way = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
     way.map_err(|e| {
         bad(&format!("{e}\n  (a trajectory is the YAML or JSON of a trajectory_msgs/JointTrajectory)"))
     })
@@ -375,6 +442,7 @@ impl WayAnswer {
             reason: None,
             segment: (is_trajectory && !free).then_some(origin(0.0).0),
             time: report.time,
+            turns: Vec::new(),
             swept_volumes: None,
             reason_text: String::new(),
         };
@@ -406,7 +474,10 @@ impl WayAnswer {
         });
         let segment = self.segment.map_or_else(String::new, |segment| format!(", in segment {segment}"));
         let time = self.time.map_or_else(String::new, |[lo, _]| format!(" after {lo:.3} s"));
-        [verdict, pair, when, segment, time].concat()
+        let turn = |TurnAnswer { joint, from, to }: &TurnAnswer| format!("{joint} from {from} to {to}");
+        let turns: Vec<String> = self.turns.iter().map(turn).collect();
+        let turns = if turns.is_empty() { String::new() } else { format!("; turning {}", turns.join(", ")) };
+        [verdict, pair, when, segment, time, turns].concat()
     }
 }
 

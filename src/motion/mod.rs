@@ -6,9 +6,11 @@
 //! | a rigid obstacle on the move | [`MovingObstacle`] |
 //! | the same on a clock, evenly or through poses | [`ObstacleTrajectory`] |
 //! | stretches one after the other, with times | [`Trajectory`] |
+//! | which way round a continuous joint goes | [`ContinuousDirection`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
 mod certificate;
+mod continuous_joints;
 mod fingerprint;
 mod moving_obstacle;
 mod obstacle_trajectory;
@@ -18,6 +20,7 @@ mod trajectory;
 mod trajectory_text;
 
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
+pub use continuous_joints::{ContinuousDirection, ContinuousTurn, HeldTurn, shortest_way};
 pub(crate) use fingerprint::Fingerprint;
 pub use moving_obstacle::MovingObstacle;
 pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};

@@ -1,7 +1,7 @@
 //! Stretches one after the other: what ROS calls a joint trajectory.
 
 use super::obstacle_trajectory::jumping_obstacle;
-use super::{MotionSegment, SegmentError};
+use super::{ContinuousDirection, HeldTurn, MotionSegment, SegmentError, shortest_way};
 use crate::math::Extremes;
 use crate::robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 
@@ -62,6 +62,10 @@ pub enum TrajectoryError {
         "obstacle '{name}' has poses from time {} to {}, but the motion lasts from {} to {}", poses[0], poses[1], motion[0], motion[1]
     )]
     ObstacleTimes { name: String, poses: [f64; 2], motion: [f64; 2] },
+    #[error("the shortest way: {0}")]
+    ShortestWay(ConfigurationError),
+    #[error(transparent)]
+    Held(HeldTurn),
     #[error("segment {segment}: {error}")]
     Segment { segment: usize, error: SegmentError },
 }
@@ -96,6 +100,17 @@ impl Trajectory {
         points: &[TrajectoryPoint],
         rest: &Configuration,
     ) -> Result<Self, TrajectoryError> {
+        Self::from_points_going(robot, joints, points, rest, ContinuousDirection::AsGiven)
+    }
+
+    /// The same where continuous joints go from point to point as `direction` says.
+    pub fn from_points_going(
+        robot: &RobotModel,
+        joints: &[String],
+        points: &[TrajectoryPoint],
+        rest: &Configuration,
+        direction: ContinuousDirection,
+    ) -> Result<Self, TrajectoryError> {
         if points.len() < 2 {
             return Err(TrajectoryError::TooShort(points.len()));
         }
@@ -109,6 +124,7 @@ impl Trajectory {
                     .map_err(|error| TrajectoryError::Point { point, error })
             })
             .collect::<Result<Vec<_>, _>>()?;
+        let configurations = directed(robot, configurations, direction)?;
         let segments = (0..points.len() - 1)
             .map(|i| {
                 let ends = [&points[i], &points[i + 1]];
@@ -167,6 +183,22 @@ impl Trajectory {
     pub fn time(&self, segment: usize, t: f64) -> Option<f64> {
         let [from, to] = [*self.times.get(segment)?, *self.times.get(segment + 1)?];
         Some(from + t * (to - from))
+    }
+}
+
+/// Points between which continuous joints go as `direction` says.
+fn directed(
+    robot: &RobotModel,
+    points: Vec<Configuration>,
+    direction: ContinuousDirection,
+) -> Result<Vec<Configuration>, TrajectoryError> {
+    if direction == ContinuousDirection::AsGiven {
+        return Ok(points);
+    }
+    let (points, held) = shortest_way(robot, points).map_err(TrajectoryError::ShortestWay)?;
+    match held.into_iter().next() {
+        Some(held) => Err(TrajectoryError::Held(held)),
+        None => Ok(points),
     }
 }
 

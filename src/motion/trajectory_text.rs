@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::{Trajectory, TrajectoryError, TrajectoryPoint};
+use super::{ContinuousDirection, Trajectory, TrajectoryError, TrajectoryPoint};
 use crate::robot::{Configuration, RobotModel};
 
 #[derive(Deserialize)]
@@ -53,6 +53,16 @@ impl Trajectory {
         text: &str,
         rest: &Configuration,
     ) -> Result<Self, TrajectoryTextError> {
+        Self::from_yaml_going(robot, text, rest, ContinuousDirection::AsGiven)
+    }
+
+    /// The same where continuous joints go from point to point as `direction` says.
+    pub fn from_yaml_going(
+        robot: &RobotModel,
+        text: &str,
+        rest: &Configuration,
+        direction: ContinuousDirection,
+    ) -> Result<Self, TrajectoryTextError> {
         let text: TrajectoryText =
             serde_saphyr::from_str(text).map_err(|error| TrajectoryTextError::Text(error.to_string()))?;
         let points: Vec<TrajectoryPoint> = (text.points.into_iter())
@@ -64,6 +74,6 @@ impl Trajectory {
                     + 1e-9 * f64::from(p.time_from_start.nanosec),
             })
             .collect();
-        Ok(Self::from_points(robot, &text.joint_names, &points, rest)?)
+        Ok(Self::from_points_going(robot, &text.joint_names, &points, rest, direction)?)
     }
 }

@@ -36,11 +36,18 @@ pub struct MotionTerms {
     pub joint_tolerances: Vec<f64>,
     pub certificate: bool,
     pub swept_volume_intervals: u32,
+    pub continuous_joint_direction: u8,
+}
+
+impl MotionTerms {
+    pub const DEFAULT: u8 = 0;
+    pub const SHORTEST: u8 = 1;
+    pub const AS_GIVEN: u8 = 2;
 }
 
 /// What is known about a motion. The default says `ERROR`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct CheckMotionResponse {
+pub struct MotionFindings {
     pub verdict: u8,
     pub message: String,
     pub reason_code: String,
@@ -58,20 +65,45 @@ pub struct CheckMotionResponse {
     pub compute_time: f64,
 }
 
-impl CheckMotionResponse {
+impl MotionFindings {
     pub const ERROR: u8 = 0;
     pub const FREE: u8 = 1;
     pub const CONTACT: u8 = 2;
     pub const UNDECIDED: u8 = 3;
 }
 
+/// The continuous joints that turn, and their positions where the motion starts and ends.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContinuousTurns {
+    pub continuous_joints: Vec<String>,
+    pub continuous_starts: Vec<f64>,
+    pub continuous_goals: Vec<f64>,
+}
+
+/// What is known about a straight way.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckMotionResponse {
+    pub motion: MotionFindings,
+    pub turns: ContinuousTurns,
+}
+
 /// What is known about a trajectory: that about one of its segments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckTrajectoryResponse {
-    pub motion: CheckMotionResponse,
+    pub motion: MotionFindings,
     pub segment: u32,
     pub time_free: f64,
     pub time_contact: f64,
+    pub turns: ContinuousTurns,
+}
+
+impl CheckTrajectoryResponse {
+    /// About a trajectory that was not checked.
+    #[must_use]
+    pub fn unchecked(motion: MotionFindings) -> Self {
+        let (time_free, time_contact) = (f64::NAN, f64::NAN);
+        Self { motion, segment: 0, time_free, time_contact, turns: ContinuousTurns::default() }
+    }
 }
 
 /// How far a trajectory is proven free by now.
@@ -178,18 +210,16 @@ mod tests {
             unfolded(&fields_in_rust::<CheckMotionRequest>(), "terms", &terms),
             fields_in_text(request)
         );
-        assert_eq!(fields_in_rust::<CheckMotionResponse>(), fields_in_text(response));
+        let [motion, turns] = [fields_in_rust::<MotionFindings>(), fields_in_rust::<ContinuousTurns>()];
+        let answer = |fields: String| unfolded(&unfolded(&fields, "motion", &motion), "turns", &turns);
+        assert_eq!(answer(fields_in_rust::<CheckMotionResponse>()), fields_in_text(response));
 
-        let motion = fields_in_rust::<CheckMotionResponse>();
         let (request, response) = srv!("CheckTrajectory");
         assert_eq!(
             unfolded(&fields_in_rust::<CheckTrajectoryRequest>(), "terms", &terms),
             fields_in_text(request)
         );
-        assert_eq!(
-            unfolded(&fields_in_rust::<CheckTrajectoryResponse>(), "motion", &motion),
-            fields_in_text(response)
-        );
+        assert_eq!(answer(fields_in_rust::<CheckTrajectoryResponse>()), fields_in_text(response));
 
         let (request, response) = srv!("CheckStates");
         assert_eq!(fields_in_rust::<CheckStatesRequest>(), fields_in_text(request));
@@ -206,6 +236,7 @@ mod tests {
             text.split("\n---\n").collect::<Vec<_>>().try_into().unwrap();
         let (request, response) = srv!("CheckTrajectory");
         assert_eq!(fields_in_text(goal), fields_in_text(request));
+        assert_eq!(constants_in_text(goal), constants_in_text(request));
         assert_eq!(fields_in_text(result), fields_in_text(response));
         assert_eq!(constants_in_text(result), constants_in_text(response));
         assert_eq!(fields_in_rust::<CheckTrajectoryFeedback>(), fields_in_text(feedback));
@@ -214,13 +245,18 @@ mod tests {
     #[test]
     fn constants_have_the_values_of_the_srv_files() {
         let expected = [
-            ("ERROR", CheckMotionResponse::ERROR),
-            ("FREE", CheckMotionResponse::FREE),
-            ("CONTACT", CheckMotionResponse::CONTACT),
-            ("UNDECIDED", CheckMotionResponse::UNDECIDED),
+            ("ERROR", MotionFindings::ERROR),
+            ("FREE", MotionFindings::FREE),
+            ("CONTACT", MotionFindings::CONTACT),
+            ("UNDECIDED", MotionFindings::UNDECIDED),
+        ];
+        let directions = [
+            ("DEFAULT", MotionTerms::DEFAULT),
+            ("SHORTEST", MotionTerms::SHORTEST),
+            ("AS_GIVEN", MotionTerms::AS_GIVEN),
         ];
         for (request, response) in [srv!("CheckMotion"), srv!("CheckTrajectory")] {
-            assert_eq!(constants_in_text(request), []);
+            assert_eq!(constants_in_text(request), directions);
             assert_eq!(constants_in_text(response), expected);
         }
         let expected = [

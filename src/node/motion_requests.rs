@@ -7,7 +7,8 @@ use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 
 use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
 use super::clearance_srvs::{
-    CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionTerms,
+    CheckMotionRequest, CheckTrajectoryRequest, CheckTrajectoryResponse, ContinuousTurns, MotionFindings,
+    MotionTerms,
 };
 use super::messages::{pair_message, point_message};
 use super::refusal::{Refusal, bad, shortened};
@@ -16,7 +17,10 @@ use crate::checker::{
     CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, Watch, Workspace,
 };
 use crate::monitor::Judgement;
-use crate::motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
+use crate::motion::{
+    Certificate, ContinuousDirection, ContinuousTurn, HeldTurn, MotionSegment, Trajectory, TrajectoryPoint,
+    shortest_way,
+};
 use crate::robot::{Configuration, RobotModel};
 
 /// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
@@ -42,27 +46,27 @@ pub struct Answered {
 
 impl From<&Refusal> for Answered {
     fn from(refusal: &Refusal) -> Self {
-        let motion = CheckMotionResponse {
-            verdict: CheckMotionResponse::ERROR,
+        let motion = MotionFindings {
+            verdict: MotionFindings::ERROR,
             message: refusal.message(),
             reason_code: refusal.code().to_owned(),
             distance_upper: f64::INFINITY,
-            ..CheckMotionResponse::default()
+            ..MotionFindings::default()
         };
-        let (time_free, time_contact) = (f64::NAN, f64::NAN);
-        let response = CheckTrajectoryResponse { motion, segment: 0, time_free, time_contact };
-        Self { response, certificate: None, swept_volume: None }
+        Self { response: CheckTrajectoryResponse::unchecked(motion), certificate: None, swept_volume: None }
     }
 }
 
-/// Answers a request for a straight way. The workspace is memory that makes the next answer quicker.
+/// Answers a request for a straight way. From the current state continuous joints go as `usual` says, unless the request says otherwise. The
+/// workspace is memory that makes the next answer quicker.
 #[must_use]
 pub fn answer_motion(
     request: &CheckMotionRequest,
+    usual: ContinuousDirection,
     judgement: Option<&Judgement>,
     workspace: &mut Option<Workspace>,
 ) -> Answered {
-    answer(&request.terms, None, judgement, workspace, |cell| cell.straight(request))
+    answer(&request.terms, None, judgement, workspace, |cell| cell.straight(request, usual))
 }
 
 /// Answers a request for a trajectory, watched by someone or not.
@@ -120,11 +124,23 @@ fn options(terms: &MotionTerms, usual: Option<Duration>, started: Instant) -> Re
 struct Way {
     trajectory: Trajectory,
     /// What its sender should know.
-    note: Option<String>,
+    notes: Vec<String>,
+}
+
+/// Which way round continuous joints go, where a request says so.
+fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Refusal> {
+    match terms.continuous_joint_direction {
+        MotionTerms::DEFAULT => Ok(None),
+        MotionTerms::SHORTEST => Ok(Some(ContinuousDirection::Shortest)),
+        MotionTerms::AS_GIVEN => Ok(Some(ContinuousDirection::AsGiven)),
+        other => Err(bad(format!(
+            "continuous_joint_direction is {other}, but must be DEFAULT (0), SHORTEST (1) or AS_GIVEN (2)"
+        ))),
+    }
 }
 
 impl Cell<'_> {
-    fn straight(&self, request: &CheckMotionRequest) -> Result<Way, Refusal> {
+    fn straight(&self, request: &CheckMotionRequest, usual: ContinuousDirection) -> Result<Way, Refusal> {
         let CheckMotionRequest { joint_names, start, goal, terms } = request;
         if joint_names.is_empty() {
             return Err(bad("joint_names is empty"));
@@ -140,9 +156,27 @@ impl Cell<'_> {
             ([], Err(why)) => return Err(Refusal::NoJointState(why.clone())),
             (start, _) => end("start", start)?,
         };
-        let segment = MotionSegment::straight(self.robot(), &from, &end("goal", goal)?);
+        let asked = direction(terms)?;
+        let from_now = if start.is_empty() { usual } else { ContinuousDirection::AsGiven };
+        let mut notes = Vec::from_iter(note);
+        let mut ends = vec![from, end("goal", goal)?];
+        if asked.unwrap_or(from_now) == ContinuousDirection::Shortest {
+            let (short, held) = self.shortest(ends)?;
+            ends = short;
+            if asked.is_some()
+                && let Some(held) = held.first()
+            {
+                return Err(bad(format!("continuous_joint_direction: {held}")));
+            }
+            notes.extend(held.iter().map(|held| format!("{held}; it is checked as given")));
+        }
+        let segment = MotionSegment::straight(self.robot(), &ends[0], &ends[1]);
         let trajectory = Trajectory::of_segments(vec![segment]).map_err(|error| bad(error.to_string()))?;
-        Ok(Way { trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?, note })
+        Ok(Way { trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?, notes })
+    }
+
+    fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Refusal> {
+        shortest_way(self.robot(), ends).map_err(|error| bad(format!("the shortest way: {error}")))
     }
 
     fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<Way, Refusal> {
@@ -161,9 +195,11 @@ impl Cell<'_> {
             }
         };
         let points: Vec<TrajectoryPoint> = request.trajectory.points.iter().map(point).collect();
-        let trajectory = Trajectory::from_points(self.robot(), joints, &points, &rest)
+        let direction = direction(&request.terms)?.unwrap_or_default();
+        let trajectory = Trajectory::from_points_going(self.robot(), joints, &points, &rest, direction)
             .map_err(|error| bad(format!("trajectory: {error}")))?;
-        Ok(Way { trajectory: self.loosened(trajectory, joints, &request.terms.joint_tolerances)?, note })
+        let trajectory = self.loosened(trajectory, joints, &request.terms.joint_tolerances)?;
+        Ok(Way { trajectory, notes: Vec::from_iter(note) })
     }
 
     /// With tolerances (rad, m), one for each of `joints`; none leaves the way exact.
@@ -202,7 +238,7 @@ fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) 
 
 fn verdict(
     checker: &CollisionChecker,
-    Way { trajectory, note }: Way,
+    Way { trajectory, notes: of_request }: Way,
     options: &MotionOptions,
     terms: &MotionTerms,
     workspace: &mut Workspace,
@@ -210,7 +246,8 @@ fn verdict(
     let (trajectory, certificate) = (&trajectory, terms.certificate);
     let ends: Vec<Configuration> = trajectory.segments().iter().flat_map(MotionSegment::ends).collect();
     let limits = checker.robot().limits_note("way", [&ends]);
-    let mut notes: Vec<String> = limits.into_iter().chain(note).collect();
+    let mut notes: Vec<String> = limits.into_iter().chain(of_request).collect();
+    notes.extend(trajectory.long_turn_note(checker.robot()));
     let segments = trajectory.segments().len();
     let hopeless = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
     let (report, proof) = if certificate && !hopeless {
@@ -253,22 +290,22 @@ fn response(
     trajectory: &Trajectory,
     report: &TrajectoryReport,
 ) -> CheckTrajectoryResponse {
-    let mut motion = CheckMotionResponse::default();
+    let mut motion = MotionFindings::default();
     let mut t = [1.0, 1.0];
     match report.verdict {
         MotionVerdict::Free => {
-            motion.verdict = CheckMotionResponse::FREE;
+            motion.verdict = MotionFindings::FREE;
             motion.distance_upper = f64::INFINITY;
         }
         MotionVerdict::Contact { t: found, pair: (a, b), witness } => {
-            motion.verdict = CheckMotionResponse::CONTACT;
+            motion.verdict = MotionFindings::CONTACT;
             motion.pair = pair_message(checker, a, b);
             motion.witness_known = witness.is_some();
             motion.witness_point = witness.as_ref().map(point_message).unwrap_or_default();
             t = found;
         }
         MotionVerdict::Undecided { t: found, pair, distance, reason } => {
-            motion.verdict = CheckMotionResponse::UNDECIDED;
+            motion.verdict = MotionFindings::UNDECIDED;
             motion.message = reason.to_string();
             if let Some((a, b)) = pair {
                 motion.pair = pair_message(checker, a, b);
@@ -282,7 +319,18 @@ fn response(
     [motion.t_free, motion.t_contact] = t;
     let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
     let segment = u32::try_from(report.segment).unwrap_or(u32::MAX);
-    CheckTrajectoryResponse { motion, segment, time_free, time_contact }
+    let turns = turns(trajectory.continuous_turns(checker.robot()));
+    CheckTrajectoryResponse { motion, segment, time_free, time_contact, turns }
+}
+
+fn turns(turns: Vec<ContinuousTurn>) -> ContinuousTurns {
+    let mut message = ContinuousTurns::default();
+    for ContinuousTurn { joint, from, to } in turns {
+        message.continuous_joints.push(joint);
+        message.continuous_starts.push(from);
+        message.continuous_goals.push(to);
+    }
+    message
 }
 
 #[cfg(test)]

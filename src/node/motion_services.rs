@@ -21,6 +21,7 @@ use super::middleware::{
 use super::monitor_loop::CurrentJudgement;
 use super::motion_requests::{Answered, answer_motion, answer_trajectory};
 use super::names::Names;
+use super::parameter_services::ParameterStore;
 use super::refusal::Refusal;
 use super::trajectory_action::{Begun, Goal, TrajectoryAction};
 use crate::checker::Workspace;
@@ -61,6 +62,7 @@ pub struct MotionDesk {
     answers: Sender<Answer>,
     current: CurrentJudgement,
     clock: Arc<RosClock>,
+    parameters: ParameterStore,
     workspace: Option<Workspace>,
 }
 
@@ -71,6 +73,7 @@ impl MotionServices {
         names: &Names,
         current: CurrentJudgement,
         clock: Arc<RosClock>,
+        parameters: ParameterStore,
     ) -> Result<(Self, MotionDesk), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
         // never more than two for each request that waited
@@ -96,7 +99,7 @@ impl MotionServices {
             requests,
             answers: answers_in,
         };
-        let desk = MotionDesk { requests: requests_in, answers, current, clock, workspace: None };
+        let desk = MotionDesk { requests: requests_in, answers, current, clock, parameters, workspace: None };
         Ok((services, desk))
     }
 
@@ -137,8 +140,8 @@ impl MotionServices {
     fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
         match answer {
             Answer::Motion(id, answered) => {
-                let response = self.publish_more(*answered);
-                sending.spawn(self.motions.answer(id, response.motion)).detach();
+                let CheckTrajectoryResponse { motion, turns, .. } = self.publish_more(*answered);
+                sending.spawn(self.motions.answer(id, CheckMotionResponse { motion, turns })).detach();
             }
             Answer::Trajectory(id, answered) => {
                 let response = self.publish_more(*answered);
@@ -187,8 +190,9 @@ impl MotionDesk {
     }
 
     fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
+        let usual = self.parameters.get().continuous_direction();
         let answered = self.guarded(|workspace| match &request {
-            Request::Motion(_, request) => answer_motion(request, judgement, workspace),
+            Request::Motion(_, request) => answer_motion(request, usual, judgement, workspace),
             Request::Trajectory(_, request) => answer_trajectory(request, None, judgement, workspace),
             Request::Goal(Goal { request, watch, .. }) => {
                 answer_trajectory(request, Some(watch.clone()), judgement, workspace)

@@ -10,6 +10,7 @@ pub use declarations::{DECLARATIONS, declaration, similar};
 use super::parameter_value::Value;
 use super::recording::RecordingSettings;
 use crate::monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
+use crate::motion::ContinuousDirection;
 
 /// All parameters in force. One value of this is one consistent choice: it changes as a whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,7 @@ pub struct Parameters {
     pub slowdown_release_count: i64,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
+    pub continuous_joint_direction: &'static str,
     pub joint_prefix: String,
     pub link_prefix: String,
     pub padding: f64,
@@ -67,6 +69,8 @@ pub struct Parameters {
 const STALE_SOURCE_POLICIES: &[&str] = &["unknown", "drop"];
 /// What a fault of the world does: it makes the state UNKNOWN, or is a warning.
 pub const UNKNOWN_OR_WARN: &[&str] = &["unknown", "warn"];
+/// Which way round continuous joints go from the current state.
+const CONTINUOUS_DIRECTIONS: &[&str] = &["shortest", "as_given"];
 const UNKNOWN_SPACES: &[&str] = &["free", "occupied"];
 
 impl Default for Parameters {
@@ -90,6 +94,7 @@ impl Default for Parameters {
             slowdown_release_count: monitor.speed.release_count.into(),
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
+            continuous_joint_direction: CONTINUOUS_DIRECTIONS[0],
             joint_prefix: monitor.joint_prefix,
             link_prefix: String::new(),
             padding: 0.0,
@@ -191,6 +196,16 @@ impl Parameters {
     #[must_use]
     pub fn unknown_is_occupied(&self) -> bool {
         self.unknown_space == UNKNOWN_SPACES[1]
+    }
+
+    /// Which way round continuous joints go from the current state.
+    #[must_use]
+    pub fn continuous_direction(&self) -> ContinuousDirection {
+        if self.continuous_joint_direction == CONTINUOUS_DIRECTIONS[0] {
+            ContinuousDirection::Shortest
+        } else {
+            ContinuousDirection::AsGiven
+        }
     }
 
     /// What is recorded, if anything is.

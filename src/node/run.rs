@@ -173,7 +173,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
     let (states, state_desk) =
         StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
-    let (motions, motion_desk) = MotionServices::offer(&middleware, &names, current, Arc::clone(&clock))?;
+    let (motions, motion_desk) =
+        MotionServices::offer(&middleware, &names, current, Arc::clone(&clock), store.clone())?;
     let small = (motions, states, EnableService::offer(&middleware, &names, end.events.clone())?);
     let ordering = (orders, (!is_given).then(|| end.events.clone()));
     let services =

@@ -7,7 +7,7 @@ use futures_lite::future;
 use smol::{LocalExecutor, Timer};
 
 use super::clearance_srvs::{
-    CheckMotionResponse, CheckTrajectoryFeedback, CheckTrajectoryRequest, CheckTrajectoryResponse,
+    CheckTrajectoryFeedback, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionFindings,
 };
 use super::clock::RosClock;
 use super::goals::{Asked, Canceled, Goals};
@@ -141,7 +141,7 @@ impl TrajectoryAction {
     /// Ends a goal with what is known.
     pub fn end<'a>(&'a self, id: GoalId, response: &CheckTrajectoryResponse, sending: &LocalExecutor<'a>) {
         let motion = &response.motion;
-        let status = if motion.verdict == CheckMotionResponse::ERROR {
+        let status = if motion.verdict == MotionFindings::ERROR {
             Standing::Aborted
         } else if motion.reason_code == UndecidedReason::Canceled.code() {
             Standing::Canceled
@@ -165,15 +165,15 @@ impl TrajectoryAction {
 
 /// What is known about a trajectory that was never looked at.
 fn canceled() -> CheckTrajectoryResponse {
-    let motion = CheckMotionResponse {
-        verdict: CheckMotionResponse::UNDECIDED,
+    let motion = MotionFindings {
+        verdict: MotionFindings::UNDECIDED,
         message: "canceled before it was looked at".to_owned(),
         reason_code: UndecidedReason::Canceled.code().to_owned(),
         t_contact: 1.0,
         distance_upper: f64::INFINITY,
-        ..CheckMotionResponse::default()
+        ..MotionFindings::default()
     };
-    CheckTrajectoryResponse { motion, segment: 0, time_free: f64::NAN, time_contact: f64::NAN }
+    CheckTrajectoryResponse::unchecked(motion)
 }
 
 impl Begun {

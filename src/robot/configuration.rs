@@ -1,6 +1,6 @@
 //! Joint positions of a whole robot, checked once.
 
-use super::joint::JointKind;
+use super::joint::{Joint, JointKind};
 use super::named_values::MimicContradiction;
 use super::{JointId, RobotModel};
 use crate::constants::LARGEST_COORDINATE;
@@ -34,7 +34,9 @@ pub enum ConfigurationError {
     Mimic(Box<MimicContradiction>),
     #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
     Tolerance { joint: String, value: f64 },
-    #[error("joint '{joint}' has tolerance {value}, but it mimics another with multiplier 0, so it never moves: give it 0")]
+    #[error(
+        "joint '{joint}' has tolerance {value}, but it mimics another with multiplier 0, so it never moves: give it 0"
+    )]
     ToleranceOfStanding { joint: String, value: f64 },
 }
 
@@ -92,8 +94,7 @@ impl RobotModel {
     #[must_use]
     pub fn whole_turns(&self) -> Vec<bool> {
         let mut turns = vec![false; self.position_names.len()];
-        let leads = |id: JointId| self.mimicking_joints().any(|(_, mimic)| mimic.joint == id);
-        for id in self.joint_ids().filter(|id| !leads(*id)) {
+        for id in self.joint_ids().filter(|id| self.moved_by_whole_turns(*id).is_none()) {
             let Some(first) = self.first_position(id) else { continue };
             match self.joint(id).kind {
                 JointKind::Continuous(_) => turns[first] = true,
@@ -102,6 +103,17 @@ impl RobotModel {
             }
         }
         turns
+    }
+
+    /// A joint that mimics this one and is elsewhere when this one has made a whole turn.
+    #[must_use]
+    pub fn moved_by_whole_turns(&self, leader: JointId) -> Option<&Joint> {
+        let comes_back = |joint: &Joint, multiplier: f64| {
+            multiplier == 0.0 || (matches!(joint.kind, JointKind::Continuous(_)) && multiplier.fract() == 0.0)
+        };
+        (self.mimicking_joints())
+            .find(|(joint, mimic)| mimic.joint == leader && !comes_back(joint, mimic.multiplier))
+            .map(|(joint, _)| joint)
     }
 
     /// Every joint at zero, or at the middle of limits that exclude zero.

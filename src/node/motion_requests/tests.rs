@@ -44,8 +44,10 @@ fn from_to(start: &[f64], goal: &[f64]) -> CheckMotionRequest {
     CheckMotionRequest { joint_names: names(&JOINTS), start, goal, terms: MotionTerms::default() }
 }
 
-fn ask(request: &CheckMotionRequest) -> CheckMotionResponse {
-    answer_motion(request, Some(&judgement(&[0.0, 0.0])), &mut None).response.motion
+fn ask(request: &CheckMotionRequest) -> MotionFindings {
+    answer_motion(request, ContinuousDirection::Shortest, Some(&judgement(&[0.0, 0.0])), &mut None)
+        .response
+        .motion
 }
 
 fn point(positions: [f64; 2], time: f64) -> JointTrajectoryPoint {
@@ -68,12 +70,13 @@ fn ask_along(request: &CheckTrajectoryRequest) -> CheckTrajectoryResponse {
 fn a_free_way_is_free_with_its_certificate() {
     let mut request = from_to(&[0.0, 0.0], &[PI / 2.0, 0.0]);
     let answer = ask(&request);
-    assert_eq!((answer.verdict, answer.t_free, answer.t_contact), (CheckMotionResponse::FREE, 1.0, 1.0));
+    assert_eq!((answer.verdict, answer.t_free, answer.t_contact), (MotionFindings::FREE, 1.0, 1.0));
     assert_eq!((answer.message.as_str(), answer.certificate.as_str()), ("", ""));
     assert_eq!((answer.model_revision, answer.world_revision), (3, 1));
 
     request.terms.certificate = true;
-    let answered = answer_motion(&request, Some(&judgement(&[0.0, 0.0])), &mut None);
+    let answered =
+        answer_motion(&request, ContinuousDirection::Shortest, Some(&judgement(&[0.0, 0.0])), &mut None);
     let text = answered.certificate.unwrap();
     let certificate = Certificate::from_json(&text).unwrap();
     let motion = answered.response.motion;
@@ -88,7 +91,7 @@ fn a_contact_between_free_ends_is_found_where_it_is() {
     let touch = (PI - 0.3_f64.asin() - NEAR[1]) / (BEYOND[1] - NEAR[1]);
     let mut request = from_to(&NEAR, &BEYOND);
     let answer = ask(&request);
-    assert_eq!(answer.verdict, CheckMotionResponse::CONTACT);
+    assert_eq!(answer.verdict, MotionFindings::CONTACT);
     assert!(answer.t_free <= touch && touch <= answer.t_contact, "{answer:?}");
     assert!(answer.t_contact - answer.t_free < 1e-3);
     assert!(answer.witness_known);
@@ -97,7 +100,7 @@ fn a_contact_between_free_ends_is_found_where_it_is() {
 
     request.terms.any_contact = true;
     let answer = ask(&request);
-    assert_eq!((answer.verdict, answer.t_free), (CheckMotionResponse::CONTACT, 0.0));
+    assert_eq!((answer.verdict, answer.t_free), (MotionFindings::CONTACT, 0.0));
 }
 
 #[test]
@@ -105,17 +108,17 @@ fn what_is_not_decided_says_why() {
     let mut request = from_to(&[0.0, 0.0], &NEAR);
     request.terms.joint_tolerances = vec![0.0, 0.5];
     let answer = ask(&request);
-    assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckMotionResponse::UNDECIDED, "tube"));
+    assert_eq!((answer.verdict, answer.reason_code.as_str()), (MotionFindings::UNDECIDED, "tube"));
     assert!(answer.message.contains("base and tip"), "{}", answer.message);
     assert!(0.0 < answer.t_free && answer.t_free <= answer.t_contact);
 
     let mut request = from_to(&[0.0, 0.0], &[0.0, 2.83]);
-    assert_eq!(ask(&request).verdict, CheckMotionResponse::FREE);
+    assert_eq!(ask(&request).verdict, MotionFindings::FREE);
     request.terms.timeout = 1e-300;
     let answer = ask(&request);
-    assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckMotionResponse::UNDECIDED, "deadline"));
+    assert_eq!((answer.verdict, answer.reason_code.as_str()), (MotionFindings::UNDECIDED, "deadline"));
     request.terms.timeout = f64::MAX;
-    assert_eq!(ask(&request).verdict, CheckMotionResponse::FREE);
+    assert_eq!(ask(&request).verdict, MotionFindings::FREE);
 }
 
 #[test]
@@ -123,11 +126,11 @@ fn a_way_may_begin_at_the_current_joint_state_and_leave_joints_out() {
     let request =
         CheckMotionRequest { joint_names: names(&JOINTS[..1]), goal: vec![1.0], ..from_to(&[], &[]) };
     let told = |judgement: &Judgement, request: &CheckMotionRequest| {
-        answer_motion(request, Some(judgement), &mut None).response.motion
+        answer_motion(request, ContinuousDirection::Shortest, Some(judgement), &mut None).response.motion
     };
-    assert_eq!(told(&judgement(&[0.0, 0.0]), &request).verdict, CheckMotionResponse::FREE);
+    assert_eq!(told(&judgement(&[0.0, 0.0]), &request).verdict, MotionFindings::FREE);
     // joint 2 stays folded onto the base
-    assert_eq!(told(&judgement(&[0.0, PI]), &request).verdict, CheckMotionResponse::CONTACT);
+    assert_eq!(told(&judgement(&[0.0, PI]), &request).verdict, MotionFindings::CONTACT);
     for unknown in [&[][..], &[0.0], &[f64::NAN, 0.0]] {
         let answer = told(&judgement(unknown), &request);
         assert_eq!((answer.verdict, answer.reason_code.as_str()), (0, "no_joint_state"), "{answer:?}");
@@ -135,14 +138,16 @@ fn a_way_may_begin_at_the_current_joint_state_and_leave_joints_out() {
     }
     let request = CheckMotionRequest { start: vec![0.0], ..request };
     let answer = told(&judgement(&[]), &request);
-    assert_eq!(answer.verdict, CheckMotionResponse::FREE);
+    assert_eq!(answer.verdict, MotionFindings::FREE);
     assert!(answer.message.starts_with("'joint2' stand at their defaults"), "{}", answer.message);
 }
 
 #[test]
 fn without_a_model_nothing_is_checked() {
-    let answer = answer_motion(&from_to(&NEAR, &BEYOND), None, &mut None).response.motion;
-    assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckMotionResponse::ERROR, "no_model"));
+    let answer = answer_motion(&from_to(&NEAR, &BEYOND), ContinuousDirection::Shortest, None, &mut None)
+        .response
+        .motion;
+    assert_eq!((answer.verdict, answer.reason_code.as_str()), (MotionFindings::ERROR, "no_model"));
     assert!(answer.message.contains("robot_description"), "{}", answer.message);
 }
 
@@ -172,10 +177,7 @@ fn broken_requests_are_refused_by_name() {
         let mut request = from_to(&NEAR, &BEYOND);
         break_it(&mut request);
         let answer = ask(&request);
-        assert_eq!(
-            (answer.verdict, answer.reason_code.as_str()),
-            (CheckMotionResponse::ERROR, "bad_request")
-        );
+        assert_eq!((answer.verdict, answer.reason_code.as_str()), (MotionFindings::ERROR, "bad_request"));
         assert!(answer.message.contains(named), "'{named}' is not in: {}", answer.message);
         assert!(answer.message.len() <= LONGEST_MESSAGE);
         assert_eq!((answer.t_free, answer.distance_upper), (0.0, f64::INFINITY));
@@ -188,7 +190,7 @@ fn huge_motions_end() {
         for certificate in [false, true] {
             let mut request = from_to(&[0.0, 0.0], &[1e8, -1e8]);
             request.terms = MotionTerms { any_contact, certificate, timeout: 0.2, ..MotionTerms::default() };
-            assert_ne!(ask(&request).verdict, CheckMotionResponse::FREE);
+            assert_ne!(ask(&request).verdict, MotionFindings::FREE);
         }
     }
 }
@@ -197,18 +199,18 @@ fn huge_motions_end() {
 fn trajectories_say_which_segment_and_when() {
     let free = along(vec![point([0.0, 0.0], 0.0), point([1.0, 0.0], 1.5), point([1.0, 1.0], 4.0)]);
     let answer = ask_along(&free);
-    assert_eq!((answer.motion.verdict, answer.segment), (CheckMotionResponse::FREE, 1));
+    assert_eq!((answer.motion.verdict, answer.segment), (MotionFindings::FREE, 1));
     assert_eq!((answer.time_free, answer.time_contact), (4.0, 4.0));
 
     let hits = along(vec![point([0.0, 0.0], 0.0), point(NEAR, 2.0), point(BEYOND, 4.0)]);
     let answer = ask_along(&hits);
-    assert_eq!((answer.motion.verdict, answer.segment), (CheckMotionResponse::CONTACT, 1));
+    assert_eq!((answer.motion.verdict, answer.segment), (MotionFindings::CONTACT, 1));
     assert!((answer.time_free - (2.0 + 2.0 * answer.motion.t_free)).abs() < 1e-9);
     assert!(answer.time_free <= answer.time_contact && answer.time_contact < 2.5);
 
     let untimed = along(vec![point(NEAR, 0.0), point(BEYOND, 0.0)]);
     let answer = ask_along(&untimed);
-    assert_eq!(answer.motion.verdict, CheckMotionResponse::CONTACT);
+    assert_eq!(answer.motion.verdict, MotionFindings::CONTACT);
     assert!(answer.time_free.is_nan() && answer.time_contact.is_nan());
 }
 
@@ -229,10 +231,7 @@ fn broken_trajectories_are_refused_by_name() {
         let mut request = along(vec![point(NEAR, 0.0), point(BEYOND, 1.0)]);
         break_it(&mut request.trajectory);
         let answer = ask_along(&request).motion;
-        assert_eq!(
-            (answer.verdict, answer.reason_code.as_str()),
-            (CheckMotionResponse::ERROR, "bad_request")
-        );
+        assert_eq!((answer.verdict, answer.reason_code.as_str()), (MotionFindings::ERROR, "bad_request"));
         assert!(answer.message.contains(named), "'{named}' is not in: {}", answer.message);
     }
 }
@@ -245,7 +244,7 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
         request.terms.certificate = true;
         let answered = answer_trajectory(&request, None, Some(&judgement(&[0.0, 0.0])), &mut None);
         let motion = answered.response.motion;
-        assert_eq!(motion.verdict, CheckMotionResponse::FREE);
+        assert_eq!(motion.verdict, MotionFindings::FREE);
         assert_eq!(answered.certificate.is_some(), sent, "{points} points");
         assert_eq!(!motion.certificate_digest.is_empty(), sent);
         assert_eq!(motion.message.contains("clearance motion --certificate"), !sent);

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::declaration::{Access, Declaration, Range, TOPICS};
-use super::{Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES};
+use super::{CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES};
 
 /// The parameter called `name`.
 #[must_use]
@@ -60,6 +60,15 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.cloud_voxel_size,
             "Edge of the cubes to which clouds are thinned out; 0 turns it off.",
         ),
+        Declaration {
+            range: Range::Word(CONTINUOUS_DIRECTIONS),
+            access: Access::Word(|p| &mut p.continuous_joint_direction),
+            ..described(
+                "continuous_joint_direction",
+                "",
+                "Which way round continuous joints go from the current state in ~/check_motion.",
+            )
+        },
         double(
             "distance_absolute_tolerance",
             "m",
