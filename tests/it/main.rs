@@ -5,6 +5,7 @@ mod bodies;
 mod cases;
 mod checker;
 mod command_line;
+mod continuous_joints;
 mod default_collisions;
 mod effort;
 mod held_planes;

@@ -9,10 +9,12 @@ use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::{JointTrajectory, JointTr
 
 use super::*;
 use crate::checker::Settings;
+use crate::geometry::{Primitive, Shape};
+use crate::math::Pose;
 use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
 use crate::node::refusal::LONGEST_MESSAGE;
 use crate::robot::MeshFiles;
-use crate::world::World;
+use crate::world::{Obstacle, World};
 
 const URDF: &str = include_str!("../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];
@@ -250,4 +252,98 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
         assert_eq!(motion.message.contains("clearance motion --certificate"), !sent);
         assert!(answered.certificate.unwrap_or_default().len() <= LONGEST_CERTIFICATE);
     }
+}
+
+/// A bar on a continuous joint, at these positions; `k` mimics the joint.
+fn at_the_wheel(position: f64, mimic: &str) -> Judgement {
+    let urdf = format!(
+        "<robot name='r'><link name='base'/><link name='bar'><collision><origin xyz='0.5 0 0'/><geometry><box size='1 0.05 0.05'/>\
+         </geometry></collision></link><joint name='j' type='continuous'><parent link='base'/><child link='bar'/><axis xyz='0 0 1'/></joint>\
+         <link name='flag'/><joint name='k' type='continuous'><parent link='base'/><child link='flag'/><axis xyz='0 0 1'/>{mimic}</joint></robot>"
+    );
+    let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
+    let mut world = World::default();
+    let ball = Shape::Primitive(Primitive::Sphere { radius: 0.02 });
+    world.add(Obstacle::of_shape("ball", Pose::translation(-0.8, 0.0, 0.0), ball)).unwrap();
+    let names = robot.position_names().to_vec();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
+    monitor.set_checker(Arc::new(Revision::new(checker, 1, 1)));
+    let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
+    let positions = vec![position; names.len()];
+    monitor.on_joint_state(JointStateInput { names, positions, ..JointStateInput::default() }, now)
+}
+
+#[test]
+fn continuous_joints_go_the_shortest_way_from_the_current_state() {
+    use ContinuousDirection::{AsGiven, Shortest};
+    let (free, contact) = (MotionFindings::FREE, MotionFindings::CONTACT);
+    let judgement = at_the_wheel(3.0, "");
+    for (start, usual, asked, verdict) in [
+        (&[][..], Shortest, MotionTerms::DEFAULT, contact),
+        (&[], AsGiven, MotionTerms::DEFAULT, free),
+        (&[], Shortest, MotionTerms::AS_GIVEN, free),
+        (&[], AsGiven, MotionTerms::SHORTEST, contact),
+        (&[3.0], Shortest, MotionTerms::DEFAULT, free),
+        (&[3.0], AsGiven, MotionTerms::SHORTEST, contact),
+    ] {
+        let terms = MotionTerms { continuous_joint_direction: asked, ..MotionTerms::default() };
+        let (joint_names, start, goal) = (names(&["j"]), start.to_vec(), vec![-3.0]);
+        let request = CheckMotionRequest { joint_names, start, goal, terms };
+        let CheckTrajectoryResponse { motion, turns, .. } =
+            answer_motion(&request, usual, Some(&judgement), &mut None).response;
+        assert_eq!(motion.verdict, verdict, "{request:?}");
+        assert_eq!((turns.continuous_joints, turns.continuous_goals), (names(&["j"]), vec![-3.0]));
+        let long = verdict == free;
+        assert!((turns.continuous_starts[0] - if long { 3.0 } else { 3.0 - 2.0 * PI }).abs() < 1e-9);
+        assert_eq!(motion.message.contains("'j' turns by more than half a turn"), long, "{}", motion.message);
+    }
+}
+
+#[test]
+fn trajectories_go_the_shortest_way_only_if_asked() {
+    let judgement = at_the_wheel(0.0, "");
+    let point = |position: f64, sec| JointTrajectoryPoint {
+        positions: vec![position],
+        time_from_start: SpanMessage { sec, nanosec: 0 },
+        ..JointTrajectoryPoint::default()
+    };
+    let points = vec![point(2.0, 0), point(3.0, 1), point(-3.0, 2)];
+    let trajectory = JointTrajectory { joint_names: names(&["j"]), points, ..JointTrajectory::default() };
+    let mut request = CheckTrajectoryRequest { trajectory, terms: MotionTerms::default() };
+    let mut answer = |direction: u8| {
+        request.terms.continuous_joint_direction = direction;
+        answer_trajectory(&request, None, Some(&judgement), &mut None).response
+    };
+    let given = answer(MotionTerms::DEFAULT);
+    assert_eq!(given.motion.verdict, MotionFindings::FREE);
+    assert!(given.motion.message.starts_with("segment 1: continuous joint 'j'"), "{}", given.motion.message);
+    assert_eq!(answer(MotionTerms::AS_GIVEN).motion.verdict, MotionFindings::FREE);
+    let short = answer(MotionTerms::SHORTEST);
+    assert_eq!((short.motion.verdict, short.segment), (MotionFindings::CONTACT, 1));
+    assert!((short.turns.continuous_starts[0] - (2.0 - 2.0 * PI)).abs() < 1e-9);
+    let broken = answer(7);
+    assert_eq!((broken.motion.verdict, broken.motion.reason_code.as_str()), (0, "bad_request"));
+    assert!(broken.motion.message.contains("continuous_joint_direction is 7"), "{}", broken.motion.message);
+}
+
+/// A whole turn of the leader would bring the mimic joint elsewhere.
+#[test]
+fn a_mimic_joint_may_keep_its_leader_from_the_shortest_way() {
+    let judgement = at_the_wheel(3.0, "<mimic joint='j' multiplier='0.5'/>");
+    let mut request = from_to(&[], &[-3.0]);
+    request.joint_names = names(&["j"]);
+    let answer = |request: &CheckMotionRequest| {
+        answer_motion(request, ContinuousDirection::Shortest, Some(&judgement), &mut None).response.motion
+    };
+    let usual = answer(&request);
+    assert_eq!(usual.verdict, MotionFindings::FREE);
+    assert!(
+        ["'j'", "'k' mimics it", "checked as given"].iter().all(|w| usual.message.contains(w)),
+        "{usual:?}"
+    );
+    request.terms.continuous_joint_direction = MotionTerms::SHORTEST;
+    let asked = answer(&request);
+    assert_eq!((asked.verdict, asked.reason_code.as_str()), (MotionFindings::ERROR, "bad_request"));
+    assert!(asked.message.contains("'j'") && asked.message.contains("'k'"), "{}", asked.message);
 }
