@@ -213,37 +213,50 @@ impl Situation {
                 joints.name.len()
             ));
         }
-        if !joints.name.is_empty() {
-            let named = joints.name.iter().map(String::as_str).zip(joints.position.iter().copied());
+        let (placed, remarks) = self
+            .read_base(&text.multi_dof_joint_state, robot)
+            .map_err(|e| format!("robot_state.multi_dof_joint_state: {e}"))?;
+        if !(joints.name.is_empty() && placed.is_empty()) {
+            let field = if placed.is_empty() { "robot_state.joint_state" } else { "robot_state" };
+            let single = joints.name.iter().map(String::as_str).zip(joints.position.iter().copied());
+            let several = placed.iter().map(|(name, position)| (name.as_str(), *position));
             let rest = self.configuration.clone().unwrap_or_else(|| robot.default_configuration());
-            let q = robot.configuration_over(&rest, named);
-            self.configuration = Some(q.map_err(|e| format!("robot_state.joint_state: {e}"))?);
+            let q = robot.configuration_over(&rest, single.chain(several));
+            self.configuration = Some(q.map_err(|e| format!("{field}: {e}"))?);
         }
-        self.read_base(&text.multi_dof_joint_state, robot)
-            .map_err(|e| format!("robot_state.multi_dof_joint_state: {e}"))
+        Ok(remarks)
     }
 
-    /// Of the joints with several degrees of freedom only the virtual one is read, which says where the robot stands.
-    fn read_base(&mut self, text: &MultiDofText, robot: &RobotModel) -> Result<Vec<String>, String> {
+    /// The positions of planar and floating joints, by name, and what is not read. The virtual joint of the root says where the robot stands.
+    fn read_base(
+        &mut self,
+        text: &MultiDofText,
+        robot: &RobotModel,
+    ) -> Result<(Vec<(String, f64)>, Vec<String>), String> {
         if text.joint_names.len() != text.transforms.len() {
             let (given, names) = (text.transforms.len(), text.joint_names.len());
             return Err(format!("{given} transforms for {names} joint_names"));
         }
-        let mut remarks = Vec::new();
+        let (mut placed, mut remarks) = (Vec::new(), Vec::new());
         for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
             let pose = transform.pose(name)?;
             let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-            if virtual_joints.any(|j| j.name == *name && j.child_link == robot.root()) {
+            if robot.joint_by_name(name).is_some() {
+                let frame = &text.header.frame_id;
+                if !robot.is_model_frame(frame) {
+                    let root = &robot.link(robot.root()).name;
+                    return Err(format!("header.frame_id is '{frame}', but must be '{root}' or empty"));
+                }
+                placed.extend(robot.positions_of_transform(name, &pose).map_err(|e| e.to_string())?);
+            } else if virtual_joints.any(|j| j.name == *name && j.child_link == robot.root()) {
                 self.pose_vr = Some(pose);
-            } else if robot.joint_by_name(name).is_some_and(|joint| robot.first_position(joint).is_some()) {
-                return Err(format!("'{name}' is a joint of the robot: give its positions in joint_state"));
             } else if pose != Pose::identity() {
                 remarks.push(format!(
                     "robot_state.multi_dof_joint_state: '{name}' is no virtual joint of the robot's root: it is not read"
                 ));
             }
         }
-        Ok(remarks)
+        Ok((placed, remarks))
     }
 }
 

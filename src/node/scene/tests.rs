@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
-use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Pose as PoseMessage, Quaternion};
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Pose as PoseMessage, Quaternion, Transform};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, JointConstraint, PlanningScene, PlanningSceneComponents as C,
 };
@@ -19,6 +19,8 @@ use super::telling::{Told, scene_message};
 use super::validity::{Situation, state_validity};
 use super::{decode, monitored};
 use crate::checker::MeshModel;
+use crate::geometry::{Primitive, Shape};
+use crate::math::Pose;
 use crate::monitor::scene::{PlanningSceneState, SceneContext, SceneUpdate, TransformTree};
 use crate::monitor::{
     JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Sight, Time, WorldSource,
@@ -27,6 +29,7 @@ use crate::node::checker_of_scene::checker_of;
 use crate::node::parameters::Parameters;
 use crate::node::scene_keeper::SceneInForce;
 use crate::robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
+use crate::world::{Obstacle, World};
 
 const URDF: &str = include_str!("../../../urdf/two_link/two_link.urdf");
 const SRDF: &str = r#"<robot name="two_link">
@@ -108,8 +111,16 @@ fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObje
 }
 
 fn in_force(scene: PlanningSceneState, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
+    in_force_of(&robot(), scene, sources)
+}
+
+fn in_force_of(
+    robot: &Arc<RobotModel>,
+    scene: PlanningSceneState,
+    sources: Vec<WorldSource>,
+) -> Arc<SceneInForce> {
     let parameters = Parameters::default();
-    let checker = checker_of(&robot(), &scene, MeshModel::Surface, &parameters, None).unwrap();
+    let checker = checker_of(robot, &scene, MeshModel::Surface, &parameters, None).unwrap();
     let revision = Arc::new(Revision { sources, ..Revision::new(checker, 1, 1) });
     Arc::new(SceneInForce { revision, scene, octomap: None, mesh_model: MeshModel::Surface, parameters })
 }
@@ -427,10 +438,70 @@ fn a_partial_state_overlays_the_current_one() {
     }
     let mut moved = whole(STRETCHED);
     moved.robot_state.multi_dof_joint_state.joint_names.push("floating".to_owned());
-    assert!(ask(&scene, &STRETCHED, &moved).unwrap_err().contains("'floating'"));
+    assert!(ask(&scene, &STRETCHED, &moved).unwrap_err().contains("1 joint_names and 0 transforms"));
+    moved.robot_state.multi_dof_joint_state.transforms.push(moved_by([1.0, 0.0, 0.0]));
+    assert!(ask(&scene, &STRETCHED, &moved).unwrap_err().contains("no joint 'floating'"));
     let mut uneven = whole(STRETCHED);
     uneven.robot_state.joint_state.position.pop();
     assert!(ask(&scene, &STRETCHED, &uneven).unwrap_err().contains("2 names and 1 positions"));
+}
+
+fn moved_by([x, y, z]: [f64; 3]) -> Transform {
+    let mut transform = Transform::default();
+    (transform.translation.x, transform.translation.y, transform.translation.z) = (x, y, z);
+    transform.rotation.w = 1.0;
+    transform
+}
+
+/// A ball that drives in the plane, 1 m before the origin, and an arm on it with a ball at 0.5 m.
+const ROVER: &str = "<robot name='two_link'><link name='odom'/>\
+<link name='base'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>\
+<link name='arm'><collision><origin xyz='0.5 0 0'/><geometry><sphere radius='0.1'/></geometry></collision></link>\
+<joint name='drive' type='planar'><parent link='odom'/><child link='base'/><origin xyz='1 0 0'/><axis xyz='0 0 1'/></joint>\
+<joint name='lift' type='prismatic'><parent link='base'/><child link='arm'/><axis xyz='1 0 0'/>\
+<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+
+#[test]
+fn planar_joints_are_read_from_transforms() {
+    let rover = Arc::new(RobotModel::from_urdf(ROVER, &MeshFiles::default()).unwrap());
+    let mut world = World::default();
+    let pillar = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    world.add(Obstacle::of_shape("pillar", Pose::translation(3.0, 2.0, 0.0), pillar)).unwrap();
+    let scene = in_force_of(&rover, PlanningSceneState::new(world), vec![]);
+    let place = |name: &str, [x, y, z]: [f64; 3], turn: f64| {
+        let mut request = question(&[("lift", 0.0)]);
+        let given = &mut request.robot_state.multi_dof_joint_state;
+        given.joint_names.push(name.to_owned());
+        given.transforms.push(moved_by([x, y, z]));
+        (given.transforms[0].rotation.z, given.transforms[0].rotation.w) =
+            ((0.5 * turn).sin(), (0.5 * turn).cos());
+        request
+    };
+    let ask = |request: &GetStateValidityRequest| ask(&scene, &[], request);
+    assert!(ask(&place("drive", [0.0; 3], 0.0)).unwrap().valid);
+    // the base in the pillar, and the arm in it once the base is turned
+    assert!(!ask(&place("drive", [2.0, 2.0, 0.0], 0.0)).unwrap().valid);
+    assert!(ask(&place("drive", [2.0, 1.5, 0.0], 0.0)).unwrap().valid);
+    assert!(!ask(&place("drive", [2.0, 1.5, 0.0], std::f64::consts::FRAC_PI_2)).unwrap().valid);
+    let refused = |request: &GetStateValidityRequest, words: &[&str]| {
+        let why = ask(request).unwrap_err();
+        assert!(words.iter().all(|word| why.contains(word)), "{why}");
+    };
+    refused(&place("drive", [2.0, 2.0, 0.1], 0.0), &["multi_dof_joint_state", "'drive'", "0.1 (m, rad)"]);
+    refused(&place("lift", [0.0; 3], 0.0), &["'lift' is neither planar nor floating"]);
+    refused(&place("wheel", [0.0; 3], 0.0), &["'wheel'", "drive"]);
+    let mut twice = place("drive", [0.0; 3], 0.0);
+    twice.robot_state.joint_state.name.push("drive/x".to_owned());
+    twice.robot_state.joint_state.position.push(0.0);
+    refused(&twice, &["'drive/x' is given twice"]);
+    let mut elsewhere = place("drive", [0.0; 3], 0.0);
+    elsewhere.robot_state.multi_dof_joint_state.header.frame_id = "map".to_owned();
+    refused(&elsewhere, &["frame_id", "'map'", "'odom'"]);
+    refused(&question(&[("lift", 0.0)]), &["'drive/x'"]);
+    let mut broken = place("drive", [f64::NAN, 0.0, 0.0], 0.0);
+    refused(&broken, &["'drive'", "finite"]);
+    broken.robot_state.multi_dof_joint_state.transforms.clear();
+    refused(&broken, &["1 joint_names and 0 transforms"]);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Vector3;
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, ContactInformation, RobotState};
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::MultiDOFJointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use super::reading::{robot_state_change, transform_pose};
@@ -155,14 +156,19 @@ fn configuration(
     state: &RobotState,
     situation: &Situation,
 ) -> Result<Configuration, String> {
-    refuse_moved_root(robot, state)?;
     let given = &state.joint_state;
     if given.name.len() != given.position.len() {
         let (names, positions) = (given.name.len(), given.position.len());
         return Err(format!("robot_state.joint_state has {names} names and {positions} positions"));
     }
-    let refuse = |error| format!("robot_state.joint_state: {error}");
-    let named = robot.named_joints(given.name.iter().map(String::as_str)).map_err(refuse)?;
+    let placed = placed_joints(robot, &state.multi_dof_joint_state)
+        .map_err(|why| format!("robot_state.multi_dof_joint_state: {why}"))?;
+    let field = if placed.is_empty() { "robot_state.joint_state" } else { "robot_state" };
+    let refuse = |error| format!("{field}: {error}");
+    let single = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
+    let several = placed.iter().map(|(name, position)| (name.as_str(), *position));
+    let (names, positions): (Vec<&str>, Vec<f64>) = single.chain(several).unzip();
+    let named = robot.named_joints(names).map_err(refuse)?;
     let usual;
     let rest = if let Some(evidence) = placement(situation) {
         &evidence.configuration
@@ -177,7 +183,7 @@ fn configuration(
         usual = robot.default_configuration();
         &usual
     };
-    named.configuration(rest, &given.position).map_err(refuse)
+    named.configuration(rest, &positions).map_err(refuse)
 }
 
 /// Where the robot is now, if that is known.
@@ -187,23 +193,34 @@ fn placement<'s>(situation: &Situation<'s>) -> Option<&'s Evidence> {
     judgement.placement.as_deref().filter(|_| same)
 }
 
-/// Joints of several degrees of freedom stand in the URDF under names of their own; the virtual joint must stand at zero.
-fn refuse_moved_root(robot: &RobotModel, state: &RobotState) -> Result<(), String> {
-    let given = &state.multi_dof_joint_state;
-    for (i, name) in given.joint_names.iter().enumerate() {
-        let is_virtual = robot.srdf().is_some_and(|srdf| srdf.virtual_joints.iter().any(|j| j.name == *name));
-        let stands = given
-            .transforms
-            .get(i)
-            .is_some_and(|t| transform_pose(t).is_ok_and(|pose| pose == Pose::identity()));
-        if !(is_virtual && stands) {
-            let name = quoted_list(std::slice::from_ref(name));
-            return Err(format!(
-                "robot_state.multi_dof_joint_state: {name} can not be placed: give positions in joint_state"
-            ));
-        }
+/// The positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must stand at zero.
+fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(String, f64)>, String> {
+    let (names, transforms) = (&given.joint_names, &given.transforms);
+    if names.len() != transforms.len() {
+        return Err(format!("{} joint_names and {} transforms", names.len(), transforms.len()));
     }
-    Ok(())
+    let mut placed = Vec::new();
+    for (name, transform) in names.iter().zip(transforms) {
+        let quoted = quoted_list(std::slice::from_ref(name));
+        let pose = transform_pose(transform).map_err(|why| format!("{quoted}: {why}"))?;
+        let is_virtual = robot.srdf().is_some_and(|srdf| srdf.virtual_joints.iter().any(|j| j.name == *name));
+        if is_virtual && robot.joint_by_name(name).is_none() {
+            if pose != Pose::identity() {
+                return Err(format!(
+                    "virtual joint {quoted} can not be moved here: leave it out, or at zero"
+                ));
+            }
+            continue;
+        }
+        let frame = &given.header.frame_id;
+        if !robot.is_model_frame(frame) {
+            let frame = quoted_list(std::slice::from_ref(frame));
+            let root = &robot.link(robot.root()).name;
+            return Err(format!("header.frame_id is {frame}, but must be '{root}' or empty"));
+        }
+        placed.extend(robot.positions_of_transform(name, &pose).map_err(|error| error.to_string())?);
+    }
+    Ok(placed)
 }
 
 /// The scene with what the request says that the robot holds; `None` if that changes nothing. As in `MoveIt`, what the robot no longer holds in it

@@ -134,8 +134,7 @@ pub struct JointStateText {
 pub struct MultiDofText {
     pub joint_names: Vec<String>,
     pub transforms: Vec<TransformText>,
-    #[serde(rename = "header")]
-    pub _header: Option<IgnoredAny>,
+    pub header: HeaderText,
     #[serde(rename = "twist")]
     pub _twist: Option<IgnoredAny>,
     #[serde(rename = "wrench")]

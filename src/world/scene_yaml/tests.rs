@@ -245,3 +245,56 @@ proptest! {
         let _ = read(&String::from_utf8_lossy(&bytes));
     }
 }
+
+/// A base that drives in the plane, a head that floats over it, and an arm.
+const ROVER: &str = "<robot name='r'><link name='odom'/><link name='base'/><link name='head'/><link name='arm'/>
+<joint name='drive' type='planar'><parent link='odom'/><child link='base'/><origin xyz='1 0 0'/><axis xyz='0 0 1'/></joint>
+<joint name='float' type='floating'><parent link='base'/><child link='head'/></joint>
+<joint name='turn' type='continuous'><parent link='head'/><child link='arm'/><axis xyz='0 0 1'/></joint></robot>";
+
+fn read_of_rover(state: &str) -> Result<PlanningScene, SceneError> {
+    let robot = RobotModel::from_urdf(ROVER, &MeshFiles::default()).unwrap();
+    let text = format!(
+        "robot_state: {{{state}}}\nworld: {{collision_objects: [{{id: o, header: {{frame_id: arm}}, \
+         primitives: [{{type: sphere, dimensions: [0.1]}}], primitive_poses: [{{position: [1, 0, 0]}}]}}]}}"
+    );
+    PlanningScene::from_yaml(&text, "a.yaml", &robot, &MeshFiles::default())
+}
+
+#[test]
+fn planar_and_floating_joints_are_read_from_transforms() {
+    let at = |xyz: &str, zw: &str| format!("{{translation: [{xyz}], rotation: [0, 0, {zw}]}}");
+    let half = "0.7071067811865476, 0.7071067811865476";
+    let state = |names: &str, transforms: &[String]| {
+        let transforms = transforms.join(", ");
+        format!(
+            "multi_dof_joint_state: {{header: {{frame_id: odom}}, joint_names: [{names}], transforms: [{transforms}]}}"
+        )
+    };
+    let both = state("drive, float", &[at("2, 3, 0", half), at("0, 0, 1", "0, 1")]);
+    near(place(&read_of_rover(&both).unwrap(), "o"), [3.0, 4.0, 1.0]);
+    let more = format!("{both}, joint_state: {{name: [turn], position: [{}]}}", std::f64::consts::PI);
+    near(place(&read_of_rover(&more).unwrap(), "o"), [3.0, 2.0, 1.0]);
+    let refused = |text: &str, words: &[&str]| {
+        let error = read_of_rover(text).unwrap_err().to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{error} does not name {words:?}");
+    };
+    refused(
+        &state("drive", &[at("2, 3, 0.5", "0, 1")]),
+        &["multi_dof_joint_state", "'drive'", "0.5 (m, rad)"],
+    );
+    refused(&state("turn", &[at("0, 0, 0", "0, 1")]), &["'turn' is neither planar nor floating"]);
+    refused(
+        &state("drive, drive", &[at("0, 0, 0", "0, 1"), at("0, 0, 0", "0, 1")]),
+        &["'drive/x' is given twice"],
+    );
+    let twice = format!(
+        "{}, joint_state: {{name: [drive/x], position: [0]}}",
+        state("drive", &[at("0, 0, 0", "0, 1")])
+    );
+    refused(&twice, &["'drive/x' is given twice"]);
+    refused(
+        &state("drive", &[at("0, 0, 0", "0, 1")]).replace("odom", "map"),
+        &["frame_id", "'map'", "'odom'"],
+    );
+}
