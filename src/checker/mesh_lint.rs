@@ -1,27 +1,58 @@
-//! Meshes that cannot be solid.
+//! Meshes that are no plain solids.
 
-use crate::geometry::Shape;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::geometry::{Shape, TriangleMesh};
 use crate::robot::RobotModel;
 use crate::world::World;
 
-/// Names of the meshes that are not closed, hence stay surfaces even where meshes are solid.
+/// A mesh with what a user has to know of it as a solid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SolidMeshRemark {
+    /// Such as `mesh 0 of object 'shelf'`.
+    pub mesh: String,
+    /// Whether all of it stays a surface.
+    pub is_surface: bool,
+    pub text: String,
+}
+
+impl std::fmt::Display for SolidMeshRemark {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.mesh, self.text)
+    }
+}
+
+/// The meshes that were repaired to be solids, and those that stay surfaces at least in part: robot's, obstacles', attached objects'.
 #[must_use]
-pub fn open_meshes(robot: &RobotModel, world: &World) -> Vec<String> {
-    let is_open = |shape: &Shape| matches!(shape, Shape::Mesh(m) if !m.is_closed());
+pub fn solid_mesh_remarks(robot: &RobotModel, world: &World) -> Vec<SolidMeshRemark> {
     let of_links = robot.links().iter().flat_map(|link| {
-        (link.collisions.iter().enumerate())
-            .filter(|(_, c)| is_open(&c.shape))
-            .map(|(i, _)| format!("mesh of link '{}' (collision {i})", link.name))
+        let named = |i| format!("mesh of link '{}' (collision {i})", link.name);
+        meshes(link.collisions.iter().map(|c| &c.shape)).map(move |(i, mesh)| (named(i), mesh))
     });
     let of_obstacles = world.obstacles().flat_map(|obstacle| {
-        (obstacle.shapes.iter().enumerate())
-            .filter(|(_, s)| is_open(&s.shape))
-            .map(|(i, _)| format!("mesh {i} of object '{}'", obstacle.name))
+        let named = |i| format!("mesh {i} of object '{}'", obstacle.name);
+        meshes(obstacle.shapes.iter().map(|s| &s.shape)).map(move |(i, mesh)| (named(i), mesh))
     });
     let of_attached = world.attached().iter().flat_map(|object| {
-        (object.shapes.iter().enumerate())
-            .filter(|(_, s)| is_open(&s.shape))
-            .map(|(i, _)| format!("mesh {i} of attached object '{}'", object.name))
+        let named = |i| format!("mesh {i} of attached object '{}'", object.name);
+        meshes(object.shapes.iter().map(|s| &s.shape)).map(move |(i, mesh)| (named(i), mesh))
     });
-    of_links.chain(of_obstacles).chain(of_attached).collect()
+    let all: Vec<_> = of_links.chain(of_obstacles).chain(of_attached).collect();
+    let remark = |(mesh, shape): (String, &Arc<TriangleMesh>)| {
+        let remarks = shape.solid().remarks();
+        let (is_surface, text) = (shape.solid().surfaces().is_empty(), remarks.to_string());
+        (!remarks.is_empty()).then_some(SolidMeshRemark { mesh, is_surface, text })
+    };
+    all.into_par_iter().filter_map(remark).collect()
+}
+
+fn meshes<'s>(
+    shapes: impl Iterator<Item = &'s Shape>,
+) -> impl Iterator<Item = (usize, &'s Arc<TriangleMesh>)> {
+    shapes.enumerate().filter_map(|(i, shape)| match shape {
+        Shape::Mesh(mesh) => Some((i, mesh)),
+        _ => None,
+    })
 }

@@ -48,7 +48,7 @@ pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use collision_checker::{CollisionChecker, SettingsError};
 pub use contact::Contact;
 pub use fingerprint::{model_fingerprint, world_fingerprint};
-pub use mesh_lint::open_meshes;
+pub use mesh_lint::{SolidMeshRemark, solid_mesh_remarks};
 pub use motion::{
     LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
     UndecidedReason, Watch,

@@ -42,7 +42,8 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let mesh_files = args.model.mesh_files();
     let robot = args.model.urdf.as_ref().map(|_| args.model.load_quietly(&mesh_files)).transpose()?;
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
-    let patient = Patient { arguments, robot, mesh_files, patience };
+    let mesh_model = args.model.settings().mesh_model;
+    let patient = Patient { arguments, robot, mesh_files, mesh_model, patience };
     let findings = doctor::examine(patient).map_err(failure)?;
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,

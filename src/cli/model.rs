@@ -220,18 +220,23 @@ impl LoadedWorld {
     }
 }
 
-/// A checker from arguments; says which meshes are not closed when they were asked to be solid.
+/// A checker from arguments; says what is wrong with meshes that are to be solid.
 pub fn checker(
     robot: RobotModel,
     loaded: &LoadedWorld,
     mut settings: Settings,
 ) -> Result<CollisionChecker, Failure> {
     loaded.add_to(&mut settings);
-    if settings.mesh_model == MeshModel::Solid {
-        for mesh in clearance::checker::open_meshes(&robot, &loaded.world) {
-            log::warn!("{mesh}: not closed, so it stays a surface");
-        }
-    }
+    warn_of_meshes(&robot, &loaded.world, &settings);
     CollisionChecker::with_matrix(Arc::new(robot), &loaded.world, settings, loaded.allowed.as_ref())
         .map_err(Failure::input)
+}
+
+/// Logs what is wrong with meshes that are to be solid.
+pub fn warn_of_meshes(robot: &RobotModel, world: &World, settings: &Settings) {
+    if settings.mesh_model == MeshModel::Solid {
+        for remark in clearance::checker::solid_mesh_remarks(robot, world) {
+            log::warn!("{remark}");
+        }
+    }
 }

@@ -9,7 +9,7 @@ use clearance::verifier::{self, Verified};
 use serde_json::json;
 
 use super::failure::Failure;
-use super::model::{ModelArgs, WorldArgs};
+use super::model::{ModelArgs, WorldArgs, warn_of_meshes};
 use super::run_args::{Format, PairArgs, print_line};
 
 #[derive(Args)]
@@ -43,6 +43,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     let mut settings = args.model.settings();
     (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);
     loaded.add_to(&mut settings);
+    warn_of_meshes(&robot, &loaded.world, &settings);
     let file = args.certificate.display();
     let text =
         std::fs::read_to_string(&args.certificate).map_err(|e| Failure::Input(format!("{file}: {e}")))?;

@@ -1,9 +1,8 @@
 //! Triangle meshes, validated once: every index in range, every coordinate finite.
 
-use std::collections::HashMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use super::Triangle;
+use super::{SolidMesh, Triangle};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
 
@@ -12,8 +11,8 @@ use crate::math::{Point, Vector};
 pub struct TriangleMesh {
     vertices: Vec<Point>,
     triangles: Vec<[u32; 3]>,
-    /// Found when it is asked for: that costs a pass over all edges.
-    is_closed: OnceLock<bool>,
+    /// Found when it is asked for: that costs a sort of all edges.
+    solid: OnceLock<Arc<SolidMesh>>,
 }
 
 impl PartialEq for TriangleMesh {
@@ -53,7 +52,7 @@ impl TriangleMesh {
         let usable = |p: &Point| p.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
         match vertices.iter().position(|p| !usable(p)) {
             Some(vertex) => Err(MeshError::BadVertex { vertex }),
-            None => Ok(Self { vertices, triangles, is_closed: OnceLock::new() }),
+            None => Ok(Self { vertices, triangles, solid: OnceLock::new() }),
         }
     }
 
@@ -126,33 +125,16 @@ impl TriangleMesh {
         (0..self.triangles.len()).filter(|&i| self.triangle(i).normal() == Vector::zeros()).count()
     }
 
-    /// Whether every edge is used equally often in both directions, vertices at equal positions counted as one: then
-    /// inside and outside are defined.
+    /// The closed surfaces of the mesh.
     #[must_use]
-    pub fn is_closed(&self) -> bool {
-        *self.is_closed.get_or_init(|| self.has_balanced_edges())
+    pub fn solid(&self) -> &SolidMesh {
+        self.solid.get_or_init(|| Arc::new(SolidMesh::new(&self.vertices, &self.triangles)))
     }
 
-    fn has_balanced_edges(&self) -> bool {
-        let mut name_of_position: HashMap<[u64; 3], u32> = HashMap::new();
-        let names: Vec<u32> = (self.vertices.iter().zip(0..))
-            .map(|(p, own)| {
-                // -0.0 and 0.0 are one position
-                let key = [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits());
-                *name_of_position.entry(key).or_insert(own)
-            })
-            .collect();
-        let mut balance: HashMap<(u32, u32), i32> = HashMap::new();
-        for t in &self.triangles {
-            let [a, b, c] = t.map(|v| names[v as usize]);
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                if from != to {
-                    let step = if from < to { 1 } else { -1 };
-                    *balance.entry((from.min(to), from.max(to))).or_default() += step;
-                }
-            }
-        }
-        balance.values().all(|&b| b == 0)
+    /// Whether a point is inside the mesh as a solid; open parts have no inside.
+    #[must_use]
+    pub fn encloses(&self, point: &Point) -> bool {
+        self.solid().contains(&self.vertices, point)
     }
 }
 
@@ -179,14 +161,6 @@ mod tests {
         assert!((mesh.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
         let mirrored = mesh.scaled(Vector::new(1.0, -2.0, 1.0)).unwrap();
         assert!((mirrored.signed_volume() - 2.0 / 6.0).abs() < 1e-15);
-    }
-
-    #[test]
-    fn closed_means_every_edge_has_its_reverse() {
-        let mesh = tetrahedron();
-        assert!(mesh.is_closed());
-        let open = TriangleMesh::new(mesh.vertices.clone(), mesh.triangles[1..].to_vec()).unwrap();
-        assert!(!open.is_closed());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::parameters::Parameters;
-use crate::checker::{CollisionChecker, MeshModel, Settings, open_meshes};
+use crate::checker::{CollisionChecker, MeshModel, Settings, SolidMeshRemark, solid_mesh_remarks};
 use crate::math::Extremes;
 use crate::monitor::scene::PlanningSceneState;
 use crate::robot::RobotModel;
@@ -34,9 +34,17 @@ pub fn checker_of(
     built.map_err(|error| error.to_string())
 }
 
-/// Warnings about the checks themselves: meshes that are not solid although that was asked for, and no pair to check.
-pub fn warnings_of(checker: &CollisionChecker) -> impl Iterator<Item = String> {
-    told_solid_in_vain(checker).into_iter().chain(nothing_to_check(checker))
+/// Warnings about the checks themselves: faults of meshes that are to be solid, and no pair to check.
+pub fn warnings_of(checker: &CollisionChecker, meshes: &[SolidMeshRemark]) -> impl Iterator<Item = String> {
+    about_solids(meshes).into_iter().chain(nothing_to_check(checker))
+}
+
+/// What has to be known of meshes as solids; nothing where meshes are surfaces.
+pub fn solid_meshes(checker: &CollisionChecker) -> Vec<SolidMeshRemark> {
+    match checker.settings().mesh_model {
+        MeshModel::Surface => Vec::new(),
+        MeshModel::Solid => solid_mesh_remarks(checker.robot(), checker.world()),
+    }
 }
 
 fn nothing_to_check(checker: &CollisionChecker) -> Option<String> {
@@ -44,18 +52,45 @@ fn nothing_to_check(checker: &CollisionChecker) -> Option<String> {
     checker.pairs().is_empty().then(|| NOTHING.to_owned())
 }
 
-/// Meshes that are to be solid and cannot be: nothing inside of them is found.
-fn told_solid_in_vain(checker: &CollisionChecker) -> Option<String> {
+/// One line for all meshes that stay surfaces, and one for each that was repaired.
+fn about_solids(meshes: &[SolidMeshRemark]) -> Vec<String> {
     const TOLD: usize = 5;
-    if checker.settings().mesh_model != MeshModel::Solid {
-        return None;
+    let (surfaces, repaired): (Vec<_>, Vec<_>) = meshes.iter().partition(|remark| remark.is_surface);
+    let mut warnings = Vec::new();
+    if !surfaces.is_empty() {
+        let left = surfaces.len().saturating_sub(TOLD);
+        let more = if left > 0 { format!(" and {left} more") } else { String::new() };
+        let named: Vec<&str> = surfaces.iter().take(TOLD).map(|remark| remark.mesh.as_str()).collect();
+        warnings.push(format!(
+            "not solid, because not closed, and whatever is wholly inside touches nothing: {}{more}",
+            named.join(", ")
+        ));
     }
-    let mut open = open_meshes(checker.robot(), checker.world());
-    let left = open.len().saturating_sub(TOLD);
-    open.truncate(TOLD);
-    let more = if left > 0 { format!(" and {left} more") } else { String::new() };
-    (!open.is_empty()).then(|| {
-        let open = open.join(", ");
-        format!("not solid, because not closed, and whatever is wholly inside touches nothing: {open}{more}")
-    })
+    warnings.extend(repaired.iter().take(TOLD).map(ToString::to_string));
+    if repaired.len() > TOLD {
+        warnings.push(format!("{} more solid meshes have faults: see the log", repaired.len() - TOLD));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_meshes_with_faults_some_are_named_and_all_counted() {
+        let remark = |number: usize| SolidMeshRemark {
+            mesh: format!("mesh {number}"),
+            is_surface: number % 2 == 0,
+            text: "a fault".to_owned(),
+        };
+        assert_eq!(about_solids(&[]), [""; 0]);
+        let told = about_solids(&(0..20).map(remark).collect::<Vec<_>>());
+        assert!(
+            told[0].starts_with("not solid") && told[0].ends_with("mesh 6, mesh 8 and 5 more"),
+            "{told:?}"
+        );
+        assert_eq!((told[1].as_str(), told.len()), ("mesh 1: a fault", 7));
+        assert!(told[6].starts_with("5 more"), "{told:?}");
+    }
 }

@@ -12,11 +12,12 @@ use super::names::Names;
 use super::parameter_files;
 use super::parameters::Parameters;
 use super::run::{NODE_NAME, NodeError};
+use crate::checker::MeshModel;
 use crate::robot::{MeshFiles, RobotModel};
 pub use finding::{Finding, Verdict};
 use finding::{bounded, wrong};
 use hearing::listen;
-use judging::{about_clock, about_joint_states, about_node, about_robot, described};
+use judging::{about_clock, about_joint_states, about_meshes, about_node, about_robot, described};
 use network::{multicast, network};
 
 /// What is to be examined.
@@ -26,6 +27,7 @@ pub struct Patient {
     /// Without a robot it is awaited on `robot_description`.
     pub robot: Option<RobotModel>,
     pub mesh_files: MeshFiles,
+    pub mesh_model: MeshModel,
     /// How long topics are listened to.
     pub patience: Duration,
 }
@@ -60,7 +62,13 @@ pub fn examine(patient: Patient) -> Result<Vec<Finding>, NodeError> {
     let robot = robot.map(|robot| robot.with_prefixes(&parameters.joint_prefix, &parameters.link_prefix));
     if let Some(robot) = &robot {
         findings.extend(about_robot(robot));
+        findings.extend(about_meshes(robot, patient.mesh_model));
     }
-    findings.extend(about_joint_states(&heard, robot, &parameters, (environment, patient.patience)));
+    findings.extend(about_joint_states(
+        &heard,
+        (robot, patient.mesh_model),
+        &parameters,
+        (environment, patient.patience),
+    ));
     Ok(bounded(findings))
 }

@@ -1,7 +1,7 @@
 //! From robot descriptions and what is heard about the world to checkers, on a thread of its own: the monitor goes on with the old
 //! model and world meanwhile.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,7 +9,7 @@ use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
 
-use super::checker_of_scene::{checker_of, warnings_of};
+use super::checker_of_scene::{checker_of, solid_meshes, warnings_of};
 use super::link_volumes::LinkVolumes;
 use super::mailbox;
 use super::monitor_loop::Event;
@@ -18,7 +18,7 @@ use super::parameters::Parameters;
 use super::scene::{CloudMessage, Monitored, Shared};
 use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper};
 use super::scene_order::SceneOrder;
-use crate::checker::MeshModel;
+use crate::checker::{MeshModel, SolidMeshRemark};
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Now, Revision};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
@@ -58,6 +58,7 @@ pub struct Loader {
     mesh_files: MeshFiles,
     surroundings: Surroundings,
     mesh_model: MeshModel,
+    told_meshes: ToldMeshes,
     /// The robot that was given on the command line, which wins over topics.
     given: Option<RobotModel>,
     /// What the names of the robot's joints and links begin with.
@@ -83,6 +84,24 @@ pub struct Loader {
     shown_level: Option<usize>,
 }
 
+/// Remarks on meshes that the log has: each once, and not more than a person reads.
+#[derive(Default)]
+struct ToldMeshes(HashSet<String>);
+
+impl ToldMeshes {
+    fn tell(&mut self, meshes: &[SolidMeshRemark]) {
+        const MOST: usize = 1000;
+        for text in meshes.iter().map(ToString::to_string) {
+            if self.0.len() < MOST && self.0.insert(text.clone()) {
+                log::warn!("{text}");
+                if self.0.len() == MOST {
+                    log::warn!("further remarks on solid meshes are not logged");
+                }
+            }
+        }
+    }
+}
+
 /// How much has to be built anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
@@ -99,6 +118,7 @@ impl Loader {
             mesh_files,
             surroundings,
             mesh_model,
+            told_meshes: ToldMeshes::default(),
             given: None,
             prefixes: Default::default(),
             description: None,
@@ -408,8 +428,10 @@ impl Loader {
         let before = lock(&self.scene).clone();
         let known = before.as_ref().map(|before| &before.revision.checker);
         let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
+        let meshes = solid_meshes(&checker);
+        self.told_meshes.tell(&meshes);
         let mut warnings = self.keeper.warnings();
-        warnings.extend(scene.names_without_effect(robot).into_iter().chain(warnings_of(&checker)));
+        warnings.extend(scene.names_without_effect(robot).into_iter().chain(warnings_of(&checker, &meshes)));
         let revision = Arc::new(Revision {
             checker,
             model,

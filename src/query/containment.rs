@@ -1,7 +1,7 @@
 //! Whether a body whose surface touches nothing lies inside a closed mesh.
 //!
 //! If two surfaces do not touch, each connected part of one is wholly inside or wholly outside the other, so one point
-//! of each part decides. Inside is where the winding number (Jacobson, Kavan & Sorkine-Hornung 2013) is not zero.
+//! of each part decides. Meshes that are open in part have an inside where the rest of them is closed.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl Interior {
                 Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
                     interior.part_points.extend(part_points(mesh).iter().map(|p| pose * p));
-                    if mesh.is_closed() {
+                    if !mesh.solid().surfaces().is_empty() {
                         interior.closed_meshes.push(ClosedMesh {
                             mesh: Arc::clone(mesh),
                             pose_bm: *pose,
@@ -73,7 +73,7 @@ impl ClosedMesh {
     fn contains(&self, point_b: &Point) -> bool {
         let p = self.pose_bm.inverse_transform_point(point_b);
         let (lo, hi) = self.bounds;
-        (0..3).all(|i| (lo[i]..=hi[i]).contains(&p[i])) && winding_number(&self.mesh, &p).abs() > 0.5
+        (0..3).all(|i| (lo[i]..=hi[i]).contains(&p[i])) && self.mesh.encloses(&p)
     }
 }
 
@@ -154,19 +154,6 @@ impl<B: BoundingVolume> PlaneVisitor<GrainLeaf> for CentresInside<'_, B> {
     fn interrupted(&mut self) -> bool {
         false
     }
-}
-
-/// How often the surface winds around `p`: the sum of the triangles' solid angles over 4π (van Oosterom & Strackee
-/// 1983).
-fn winding_number(mesh: &TriangleMesh, p: &Point) -> f64 {
-    let solid_angle = |i: usize| {
-        let [a, b, c] = mesh.triangle(i).corners().map(|corner| corner - p);
-        let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
-        let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-        2.0 * a.dot(&b.cross(&c)).atan2(below)
-    };
-    let total: f64 = (0..mesh.triangles().len()).map(solid_angle).sum();
-    total / (4.0 * std::f64::consts::PI)
 }
 
 /// One vertex of each connected part, corners at equal positions joined.

@@ -1,19 +1,20 @@
 //! Whether anything of one body lies inside a closed mesh of another.
 //!
 //! Where surfaces are apart, each connected part of one is wholly inside or wholly outside the other: one point of each decides.
-//! Inside is where the surface winds around a point (van Oosterom & Strackee 1983 give a triangle's solid angle).
+//! Inside is where one of a mesh's closed surfaces winds around a point (van Oosterom & Strackee 1983 give a triangle's solid angle).
+//! Which closed surfaces a mesh has is read from its faces alone, for prover and verifier alike.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::geometry::{Shape, TriangleMesh};
+use crate::geometry::{ClosedSurface, Shape, TriangleMesh};
 use crate::math::{MatrixPose, Point, Pose};
 
 /// The closed meshes of a body, and a point of each connected part of it.
 #[derive(Debug)]
 pub(super) struct Interior {
-    closed: Vec<(Pose, Arc<TriangleMesh>, [Point; 2])>,
+    closed: Vec<(Pose, Arc<TriangleMesh>)>,
     parts: Vec<Point>,
 }
 
@@ -31,8 +32,8 @@ impl Interior {
                 Shape::Primitive(_) => interior.parts.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
                     interior.parts.extend(parts(mesh).iter().map(|p| pose * p));
-                    if mesh.is_closed() {
-                        interior.closed.push((*pose, Arc::clone(mesh), mesh.bounds().into()));
+                    if !mesh.solid().surfaces().is_empty() {
+                        interior.closed.push((*pose, Arc::clone(mesh)));
                     }
                 }
             }
@@ -48,9 +49,13 @@ impl Interior {
     }
 
     fn holds(&self, point: &Point) -> bool {
-        self.closed.iter().any(|(pose, mesh, [low, high])| {
+        self.closed.iter().any(|(pose, mesh)| {
             let p = pose.inverse_transform_point(point);
-            (0..3).all(|i| low[i] <= p[i] && p[i] <= high[i]) && turns(mesh, &p).abs() > 0.5
+            mesh.solid().surfaces().iter().any(|surface| {
+                let [low, high] = surface.bounds();
+                let is_around = (0..3).all(|i| low[i] <= p[i] && p[i] <= high[i]);
+                is_around && turns(mesh.vertices(), surface, &p).abs() > 0.5
+            })
         })
     }
 }
@@ -59,15 +64,15 @@ fn at(coordinates: &[f32; 3]) -> Point {
     Point::from(coordinates.map(f64::from))
 }
 
-/// How often a mesh winds around a point.
-fn turns(mesh: &TriangleMesh, p: &Point) -> f64 {
-    let angle = |i: usize| {
-        let [a, b, c] = mesh.triangle(i).corners().map(|corner| corner - p);
+/// How often a closed surface winds around a point.
+fn turns(vertices: &[Point], surface: &ClosedSurface, p: &Point) -> f64 {
+    let angle = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| vertices[v as usize] - p);
         let [x, y, z] = [a, b, c].map(|v| v.norm());
         let across = x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y;
         a.dot(&b.cross(&c)).atan2(across)
     };
-    (0..mesh.triangles().len()).map(angle).sum::<f64>() / (2.0 * PI)
+    surface.triangles().iter().map(angle).sum::<f64>() / (2.0 * PI)
 }
 
 /// A corner of each connected part; corners at one place are one.

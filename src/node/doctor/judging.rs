@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::finding::{Finding, good, note, wrong};
 use super::hearing::Heard;
-use crate::checker::{CollisionChecker, Settings};
+use crate::checker::{CollisionChecker, MeshModel, Settings, solid_mesh_remarks};
 use crate::monitor::{Judgement, Monitor, MonitorSettings, Revision, Status, Time, quoted_list};
 use crate::node::environment::Environment;
 use crate::node::messages::joint_state_input;
@@ -69,6 +69,15 @@ pub fn about_robot(robot: &RobotModel) -> Vec<Finding> {
     findings
 }
 
+/// What is wrong with meshes that are to be solid.
+pub fn about_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
+    if mesh_model == MeshModel::Surface {
+        return Vec::new();
+    }
+    let remarks = solid_mesh_remarks(robot, &World::default());
+    remarks.iter().map(|remark| note("solid meshes", remark.to_string())).collect()
+}
+
 /// Whether the node runs, and as the only one of its name.
 pub fn about_node(heard: &Heard, name: &str) -> Finding {
     match heard.namesakes {
@@ -109,7 +118,7 @@ fn seconds(time: Time) -> f64 {
 /// Whether what the drivers say is about this robot: the monitor itself judges.
 pub fn about_joint_states(
     heard: &Heard,
-    robot: Option<RobotModel>,
+    (robot, mesh_model): (Option<RobotModel>, MeshModel),
     parameters: &Parameters,
     (environment, patience): (Environment, Duration),
 ) -> Vec<Finding> {
@@ -130,7 +139,7 @@ pub fn about_joint_states(
         findings.push(note(about, "they are compared with no robot: there is none"));
         return findings;
     };
-    match judge(robot, heard, parameters) {
+    match judge((robot, mesh_model), heard, parameters) {
         Err(error) => findings.push(wrong("robot", error)),
         Ok(judgement) => {
             findings.push(match &judgement.status {
@@ -148,8 +157,13 @@ pub fn about_joint_states(
 }
 
 /// What the monitor says to transforms, and joint states that came one after the other.
-fn judge(robot: RobotModel, heard: &Heard, parameters: &Parameters) -> Result<Judgement, String> {
-    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default());
+fn judge(
+    (robot, mesh_model): (RobotModel, MeshModel),
+    heard: &Heard,
+    parameters: &Parameters,
+) -> Result<Judgement, String> {
+    let settings = Settings { mesh_model, ..Settings::default() };
+    let checker = CollisionChecker::new(Arc::new(robot), &World::default(), settings);
     let checker = checker.map_err(|error| error.to_string())?;
     // they waited here while others were listened to
     let settings = MonitorSettings {
@@ -185,7 +199,8 @@ mod tests {
         let heard = Heard { joint_states, joint_state_count: 1, ..Heard::default() };
         let environment = Environment::read(|_| None).unwrap();
         let patience = (environment, Duration::from_secs(1));
-        let findings = about_joint_states(&heard, None, &Parameters::default(), patience);
+        let findings =
+            about_joint_states(&heard, (None, MeshModel::Surface), &Parameters::default(), patience);
         assert!(findings[0].text.contains("'joint0'") && findings[0].text.len() < 1000, "{findings:?}");
     }
 }

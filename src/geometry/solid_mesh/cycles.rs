@@ -1,0 +1,129 @@
+//! All closed surfaces that patches can make: a basis of the 2-cycles of the mesh, by Gauss-Jordan elimination in integers.
+
+use std::collections::BTreeMap;
+
+use super::patches::Patches;
+
+/// A closed surface: patches, and how often each is in it, negative where it is turned over.
+pub(super) type Cycle = Vec<(u32, i64)>;
+
+/// Steps of the elimination, as a multiple of patches and seams: a mesh that takes more is too tangled.
+const MOST_STEPS: usize = 256;
+
+/// Faces in all closed surfaces together, as a multiple of the mesh's: more are too many to look at for every point.
+const MOST_REPEATED: u64 = 8;
+
+/// A basis: every closed surface made of patches is a combination of these. Of meshes too tangled for it, only the closed surfaces
+/// that are single patches are found.
+pub(super) fn basis(patches: &Patches) -> Vec<Cycle> {
+    let count = patches.faces.len();
+    let open = patches.is_open.iter().map(|open| open.then(Sum::new));
+    let mut elimination = Elimination {
+        patches,
+        solved: open.collect(),
+        users: vec![Vec::new(); count],
+        steps_left: MOST_STEPS * (count + patches.seams.len() + 64),
+    };
+    if patches.seams.iter().all(|seam| elimination.add(seam).is_some()) {
+        let cycles = elimination.cycles();
+        if has_few_faces(patches, &cycles) {
+            return cycles;
+        }
+    }
+    let mut alone: Vec<bool> = patches.is_open.iter().map(|open| !open).collect();
+    for (patch, _) in patches.seams.iter().flatten() {
+        alone[*patch as usize] = false;
+    }
+    (0..).zip(alone).filter(|(_, alone)| *alone).map(|(patch, _)| vec![(patch, 1)]).collect()
+}
+
+fn has_few_faces(patches: &Patches, cycles: &[Cycle]) -> bool {
+    let size = |patch: u32| patches.faces[patch as usize].len() as u64;
+    let all: u64 = patches.faces.iter().map(|faces| faces.len() as u64).sum();
+    let of_cycles = (cycles.iter().flatten()).fold(0_u64, |sum, (patch, times)| {
+        sum.saturating_add(times.unsigned_abs().saturating_mul(size(*patch)))
+    });
+    of_cycles <= MOST_REPEATED * (all + 64)
+}
+
+type Sum = BTreeMap<u32, i64>;
+
+struct Elimination<'p> {
+    patches: &'p Patches,
+    /// By patch: how often it has to be there, as a sum over free patches; `None` for a free one.
+    solved: Vec<Option<Sum>>,
+    /// By free patch: solved ones whose sums may name it.
+    users: Vec<Vec<u32>>,
+    steps_left: usize,
+}
+
+impl Elimination<'_> {
+    /// Takes in that patches cancel at a seam; `None` where that takes too much.
+    fn add(&mut self, seam: &[(u32, i64)]) -> Option<()> {
+        let sum = self.reduced(seam)?;
+        if sum.is_empty() {
+            return Some(());
+        }
+        // small patches depend on large ones, so that few closed surfaces have the large ones
+        let size = |patch: u32| self.patches.faces[patch as usize].len();
+        let usable = sum.iter().filter(|(_, times)| times.abs() == 1 || sum.len() == 1);
+        let (_, pivot, times) = usable.map(|(patch, times)| (size(*patch), *patch, *times)).min()?;
+        let rest = sum.iter().filter(|(patch, _)| **patch != pivot);
+        self.solve(pivot, &rest.map(|(patch, t)| (*patch, -t * times.signum())).collect())
+    }
+
+    /// What a seam demands of free patches.
+    fn reduced(&mut self, seam: &[(u32, i64)]) -> Option<Sum> {
+        let mut sum = Sum::new();
+        for &(patch, times) in seam {
+            match &self.solved[patch as usize] {
+                None => add_to(&mut sum, patch, times)?,
+                Some(known) => {
+                    self.steps_left = self.steps_left.checked_sub(known.len())?;
+                    known.iter().try_for_each(|(p, t)| add_to(&mut sum, *p, times.checked_mul(*t)?))?;
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// A free patch is solved by others.
+    fn solve(&mut self, pivot: u32, value: &Sum) -> Option<()> {
+        for user in std::mem::take(&mut self.users[pivot as usize]) {
+            let Some(known) = &mut self.solved[user as usize] else { continue };
+            let Some(times) = known.remove(&pivot) else { continue };
+            self.steps_left = self.steps_left.checked_sub(value.len())?;
+            value.iter().try_for_each(|(p, t)| add_to(known, *p, times.checked_mul(*t)?))?;
+            value.keys().for_each(|p| self.users[*p as usize].push(user));
+        }
+        value.keys().for_each(|p| self.users[*p as usize].push(pivot));
+        self.solved[pivot as usize] = Some(value.clone());
+        Some(())
+    }
+
+    /// Of each free patch, the closed surface that it is in and no other free patch.
+    fn cycles(&self) -> Vec<Cycle> {
+        let mut place = vec![usize::MAX; self.solved.len()];
+        let mut cycles: Vec<Cycle> = Vec::new();
+        for (patch, _) in (0..).zip(&self.solved).filter(|(_, solved)| solved.is_none()) {
+            place[patch as usize] = cycles.len();
+            cycles.push(vec![(patch, 1)]);
+        }
+        for (patch, solved) in (0..).zip(&self.solved) {
+            for (free, times) in solved.iter().flatten() {
+                cycles[place[*free as usize]].push((patch, *times));
+            }
+        }
+        cycles
+    }
+}
+
+/// Adds to a sum of which nothing is zero; `None` where it takes more than 64 bits.
+fn add_to(sum: &mut Sum, patch: u32, times: i64) -> Option<()> {
+    let entry = sum.entry(patch).or_default();
+    *entry = entry.checked_add(times)?;
+    if *entry == 0 {
+        sum.remove(&patch);
+    }
+    Some(())
+}

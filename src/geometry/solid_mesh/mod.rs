@@ -1,0 +1,168 @@
+//! What a mesh encloses, however its faces are wound.
+//!
+//! A point is inside a mesh where any closed surface made of its faces winds around it (winding number: Jacobson, Kavan &
+//! Sorkine-Hornung 2013). Faces count once and may be turned over for that. So whatever is inside by the winding that the file
+//! has, or by any other, is inside; a mesh whose faces are there in both windings, or whose shells are wound against each other, is
+//! as solid as one without faults. The only exception are cavities: shells wound inward, each wholly inside another and in contact
+//! with none.
+//!
+//! Assumption: a closed surface does not pass through itself so that it is inside out in one part and not in another where these
+//! overlap; there the winding number is 0.
+
+mod cavities;
+mod cycles;
+mod patches;
+mod remarks;
+mod weld;
+
+use std::f64::consts::PI;
+
+use crate::math::Point;
+use cavities::are_cavities;
+use cycles::{Cycle, basis};
+use patches::Patches;
+pub use remarks::SolidRemarks;
+use remarks::wound_inward;
+use weld::WeldedFaces;
+
+/// The closed surfaces of a mesh.
+#[derive(Clone, Debug)]
+pub struct SolidMesh {
+    surfaces: Vec<ClosedSurface>,
+    remarks: SolidRemarks,
+}
+
+/// Triangles without a free edge, over the vertices of the mesh they are of.
+#[derive(Clone, Debug)]
+pub struct ClosedSurface {
+    triangles: Vec<[u32; 3]>,
+    /// Smallest and largest corner of the box around them.
+    bounds: [Point; 2],
+}
+
+impl SolidMesh {
+    pub(super) fn new(vertices: &[Point], triangles: &[[u32; 3]]) -> Self {
+        let welded = WeldedFaces::new(vertices, triangles);
+        let patches = Patches::new(&welded);
+        let mut cycles = basis(&patches);
+        let surface = |cycle: &mut Cycle| ClosedSurface::outward(vertices, &welded, &patches, cycle);
+        let mut surfaces: Vec<ClosedSurface> = cycles.iter_mut().map(surface).collect();
+        let mut remarks = SolidRemarks::new(triangles.len(), &welded, &patches, &cycles);
+        let volumes: Vec<f64> = surfaces.iter().map(|surface| surface.volume(vertices)).collect();
+        let inward = wound_inward(&welded, &patches, &cycles, &volumes);
+        let inward_count = inward.iter().filter(|inward| **inward).count();
+        if inward_count > 0 {
+            let as_wound: Vec<ClosedSurface> =
+                surfaces.iter().zip(&inward).map(|(surface, inward)| surface.wound(*inward)).collect();
+            let are_shells = cycles.iter().all(|cycle| cycle.len() == 1);
+            if are_shells && remarks.is_faultless() && are_cavities(vertices, &as_wound) {
+                surfaces = vec![ClosedSurface::joined(&as_wound)];
+                remarks.cavities = inward_count;
+            } else {
+                remarks.inward_shells = inward_count;
+            }
+        }
+        Self { surfaces, remarks }
+    }
+
+    /// A point is inside where one of these winds around it.
+    #[must_use]
+    pub fn surfaces(&self) -> &[ClosedSurface] {
+        &self.surfaces
+    }
+
+    /// What a user has to know of the mesh as a solid.
+    #[must_use]
+    pub fn remarks(&self) -> &SolidRemarks {
+        &self.remarks
+    }
+
+    /// Whether a point is inside; `vertices` are the mesh's.
+    pub(super) fn contains(&self, vertices: &[Point], point: &Point) -> bool {
+        let around = |surface: &&ClosedSurface| {
+            let [low, high] = surface.bounds;
+            (0..3).all(|i| (low[i]..=high[i]).contains(&point[i]))
+        };
+        self.surfaces.iter().filter(around).any(|surface| surface.winding_number(vertices, point).abs() > 0.5)
+    }
+}
+
+impl ClosedSurface {
+    /// The surface of a cycle; both are turned over where they are not wound outward.
+    fn outward(vertices: &[Point], welded: &WeldedFaces, patches: &Patches, cycle: &mut Cycle) -> Self {
+        let faces = |&(patch, times): &(u32, i64)| {
+            let faces = patches.faces[patch as usize].iter();
+            faces.flat_map(move |&(face, turned)| {
+                let [a, b, c] = welded.corners[face as usize];
+                let triangle = if turned == (times > 0) { [a, c, b] } else { [a, b, c] };
+                (0..times.unsigned_abs()).map(move |_| triangle)
+            })
+        };
+        let mut surface = Self::around(vertices, cycle.iter().flat_map(faces).collect());
+        if surface.volume(vertices) < 0.0 {
+            cycle.iter_mut().for_each(|(_, times)| *times = -*times);
+            surface = surface.wound(true);
+        }
+        surface
+    }
+
+    fn around(vertices: &[Point], triangles: Vec<[u32; 3]>) -> Self {
+        let at = |v: &u32| vertices[*v as usize];
+        let mut bounds = [at(&triangles[0][0]); 2];
+        for p in triangles.iter().flatten().map(at) {
+            bounds = [bounds[0].inf(&p), bounds[1].sup(&p)];
+        }
+        Self { triangles, bounds }
+    }
+
+    /// The same, turned over if asked.
+    fn wound(&self, turned: bool) -> Self {
+        let mut triangles = self.triangles.clone();
+        if turned {
+            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        Self { triangles, bounds: self.bounds }
+    }
+
+    fn joined(surfaces: &[Self]) -> Self {
+        let triangles = surfaces.iter().flat_map(|surface| surface.triangles.iter().copied()).collect();
+        let bounds = surfaces.iter().map(|surface| surface.bounds);
+        let bounds = bounds.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).expect("there are surfaces");
+        Self { triangles, bounds }
+    }
+
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Smallest and largest corner of the box around the surface.
+    #[must_use]
+    pub fn bounds(&self) -> &[Point; 2] {
+        &self.bounds
+    }
+
+    /// Signed volume (m³) by the divergence theorem, with cones from a point of the surface: far from the origin as exact as near.
+    fn volume(&self, vertices: &[Point]) -> f64 {
+        let apex = self.bounds[0];
+        let six_times = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| vertices[v as usize] - apex);
+            a.dot(&b.cross(&c))
+        };
+        self.triangles.iter().map(six_times).sum::<f64>() / 6.0
+    }
+
+    /// How often the surface winds around a point: the sum of the triangles' solid angles over 4π (van Oosterom & Strackee 1983).
+    fn winding_number(&self, vertices: &[Point], point: &Point) -> f64 {
+        let half_angle = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| vertices[v as usize] - point);
+            let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+            let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+            a.dot(&b.cross(&c)).atan2(below)
+        };
+        self.triangles.iter().map(half_angle).sum::<f64>() / (2.0 * PI)
+    }
+}
+
+#[cfg(test)]
+mod tests;
