@@ -13,6 +13,8 @@ pub struct SolidRemarks {
     faces: usize,
     /// Faces that are there in both windings.
     double_sided: usize,
+    /// Faces with the corners of others, in either winding.
+    repeated: usize,
     /// Faces wound against most of those that they hang together with.
     flipped: usize,
     /// Faces in no closed surface.
@@ -31,7 +33,8 @@ impl SolidRemarks {
         for (patch, _) in cycles.iter().flatten() {
             is_open[*patch as usize] = false;
         }
-        let mut remarks = Self { faces, shells: cycles.len(), ..Self::default() };
+        let (shells, repeated) = (cycles.len(), welded.repeated);
+        let mut remarks = Self { faces, shells, repeated, ..Self::default() };
         remarks.double_sided = welded.is_double_sided.iter().filter(|double| **double).count();
         for (faces, is_open) in patches.faces.iter().zip(is_open) {
             if is_open {
@@ -47,7 +50,7 @@ impl SolidRemarks {
     /// Whether there is nothing to say of the mesh.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.is_faultless() && self.inward_shells + self.cavities == 0
+        !self.is_open() && self.double_sided + self.flipped + self.inward_shells + self.cavities == 0
     }
 
     /// Whether part of the mesh, or all of it, stays a surface.
@@ -56,8 +59,9 @@ impl SolidRemarks {
         self.open > 0 || self.shells == 0
     }
 
+    /// Whether every face is there once, in a closed surface, and wound like those around it.
     pub(super) fn is_faultless(&self) -> bool {
-        !self.is_open() && self.double_sided + self.flipped == 0
+        !self.is_open() && self.repeated + self.flipped == 0
     }
 }
 
@@ -91,7 +95,7 @@ pub(super) fn wound_inward(
 
 impl fmt::Display for SolidRemarks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { faces, double_sided, flipped, open, shells, inward_shells, cavities } = self;
+        let Self { faces, double_sided, flipped, open, shells, inward_shells, cavities, repeated: _ } = self;
         let mut texts = Vec::new();
         if *shells == 0 {
             texts.push(

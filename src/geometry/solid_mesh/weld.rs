@@ -4,12 +4,12 @@ use crate::math::Point;
 
 /// The faces of a mesh that differ, over welded vertices.
 pub(super) struct WeldedFaces {
-    /// For each vertex, the first vertex at the same position.
-    pub names: Vec<u32>,
     /// Welded corners, as the face was wound where it came first; no two are equal.
     pub corners: Vec<[u32; 3]>,
     /// Whether a face is there in both windings.
     pub is_double_sided: Vec<bool>,
+    /// Faces that are left out because others have the same corners.
+    pub repeated: usize,
 }
 
 impl WeldedFaces {
@@ -34,11 +34,12 @@ impl WeldedFaces {
         Self {
             corners: kept.iter().map(|(number, _)| own(*number)).collect(),
             is_double_sided: kept.iter().map(|(_, double)| *double).collect(),
-            names,
+            repeated: keyed.len() - kept.len(),
         }
     }
 }
 
+/// For each vertex, the first vertex at the same position.
 fn welded(vertices: &[Point]) -> Vec<u32> {
     // -0.0 and 0.0 are one position
     let mut keyed: Vec<([u64; 3], u32)> = (vertices.iter().zip(0..))
