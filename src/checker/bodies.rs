@@ -14,7 +14,7 @@ use super::{PairList, SettingsError};
 use crate::geometry::{ScaleError, Shape};
 use crate::math::{Extremes, MatrixPose, Pose};
 use crate::query::CollisionBody;
-use crate::robot::{Between, Chain, Frame, LinkId, RobotModel, Seat, TravelRates};
+use crate::robot::{Chain, Frame, LinkId, RobotModel, Seat, TravelRates, WaysToRoot};
 use crate::world::{AttachedObject, ObstacleShape, World};
 
 /// A link or an attached object with geometry, in the frame of the body of the chain that it rides on.
@@ -197,15 +197,21 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Rider]) 
     chain.travel_rates(&reach, |index| ranges.get(&index).copied())
 }
 
-/// By pair: the joints between its bodies.
-pub(super) fn joints_between(chain: &Chain, riders: &[Rider], infos: &[PairInfo]) -> Vec<Between> {
-    let body = |i: usize| riders[i].body;
-    infos.iter().map(|info| chain.between(body(info.bodies.0), body(info.bodies.1))).collect()
-}
-
-/// By part: the joints between it and the root.
-pub(super) fn joints_to_root(chain: &Chain, riders: &[Rider]) -> Vec<Between> {
-    riders.iter().map(|rider| chain.between(rider.body, Chain::ROOT)).collect()
+/// By pair: how many joints there are on either side of its bodies' lowest common ancestor.
+pub(super) fn joints_between(ways: &WaysToRoot, riders: &[Rider], infos: &[PairInfo]) -> Vec<[u32; 2]> {
+    let mut counts = Vec::with_capacity(infos.len());
+    for of_one in infos.chunk_by(|a, b| a.bodies.0 == b.bodies.0) {
+        let first = riders[of_one[0].bodies.0].body;
+        let common = ways.common_depths(first);
+        counts.extend(of_one.iter().map(|info| {
+            let second = riders[info.bodies.1].body;
+            [first, second].map(|body| {
+                let joints = ways.depth(body) - common[second];
+                u32::try_from(joints).expect("links are named by 32 bits")
+            })
+        }));
+    }
+    counts
 }
 
 /// The padding (m) of every link.

@@ -3,13 +3,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use super::bodies::{
-    Rider, capsule_pairs, chain, joints_between, joints_to_root, pair_infos, riders, travel_rates,
-};
+use super::bodies::{Rider, capsule_pairs, chain, joints_between, pair_infos, riders, travel_rates};
 use super::capsules::{CapsulePairs, PlacedSegment, up};
 use super::fixed_nearest::FixedNearest;
 use super::likely::LikelyPairs;
-use super::motion::{MotionScratch, Ways, ways_of};
+use super::motion::{MotionScratch, Ways};
 use super::nearby::NearbyScratch;
 use super::nearest_first::NearestFirst;
 use super::obstacles::Obstacles;
@@ -23,7 +21,7 @@ use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::geometry::ScaleError;
 use crate::math::Extremes;
 use crate::query::Scratch;
-use crate::robot::{Between, Chain, PlacedFrame, RobotModel, TravelRates};
+use crate::robot::{Chain, PlacedFrame, RobotModel, TravelRates, WaysToRoot};
 use crate::simd::LANES;
 use crate::world::World;
 
@@ -48,10 +46,9 @@ pub struct CollisionChecker {
     pub(super) padded_radii: Vec<f32>,
     /// The largest padding (m) of any self pair.
     pub(super) largest_padding: f64,
-    /// By self pair: the joints between its bodies.
-    pub(super) between: Vec<Between>,
-    /// By part: the joints between it and the root.
-    pub(super) to_root: Vec<Between>,
+    pub(super) ways_to_root: WaysToRoot,
+    /// By self pair: how many joints there are on either side of its bodies' lowest common ancestor.
+    pub(super) joints_between: Vec<[u32; 2]>,
     pub(super) ways: Ways,
     /// How far bodies may move when joints do.
     pub(super) rates: TravelRates,
@@ -157,9 +154,9 @@ impl CollisionChecker {
         let reachable = Reachable::new(&robot, &chain, &riders);
         let obstacles = Obstacles::new(world, &settings, known_obstacles, &reachable)?;
         let rates = travel_rates(&robot, &chain, &riders);
-        let between = joints_between(&chain, &riders, &infos);
-        let to_root = joints_to_root(&chain, &riders);
-        let ways = ways_of(&chain, &riders, (&infos, &between));
+        let ways_to_root = chain.ways_to_root();
+        let joints_between = joints_between(&ways_to_root, &riders, &infos);
+        let ways = Ways::new(&ways_to_root, &riders);
         Ok(Self {
             robot,
             world: world.clone(),
@@ -172,8 +169,8 @@ impl CollisionChecker {
             capsules,
             padded_radii,
             largest_padding,
-            between,
-            to_root,
+            ways_to_root,
+            joints_between,
             ways,
             rates,
             reachable,

@@ -79,11 +79,20 @@ impl CollisionChecker {
     }
 
     /// The joints between the bodies of a pair.
-    pub(super) fn between(&self, index: usize) -> &Between {
+    pub(super) fn between(&self, index: usize) -> Between<'_> {
         match self.number(index) {
-            PairNumber::OfParts(index) => &self.between[index],
-            PairNumber::WithObstacle { part, .. } => &self.to_root[part],
+            PairNumber::OfParts(index) => {
+                let (a, b) = self.infos[index].bodies;
+                let bodies = [a, b].map(|part| self.riders[part].body);
+                self.ways_to_root.between(bodies, self.joints_between[index].map(|joints| joints as usize))
+            }
+            PairNumber::WithObstacle { part, .. } => self.to_root(part),
         }
+    }
+
+    /// The joints between a part and the root.
+    pub(super) fn to_root(&self, part: usize) -> Between<'_> {
+        self.ways_to_root.to_root(self.riders[part].body)
     }
 
     /// A pair, where the chain's bodies are.

@@ -5,6 +5,7 @@
 //! where there is none, nothing is even placed. Of obstacles, one number for each part of the robot does for all of them.
 
 use std::collections::HashMap;
+use std::num::NonZeroU32;
 
 use super::memory::Memory;
 use super::pair::Pair;
@@ -39,7 +40,7 @@ pub(super) struct Stream {
     seen: Vec<(usize, usize, f64)>,
     /// Not more than any horizon.
     nearest_horizon: f64,
-    memories: Vec<Option<Memory>>,
+    memories: Memories,
     /// Of pairs with obstacles.
     world_memories: HashMap<usize, Option<Memory>>,
     /// Pairs of the last state that the next one will probably have to search, and what was asked of them.
@@ -65,7 +66,7 @@ impl Stream {
             world_horizons: vec![f64::NEG_INFINITY; parts],
             seen: Vec::new(),
             nearest_horizon: f64::NEG_INFINITY,
-            memories: (0..self_pairs).map(|_| None).collect(),
+            memories: Memories::new(self_pairs),
             world_memories: HashMap::new(),
             due: Vec::new(),
         }
@@ -117,7 +118,7 @@ impl Stream {
 
     /// Whether a self pair may be within `limit` (m) though it was not when last asked.
     pub fn is_unclear(&self, index: usize, limit: f64) -> bool {
-        self.lower(index) <= limit && !self.memories[index].as_ref().is_some_and(Memory::was_near)
+        self.lower(index) <= limit && !self.memories.get(index).is_some_and(Memory::was_near)
     }
 
     /// Notes that a pair's padded distance is now not less than `lower` (m).
@@ -142,9 +143,10 @@ impl Stream {
 
     /// Notes what a pair's memory tells at its present pose.
     pub fn learn_from_memory(&mut self, index: usize, pair: &Pair) {
-        let memory = match self.memories.get(index) {
-            Some(memory) => memory.as_ref(),
-            None => self.world_memories.get(&index).and_then(Option::as_ref),
+        let memory = if self.memories.has(index) {
+            self.memories.get(index)
+        } else {
+            self.world_memories.get(&index).and_then(Option::as_ref)
         };
         if let Some(lower) = memory.map(|memory| memory.lower_at(pair)) {
             self.learn(index, lower - pair.info.padding);
@@ -179,10 +181,49 @@ impl Stream {
     }
 
     pub fn memory(&mut self, index: usize) -> &mut Option<Memory> {
-        match self.memories.get_mut(index) {
-            Some(memory) => memory,
-            None => self.world_memories.entry(index).or_default(),
+        if self.memories.has(index) {
+            self.memories.of(index)
+        } else {
+            self.world_memories.entry(index).or_default()
         }
+    }
+}
+
+/// Memories of self pairs: of many links, few pairs ever come near each other, and only these have one.
+#[derive(Clone, Debug)]
+struct Memories {
+    /// By self pair: the place of its memory.
+    places: Vec<Option<NonZeroU32>>,
+    kept: Vec<Option<Memory>>,
+}
+
+/// Pairs for which there is room before any is asked about.
+const ROOM: usize = 1 << 12;
+
+impl Memories {
+    fn new(self_pairs: usize) -> Self {
+        let mut kept = Vec::with_capacity(1 + self_pairs.min(ROOM));
+        // the place that no pair has
+        kept.push(None);
+        Self { places: vec![None; self_pairs], kept }
+    }
+
+    /// Whether this is the number of a self pair.
+    fn has(&self, index: usize) -> bool {
+        index < self.places.len()
+    }
+
+    fn get(&self, index: usize) -> Option<&Memory> {
+        self.kept[self.places[index]?.get() as usize].as_ref()
+    }
+
+    fn of(&mut self, index: usize) -> &mut Option<Memory> {
+        let place = self.places[index].get_or_insert_with(|| {
+            self.kept.push(None);
+            let place = u32::try_from(self.kept.len() - 1).ok().and_then(NonZeroU32::new);
+            place.expect("pairs that come near are fewer than 32 bits count")
+        });
+        &mut self.kept[place.get() as usize]
     }
 }
 

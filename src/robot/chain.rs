@@ -29,7 +29,7 @@ use crate::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
 use crate::simd::{Real, sin_cos};
 
 pub use approach::Approach;
-pub use between::{Between, Deviation, Deviations, Reach, SideMotion};
+pub use between::{Between, Deviation, Deviations, Reach, SideMotion, WaysToRoot};
 use one_state::EightSources;
 pub use one_state::{Columns, PlacedFrame};
 pub use territory::Territory;

@@ -29,7 +29,7 @@ mod xml;
 
 pub use chain::{
     Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
-    Source as PositionSource, Territory, TravelRates,
+    Source as PositionSource, Territory, TravelRates, WaysToRoot,
 };
 pub(crate) use chain::{Columns, PlacedFrame};
 pub use configuration::{Configuration, ConfigurationError};

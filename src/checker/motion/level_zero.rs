@@ -6,40 +6,38 @@ use crate::checker::batch::Eight;
 use crate::checker::bodies::Rider;
 use crate::checker::capsules::up;
 use crate::checker::collision_checker::CollisionChecker;
-use crate::checker::pair::PairInfo;
 use crate::checker::questions::near_pairs;
 use crate::checker::workspace::Workspace;
 use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::UnitVector;
 use crate::motion::MotionSegment;
-use crate::robot::{Between, Chain, Deviation, Deviations, Frame};
+use crate::robot::{Deviation, Deviations, Frame, WaysToRoot};
 use crate::simd::prelude::*;
 use crate::simd::{LANES, dispatch, f64x8};
 
 /// Where each part's ways stand in a list of all.
 #[derive(Clone, Debug)]
 pub struct Ways {
-    /// By self pair: the two ways that matter.
-    of_pairs: Vec<[usize; 2]>,
+    /// By part: its first way, which no joint makes.
+    starts: Vec<usize>,
     /// By part: the way that matters to what stands still.
     to_root: Vec<usize>,
     /// By part: how far it reaches (m) from its body's origin.
     reach: Vec<f64>,
 }
 
-/// The places of all ways.
-pub fn ways_of(chain: &Chain, riders: &[Rider], (infos, between): (&[PairInfo], &[Between])) -> Ways {
-    let (mut starts, mut next) = (Vec::new(), 0);
-    for rider in riders {
-        starts.push(next);
-        next += chain.depth(rider.body) + 1;
+impl Ways {
+    pub fn new(ways_to_root: &WaysToRoot, riders: &[Rider]) -> Self {
+        let (mut starts, mut to_root) = (Vec::new(), Vec::new());
+        let mut next = 0;
+        for rider in riders {
+            let depth = ways_to_root.depth(rider.body);
+            starts.push(next);
+            to_root.push(next + depth);
+            next += depth + 1;
+        }
+        Self { starts, to_root, reach: riders.iter().map(Rider::reach).collect() }
     }
-    let places = |(info, between): (&PairInfo, &Between)| {
-        [starts[info.bodies.0] + between.side(0).len(), starts[info.bodies.1] + between.side(1).len()]
-    };
-    let of_pairs = infos.iter().zip(between).map(places).collect();
-    let to_root = (starts.iter().zip(riders)).map(|(start, rider)| start + chain.depth(rider.body)).collect();
-    Ways { of_pairs, to_root, reach: riders.iter().map(Rider::reach).collect() }
 }
 
 /// A pair that may touch in some of eight intervals, and a bit for each of them.
@@ -119,7 +117,9 @@ impl CollisionChecker {
 
     fn sums(&self, ways: &[f64], sums: &mut Vec<f32>) {
         sums.clear();
-        sums.extend(self.ways.of_pairs.iter().map(|[a, b]| up(ways[*a] + ways[*b])));
+        let way = |part: usize, joints: u32| ways[self.ways.starts[part] + joints as usize];
+        let of_pairs = self.infos.iter().zip(&self.joints_between);
+        sums.extend(of_pairs.map(|(info, [a, b])| up(way(info.bodies.0, *a) + way(info.bodies.1, *b))));
         sums.extend(self.ways.to_root.iter().map(|way| up(ways[*way])));
     }
 
@@ -255,7 +255,7 @@ impl CollisionChecker {
         let whole = of_whole_interval(segment, [from, to]);
         let motion = |part: usize| {
             let reach = self.reach_of(part, &frames[self.riders[part].body].frame());
-            let moved = self.chain.side_motion(self.to_root[part].side(0), &reach, &frames, &whole);
+            let moved = self.chain.side_motion(self.to_root(part).side(0), &reach, &frames, &whole);
             up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };
         self.screen_obstacles(segment, |body, _| frames[body].frame(), motion, workspace, found);

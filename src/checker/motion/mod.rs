@@ -28,7 +28,7 @@ mod swept_volume;
 mod trajectory;
 mod watch;
 
-pub(super) use level_zero::{Ways, ways_of};
+pub(super) use level_zero::Ways;
 pub use look_ahead::LookAhead;
 pub(super) use prover::MotionScratch;
 pub use report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};

@@ -67,7 +67,7 @@ impl CollisionChecker {
     ) -> PlacedPair<'c> {
         let (info, between) = (self.info(index), self.between(index));
         segment.positions_at(t, positions);
-        dispatch!(scratch.level(), simd => self.chain.frames_between(simd, between, positions, frames));
+        dispatch!(scratch.level(), simd => self.chain.frames_between(simd, &between, positions, frames));
         let a = &self.riders[info.bodies.0];
         let pose_ra = MatrixPose::from(&frames[a.body]);
         let (solid, pose_rb, reach) = if let Body::Obstacle(_) = info.ids.1 {

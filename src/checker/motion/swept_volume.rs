@@ -37,11 +37,12 @@ impl CollisionChecker {
             let end = |i: usize| i as f64 / intervals.max(1) as f64;
             let t = [end(interval), end(interval + 1)];
             segment.positions_at(0.5 * (t[0] + t[1]), &mut positions);
-            let all = self.riders.iter().zip(&self.to_root);
-            for (rider, between) in all.filter(|(rider, _)| rider.capsule.radius.is_finite()) {
+            let bounded = self.riders.iter().filter(|rider| rider.capsule.radius.is_finite());
+            for rider in bounded {
+                let between = self.ways_to_root.to_root(rider.body);
                 let frames = &mut workspace.frames;
                 dispatch!(workspace.scratch.level(), simd => {
-                    self.chain.frames_between(simd, between, &positions, frames);
+                    self.chain.frames_between(simd, &between, &positions, frames);
                 });
                 let reach = rider.reach_at(&(&frames[rider.body]).into());
                 let motion = of_whole_interval(segment, t);

@@ -3,17 +3,28 @@
 //! All is seen from the bodies' lowest common ancestor; joints nearer to the root move both alike. The bounds are derived in
 //! `docs/derivations/motion-bound.md`, whose symbols are used here.
 
+use std::ops::Range;
+
 use super::{Body, Chain, Columns, Frame, PlacedFrame, Step};
 use crate::math::{Extremes, UnitVector, Vector};
 use crate::simd::prelude::*;
 use crate::simd::{Simd, f64x8, sin_cos};
 
+/// The bodies from each body up to the root. Those of a body are the end of the way from a leaf, so that a chain has one way for all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WaysToRoot {
+    /// From leaves to the root, way by way.
+    bodies: Vec<usize>,
+    /// By body: itself first, the root last.
+    ways: Vec<Range<usize>>,
+}
+
 /// Two bodies' ways to their lowest common ancestor.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Between {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between<'w> {
     ancestor: usize,
     /// By side: bodies from the most distal one to the ancestor, which is left out.
-    sides: [Vec<usize>; 2],
+    sides: [&'w [usize]; 2],
 }
 
 /// By how much a position may differ, within an interval, from that in the middle.
@@ -67,27 +78,16 @@ pub struct SideMotion {
 }
 
 impl Chain {
-    /// The ways of two bodies to their lowest common ancestor.
     #[must_use]
-    pub fn between(&self, a: usize, b: usize) -> Between {
-        let up = |mut body: usize| {
-            let mut way = vec![body];
-            while body != 0 {
-                body = self.bodies[body - 1].parent;
-                way.push(body);
+    pub fn ways_to_root(&self) -> WaysToRoot {
+        let mut found = WaysToRoot { bodies: Vec::new(), ways: vec![0..0; self.body_count()] };
+        // children before parents: what no way has passed yet is a leaf
+        for leaf in (0..self.body_count()).rev() {
+            if found.ways[leaf].is_empty() {
+                found.add(leaf, |body| self.bodies[body - 1].parent);
             }
-            way
-        };
-        let (mut a, mut b) = (up(a), up(b));
-        let mut ancestor = 0;
-        while let (Some(x), Some(y)) = (a.last(), b.last())
-            && x == y
-        {
-            ancestor = *x;
-            a.pop();
-            b.pop();
         }
-        Between { ancestor, sides: [a, b] }
+        found
     }
 
     /// Writes the frames of the bodies between two, and of the two, in their lowest common ancestor.
@@ -101,7 +101,7 @@ impl Chain {
     ) {
         let q = |i: usize| positions[i];
         frames[between.ancestor] = PlacedFrame::IDENTITY;
-        for side in &between.sides {
+        for side in between.sides {
             let mut last = Columns::of(simd, &PlacedFrame::IDENTITY);
             for eight in side.rchunks(8) {
                 let mut angles = [0.0; 8];
@@ -154,24 +154,79 @@ impl Chain {
             body = joint.parent;
         }
     }
+}
+
+impl WaysToRoot {
+    /// Adds the way from a leaf.
+    fn add(&mut self, leaf: usize, parent: impl Fn(usize) -> usize) {
+        let mut body = leaf;
+        let first = self.bodies.len();
+        self.bodies.push(body);
+        while body != Chain::ROOT {
+            body = parent(body);
+            self.bodies.push(body);
+        }
+        let end = self.bodies.len();
+        for start in first..end {
+            let way = &mut self.ways[self.bodies[start]];
+            if way.is_empty() {
+                *way = start..end;
+            }
+        }
+    }
+
+    /// The bodies from one up to the root, both included.
+    fn way(&self, body: usize) -> &[usize] {
+        &self.bodies[self.ways[body].clone()]
+    }
 
     /// How many joints there are between a body and the root.
     #[must_use]
-    pub fn depth(&self, mut body: usize) -> usize {
-        let mut depth = 0;
-        while body != 0 {
-            body = self.bodies[body - 1].parent;
-            depth += 1;
+    pub fn depth(&self, body: usize) -> usize {
+        self.ways[body].len() - 1
+    }
+
+    /// For each body: the depth of its lowest common ancestor with this one.
+    #[must_use]
+    pub fn common_depths(&self, body: usize) -> Vec<usize> {
+        let mut depths = vec![usize::MAX; self.ways.len()];
+        for above in self.way(body) {
+            depths[*above] = self.depth(*above);
         }
-        depth
+        // parents come before their children
+        for other in 0..depths.len() {
+            if depths[other] == usize::MAX {
+                depths[other] = depths[self.way(other)[1]];
+            }
+        }
+        depths
+    }
+
+    /// The ways between two bodies, which have this many joints on either side of their lowest common ancestor.
+    #[must_use]
+    pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> Between<'_> {
+        let side = |i: usize| &self.way(bodies[i])[..joints[i]];
+        Between { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
+    }
+
+    /// The way between a body and the root.
+    #[must_use]
+    pub fn to_root(&self, body: usize) -> Between<'_> {
+        self.between([body, Chain::ROOT], [self.depth(body), 0])
+    }
+
+    /// Number of bodies in all ways that are stored.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bodies.len()
     }
 }
 
-impl Between {
+impl Between<'_> {
     /// Bodies on the way from one of the two to the ancestor, which is left out.
     #[must_use]
     pub fn side(&self, side: usize) -> &[usize] {
-        &self.sides[side]
+        self.sides[side]
     }
 }
 
