@@ -6,6 +6,7 @@ use std::sync::Arc;
 use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
 use clearance::math::Pose;
 use clearance::query::{CollisionBody, Scratch, collide, distance, within_margin};
+use clearance::robot::MeshFiles;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};
 
 fn checker(name: &str) -> CollisionChecker {
@@ -105,4 +106,41 @@ fn warm_queries_of_bodies_allocate_nothing() {
     };
     pass(false);
     pass(true);
+}
+
+/// A chain of links with a box each, joined by joints that turn.
+fn long_chain(links: usize) -> Arc<RobotModel> {
+    let mut urdf = "<robot name='chain'>".to_owned();
+    for i in 0..links {
+        urdf += &format!(
+            "<link name='l{i}'><collision><origin xyz='0.05 0 0'/><geometry><box size='0.08 0.02 0.02'/></geometry></collision></link>"
+        );
+    }
+    for i in 1..links {
+        let parent = i - 1;
+        urdf += &format!(
+            "<joint name='j{i}' type='revolute'><parent link='l{parent}'/><child link='l{i}'/><origin xyz='0.1 0 0'/>
+             <axis xyz='0 {} 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>",
+            i % 2
+        );
+    }
+    Arc::new(RobotModel::from_urdf(&(urdf + "</robot>"), &MeshFiles::default()).unwrap())
+}
+
+/// What is stored of a pair does not grow with the joints between its links.
+#[test]
+fn pairs_of_long_chains_take_no_more_memory_than_others() {
+    const PER_PAIR: u64 = 160;
+    const PER_LINK: u64 = 20_000;
+    let links = 500;
+    let robot = long_chain(links);
+    let most = allocation_counter::measure(|| {
+        let checker = CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap();
+        let mut stream = checker.streaming_workspace();
+        let q = checker.robot().default_configuration();
+        assert!(checker.is_free(&q, &mut stream));
+    });
+    let links = links as u64;
+    let bound = PER_PAIR * links * (links - 1) / 2 + PER_LINK * links;
+    assert!(most.bytes_max < bound, "{} bytes, more than {bound}", most.bytes_max);
 }

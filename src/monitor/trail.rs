@@ -1,7 +1,7 @@
 //! Where the robot was lately: what a sensor has seen, it saw from where its link was at that time, and of the robot as it stood then.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use super::{Judgement, Time};
 use crate::math::without_whole_turns;
@@ -16,7 +16,8 @@ const STEP: f64 = 0.002;
 /// The positions of one robot by the stamps of the joint states that told them: drivers of its parts measure at different times.
 #[derive(Debug, Default)]
 pub struct Trail {
-    robot: Option<Arc<RobotModel>>,
+    /// A robot that was replaced is not kept for this.
+    robot: Weak<RobotModel>,
     ways: Vec<Way>,
 }
 
@@ -39,8 +40,8 @@ impl Trail {
             return;
         };
         let robot = revision.checker.robot();
-        if !self.robot.as_ref().is_some_and(|known| Arc::ptr_eq(known, robot)) {
-            *self = Self { robot: Some(Arc::clone(robot)), ways: Way::of(robot) };
+        if self.robot.as_ptr() != Arc::as_ptr(robot) {
+            *self = Self { robot: Arc::downgrade(robot), ways: Way::of(robot) };
         }
         let told = placement.configuration.positions().iter().zip(&placement.measured);
         for (way, (position, measured)) in self.ways.iter_mut().zip(told) {
@@ -52,9 +53,9 @@ impl Trail {
     /// last one; `None` where nothing is known.
     #[must_use]
     pub fn at(&self, time: Time) -> Option<(Arc<RobotModel>, Configuration)> {
-        let robot = self.robot.as_ref()?;
+        let robot = self.robot.upgrade()?;
         let positions: Option<Vec<f64>> = self.ways.iter().map(|way| way.at(time)).collect();
-        Some((Arc::clone(robot), Configuration::trusted(positions?)))
+        Some((robot, Configuration::trusted(positions?)))
     }
 }
 

@@ -144,6 +144,11 @@ impl SceneKeeper {
         self.unfit = warnings.into_iter().take(TOLD).collect();
     }
 
+    /// Frees what was built of the robot before.
+    pub fn release_robot(&mut self) {
+        self.filter = None;
+    }
+
     /// Puts an order aside until there is a robot.
     pub fn wait(&mut self, order: SceneOrder) {
         if order.is_waited_for() {

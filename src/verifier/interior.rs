@@ -109,3 +109,40 @@ fn parts(mesh: &TriangleMesh) -> Vec<Point> {
     }
     parts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    /// Random tetrahedra, of which some are there in both windings or overlap others that are wound against them: what prover and
+    /// verifier hold to be inside is the same.
+    #[test]
+    fn inside_is_what_it_is_to_the_prover() {
+        let mut random = Random::new(8);
+        let mut inside = 0;
+        for _ in 0..300 {
+            let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+            for _ in 0..=random.below(2) {
+                let first = u32::try_from(vertices.len()).unwrap();
+                vertices.extend((0..4).map(|_| Point::from(random.vector(1.0))));
+                for face in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+                    let [a, b, c] = face.map(|v: u32| v + first);
+                    faces.push([a, b, c]);
+                    if random.below(3) == 0 {
+                        faces.push([a, c, b]);
+                    }
+                }
+            }
+            let mesh = Arc::new(TriangleMesh::new(vertices, faces).unwrap());
+            let shape = Shape::Mesh(Arc::clone(&mesh));
+            let interior = Interior::new(&[(Pose::identity(), &shape)]);
+            for _ in 0..50 {
+                let p = Point::from(random.vector(0.6));
+                assert_eq!(interior.holds(&p), mesh.encloses(&p));
+                inside += usize::from(interior.holds(&p));
+            }
+        }
+        assert!(inside > 100, "{inside}");
+    }
+}

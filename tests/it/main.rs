@@ -23,6 +23,7 @@ mod reference;
 mod replays;
 mod robots;
 mod snapshots;
+mod solid_meshes;
 mod soundness;
 mod streams;
 mod tally;

@@ -370,3 +370,51 @@ impl SideMotion {
 fn norm(v: [f64; 3]) -> f64 {
     Vector::from(v).norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::robot::Chain;
+    use crate::robot::chain::tests::random_tree;
+    use crate::testing::Random;
+
+    /// The ways between all bodies of random trees are those that are found by going up from both.
+    #[test]
+    fn ways_meet_at_the_lowest_common_ancestor() {
+        let mut random = Random::new(31);
+        for _ in 0..100 {
+            let (joints, _, needed) = random_tree(&mut random, 12);
+            let chain = Chain::compile(0, &joints, &needed);
+            let ways = chain.ways_to_root();
+            let up = |mut body: usize| {
+                let mut way = vec![body];
+                while body != Chain::ROOT {
+                    body = chain.bodies[body - 1].parent;
+                    way.push(body);
+                }
+                way
+            };
+            for a in 0..chain.body_count() {
+                let common = ways.common_depths(a);
+                for b in 0..chain.body_count() {
+                    let (mut first, mut second) = (up(a), up(b));
+                    while first.len() > 1
+                        && second.len() > 1
+                        && first[first.len() - 2..] == second[second.len() - 2..]
+                    {
+                        first.pop();
+                        second.pop();
+                    }
+                    let (ancestor, _) = (first.pop(), second.pop());
+                    let between = ways.between([a, b], [a, b].map(|body| ways.depth(body) - common[b]));
+                    assert_eq!(
+                        (Some(between.ancestor), between.side(0), between.side(1)),
+                        (ancestor, &*first, &*second)
+                    );
+                }
+                let (mut way, root) = (up(a), ways.to_root(a));
+                way.pop();
+                assert_eq!((root.side(0), root.side(1)), (&*way, &[][..]));
+            }
+        }
+    }
+}

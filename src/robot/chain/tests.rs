@@ -233,3 +233,22 @@ fn bodies_never_leave_their_territories() {
     assert!(slides.territories(|_| None)[1].radius.is_infinite());
     assert_eq!(slides.sliding_positions().collect::<Vec<_>>(), [0]);
 }
+
+/// All ways of a chain are one, and those of a comb no more than its teeth are deep.
+#[test]
+fn ways_of_long_chains_are_stored_once() {
+    let chain_of = |parents: &[usize]| {
+        let joint = |(child, parent): (usize, &usize)| ChainJoint {
+            parent: *parent,
+            child: child + 1,
+            pose_pj: Pose::translation(0.1, 0.0, 0.0),
+            motion: Motion::Revolute(Vector::z_axis(), free(child)),
+        };
+        let joints: Vec<_> = parents.iter().enumerate().map(joint).collect();
+        Chain::compile(0, &joints, &vec![true; parents.len() + 1])
+    };
+    let parents: Vec<usize> = (0..2000).collect();
+    assert_eq!(chain_of(&parents).ways_to_root().len(), 2001);
+    assert_eq!(chain_of(&[0; 100]).ways_to_root().len(), 200);
+    assert_eq!(chain_of(&[]).ways_to_root().len(), 1);
+}
