@@ -110,21 +110,22 @@ fn warm_queries_of_bodies_allocate_nothing() {
 
 /// A chain of links with a box each, joined by joints that turn.
 fn long_chain(links: usize) -> Arc<RobotModel> {
-    let mut urdf = "<robot name='chain'>".to_owned();
-    for i in 0..links {
-        urdf += &format!(
+    let link = |i| {
+        format!(
             "<link name='l{i}'><collision><origin xyz='0.05 0 0'/><geometry><box size='0.08 0.02 0.02'/></geometry></collision></link>"
-        );
-    }
-    for i in 1..links {
-        let parent = i - 1;
-        urdf += &format!(
-            "<joint name='j{i}' type='revolute'><parent link='l{parent}'/><child link='l{i}'/><origin xyz='0.1 0 0'/>
+        )
+    };
+    let joint = |i| {
+        format!(
+            "<joint name='j{i}' type='revolute'><parent link='l{}'/><child link='l{i}'/><origin xyz='0.1 0 0'/>
              <axis xyz='0 {} 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>",
+            i - 1,
             i % 2
-        );
-    }
-    Arc::new(RobotModel::from_urdf(&(urdf + "</robot>"), &MeshFiles::default()).unwrap())
+        )
+    };
+    let elements: String = (0..links).map(link).chain((1..links).map(joint)).collect();
+    let urdf = format!("<robot name='chain'>{elements}</robot>");
+    Arc::new(RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap())
 }
 
 /// What is stored of a pair does not grow with the joints between its links.

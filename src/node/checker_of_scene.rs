@@ -81,7 +81,7 @@ mod tests {
     fn of_many_meshes_with_faults_some_are_named_and_all_counted() {
         let remark = |number: usize| SolidMeshRemark {
             mesh: format!("mesh {number}"),
-            is_surface: number % 2 == 0,
+            is_surface: number.is_multiple_of(2),
             text: "a fault".to_owned(),
         };
         assert_eq!(about_solids(&[]), [""; 0]);

@@ -94,9 +94,13 @@ impl Elimination<'_> {
             let Some(times) = known.remove(&pivot) else { continue };
             self.steps_left = self.steps_left.checked_sub(value.len())?;
             value.iter().try_for_each(|(p, t)| add_to(known, *p, times.checked_mul(*t)?))?;
-            value.keys().for_each(|p| self.users[*p as usize].push(user));
+            for p in value.keys() {
+                self.users[*p as usize].push(user);
+            }
         }
-        value.keys().for_each(|p| self.users[*p as usize].push(pivot));
+        for p in value.keys() {
+            self.users[*p as usize].push(pivot);
+        }
         self.solved[pivot as usize] = Some(value.clone());
         Some(())
     }

@@ -100,7 +100,9 @@ impl ClosedSurface {
         };
         let mut surface = Self::around(vertices, cycle.iter().flat_map(faces).collect());
         if surface.volume(vertices) < 0.0 {
-            cycle.iter_mut().for_each(|(_, times)| *times = -*times);
+            for (_, times) in cycle.iter_mut() {
+                *times = -*times;
+            }
             surface = surface.wound(true);
         }
         surface
@@ -119,7 +121,9 @@ impl ClosedSurface {
     fn wound(&self, turned: bool) -> Self {
         let mut triangles = self.triangles.clone();
         if turned {
-            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            for t in &mut triangles {
+                t.swap(1, 2);
+            }
         }
         Self { triangles, bounds: self.bounds }
     }

@@ -141,7 +141,9 @@ impl Flood {
         let mut seam: Vec<(u32, i64)> = sums.filter(|(_, sum)| *sum != 0).collect();
         // the same condition, whichever way the edge is told
         if seam.first().is_some_and(|(_, sum)| *sum < 0) {
-            seam.iter_mut().for_each(|(_, sum)| *sum = -*sum);
+            for (_, sum) in &mut seam {
+                *sum = -*sum;
+            }
         }
         seam
     }

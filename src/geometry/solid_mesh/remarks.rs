@@ -34,7 +34,7 @@ impl SolidRemarks {
             is_open[*patch as usize] = false;
         }
         let (shells, repeated) = (cycles.len(), welded.repeated);
-        let mut remarks = Self { faces, shells, repeated, ..Self::default() };
+        let mut remarks = Self { faces, repeated, shells, ..Self::default() };
         remarks.double_sided = welded.is_double_sided.iter().filter(|double| **double).count();
         for (faces, is_open) in patches.faces.iter().zip(is_open) {
             if is_open {
@@ -85,7 +85,7 @@ pub(super) fn wound_inward(
     let inward = |cycle: &Cycle| {
         let [(patch, times)] = cycle.as_slice() else { return None };
         let [kept, turned] = wound(&patches.faces[*patch as usize], welded);
-        (kept != turned).then(|| (turned > kept) == (*times > 0))
+        (kept != turned).then_some((turned > kept) == (*times > 0))
     };
     let inward: Vec<Option<bool>> = cycles.iter().map(inward).collect();
     let known = inward.iter().zip(volumes).filter_map(|(inward, volume)| Some(((*inward)?, volume)));

@@ -1,5 +1,7 @@
 //! Solids are compared with winding numbers of the shapes they were made of, before these were spoiled.
 
+#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)] // small numbers
+
 use std::collections::HashMap;
 
 use crate::geometry::TriangleMesh;
@@ -255,8 +257,8 @@ fn what_is_open_is_a_surface_and_that_is_said() {
 fn a_mesh_that_is_too_tangled_is_reported() {
     // points in a cloud joined at random, all faces between some of them
     let mut random = Random::new(5);
-    let mut tangle = Draft::default();
-    tangle.vertices = (0..40).map(|_| Point::from(random.vector(1.0))).collect();
+    let vertices = (0..40).map(|_| Point::from(random.vector(1.0))).collect();
+    let mut tangle = Draft { vertices, faces: Vec::new() };
     for a in 0..40 {
         for b in 0..a {
             tangle.faces.extend((0..b).map(|c| [a, b, c]));
@@ -272,7 +274,7 @@ fn spoiled_meshes_enclose_what_their_shells_do() {
     let mut random = Random::new(2026);
     let (mut inside, mut open) = (0, 0);
     for round in 0..400 {
-        let shells: Vec<Draft> = (0..1 + random.below(3)).map(|_| random_shell(&mut random)).collect();
+        let shells: Vec<Draft> = (0..=random.below(3)).map(|_| random_shell(&mut random)).collect();
         let mut spoiled = shells.iter().fold(Draft::default(), |all, shell| {
             all.and(&if random.below(3) == 0 { shell.clone().inward() } else { shell.clone() })
         });

@@ -168,9 +168,9 @@ impl WaysToRoot {
         }
         let end = self.bodies.len();
         for start in first..end {
-            let way = &mut self.ways[self.bodies[start]];
-            if way.is_empty() {
-                *way = start..end;
+            let body = self.bodies[start];
+            if self.ways[body].is_empty() {
+                self.ways[body] = start..end;
             }
         }
     }
@@ -217,7 +217,7 @@ impl WaysToRoot {
 
     /// Number of bodies in all ways that are stored.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn stored(&self) -> usize {
         self.bodies.len()
     }
 }
@@ -395,7 +395,7 @@ mod tests {
             };
             for a in 0..chain.body_count() {
                 let common = ways.common_depths(a);
-                for b in 0..chain.body_count() {
+                for (b, common) in common.iter().enumerate() {
                     let (mut first, mut second) = (up(a), up(b));
                     while first.len() > 1
                         && second.len() > 1
@@ -405,7 +405,7 @@ mod tests {
                         second.pop();
                     }
                     let (ancestor, _) = (first.pop(), second.pop());
-                    let between = ways.between([a, b], [a, b].map(|body| ways.depth(body) - common[b]));
+                    let between = ways.between([a, b], [a, b].map(|body| ways.depth(body) - common));
                     assert_eq!(
                         (Some(between.ancestor), between.side(0), between.side(1)),
                         (ancestor, &*first, &*second)
