@@ -602,10 +602,9 @@ mod tests {
             CloudMessage { cloud: Arc::new(cloud()), came: now(1020), since: std::time::Instant::now() };
         cell.pass(1020, vec![Order::Clouds], BTreeMap::from([("points".to_owned(), seen)]));
         cell.turn(1030);
-        let revision = cell.judgement.as_ref().unwrap().revision.clone().unwrap();
+        let revision = cell.judgement.as_ref().unwrap().revision.as_ref().unwrap();
         assert_eq!(revision.checker.world().obstacles().count(), 1, "the cloud was taken");
-        let first = Arc::downgrade(revision.checker.robot());
-        let revision = Arc::downgrade(&revision);
+        let (first, revision) = (Arc::downgrade(revision.checker.robot()), Arc::downgrade(revision));
         assert!(first.upgrade().is_some() && revision.upgrade().is_some());
 
         cell.pass(1040, vec![Order::Description(urdf("second"))], BTreeMap::new());
