@@ -31,6 +31,9 @@ pub const FIT_SLACK: f64 = 1e-12;
 /// are told, not refused.
 pub const LARGEST_COORDINATE: f64 = 1e8;
 
+/// Longest name (bytes) of a robot, link, joint, frame or object.
+pub const LONGEST_NAME: usize = 1024;
+
 /// Extent (m) of a mesh beyond which its unit is probably wrong (millimetres without a scale).
 pub const SUSPICIOUS_EXTENT: f64 = 50.0;
 

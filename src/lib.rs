@@ -19,6 +19,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod constants;
+pub mod input_files;
 pub mod math;
 pub mod simd;
 

@@ -1,6 +1,10 @@
 //! Why a command ended without an answer.
 
+use std::borrow::Cow;
 use std::process::ExitCode;
+
+/// Longest line (characters) of a message.
+const LONGEST_LINE: usize = 4000;
 
 /// A failure and the exit code it means.
 #[derive(Debug)]
@@ -30,8 +34,34 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Input(message) | Self::OutOfMemory(message) => f.write_str(message),
-            Self::Internal(message) => write!(f, "internal error: {message}"),
+            Self::Input(message) | Self::OutOfMemory(message) => f.write_str(&bounded(message)),
+            Self::Internal(message) => write!(f, "internal error: {}", bounded(message)),
         }
+    }
+}
+
+/// The message with each line cut: what inputs hold must not flood a terminal.
+fn bounded(message: &str) -> Cow<'_, str> {
+    let is_long = |line: &str| line.len() > LONGEST_LINE;
+    if !message.split('\n').any(is_long) {
+        return Cow::Borrowed(message);
+    }
+    let cut = |line: &str| match line.char_indices().nth(LONGEST_LINE) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
+    };
+    Cow::Owned(message.split('\n').map(cut).collect::<Vec<_>>().join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_without_end_are_cut() {
+        let message = Failure::Input(format!("a\n{}\nb", "ü".repeat(1_000_000))).to_string();
+        assert!(message.starts_with("a\nüü") && message.ends_with("ü…\nb"));
+        assert!(message.len() < 10_000);
+        assert_eq!(Failure::Input("short".to_owned()).to_string(), "short");
     }
 }

@@ -1,20 +1,16 @@
 //! The arguments that name a robot and a world, and what they load.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
 use clearance::checker::{AllowedCollisionMatrix, CollisionChecker, MeshModel, Settings};
+use clearance::input_files::{self, WORLD_LIMIT};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::world::{PlanningScene, World, WorldFileKind};
 
 use super::failure::Failure;
-
-/// Largest file (bytes) of obstacles that is read.
-const LARGEST_FILE: u64 = 1 << 30;
 
 /// A robot.
 #[derive(Args, Clone, Debug, Default)]
@@ -144,7 +140,9 @@ impl ModelArgs {
 impl WorldArgs {
     /// Loads all files into one world; warnings are logged.
     pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<LoadedWorld, Failure> {
-        self.load_with(robot, files, &|path| read_file(path).map_err(|e| format!("{}: {e}", path.display())))
+        self.load_with(robot, files, &|path| {
+            input_files::read(path, WORLD_LIMIT).map_err(|error| error.to_string())
+        })
     }
 
     /// As [`Self::load`], with `read` in place of the files themselves.
@@ -198,16 +196,6 @@ const WORLDS: &str = "\n  (a world is the YAML of a MoveIt planning scene, MoveI
 fn is_yaml(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     ["yaml", "yml", "json"].iter().any(|known| extension.eq_ignore_ascii_case(known))
-}
-
-/// A file's bytes, which may also come out of a pipe.
-fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(std::io::Error::other(format!("has more than the {LARGEST_FILE} bytes that are read")));
-    }
-    Ok(bytes)
 }
 
 impl LoadedWorld {

@@ -8,6 +8,7 @@ use clap::Args;
 use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
+use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{
     Certificate, ContinuousDirection, ContinuousTurn, MotionSegment, ObstacleTrajectory, Trajectory,
     shortest_way,
@@ -257,7 +258,7 @@ impl MotionArgs {
         let Some(path) = &self.moving else { return Ok(ways.to_vec()) };
         let file = path.display();
         let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
-        let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+        let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
         let world = checker.world();
         let obstacles = ObstacleTrajectory::list_from_yaml(&text, world).map_err(|e| bad(&e))?;
         (ways.iter()).map(|way| way.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e))).collect()
@@ -330,7 +331,7 @@ fn trajectory(
 ) -> Result<Trajectory, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
-    let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+    let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
     let way = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
     way.map_err(|e| {
         bad(&format!("{e}\n  (a trajectory is the YAML or JSON of a trajectory_msgs/JointTrajectory)"))

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use clearance::input_files::{self, STATES_LIMIT};
 use clearance::robot::{Configuration, JointKind, RobotModel};
 use serde::Deserialize;
 
@@ -31,7 +32,7 @@ struct EdgesText {
 pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
-    let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+    let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
     let is_csv = (path.extension()).is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     let StatesText { joints, states } = if is_csv {
         from_csv(&text).map_err(|e| bad(&e))?
@@ -102,7 +103,7 @@ pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failur
 pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configuration; 2]>, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
-    let text = std::fs::read_to_string(path).map_err(|e| bad(&e))?;
+    let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
     let EdgesText { joints, edges } =
         serde_json::from_str(&text).map_err(|e| bad(&format!("{e}; {EDGES}")))?;
     if edges.is_empty() {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{Certificate, SegmentText};
 use clearance::verifier::{self, Verified};
 use serde_json::json;
@@ -45,8 +46,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     loaded.add_to(&mut settings);
     warn_of_meshes(&robot, &loaded.world, &settings);
     let file = args.certificate.display();
-    let text =
-        std::fs::read_to_string(&args.certificate).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+    let text = input_files::read_text(&args.certificate, STATES_LIMIT).map_err(Failure::input)?;
     let certificate: Certificate = serde_json::from_str(&text)
         .map_err(|e| Failure::Input(format!("{file}: this is no certificate: {e}")))?;
     let movers = certificate.segments.iter().flat_map(|s| &s.motion.obstacles);

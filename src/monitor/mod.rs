@@ -14,7 +14,7 @@
 //! | the last joint state that names some joint, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
 //! | its stamp lies more than `stale_after` in the future | UNKNOWN | `future_stamp` |
 //! | its stamp is older than that of the last judged one of the same publisher about the same joints | UNKNOWN | `out_of_order` |
-//! | names and positions differ in number, a joint twice, a position that no joint can have | UNKNOWN | `malformed` |
+//! | names and positions differ in number, a joint twice, a name of more than 1024 bytes, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
 //! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
 //! | a joint has never been named | UNKNOWN | `partial` |

@@ -9,7 +9,7 @@ use super::status::{quoted, quoted_list};
 use super::{JointStateInput, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Extremes, without_whole_turns};
-use crate::robot::{Configuration, JointId, JointKind, RobotModel};
+use crate::robot::{Configuration, JointId, JointKind, RobotModel, check_name_length};
 
 /// How far a joint that follows others may be reported from where it should be without a word (rad; m of one that slides): gears have play.
 const MIMIC_SLACK: f64 = 0.02;
@@ -156,6 +156,9 @@ impl<'t> Merge<'t> {
         if !is_whole {
             let counts = format!("it has {} names and {} positions", names.len(), positions.len());
             fault = first(fault, Some(Reason::Malformed(counts)));
+        }
+        if let Some(Err(excess)) = names.iter().map(|name| check_name_length(name)).find(Result::is_err) {
+            fault = first(fault, Some(Reason::Malformed(excess)));
         }
         let (mut mine, mut followers, mut strangers) = (Vec::new(), Vec::new(), Vec::new());
         let mut is_superseded = false;

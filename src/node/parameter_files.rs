@@ -8,6 +8,7 @@ use super::arguments::ParameterSource;
 use super::names::Names;
 use super::parameter_value::{self, Value};
 use super::parameters::{Parameters, declaration, similar};
+use crate::input_files::{self, DESCRIPTION_LIMIT};
 
 /// A parameter that can not be taken at the start.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +33,7 @@ pub fn initial(
     for source in sources {
         if let ParameterSource::File(file) = source {
             let fault = |why| ParameterFault::File { file: file.clone(), why };
-            let text = std::fs::read_to_string(file).map_err(|e| fault(e.to_string()))?;
+            let text = input_files::read_text(file, DESCRIPTION_LIMIT).map_err(|e| fault(e.reason))?;
             apply_text(&mut parameters, &text, file, names, &mut passed_over).map_err(fault)?;
         }
     }

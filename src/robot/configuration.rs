@@ -24,6 +24,8 @@ pub enum ConfigurationError {
     NotAQuaternion { joint: String, length: f64 },
     #[error("the robot has no joint '{joint}'{hint}")]
     UnknownJoint { joint: String, hint: String },
+    #[error("{0}")]
+    LongName(String),
     #[error("joint '{joint}' is given twice")]
     Duplicate { joint: String },
     #[error("joint '{joint}' is fixed and has no position")]

@@ -2,8 +2,6 @@
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,10 +10,8 @@ use super::mesh_formats;
 use super::numbers::shortened;
 use crate::constants::{SUSPICIOUS_DISTANCE, SUSPICIOUS_EXTENT};
 use crate::geometry::TriangleMesh;
+use crate::input_files::{self, MESH_LIMIT};
 use crate::math::{Extremes, Vector};
-
-/// Largest mesh file (bytes) that is read: ten million triangles of binary STL.
-const LARGEST_FILE: u64 = 512 << 20;
 
 /// A mesh as read: scaled, in metres, with what was odd about it.
 #[derive(Clone, Debug)]
@@ -65,7 +61,7 @@ impl<'f> MeshCache<'f> {
 
 fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
     let (file, bytes) = match found {
-        Found::File(file) => (file.as_path(), read_file(file)),
+        Found::File(file) => (file.as_path(), input_files::read(file, MESH_LIMIT).map_err(|e| e.reason)),
         Found::Embedded(name, bytes) => (Path::new(name), Ok(bytes.to_vec())),
         Found::Recorded(file, bytes) => (file.as_path(), Ok(bytes.to_vec())),
     };
@@ -86,23 +82,6 @@ fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
         remarks: remarks.map(|r| format!("mesh {}: {r}", file.display())).collect(),
         mesh: Arc::new(mesh),
     })
-}
-
-fn read_file(file: &Path) -> Result<Vec<u8>, String> {
-    let metadata = file.metadata().map_err(|e| e.to_string())?;
-    if metadata.is_dir() {
-        return Err("is a folder, no file".to_owned());
-    }
-    // a pipe or a device would block or never end
-    if !metadata.is_file() {
-        return Err("is no ordinary file".to_owned());
-    }
-    if metadata.len() > LARGEST_FILE {
-        return Err(format!("has {} bytes, more than the {LARGEST_FILE} that are read", metadata.len()));
-    }
-    let mut bytes = Vec::new();
-    File::open(file).and_then(|f| f.take(LARGEST_FILE).read_to_end(&mut bytes)).map_err(|e| e.to_string())?;
-    Ok(bytes)
 }
 
 /// What about the size and place of a mesh is probably not meant.

@@ -14,6 +14,7 @@ mod mesh_log;
 mod mesh_uri;
 mod mimic;
 mod model;
+mod name_length;
 mod named_values;
 mod numbers;
 mod prefix;
@@ -26,6 +27,7 @@ mod urdf;
 mod urdf_door;
 mod warning;
 mod xml;
+mod xml_limits;
 
 pub use chain::{
     Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
@@ -42,6 +44,7 @@ pub use loaded_mesh::LoadedMesh;
 pub use mesh_files::{MeshFileError, MeshFiles};
 pub use mesh_log::{MeshLog, MeshUse, RecordedMeshes};
 pub use model::{Collision, Link, MeshSource, ModelError, RobotModel};
+pub(crate) use name_length::check_name_length;
 pub use named_values::{MIMIC_TOLERANCE, MimicContradiction, NamedJoints};
 pub use robot_text::RobotText;
 pub use source::{Fault, Place};

@@ -4,6 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::joint::{JointKind, Mimic};
+use super::name_length::check_name_length;
 use super::{Configuration, ConfigurationError, JointId, RobotModel};
 use crate::math::Extremes;
 
@@ -102,6 +103,7 @@ impl RobotModel {
 
     /// The mimic joint of a name that is no free position.
     fn follower(&self, name: &str, value: usize) -> Result<Follower, ConfigurationError> {
+        check_name_length(name).map_err(ConfigurationError::LongName)?;
         let joint = self.joint_by_name(name).ok_or_else(|| ConfigurationError::UnknownJoint {
             hint: format!("; it has {}", self.position_names().join(", ")),
             joint: name.to_owned(),

@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 use super::mesh_files::MeshFiles;
 use super::model::{ModelError, RobotModel};
 use super::{Fault, Place, srdf, urdf, urdf_door};
-
-/// Largest description file (bytes) that is read.
-const LARGEST_FILE: u64 = 64 << 20;
+use crate::input_files::{self, DESCRIPTION_LIMIT};
 
 /// The texts that describe a robot; names are those of the files they came from, for messages.
 #[derive(Clone, Copy, Debug, Default)]
@@ -87,27 +85,9 @@ impl RobotModel {
 }
 
 fn read_text(path: &Path) -> Result<String, Fault> {
-    let fault = |message: String| Fault {
+    input_files::read_text(path, DESCRIPTION_LIMIT).map_err(|error| Fault {
         place: Place { file: Some(path.display().to_string()), ..Place::default() },
-        message,
-    };
-    let metadata = path.metadata().map_err(|e| fault(format!("cannot be read: {e}")))?;
-    if !metadata.is_file() {
-        return Err(fault("is no ordinary file".to_owned()));
-    }
-    if metadata.len() > LARGEST_FILE {
-        return Err(fault(format!(
-            "has {} bytes, more than the {LARGEST_FILE} that are read",
-            metadata.len()
-        )));
-    }
-    let bytes = std::fs::read(path).map_err(|e| fault(format!("cannot be read: {e}")))?;
-    if bytes.starts_with(b"\x1f\x8b") {
-        return Err(fault("is compressed with gzip; unpack it".to_owned()));
-    }
-    String::from_utf8(bytes).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        fault(format!("is no UTF-8 text: byte {at} belongs to another encoding"))
+        message: error.reason,
     })
 }
 
@@ -233,8 +213,6 @@ mod tests {
         assert!(message(b"<robot name='r'/>").contains("r.urdf:1: "));
         let missing = RobotModel::load(&folder.path().join("none"), None, &[]).unwrap_err();
         assert!(missing.to_string().contains("none"));
-        assert!(
-            RobotModel::load(folder.path(), None, &[]).unwrap_err().to_string().contains("no ordinary file")
-        );
+        assert!(RobotModel::load(folder.path(), None, &[]).unwrap_err().to_string().contains("a directory"));
     }
 }

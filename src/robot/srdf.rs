@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use roxmltree::Node;
 
+use super::name_length::check_name_length;
 use super::xml::{Expected, Xml, children, read_xml};
 use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
@@ -118,6 +119,7 @@ impl<'d> Reader<'d> {
     fn read(&mut self) -> Result<Srdf, Fault> {
         let root = self.xml.root();
         let robot_name = self.check_root(root)?;
+        self.check_name_lengths(root)?;
         self.read_virtual_joints(root);
         let passive_joints = self.passive_joints(root);
         let rules = self.collision_rules(root);
@@ -145,6 +147,18 @@ impl<'d> Reader<'d> {
             self.warn(root, "", message);
         }
         Ok(name.to_owned())
+    }
+
+    /// All attributes of an SRDF are names, but for values and reasons.
+    fn check_name_lengths(&self, root: Node<'d, 'd>) -> Result<(), Fault> {
+        for node in root.descendants().filter(Node::is_element) {
+            let names = node.attributes().filter(|a| !matches!(a.name(), "value" | "reason"));
+            for name in names {
+                let fault = |excess| self.xml.fault(node, format!("<{}>", node.tag_name().name()), excess);
+                check_name_length(name.value()).map_err(fault)?;
+            }
+        }
+        Ok(())
     }
 
     fn read_virtual_joints(&mut self, root: Node<'d, 'd>) {

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
+use super::name_length::check_name_length;
 use super::numbers::shortened;
 use super::xml::{Expected, Xml, children, read_xml};
 use super::{Fault, ModelError, Place, Warning};
@@ -93,6 +94,9 @@ impl<'d> Door<'d> {
         if name.is_empty() {
             self.warn(root, "", "the robot has no name");
         }
+        if let Err(excess) = check_name_length(name) {
+            self.fault(root, "robot", excess);
+        }
         let version = format!("{}.{}", self.version.0, self.version.1);
         self.writer.open("robot", &[("name", name), ("version", &version)]);
         let links = self.named(root, "link");
@@ -151,7 +155,9 @@ impl<'d> Door<'d> {
                     self.fault(node, "", message);
                 }
                 Some(name) => {
-                    if let Some(first) = first_lines.insert(name, line) {
+                    if let Err(excess) = check_name_length(name) {
+                        self.fault(node, kind, excess);
+                    } else if let Some(first) = first_lines.insert(name, line) {
                         let message = format!("another {kind} has this name, at line {first}");
                         self.fault(node, format!("{kind} '{name}'"), message);
                     } else {

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use roxmltree::{Document, Error, Node, ParsingOptions};
 
 use super::numbers::shortened;
-use super::{Fault, Place, Warning};
+use super::{Fault, Place, Warning, xml_limits};
 
 /// Longest XML text (bytes) that is read; a robot description is rarely longer than one of these megabytes.
 const LARGEST_TEXT: usize = 64 << 20;
@@ -101,7 +101,7 @@ impl Expected<'_> {
 ///
 /// # Errors
 /// A fault with its line: bad syntax, another root element than expected, a DTD (its entities are never expanded,
-/// nothing is fetched), too long a text.
+/// nothing is fetched), too long a text, or one beyond [`xml_limits`].
 pub(super) fn read_xml<T>(
     text: &str,
     expected: Expected,
@@ -114,6 +114,7 @@ pub(super) fn read_xml<T>(
         return Err(expected.fault(None, message));
     }
     let mut text = without_declaration(text, &expected, warnings);
+    xml_limits::check(&text).map_err(|excess| expected.fault(Some(excess.line), excess.message))?;
     for _ in 0..=MOST_UNDECLARED_PREFIXES {
         let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
         match Document::parse_with_options(&text, options) {
@@ -270,8 +271,16 @@ mod tests {
 
     #[test]
     fn a_hundred_thousand_levels_do_not_overflow_the_stack() {
-        let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
-        assert!(root_line(&deep).0.is_ok());
+        let deep = |levels: usize| "<a>".repeat(levels) + &"</a>".repeat(levels);
+        assert!(root_line(&deep(1000)).0.is_ok());
+        assert!(root_line(&deep(100_000)).0.unwrap_err().starts_with("f.xml:1: element <a> is nested"));
+    }
+
+    #[test]
+    fn attributes_without_number_are_rejected_at_once() {
+        let many = (0..200_000).map(|i| format!(" a{i}='x'")).collect::<Vec<_>>().concat();
+        let (result, _) = root_line(&format!("<a>\n<b{many}/></a>"));
+        assert_eq!(result.unwrap_err(), "f.xml:2: element <b> has more than the limit of 256 attributes");
     }
 
     #[test]

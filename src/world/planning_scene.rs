@@ -10,7 +10,7 @@ use super::scene_text::MatrixEntries;
 use super::{Obstacle, World};
 use crate::geometry::Shape;
 use crate::math::Pose;
-use crate::robot::{Configuration, LinkPoses, MeshFiles, RobotModel};
+use crate::robot::{Configuration, LinkPoses, MeshFiles, RobotModel, check_name_length};
 
 /// What scene files hold, one read after the other: each adds to what those before it left.
 #[derive(Clone, Debug, Default)]
@@ -57,13 +57,19 @@ impl std::fmt::Display for SceneError {
 
 impl std::error::Error for SceneError {}
 
+/// The start of a name that is too long.
+fn short(name: &str) -> String {
+    name.chars().take(40).chain(['…']).collect()
+}
+
 impl SceneError {
     pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
         Self { file: file.to_owned(), object: None, message: message.into() }
     }
 
     pub(super) fn of_object(file: &str, object: &str, message: impl Into<String>) -> Self {
-        Self { object: Some(object.to_owned()), ..Self::of_file(file, message) }
+        let object = check_name_length(object).map_or_else(|_| short(object), |()| object.to_owned());
+        Self { object: Some(object), ..Self::of_file(file, message) }
     }
 }
 

@@ -6,6 +6,7 @@
 use super::frames::Frames;
 use super::{AttachedObject, Obstacle, ObstacleShape, World, WorldError};
 use crate::math::Pose;
+use crate::robot::check_name_length;
 
 /// The name of the octomap among the objects; no other object may bear it.
 pub const OCTOMAP_NAME: &str = "<octomap>";
@@ -57,6 +58,8 @@ pub enum ObjectError {
     ReservedId,
     #[error("id: the robot has a link '{0}'; give the object another name")]
     NameOfLink(String),
+    #[error("{0}: {1}")]
+    LongName(&'static str, String),
     #[error("header.frame_id: {0}")]
     Frame(String),
     #[error("no shapes: give primitives, meshes or planes")]
@@ -105,9 +108,31 @@ impl SceneObject {
     }
 }
 
+impl SceneObject {
+    /// Names are checked before anything quotes them.
+    fn check_name_lengths(&self) -> Result<(), ObjectError> {
+        let fields = [("id", &self.id), ("header.frame_id", &self.frame)];
+        let subframes = self.subframes.iter().map(|(name, _)| ("subframe_names", name));
+        fields.into_iter().chain(subframes).try_for_each(checked)
+    }
+}
+
+impl SceneAttachment {
+    fn check_name_lengths(&self) -> Result<(), ObjectError> {
+        self.object.check_name_lengths()?;
+        let touched = self.touch_links.iter().map(|name| ("touch_links", name));
+        touched.chain([("link_name", &self.link)]).try_for_each(checked)
+    }
+}
+
+fn checked((field, name): (&'static str, &String)) -> Result<(), ObjectError> {
+    check_name_length(name).map_err(|excess| ObjectError::LongName(field, excess))
+}
+
 impl World {
     /// Does what an object asks for; answers with what was odd, each a clause.
     pub fn apply(&mut self, object: SceneObject, frames: &Frames) -> Result<Vec<String>, ObjectError> {
+        object.check_name_lengths()?;
         if object.id == OCTOMAP_NAME {
             return Err(ObjectError::ReservedId);
         }
@@ -202,6 +227,7 @@ impl World {
         attachment: SceneAttachment,
         frames: &Frames,
     ) -> Result<Vec<String>, ObjectError> {
+        attachment.check_name_lengths()?;
         if attachment.object.id == OCTOMAP_NAME {
             return Err(ObjectError::ReservedId);
         }

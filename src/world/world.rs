@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::{AttachedId, AttachedObject, Obstacle, ObstacleId, ObstacleShape};
 use crate::math::Pose;
+use crate::robot::check_name_length;
 
 /// Obstacles and attached objects. Copies share what they hold, and a change touches nothing but what it is about.
 #[derive(Clone, Debug, Default)]
@@ -26,8 +27,16 @@ pub enum WorldError {
     Unknown(String),
     #[error("no object '{0}' is attached")]
     NotAttached(String),
+    #[error("{0}")]
+    LongName(String),
     #[error("the world has more obstacles than 32 bits can number")]
     TooMany,
+}
+
+/// Names of an object and of its subframes.
+fn check_names(name: &str, subframes: &[(String, Pose)]) -> Result<(), WorldError> {
+    let mut names = subframes.iter().map(|(subframe, _)| subframe.as_str()).chain([name]);
+    names.try_for_each(check_name_length).map_err(WorldError::LongName)
 }
 
 impl World {
@@ -36,6 +45,7 @@ impl World {
         if obstacle.shapes.is_empty() {
             return Err(WorldError::NoShapes(obstacle.name));
         }
+        check_names(&obstacle.name, &obstacle.subframes)?;
         if self.id(&obstacle.name).is_some() || self.attached_by_name(&obstacle.name).is_some() {
             return Err(WorldError::Duplicate(obstacle.name));
         }
@@ -55,6 +65,7 @@ impl World {
         if obstacle.shapes.is_empty() {
             return Err(WorldError::NoShapes(obstacle.name));
         }
+        check_names(&obstacle.name, &obstacle.subframes)?;
         match self.id(&obstacle.name) {
             Some(id) => {
                 self.places[id.0 as usize] = Some(Arc::new(obstacle));
@@ -98,6 +109,7 @@ impl World {
         if object.shapes.is_empty() {
             return Err(WorldError::NoShapes(object.name));
         }
+        check_names(&object.name, &object.subframes)?;
         // whatever bore the name is this object now
         let _ = self.remove(&object.name);
         match self.attached.iter_mut().find(|other| other.name == object.name) {

@@ -4,25 +4,41 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// A module and those it may use, as `lib.rs` lists them.
-const LAYERS: [(&str, &[&str]); 14] = [
+const LAYERS: [(&str, &[&str]); 15] = [
     ("constants", &[]),
+    ("input_files", &[]),
     ("math", &["constants"]),
     ("simd", &[]),
     ("geometry", &["constants", "math"]),
     ("bounding_volume", &["constants", "math", "simd"]),
     ("bvh", &["constants", "math", "simd", "bounding_volume"]),
     ("query", &["constants", "math", "simd", "geometry", "bounding_volume", "bvh"]),
-    ("robot", &["constants", "math", "simd", "geometry"]),
+    ("robot", &["constants", "input_files", "math", "simd", "geometry"]),
     ("world", &["constants", "math", "geometry", "robot"]),
     ("motion", &["constants", "math", "geometry", "robot", "world"]),
     ("checker", &["constants", "math", "simd", "geometry", "bvh", "query", "robot", "world", "motion"]),
     ("verifier", &["constants", "math", "geometry", "robot", "world", "motion", "checker"]),
     ("monitor", &["constants", "math", "geometry", "query", "robot", "world", "checker"]),
-    ("node", &["constants", "math", "geometry", "query", "robot", "world", "motion", "checker", "monitor"]),
+    (
+        "node",
+        &[
+            "constants",
+            "input_files",
+            "math",
+            "geometry",
+            "query",
+            "robot",
+            "world",
+            "motion",
+            "checker",
+            "monitor",
+        ],
+    ),
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 25] = [
+const HOMES: [(&str, &str); 26] = [
+    ("libc", "src/input_files.rs"),
     ("fearless_simd", "src/simd/"),
     ("parry3d_f64", "src/query/narrow_phase.rs"),
     ("urdf_rs", "src/robot/"),
@@ -51,6 +67,10 @@ const HOMES: [(&str, &str); 25] = [
     ("cpu_time", "src/cli/"),
 ];
 
+/// Words that open or list files, and the files that may use them: the bounded reader, and what creates files.
+const OPENING: [&str; 5] = ["File::open", "File::options", "fs::read", "OpenOptions", "io::stdin"];
+const MAY_OPEN: [&str; 2] = ["src/input_files.rs", "src/node/recording/writer.rs"];
+
 /// What breaks the rules in a source file given by its path from the project's root.
 fn violations(path: &str, text: &str) -> Vec<String> {
     let code: String =
@@ -70,7 +90,20 @@ fn violations(path: &str, text: &str) -> Vec<String> {
             found.push(format!("{path}: names {name}, whose home is {home}"));
         }
     }
+    let is_test = path.contains("/tests/") || path.ends_with("tests.rs") || path.ends_with("testing.rs");
+    let product = code.split("#[cfg(test)]").next().unwrap_or("");
+    for word in OPENING.into_iter().filter(|word| has_word(product, word)) {
+        if !is_test && !MAY_OPEN.contains(&path) {
+            found.push(format!("{path}: {word}; input files are read by crate::input_files"));
+        }
+    }
     found
+}
+
+/// Whether `word` stands in `code`, not as the end of a longer name.
+fn has_word(code: &str, word: &str) -> bool {
+    let begins = |at: usize| !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+    code.match_indices(word).any(|(at, _)| begins(at))
 }
 
 /// Every module named after `crate::`, also inside braces.
@@ -120,10 +153,13 @@ fn a_planted_use_is_found() {
         ("src/verifier/apart.rs", "use crate::query::CollisionBody;"),
         ("src/checker/fingerprint.rs", "use sha2::Sha256;"),
         ("src/monitor/monitor.rs", "use ros2_client::Node;"),
+        ("src/cli/states.rs", "let text = std::fs::read_to_string(path)?;"),
+        ("src/robot/loaded_mesh.rs", "let file = File::open(path)?;"),
     ] {
         assert_eq!(violations(path, planted).len(), 1, "{path}: {planted}");
     }
     assert!(violations("src/query/body.rs", "use crate::bvh::Tree; // not crate::robot::X").is_empty());
+    assert!(violations("src/cli/states.rs", "#[cfg(test)] mod tests { fs::read(path) }").is_empty());
 }
 
 #[test]

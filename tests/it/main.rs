@@ -11,6 +11,7 @@ mod effort;
 mod held_planes;
 mod hostile;
 mod hostile_requests;
+mod input_files;
 mod large_worlds;
 mod layers;
 mod mimic_joints;

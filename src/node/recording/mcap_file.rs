@@ -10,6 +10,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 
 use super::step::Step;
+use crate::input_files;
 use crate::node::cdr;
 
 /// The private name of the topic that holds the steps.
@@ -85,11 +86,7 @@ pub struct RecordingFile {
 
 impl RecordingFile {
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let refused = |why: String| ReadError { file: path.to_owned(), why };
-        let file = File::open(path).map_err(|error| refused(error.to_string()))?;
-        if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-            return Err(refused("is no ordinary file".to_owned()));
-        }
+        let file = input_files::open(path).map_err(|e| ReadError { file: e.file, why: e.reason })?;
         let options = LinearReaderOptions::default()
             .with_skip_end_magic(true)
             .with_validate_chunk_crcs(true)

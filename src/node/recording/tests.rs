@@ -447,7 +447,7 @@ fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused()
         let error = again(&file).unwrap_err();
         assert!(error.contains(word) && error.contains("other.mcap"), "{error}");
     }
-    assert!(again(folder.path()).unwrap_err().contains("no ordinary file"));
+    assert!(again(folder.path()).unwrap_err().contains("a directory"));
 }
 
 #[test]

@@ -19,6 +19,7 @@ use serde::Serialize;
 use super::messages::schema;
 use super::step::{Clocks, CloudStep, OrderStep, Step, parameters_to_json};
 use super::tape::{Backlog, Given, Happening, Item, Judged, Original, Tape, system_time};
+use crate::input_files::{self, MESH_LIMIT};
 use crate::monitor::{Now, SourceId};
 use crate::node::cdr;
 use crate::node::mailbox::{self, Receiver};
@@ -34,9 +35,6 @@ const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
 /// Time between two looks at whether it is enough.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
-
-/// Largest file (bytes) that is attached.
-const LARGEST_ATTACHMENT: u64 = 512 << 20;
 
 /// Names that are tried when a file is there already.
 const TRIES: u32 = 10_000;
@@ -412,10 +410,10 @@ impl Writer {
 
     /// Puts a copy of a file into this one. One that can not be read leaves a recording that can be looked at, but not run again.
     fn attach(&mut self, file: &Path, name: &Path) -> Result<(), String> {
-        let bytes = match read(file) {
+        let bytes = match input_files::read(file, MESH_LIMIT) {
             Ok(bytes) => bytes,
             Err(error) => {
-                log::error!("the recording lacks {}: {error}", file.display());
+                log::error!("the recording lacks {error}");
                 return Ok(());
             }
         };
@@ -424,14 +422,6 @@ impl Writer {
         let attachment = Attachment { log_time, create_time: log_time, name, media_type, data: bytes.into() };
         self.mcap.attach(&attachment).map_err(|error| error.to_string())
     }
-}
-
-fn read(file: &Path) -> io::Result<Vec<u8>> {
-    let metadata = file.metadata()?;
-    if !metadata.is_file() || metadata.len() > LARGEST_ATTACHMENT {
-        return Err(io::Error::other("is no ordinary file of at most 512 MB"));
-    }
-    std::fs::read(file)
 }
 
 /// When something came, on the clock of the recording, which shows `at` when the others show `now`.

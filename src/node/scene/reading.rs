@@ -14,6 +14,7 @@ use crate::monitor::scene::{
     AttachedChange, FixedFrame, ObjectChange, Operation, RobotStateChange, SceneChange, SceneRefusal,
     WorldChange,
 };
+use crate::robot::check_name_length;
 use crate::world::{MatrixEntries, ObstacleShape, mesh, message_pose, plane, solid};
 
 /// What a message with several parts says, and which parts can not be understood.
@@ -196,6 +197,8 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<
 }
 
 fn fixed_frame(message: &TransformStamped) -> Result<FixedFrame, SceneRefusal> {
+    (check_name_length(&message.child_frame_id))
+        .map_err(|why| SceneRefusal::new(format!("fixed_frame_transforms: {why}")))?;
     let pose_pf = transform_pose(&message.transform).map_err(|why| {
         let frame = &message.child_frame_id;
         SceneRefusal::new(format!("fixed_frame_transforms: frame '{frame}': {why}"))

@@ -27,7 +27,7 @@ impl<'d> Door<'d> {
         for (collision, number) in children(link, "collision").zip(1..) {
             let element = match collision.attribute("name").unwrap_or_default() {
                 "" => format!("link '{name}' collision {number}"),
-                own => format!("link '{name}' collision '{own}'"),
+                own => format!("link '{name}' collision '{}'", shortened(own)),
             };
             let place = self.xml.place(collision, element.as_str());
             match collision.attribute("name") {

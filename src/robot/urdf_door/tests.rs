@@ -209,7 +209,10 @@ fn no_urdf_at_all() {
     refused("<robot name='r'/>", &["no <link>"]);
     refused("<robot version='2.0'><link name='a'/></robot>", &["version '2.0'"]);
     refused("<robot name='r'><xacro:macro/></robot>", &["xacro"]);
-    refused(&("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)), &["XML"]);
+    refused(&("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)), &["nested"]);
+    let long = "n".repeat(1025);
+    refused(&format!("<robot name='{long}'><link name='a'/></robot>"), &["robot", "1025 bytes"]);
+    refused(&format!("<robot name='r'><link name='{long}'/></robot>"), &["link", "1025 bytes"]);
     warned("<robot name='r' version='1'><link name='a'/></robot>", &["version '1'"]);
 }
 
