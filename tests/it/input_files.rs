@@ -117,10 +117,7 @@ fn xml_beyond_its_limits_is_rejected_with_the_line() {
         (format!("<robot name='r'>\n{}", "<a>".repeat(100_000)), "1000 levels"),
         (format!("<robot name='r'>\n{}", "<a xmlns:a='1' xmlns:b='2'>".repeat(900)), "64 in scope"),
         (format!("<robot name='r'>\n<{} a='1'/></robot>", "x".repeat(5000)), "5000 bytes"),
-        (
-            format!("<robot name='r'>\n{}</robot>", format!("<link name='{}'/>", "x".repeat(5000))),
-            "5000 bytes",
-        ),
+        (format!("<robot name='r'>\n<link name='{}'/></robot>", "x".repeat(5000)), "5000 bytes"),
     ] {
         std::fs::write(&path, text).unwrap();
         let output = clearance(&["check", "--urdf", file, "--state", ""], Stdio::null());
