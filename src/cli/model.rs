@@ -15,7 +15,7 @@ use super::failure::Failure;
 /// A robot.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ModelArgs {
-    /// The robot: a URDF file
+    /// The robot: a URDF file; its meshes are STL, OBJ, COLLADA, PLY or glTF (.gltf, .glb)
     #[arg(long, value_name = "FILE")]
     pub urdf: Option<PathBuf>,
 
@@ -23,7 +23,7 @@ pub struct ModelArgs {
     #[arg(long, value_name = "FILE", requires = "urdf")]
     pub srdf: Option<PathBuf>,
 
-    /// Where package://NAME/path is looked up, as DIR/NAME/path; may be given more than once
+    /// Where package://NAME/path is looked up, as DIR/NAME/path; symbolic links in DIR are followed; may be given more than once
     #[arg(long, value_name = "DIR")]
     pub package_path: Vec<PathBuf>,
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::mesh_files::{Found, MeshFileError, MeshFiles};
@@ -10,7 +10,7 @@ use super::mesh_formats;
 use super::numbers::shortened;
 use crate::constants::{SUSPICIOUS_DISTANCE, SUSPICIOUS_EXTENT};
 use crate::geometry::TriangleMesh;
-use crate::input_files::{self, MESH_LIMIT};
+use crate::input_files::MESH_LIMIT;
 use crate::math::{Extremes, Vector};
 
 /// A mesh as read: scaled, in metres, with what was odd about it.
@@ -29,12 +29,44 @@ impl MeshFiles {
     pub fn load(&self, uri: &str, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
         MeshCache::new(self).load(uri, scale)
     }
+
+    fn load_found(&self, found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
+        let file = found.path();
+        let unusable = |reason: String| MeshFileError::Unusable { file: file.to_owned(), reason };
+        let extension = file.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase();
+        let bytes = found.read(MESH_LIMIT).map_err(|e| unusable(e.reason))?;
+        let mut left = MESH_LIMIT;
+        let mut parts = |name: &str| -> Result<Vec<u8>, String> {
+            let part = self.find_part(found, name).map_err(|e| e.to_string())?;
+            let bytes = part.read(left).map_err(|e| e.to_string())?;
+            left -= bytes.len() as u64;
+            Ok(bytes)
+        };
+        let read = mesh_formats::read(bytes, &extension, &mut parts).map_err(unusable)?;
+        let mesh = if scale == Vector::from_element(1.0) {
+            read.mesh
+        } else {
+            read.mesh.scaled(scale).map_err(|e| unusable(e.to_string()))?
+        };
+        let (lo, hi) = mesh.bounds();
+        if lo == hi {
+            return Err(unusable("the whole mesh is one point".to_owned()));
+        }
+        let remarks = read.remarks.into_iter().chain(oddities(&mesh));
+        Ok(LoadedMesh {
+            remarks: remarks.map(|r| format!("mesh {}: {r}", file.display())).collect(),
+            mesh: Arc::new(mesh),
+        })
+    }
 }
+
+/// Paths that tell a mesh file from others, and the bits of the scale.
+type MeshKey = ((PathBuf, PathBuf), [u64; 3]);
 
 /// Meshes of one robot or world: a file that is used several times with one scale is read once.
 pub(crate) struct MeshCache<'f> {
     files: &'f MeshFiles,
-    loaded: HashMap<(Found, [u64; 3]), Arc<TriangleMesh>>,
+    loaded: HashMap<MeshKey, Arc<TriangleMesh>>,
 }
 
 impl<'f> MeshCache<'f> {
@@ -45,43 +77,18 @@ impl<'f> MeshCache<'f> {
     /// As [`MeshFiles::load`]; what is odd about a mesh is told at its first use only.
     pub fn load(&mut self, uri: &str, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
         let found = self.files.find(uri)?;
-        let key = (found, [scale.x, scale.y, scale.z].map(f64::to_bits));
+        let key = (found.key(), [scale.x, scale.y, scale.z].map(f64::to_bits));
         if let Some(mesh) = self.loaded.get(&key) {
             return Ok(LoadedMesh { mesh: mesh.clone(), remarks: Vec::new() });
         }
-        let mut loaded = load(&key.0, scale)?;
-        if uri.trim_start().starts_with("model://") {
+        let mut loaded = self.files.load_found(&found, scale)?;
+        if uri.trim_start().get(..8).is_some_and(|scheme| scheme.eq_ignore_ascii_case("model://")) {
             let remark = format!("mesh '{}': Gazebo's model:// is taken as package://", shortened(uri));
             loaded.remarks.push(remark);
         }
         self.loaded.insert(key, loaded.mesh.clone());
         Ok(loaded)
     }
-}
-
-fn load(found: &Found, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
-    let (file, bytes) = match found {
-        Found::File(file) => (file.as_path(), input_files::read(file, MESH_LIMIT).map_err(|e| e.reason)),
-        Found::Embedded(name, bytes) => (Path::new(name), Ok(bytes.to_vec())),
-        Found::Recorded(file, bytes) => (file.as_path(), Ok(bytes.to_vec())),
-    };
-    let unusable = |reason: String| MeshFileError::Unusable { file: file.to_owned(), reason };
-    let extension = file.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase();
-    let read = bytes.and_then(|bytes| mesh_formats::read(bytes, &extension)).map_err(unusable)?;
-    let mesh = if scale == Vector::from_element(1.0) {
-        read.mesh
-    } else {
-        read.mesh.scaled(scale).map_err(|e| unusable(e.to_string()))?
-    };
-    let (lo, hi) = mesh.bounds();
-    if lo == hi {
-        return Err(unusable("the whole mesh is one point".to_owned()));
-    }
-    let remarks = read.remarks.into_iter().chain(oddities(&mesh));
-    Ok(LoadedMesh {
-        remarks: remarks.map(|r| format!("mesh {}: {r}", file.display())).collect(),
-        mesh: Arc::new(mesh),
-    })
 }
 
 /// What about the size and place of a mesh is probably not meant.

@@ -16,10 +16,12 @@ pub(super) enum MeshName {
     Absolute(PathBuf),
 }
 
-/// Reads a mesh name as URDF and planning scenes write it; `%41` stands for `A`.
+/// Reads a mesh name as URDF and planning scenes write it. Schemes and the host `localhost` are read in any case, as RFC 3986
+/// and RFC 8089 say; `%41` stands for `A` behind the scheme.
 pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
     let bad = |reason: &str| MeshFileError::BadName { uri: shortened(uri), reason: reason.to_owned() };
-    let decoded = percent_encoding::percent_decode_str(uri.trim())
+    let (scheme, rest) = split_scheme(uri.trim());
+    let decoded = percent_encoding::percent_decode_str(rest)
         .decode_utf8()
         .map_err(|_| bad("is no UTF-8 once its %-escapes are decoded"))?;
     if decoded.is_empty() {
@@ -28,17 +30,47 @@ pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
     if decoded.contains(char::is_control) {
         return Err(bad("holds a control character"));
     }
-    match decoded.split_once("://") {
-        Some(("package" | "model", rest)) => package(rest).map_err(bad),
-        Some(("file", rest)) if Path::new(rest).is_absolute() => Ok(MeshName::Absolute(rest.into())),
-        Some(("file", _)) => Err(bad("names another computer; only file:///path is read")),
-        Some((scheme, _)) => Err(bad(&format!(
-            "has the scheme {scheme}://, and nothing is ever fetched; only package://, model://, file:// and plain \
-             file names are read"
+    match (scheme.as_deref(), decoded.strip_prefix("//")) {
+        (None, _) if Path::new(&*decoded).is_absolute() => {
+            Ok(MeshName::Absolute(decoded.into_owned().into()))
+        }
+        (None, _) => Ok(MeshName::Relative(decoded.into_owned().into())),
+        (Some("package" | "model"), Some(rest)) => package(rest).map_err(bad),
+        (Some("package" | "model"), None) => Err(bad("lacks two slashes: write package://NAME/path")),
+        (Some("file"), Some(rest)) => on_this_computer(rest).map_err(|reason| bad(&reason)),
+        (Some("file"), None) if Path::new(&*decoded).is_absolute() => {
+            Ok(MeshName::Absolute(decoded.into_owned().into()))
+        }
+        (Some("file"), None) => Err(bad("is no absolute path: write file:///path or a plain file name")),
+        (Some(scheme), _) => Err(bad(&format!(
+            "has the scheme {}://, and nothing is ever fetched; only package://, model://, file:// and plain \
+             file names are read",
+            shortened(scheme)
         ))),
-        None if Path::new(&*decoded).is_absolute() => Ok(MeshName::Absolute(decoded.into_owned().into())),
-        None => Ok(MeshName::Relative(decoded.into_owned().into())),
     }
+}
+
+/// The scheme in lower case, and what follows its colon. A colon in a plain file name makes no scheme.
+fn split_scheme(uri: &str) -> (Option<String>, &str) {
+    let Some((scheme, rest)) = uri.split_once(':') else { return (None, uri) };
+    let scheme = scheme.to_ascii_lowercase();
+    let is_known = matches!(scheme.as_str(), "file" | "package" | "model");
+    if is_known || rest.starts_with("//") { (Some(scheme), rest) } else { (None, uri) }
+}
+
+/// `HOST/path` of a `file://` name, where the host may be empty.
+fn on_this_computer(rest: &str) -> Result<MeshName, String> {
+    let (host, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
+    if !host.is_empty() && !host.eq_ignore_ascii_case("localhost") {
+        return Err(format!(
+            "names the host '{}', and nothing is ever fetched; write file:///path",
+            shortened(host)
+        ));
+    }
+    if path.is_empty() {
+        return Err("names no file".to_owned());
+    }
+    Ok(MeshName::Absolute(path.into()))
 }
 
 fn package(rest: &str) -> Result<MeshName, &'static str> {
@@ -83,6 +115,19 @@ mod tests {
         assert_eq!(parse("model://p/x.dae"), Ok(package("p", "x.dae")));
         assert_eq!(parse("file:///a/b.stl"), Ok(MeshName::Absolute("/a/b.stl".into())));
         assert_eq!(parse("../m/b.stl"), Ok(MeshName::Relative("../m/b.stl".into())));
+        assert_eq!(parse(" Package://P/x.stl\n"), Ok(package("P", "x.stl")));
+        for name in [
+            "file:/a/b.stl",
+            "FILE:///a/b.stl",
+            "File://LocalHost/a/b.stl",
+            "file:///a/%62.stl",
+            "file:%2Fa/b.stl",
+        ] {
+            assert_eq!(parse(name), Ok(MeshName::Absolute("/a/b.stl".into())), "{name}");
+        }
+        for name in ["a:b.stl", "C:x.stl", "a%3A%2F%2Fb.stl", "package%3A//..%2Fa.stl"] {
+            assert!(matches!(parse(name), Ok(MeshName::Relative(_))), "{name}");
+        }
     }
 
     #[test]
@@ -94,7 +139,15 @@ mod tests {
             ("package://p/%ff.stl", "UTF-8"),
             ("package://p", "no file"),
             ("http://h/a.stl", "http"),
-            ("file://host/a.stl", "another computer"),
+            ("file://host/a.stl", "host 'host'"),
+            ("file://127.0.0.1/a.stl", "host '127.0.0.1'"),
+            ("FILE://otherhost/%61.stl", "host 'otherhost'"),
+            ("file://a.stl", "host 'a.stl'"),
+            ("file://localhost", "no file"),
+            ("file:a.stl", "no absolute path"),
+            ("file:", "empty"),
+            ("package:/p/a.stl", "two slashes"),
+            ("HTTPS://h/a.stl", "scheme https"),
             ("", "empty"),
         ] {
             let message = parse(uri).unwrap_err().to_string();

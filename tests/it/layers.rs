@@ -4,17 +4,18 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// A module and those it may use, as `lib.rs` lists them.
-const LAYERS: [(&str, &[&str]); 15] = [
+const LAYERS: [(&str, &[&str]); 16] = [
     ("constants", &[]),
     ("input_files", &[]),
     ("math", &["constants"]),
+    ("ply", &[]),
     ("simd", &[]),
     ("geometry", &["constants", "math"]),
     ("bounding_volume", &["constants", "math", "simd"]),
     ("bvh", &["constants", "math", "simd", "bounding_volume"]),
     ("query", &["constants", "math", "simd", "geometry", "bounding_volume", "bvh"]),
-    ("robot", &["constants", "input_files", "math", "simd", "geometry"]),
-    ("world", &["constants", "math", "geometry", "robot"]),
+    ("robot", &["constants", "input_files", "math", "ply", "simd", "geometry"]),
+    ("world", &["constants", "math", "ply", "geometry", "robot"]),
     ("motion", &["constants", "math", "geometry", "robot", "world"]),
     ("checker", &["constants", "math", "simd", "geometry", "bvh", "query", "robot", "world", "motion"]),
     ("verifier", &["constants", "math", "geometry", "robot", "world", "motion", "checker"]),
@@ -37,7 +38,8 @@ const LAYERS: [(&str, &[&str]); 15] = [
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 26] = [
+const HOMES: [(&str, &str); 27] = [
+    ("base64", "src/robot/mesh_formats/"),
     ("libc", "src/input_files.rs"),
     ("fearless_simd", "src/simd/"),
     ("parry3d_f64", "src/query/narrow_phase.rs"),

@@ -7,19 +7,24 @@
 //! The file's unit and the transforms of its nodes are applied. Its `up_axis` is not: RViz and `MoveIt` show the axes as
 //! they stand in the file, and a checker that turned them would check another robot than the one shown.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use nalgebra::Matrix4;
 use roxmltree::Node;
 
 use super::ReadMesh;
+use super::tally::Tally;
 use crate::geometry::TriangleMesh;
 use crate::math::Point;
-use crate::robot::numbers::{decimal, decimals};
+use crate::robot::numbers::{decimal, decimals, shortened};
 use crate::robot::xml::{Expected, Xml, child, children, read_xml};
 
 mod geometry;
+mod ids;
 mod scene;
+mod skin;
+
+use ids::Ids;
 
 /// Most triangles of a file, instances counted: a file of nested instances can ask for any number.
 const MOST_TRIANGLES: usize = 20_000_000;
@@ -39,17 +44,23 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
 /// A COLLADA document and what has been gathered from it.
 struct Collada<'d> {
     xml: &'d Xml<'d>,
-    elements: HashMap<&'d str, Node<'d, 'd>>,
+    ids: Ids<'d>,
     vertices: Vec<Point>,
     triangles: Vec<[u32; 3]>,
     remarks: Vec<String>,
+    tally: Tally,
 }
 
 impl<'d> Collada<'d> {
     fn new(xml: &'d Xml<'d>) -> Self {
-        let elements =
-            (xml.root().descendants()).filter_map(|node| Some((node.attribute("id")?, node))).collect();
-        Self { xml, elements, vertices: Vec::new(), triangles: Vec::new(), remarks: Vec::new() }
+        Self {
+            xml,
+            ids: Ids::new(xml.root()),
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+            remarks: Vec::new(),
+            tally: Tally::default(),
+        }
     }
 
     fn read(mut self) -> Result<ReadMesh, String> {
@@ -62,7 +73,9 @@ impl<'d> Collada<'d> {
             return Err("the scene shows no triangles".to_owned());
         }
         let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|e| e.to_string())?;
-        self.remarks.dedup();
+        self.remarks.extend(self.tally.remarks());
+        let mut told = HashSet::new();
+        self.remarks.retain(|remark| told.insert(remark.clone()));
         Ok(ReadMesh { mesh, remarks: self.remarks })
     }
 
@@ -89,14 +102,20 @@ impl<'d> Collada<'d> {
         }
     }
 
-    /// The element that `#id` names.
-    fn referenced(&self, node: Node, attribute: &str) -> Result<Node<'d, 'd>, String> {
+    /// The element of one of these kinds that `#id` names; others may have the same id.
+    fn referenced(&self, node: Node, attribute: &str, kinds: &[&str]) -> Result<Node<'d, 'd>, String> {
         let url = node.attribute(attribute).unwrap_or_default();
         let Some(id) = url.strip_prefix('#') else {
+            let url = shortened(url);
             return Err(self
                 .at(node, format!("{attribute} '{url}' is no '#id' of this file, and no other is opened")));
         };
-        (self.elements.get(id).copied()).ok_or_else(|| self.at(node, format!("nothing has the id '{id}'")))
+        self.ids.find(id, kinds).ok_or_else(|| {
+            let (id, wanted) = (shortened(id), kinds.join("> or <"));
+            let other =
+                self.ids.any(id.as_str()).map(|kind| format!("; a <{kind}> has it")).unwrap_or_default();
+            self.at(node, format!("no <{wanted}> has the id '{id}'{other}"))
+        })
     }
 
     /// A message with the line of `node`.

@@ -1,11 +1,15 @@
 //! Mesh files to triangles. A format is recognised by what the file holds; its name only breaks ties.
 
 mod dae;
+mod gltf;
 mod obj;
+mod ply;
 mod polygon;
 mod stl;
+mod tally;
 
 use crate::geometry::TriangleMesh;
+use crate::ply::is_ply;
 
 /// A mesh in the file's own units (metres for COLLADA, which knows its unit), and what was odd.
 #[derive(Debug)]
@@ -20,31 +24,45 @@ impl From<TriangleMesh> for ReadMesh {
     }
 }
 
+/// Reads a file that a mesh file names as a part of itself, by that name.
+pub(super) type Parts<'f> = &'f mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
+
+const FORMATS: &str = "STL, OBJ, DAE, PLY, glTF and GLB";
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     BinaryStl,
     AsciiStl,
     Obj,
     Dae,
+    Ply,
+    Gltf,
+    Glb,
 }
 
 /// Reads a mesh file; `extension` is in lower case.
 ///
 /// # Errors
 /// Why the file holds no mesh, without quoting what it holds instead.
-pub(super) fn read(bytes: Vec<u8>, extension: &str) -> Result<ReadMesh, String> {
+pub(super) fn read(bytes: Vec<u8>, extension: &str, parts: Parts) -> Result<ReadMesh, String> {
     let format = recognise(&bytes, extension)?;
     let mut read = match format {
         Format::BinaryStl => stl::read_binary(bytes),
         Format::AsciiStl => stl::read_ascii(&text(&bytes)),
         Format::Obj => obj::read(&text(&bytes)),
         Format::Dae => dae::read(&text(&bytes)),
+        Format::Ply => ply::read(&bytes),
+        Format::Gltf => gltf::read_text(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes), parts),
+        Format::Glb => gltf::read_binary(&bytes, parts),
     }?;
     let (name, usual) = match format {
         Format::BinaryStl => ("a binary STL", "stl"),
         Format::AsciiStl => ("an ASCII STL", "stl"),
         Format::Obj => ("an OBJ", "obj"),
         Format::Dae => ("a COLLADA file", "dae"),
+        Format::Ply => ("a PLY", "ply"),
+        Format::Gltf => ("a glTF", "gltf"),
+        Format::Glb => ("a binary glTF", "glb"),
     };
     if extension != usual {
         let remark = format!("is {name} by what it holds, though its name ends in '.{extension}'");
@@ -58,6 +76,12 @@ fn recognise(bytes: &[u8], extension: &str) -> Result<Format, String> {
     let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start();
     if bytes.is_empty() {
         return Err("the file is empty".to_owned());
+    }
+    if is_ply(bytes) {
+        return Ok(Format::Ply);
+    }
+    if bytes.starts_with(gltf::MAGIC) {
+        return Ok(Format::Glb);
     }
     if stl::has_binary_length(bytes) {
         return Ok(Format::BinaryStl);
@@ -74,11 +98,17 @@ fn recognise(bytes: &[u8], extension: &str) -> Result<Format, String> {
     if starts_with_word(start, b"solid") && stl::looks_ascii(start) {
         return Ok(Format::AsciiStl);
     }
+    if start.starts_with(b"{") {
+        return Ok(Format::Gltf);
+    }
     match extension {
+        "ply" => Ok(Format::Ply),
+        "gltf" => Ok(Format::Gltf),
+        "glb" => Ok(Format::Glb),
         "stl" => Ok(Format::BinaryStl),
         "obj" => Ok(Format::Obj),
         "dae" => Ok(Format::Dae),
-        other => Err(format!("'.{other}' is no mesh format that is read; those are STL, OBJ and DAE")),
+        other => Err(format!("'.{other}' is no mesh format that is read; those are {FORMATS}")),
     }
 }
 
@@ -107,14 +137,18 @@ fn text(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
 mod tests {
     use super::*;
 
+    fn no_parts(name: &str) -> Result<Vec<u8>, String> {
+        Err(format!("no part {name}"))
+    }
+
     #[test]
     fn the_content_decides() {
         let ascii = b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
             endloop\nendfacet\nendsolid s";
-        let mesh = read(ascii.to_vec(), "obj").unwrap();
+        let mesh = read(ascii.to_vec(), "obj", &mut no_parts).unwrap();
         assert_eq!(mesh.mesh.triangles().len(), 1);
         assert!(mesh.remarks[0].contains("ASCII STL"), "{:?}", mesh.remarks);
-        assert!(read(ascii.to_vec(), "stl").unwrap().remarks.is_empty());
+        assert!(read(ascii.to_vec(), "stl", &mut no_parts).unwrap().remarks.is_empty());
     }
 
     #[test]
@@ -127,8 +161,14 @@ mod tests {
             (b"<html><body>not found</body></html>", "stl", "COLLADA"),
             (b"hello", "stl", "bytes"),
             (b"hello", "fbx", "'.fbx'"),
+            (b"hello", "ply", "PLY"),
+            (b"hello", "glb", "GLB"),
+            (b"hello", "gltf", "glTF"),
+            (b"{}", "stl", "glTF"),
+            (b"glTF", "stl", "GLB"),
+            (b"ply\n", "stl", "PLY"),
         ] {
-            let message = read(bytes.to_vec(), extension).unwrap_err();
+            let message = read(bytes.to_vec(), extension, &mut no_parts).unwrap_err();
             assert!(message.contains(word), "{message}");
         }
     }

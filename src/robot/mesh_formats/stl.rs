@@ -3,6 +3,7 @@
 //! `stl_io` tells the two apart by a leading `solid `, reads one solid of an ASCII file and knows only lower case. Both
 //! kinds are therefore brought into the form it reads faithfully before it sees them.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use super::ReadMesh;
@@ -22,7 +23,7 @@ pub(super) fn has_binary_length(bytes: &[u8]) -> bool {
 pub(super) fn looks_ascii(bytes: &[u8]) -> bool {
     let head = bytes[..bytes.len().min(4096)].to_ascii_lowercase();
     let has = |word: &[u8]| head.windows(word.len()).any(|w| w == word);
-    has(b"facet") || has(b"endsolid")
+    has(b"facet") || has(b"endsolid") || has(b"end solid")
 }
 
 fn triangle_count(bytes: &[u8]) -> Option<usize> {
@@ -64,21 +65,38 @@ pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
     indexed(one_plain_solid(text).as_bytes())
 }
 
-/// The facets of all solids as one solid in lower case; normals, which are not used, become zero, since degenerate
-/// facets are often published with the normal `nan nan nan`.
+/// The facets of all solids as one solid in lower case, a statement a line. Statements may be in any case and stand on any
+/// line, their words apart by any blanks, and their ends written in one word or two (`endloop`, `end loop`). Normals, which
+/// are not used, become zero, since degenerate facets are often published with the normal `nan nan nan`.
 fn one_plain_solid(text: &str) -> String {
     let mut solid = String::with_capacity(text.len());
     solid.push_str("solid all\n");
     let mut open = false;
-    for line in text.lines().map(|l| l.trim().to_ascii_lowercase()) {
-        let word = line.split_whitespace().next().unwrap_or_default();
-        match word {
-            "solid" => open = true,
-            "endsolid" => open = false,
-            "facet" => solid.push_str("facet normal 0 0 0\n"),
-            _ => {
-                solid.push_str(&line);
-                solid.push('\n');
+    for line in text.split(['\n', '\r']) {
+        let line = line.to_ascii_lowercase();
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        let mut rest = &words[..];
+        while let Some((statement, others)) = first_statement(rest) {
+            let arguments = others.iter().position(|word| is_keyword(word)).unwrap_or(others.len());
+            rest = &others[arguments..];
+            match &*statement {
+                // up to the next facet, the rest of the line is a name
+                "solid" | "endsolid" => {
+                    let begins = |pair: &[&str]| pair == ["facet", "normal"];
+                    let facet = others.windows(2).position(begins);
+                    open = statement == "solid" || facet.is_some();
+                    rest = facet.map_or(&[][..], |at| &others[at..]);
+                }
+                "facet" => solid.push_str("facet normal 0 0 0\n"),
+                // also what is no statement: stl_io rejects it
+                other => {
+                    solid.push_str(other);
+                    for argument in &others[..arguments] {
+                        solid.push(' ');
+                        solid.push_str(argument);
+                    }
+                    solid.push('\n');
+                }
             }
         }
     }
@@ -87,6 +105,20 @@ fn one_plain_solid(text: &str) -> String {
         solid.push_str("endsolid all\n");
     }
     solid
+}
+
+/// The word that begins a statement, `end loop` as `endloop`, and the words behind it.
+fn first_statement<'w, 't>(words: &'w [&'t str]) -> Option<(Cow<'t, str>, &'w [&'t str])> {
+    match *words {
+        [] => None,
+        ["end", what, ref rest @ ..] => Some((Cow::Owned(format!("end{what}")), rest)),
+        [word, ref rest @ ..] => Some((Cow::Borrowed(word), rest)),
+    }
+}
+
+/// Words that begin a statement.
+fn is_keyword(word: &str) -> bool {
+    matches!(word, "solid" | "endsolid" | "facet" | "endfacet" | "outer" | "endloop" | "vertex" | "end")
 }
 
 fn indexed(bytes: &[u8]) -> Result<ReadMesh, String> {
@@ -133,6 +165,32 @@ mod tests {
     }
 
     #[test]
+    fn statements_are_read_however_they_are_spaced() {
+        let words = FACET.replace("endloop", "end loop").replace("endfacet", "end facet");
+        let text = format!("solid part 7\n{words}end solid part 7\n");
+        let on_one_line = text.replace("part 7\n", "part 7\r").replace(" \n", " ").replace("\n ", " ");
+        for text in [
+            text.clone(),
+            text.replace('\n', "\r\n"),
+            text.replace('\n', "\r"),
+            text.replace(' ', "\t"),
+            text.replace(' ', "  \t "),
+            text.to_uppercase(),
+            text.replace("end loop", "End  Loop").replace("vertex", "Vertex"),
+            on_one_line,
+            "solid a facet\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0\nvertex 0 1 0 end loop end facet\nend solid"
+                .to_owned(),
+            // a name before statements, and a solid on one line
+            format!("solid a {}", words.replace('\n', " ")) + " endsolid a\n",
+        ] {
+            let read = read_ascii(&text).unwrap_or_else(|e| panic!("{e}: {text:?}"));
+            assert_eq!(read.mesh.triangles().len(), 1, "{text:?}");
+            assert_eq!(read.mesh.bounds().1, Point::new(1.0, 1.0, 0.0));
+            assert!(looks_ascii(text.as_bytes()));
+        }
+    }
+
+    #[test]
     fn ascii_faults() {
         for text in [
             format!("solid a\n{FACET}"),
@@ -140,6 +198,12 @@ mod tests {
             format!("solid a\n{}endsolid", FACET.replace("endloop", "vertex 1 1 1\nendloop")),
             format!("solid a\n{}endsolid", FACET.replace("1e0", "inf")),
             "solid a\nendsolid a".to_owned(),
+            format!("solid a\n{}endsolid", FACET.replace("endloop", "end")),
+            format!("solid a\n{}endsolid", FACET.replace("endloop", "end hoop")),
+            format!("solid a\n{}endsolid", FACET.replace("endloop", "")),
+            format!("solid a\n{}endsolid", FACET.replace(" vertex 1 0 0", " vertex 1 0")),
+            format!("solid a\n{}endsolid", FACET.replace(" vertex 1 0 0", " vertex 1 0 0 0")),
+            format!("solid a\n{}", FACET.replace("endfacet", "end solid")),
         ] {
             assert!(read_ascii(&text).is_err(), "{text}");
         }
@@ -170,7 +234,7 @@ mod tests {
                 let at = at % bytes.len();
                 bytes[at] = byte;
                 bytes.truncate(bytes.len() - cut.min(bytes.len()) / 4);
-                let _ = super::super::read(bytes, "stl");
+                let _ = super::super::read(bytes, "stl", &mut |_: &str| Err(String::new()));
             }
         }
     }

@@ -1,8 +1,9 @@
 //! PCD, the files of the Point Cloud Library (PCL).
 
 use super::lzf;
-use super::points::{ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind};
-use super::{next_line, quoted, words};
+use super::points::{CloudError, CloudPoints, Column, Columns};
+use crate::ply::text::{next_line, quoted, words};
+use crate::ply::{ByteOrder, NumberKind};
 
 /// What stands before the data.
 #[derive(Debug, Default)]

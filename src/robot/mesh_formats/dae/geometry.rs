@@ -6,6 +6,7 @@ use roxmltree::Node;
 use super::{Collada, MOST_TRIANGLES, child, children, decimal};
 use crate::math::Point;
 use crate::robot::mesh_formats::polygon;
+use crate::robot::mesh_formats::tally::TOO_FEW_CORNERS;
 
 /// Polygons by the places of their corners in the positions.
 type Polygons = Vec<Vec<usize>>;
@@ -14,8 +15,15 @@ impl<'d> Collada<'d> {
     /// Adds the triangles of `geometry`, moved by `to_file`.
     pub(super) fn append(&mut self, geometry: Node<'d, 'd>, to_file: &Matrix4<f64>) -> Result<(), String> {
         let Some(mesh) = child(geometry, "mesh").or_else(|| child(geometry, "convex_mesh")) else {
+            if child(geometry, "spline").is_some() {
+                self.tally.add("splines are skipped", Some(self.xml.line(geometry)));
+                return Ok(());
+            }
             return Err(self.at(geometry, "has no <mesh>"));
         };
+        if mesh.has_attribute("convex_hull_of") {
+            return Err(self.at(mesh, "convex_hull_of is not read; write the triangles of the hull"));
+        }
         let mirrored = to_file.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         // a file instances few vertex lists, nearly always one for each geometry
         let mut known: Option<(Node, usize, Vec<Point>)> = None;
@@ -54,6 +62,10 @@ impl<'d> Collada<'d> {
             })
         };
         let corners: Vec<Point> = polygon.iter().map(corner).collect::<Result<_, _>>()?;
+        if corners.len() < 3 {
+            self.tally.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
+            return Ok(());
+        }
         let triangles = polygon::triangulate(&corners).map_err(|reason| self.at(primitive, reason))?;
         if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
             return Err(format!("the scene shows more than {MOST_TRIANGLES} triangles"));
@@ -71,12 +83,12 @@ impl<'d> Collada<'d> {
         let Some(input) = children(vertices, "input").find(position) else {
             return Err(self.at(vertices, "has no input POSITION"));
         };
-        let source = self.referenced(input, "source")?;
+        let source = self.referenced(input, "source", &["source"])?;
         let accessor = child(source, "technique_common").and_then(|t| child(t, "accessor"));
         let Some(accessor) = accessor else {
             return Err(self.at(source, "has no accessor"));
         };
-        let array = self.referenced(accessor, "source")?;
+        let array = self.referenced(accessor, "source", &["float_array", "int_array"])?;
         let numbers: Vec<f64> = (array.text().unwrap_or_default().split_whitespace())
             .map(decimal)
             .collect::<Result<_, _>>()
@@ -102,11 +114,13 @@ impl<'d> Collada<'d> {
     /// The polygons of a primitive element and the `<vertices>` they index; `None` for lines and other elements.
     fn polygons(&mut self, primitive: Node<'d, 'd>) -> Result<Option<(Node<'d, 'd>, Polygons)>, String> {
         let kind = primitive.tag_name().name();
-        if !matches!(kind, "triangles" | "polylist" | "polygons" | "trifans" | "tristrips") {
-            return Ok(None);
-        }
-        if child(primitive, "ph").is_some() {
-            return Err(self.at(primitive, "polygons with holes are not read"));
+        match kind {
+            "triangles" | "polylist" | "polygons" | "trifans" | "tristrips" => {}
+            "lines" | "linestrips" => {
+                self.tally.add("lists of lines are skipped", Some(self.xml.line(primitive)));
+                return Ok(None);
+            }
+            _ => return Ok(None),
         }
         let mut stride = 1;
         let mut vertex_input = None;
@@ -117,8 +131,10 @@ impl<'d> Collada<'d> {
                 vertex_input = Some((input, offset));
             }
         }
-        let lists: Vec<Vec<usize>> =
-            children(primitive, "p").map(|p| self.indices(p)).collect::<Result<_, _>>()?;
+        let lists = self.index_lists(primitive)?;
+        if lists.iter().all(Vec::is_empty) && child(primitive, "vcount").is_none() && kind != "polygons" {
+            return Ok(None);
+        }
         let Some((input, offset)) = vertex_input else {
             return Err(self.at(primitive, "has no input VERTEX"));
         };
@@ -132,12 +148,40 @@ impl<'d> Collada<'d> {
         let polygons = match kind {
             "triangles" => self.equal_polygons(primitive, &lists.concat())?,
             "polylist" => self.counted_polygons(primitive, &lists.concat())?,
-            "trifans" => lists.iter().flat_map(|l| fan(l)).collect(),
-            "tristrips" => lists.iter().flat_map(|l| strip(l)).collect(),
+            "trifans" | "tristrips" => {
+                for _ in lists.iter().filter(|list| list.len() < 3) {
+                    self.tally.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
+                }
+                let triangles = if kind == "trifans" { fan } else { strip };
+                lists.iter().flat_map(|list| triangles(list)).collect()
+            }
             _ => lists,
         };
         self.compare_count(primitive, kind, polygons.len());
-        Ok(Some((self.referenced(input, "source")?, polygons)))
+        if polygons.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some((self.referenced(input, "source", &["vertices"])?, polygons)))
+    }
+
+    /// The numbers of each `<p>`. A polygon with holes (`<ph>`) is taken by its outline: filled, it hides no contact.
+    fn index_lists(&mut self, primitive: Node<'d, 'd>) -> Result<Vec<Vec<usize>>, String> {
+        let mut lists = Vec::new();
+        for part in primitive.children().filter(Node::is_element) {
+            match part.tag_name().name() {
+                "p" => lists.push(self.indices(part)?),
+                "ph" => {
+                    let Some(outline) = child(part, "p") else {
+                        return Err(self.at(part, "has no <p>"));
+                    };
+                    lists.push(self.indices(outline)?);
+                    self.tally
+                        .add("polygons have holes, which are taken as filled", Some(self.xml.line(part)));
+                }
+                _ => {}
+            }
+        }
+        Ok(lists)
     }
 
     fn equal_polygons(&self, primitive: Node, corners: &[usize]) -> Result<Polygons, String> {

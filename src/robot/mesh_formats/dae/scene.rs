@@ -40,14 +40,15 @@ impl<'d> Collada<'d> {
                 match part.tag_name().name() {
                     "node" => pending.push((part, to_file, level + 1)),
                     "instance_node" => {
-                        pending.push((self.referenced(part, "url")?, to_file, level + 1));
+                        pending.push((self.referenced(part, "url", &["node"])?, to_file, level + 1));
                     }
                     "instance_geometry" => {
-                        shown.push(Shown { geometry: self.referenced(part, "url")?, to_file });
+                        shown.push(Shown { geometry: self.referenced(part, "url", &["geometry"])?, to_file });
                     }
                     "instance_controller" => {
-                        let remark = "instances a controller; skinned and morphed meshes are left out";
-                        self.remarks.push(self.at(node, remark));
+                        let controller = self.referenced(part, "url", &["controller"])?;
+                        let (geometry, to_node) = self.bind_pose(controller)?;
+                        shown.push(Shown { geometry, to_file: to_file * to_node });
                     }
                     _ => {}
                 }
@@ -61,7 +62,7 @@ impl<'d> Collada<'d> {
     fn visual_scene(&self) -> Result<Option<Node<'d, 'd>>, String> {
         let instance = child(self.xml.root(), "scene").and_then(|s| child(s, "instance_visual_scene"));
         if let Some(instance) = instance {
-            return self.referenced(instance, "url").map(Some);
+            return self.referenced(instance, "url", &["visual_scene"]).map(Some);
         }
         let mut scenes = children(self.xml.root(), "library_visual_scenes")
             .flat_map(|library| children(library, "visual_scene"));

@@ -107,6 +107,91 @@ fn faults_are_named() {
 }
 
 #[test]
+fn polygons_of_fewer_than_three_corners_are_skipped_and_counted() {
+    let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
+    for (primitive, skipped) in [
+        (format!("<polylist count='3'>{input}<vcount>4 2 0</vcount><p>0 1 2 3 1 2</p></polylist>"), 2),
+        (format!("<polygons count='4'>{input}<p/><p>0 1 2 3</p><p>1</p><p>0 1</p></polygons>"), 3),
+        (format!("<polylist count='1'>{input}<vcount/><p/></polylist>{TRIANGLES}"), 0),
+        (format!("<triangles count='0'><p/></triangles><triangles/>{TRIANGLES}"), 0),
+        (format!("<trifans count='2'>{input}<p>0 1</p><p>0 1 2 3</p></trifans>"), 1),
+        (format!("<tristrips count='3'>{input}<p/><p>0 1 3 2</p><p>0 1</p></tristrips>"), 2),
+    ] {
+        let read = read(&file("", &primitive, NODE)).unwrap();
+        assert_eq!(read.mesh.triangles().len(), 2, "{primitive}");
+        let told = read.remarks.iter().find(|r| r.contains("fewer than three"));
+        let expected = (skipped > 0).then(|| format!("{skipped} polygons of fewer"));
+        assert_eq!(told.is_some(), expected.is_some(), "{primitive}: {told:?}");
+        assert!(told.zip(expected).is_none_or(|(told, expected)| told.starts_with(&expected)), "{primitive}");
+    }
+    let only = format!("<polylist count='1'>{input}<vcount>2</vcount><p>0 1</p></polylist>");
+    assert!(fault(&file("", &only, NODE)).contains("no triangles"));
+}
+
+#[test]
+fn lines_splines_and_holes_are_told() {
+    let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
+    let lines = format!("<lines count='1'>{input}<p>0 1</p></lines>{TRIANGLES}");
+    let spline = file("", TRIANGLES, &(NODE.to_owned() + r##"<node><instance_geometry url="#sp"/></node>"##));
+    let spline =
+        spline.replace("</mesh></geometry>", "</mesh></geometry><geometry id='sp'><spline/></geometry>");
+    let hole = format!("<polygons count='1'>{input}<ph><p>0 1 2 3</p><h>0 1 2</h></ph></polygons>");
+    for (text, words) in [
+        (file("", &lines, NODE), "1 lists of lines"),
+        (spline, "1 splines"),
+        (file("", &hole, NODE), "1 polygons have holes, which are taken as filled, the first at line"),
+    ] {
+        let read = read(&text).unwrap();
+        assert_eq!(read.mesh.triangles().len(), 2);
+        assert!(read.remarks[0].starts_with(words), "{:?}", read.remarks);
+    }
+    let hull = file("", TRIANGLES, NODE).replace("<mesh>", "<convex_mesh convex_hull_of='#g'>");
+    assert!(fault(&hull.replace("</mesh>", "</convex_mesh>")).contains("convex_hull_of"));
+}
+
+/// Exporters give a node and its geometry, or a source and its array, one id.
+#[test]
+fn an_id_counts_among_elements_of_one_kind() {
+    let good = file("", TRIANGLES, r##"<node id="n"><instance_geometry url="#g"/></node>"##);
+    for (id, same) in [("g", "a"), ("n", "g"), ("vs", "g"), ("a", "s"), ("v", "s"), ("lib", "g"), ("n", "a")]
+    {
+        let text = [("id=\"ID\"", id), ("\"#ID\"", id)].iter().fold(good.clone(), |text, (form, id)| {
+            text.replace(&form.replace("ID", id), &form.replace("ID", same))
+        });
+        let read = read(&text).unwrap_or_else(|e| panic!("{id} as {same}: {e}"));
+        assert_eq!(read.mesh.triangles().len(), 2);
+    }
+    let escaped = good.replace("id=\"g\"", "id=\"g h\"").replace("#g\"", "#g%20h\"");
+    assert!(read(&escaped).is_ok());
+    let wrong = fault(&good.replace("instance_geometry url=\"#g\"", "instance_geometry url=\"#vs\""));
+    assert!(wrong.contains("no <geometry> has the id 'vs'; a <visual_scene> has it"), "{wrong}");
+}
+
+#[test]
+fn skinned_meshes_are_read_as_they_were_bound() {
+    let node = r##"<node><translate>5 0 0</translate><instance_controller url="#k"/></node>"##;
+    let skin = |source: &str| {
+        format!(
+            "<library_controllers><controller id='k'><skin source='{source}'><bind_shape_matrix>2 0 0 1  0 1 0 0  0 0 1 0  \
+             0 0 0 1</bind_shape_matrix></skin></controller><controller id='m'><morph source='#g'/></controller>\
+             <controller id='l'><skin source='#k'/></controller><controller id='e'/></library_controllers>"
+        )
+    };
+    let of = |source: &str, node: &str| {
+        read(&file("", TRIANGLES, node).replace("<library_nodes>", &(skin(source) + "<library_nodes>")))
+    };
+    for source in ["#g", "#m"] {
+        let read = of(source, node).unwrap();
+        assert!((read.mesh.bounds().0 - Point::new(5.0, -0.5, 0.0)).norm() < 1e-15);
+        assert!((extent(&read) - Vector::new(2.0, 1.0, 0.0)).norm() < 1e-15);
+        assert!(read.remarks[0].contains("skinned"), "{:?}", read.remarks);
+    }
+    assert!(of("#l", node).unwrap_err().contains("without end"));
+    assert!(of("#none", node).unwrap_err().contains("'none'"));
+    assert!(of("#g", &node.replace("#k", "#e")).unwrap_err().contains("neither"));
+}
+
+#[test]
 fn endless_instances_end() {
     let looped = file("", TRIANGLES, r##"<node id="n"><instance_node url="#n"/></node>"##);
     assert!(fault(&looped).contains("without end"));

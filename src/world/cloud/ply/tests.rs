@@ -98,10 +98,10 @@ fn faults_are_named() {
         (format!("{head}end_header\n"), "vertex"),
         (format!("{head}element vertex 1\nproperty float x\nend_header\n1"), "property y"),
         (format!("{head}element vertex 1\nproperty list int int x\n{xyz}end_header\n1"), "property x"),
-        (format!("{head}element vertex 2\n{xyz}end_header\n1 2 3\n4 5"), "vertex 1 of 2"),
+        (format!("{head}element vertex 2\n{xyz}end_header\n1.0 2.0 3.0\n4.0 5.0"), "vertex 1 of 2"),
         (format!("{head}element vertex 1\n{xyz}end_header\n1 2 far"), "'far'"),
         (format!("{head}element vertex many\n{xyz}end_header\n"), "'many'"),
-        (format!("{binary}element vertex 4000000000\n{xyz}end_header\nabc"), "vertex 0"),
+        (format!("{binary}element vertex 4000000000\n{xyz}end_header\nabc"), "4000000000 records"),
         (
             format!(
                 "{binary}element a 9999999999999999999\nproperty int b\nelement vertex 1\n{xyz}end_header\n"

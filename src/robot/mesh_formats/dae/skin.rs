@@ -1,0 +1,40 @@
+//! Skinned and morphed meshes of a COLLADA file, in the pose in which they were bound.
+
+use nalgebra::Matrix4;
+use roxmltree::Node;
+
+use super::{Collada, child};
+
+/// Controllers that deform what another controller makes: more is a loop.
+const MOST_CONTROLLERS: usize = 10;
+
+impl<'d> Collada<'d> {
+    /// The geometry that a `<controller>` deforms, and where it is before that: skins and morphs are not applied.
+    pub(super) fn bind_pose(
+        &mut self,
+        controller: Node<'d, 'd>,
+    ) -> Result<(Node<'d, 'd>, Matrix4<f64>), String> {
+        let (mut controller, mut to_mesh) = (controller, Matrix4::identity());
+        for _ in 0..MOST_CONTROLLERS {
+            let (skin, morph) = (child(controller, "skin"), child(controller, "morph"));
+            let Some(deformer) = skin.or(morph) else {
+                return Err(self.at(controller, "has neither <skin> nor <morph>"));
+            };
+            let what = if skin.is_some() {
+                "the mesh is skinned: it is taken as it was bound"
+            } else {
+                "the mesh is morphed: it is taken without"
+            };
+            self.remarks.push(self.at(controller, what));
+            if let Some(matrix) = child(deformer, "bind_shape_matrix") {
+                to_mesh *= Matrix4::from_row_slice(&self.numbers::<16>(matrix)?);
+            }
+            let source = self.referenced(deformer, "source", &["geometry", "controller"])?;
+            if source.tag_name().name() == "geometry" {
+                return Ok((source, to_mesh));
+            }
+            controller = source;
+        }
+        Err(self.at(controller, "controllers deform each other without end"))
+    }
+}

@@ -1,0 +1,255 @@
+//! PLY: vertices with x, y and z, and faces or triangle strips that index them. All other elements and properties, such as
+//! colours and normals, are left out. Coordinates are metres, as RViz takes them.
+
+use super::tally::{TOO_FEW_CORNERS, Tally};
+use super::{ReadMesh, polygon};
+use crate::geometry::TriangleMesh;
+use crate::math::Point;
+use crate::ply::{Element, Numbers, PlyError, PlyFile};
+
+/// Most triangles: strips and polygons have one for each index at most.
+const MOST_TRIANGLES: usize = 20_000_000;
+
+/// Lists of vertex numbers, one behind the other; -1 in a strip begins another one.
+#[derive(Default)]
+struct Lists {
+    indices: Vec<i64>,
+    /// Where each list ends in `indices`.
+    ends: Vec<usize>,
+}
+
+/// # Errors
+/// When the file is cut, contradicts itself, or has no faces.
+pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
+    let PlyFile { elements, mut numbers } = PlyFile::open(bytes).map_err(bad)?;
+    let (mut vertices, mut faces, mut strips) = (None, Lists::default(), Lists::default());
+    for element in &elements {
+        match element.name.as_str() {
+            "vertex" if vertices.is_none() => vertices = Some(positions(element, &mut numbers).map_err(bad)?),
+            "face" => faces.read(element, &mut numbers).map_err(bad)?,
+            "tristrips" => strips.read(element, &mut numbers).map_err(bad)?,
+            _ => numbers.skip(element).map_err(bad)?,
+        }
+    }
+    let vertices = vertices.ok_or("bad PLY: the header has no element vertex")?;
+    let mut triangles = Vec::new();
+    let mut tally = Tally::default();
+    for face in faces.lists() {
+        append_polygon(&corners(face, vertices.len())?, &vertices, &mut triangles, &mut tally)?;
+    }
+    for strip in strips.lists() {
+        for part in strip.split(|&index| index == -1) {
+            append_strip(&corners(part, vertices.len())?, &mut triangles)?;
+        }
+    }
+    if triangles.is_empty() {
+        return Err("the file has no faces: it is a point cloud, or lacks its surface".to_owned());
+    }
+    let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| e.to_string())?;
+    Ok(ReadMesh { mesh, remarks: tally.remarks().collect() })
+}
+
+#[allow(clippy::needless_pass_by_value)] // for map_err
+fn bad(error: PlyError) -> String {
+    format!("bad PLY: {error}")
+}
+
+fn positions(element: &Element, numbers: &mut Numbers) -> Result<Vec<Point>, PlyError> {
+    let xyz = element.coordinates()?;
+    (0..element.count).map(|i| numbers.point(element, xyz, i).map(Point::from)).collect()
+}
+
+impl Lists {
+    fn read(&mut self, element: &Element, numbers: &mut Numbers) -> Result<(), PlyError> {
+        let is_indices = |name: &str| matches!(name, "vertex_indices" | "vertex_index");
+        let place = element.properties.iter().position(|p| is_indices(&p.name) && p.list.is_some());
+        let Some(place) = place.filter(|_| element.count > 0) else {
+            let missing = format!("element {} has no list vertex_indices", element.name);
+            return if element.count == 0 { numbers.skip(element) } else { Err(PlyError(missing)) };
+        };
+        for record in 0..element.count {
+            let named =
+                |e: PlyError| PlyError(format!("{} {record} of {}: {e}", element.name, element.count));
+            for (p, property) in element.properties.iter().enumerate() {
+                match property.list {
+                    Some(length) if p == place => {
+                        let length = numbers.length(length).map_err(named)?;
+                        for _ in 0..length {
+                            self.indices
+                                .push(index(numbers.next(property.kind).map_err(named)?).map_err(named)?);
+                        }
+                        self.ends.push(self.indices.len());
+                    }
+                    _ => numbers.skip_property(property).map_err(named)?,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn lists(&self) -> impl Iterator<Item = &[i64]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.indices[start..end])
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)] // checked to be a whole number of 53 bits at most
+fn index(number: f64) -> Result<i64, PlyError> {
+    let is_whole = number.fract() == 0.0 && number.abs() < 2f64.powi(53);
+    if is_whole { Ok(number as i64) } else { Err(PlyError(format!("{number} is no vertex number"))) }
+}
+
+fn corners(indices: &[i64], vertices: usize) -> Result<Vec<usize>, String> {
+    let corner = |&index: &i64| usize::try_from(index).ok().filter(|&i| i < vertices).ok_or(index);
+    (indices.iter().map(corner).collect::<Result<_, _>>()).map_err(|index: i64| {
+        format!("bad PLY: a face names vertex {index}, but there are {vertices}, counted from 0")
+    })
+}
+
+fn append_polygon(
+    corners: &[usize],
+    vertices: &[Point],
+    triangles: &mut Vec<[u32; 3]>,
+    tally: &mut Tally,
+) -> Result<(), String> {
+    if corners.len() < 3 {
+        tally.add(TOO_FEW_CORNERS, None);
+        return Ok(());
+    }
+    let points: Vec<Point> = corners.iter().map(|&corner| vertices[corner]).collect();
+    for triple in polygon::triangulate(&points)? {
+        push(triple.map(|k| corners[k]), triangles)?;
+    }
+    Ok(())
+}
+
+/// Every second triangle of a strip is wound the other way.
+fn append_strip(corners: &[usize], triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
+    for (i, t) in corners.windows(3).enumerate() {
+        push(if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] }, triangles)?;
+    }
+    Ok(())
+}
+
+fn push(corners: [usize; 3], triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
+    if triangles.len() >= MOST_TRIANGLES {
+        return Err(format!("the file has more than {MOST_TRIANGLES} triangles"));
+    }
+    let [a, b, c] = corners.map(u32::try_from);
+    match (a, b, c) {
+        (Ok(a), Ok(b), Ok(c)) => triangles.push([a, b, c]),
+        _ => return Err("more vertices than 32-bit indices can name".to_owned()),
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const HEAD: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float x\nproperty float y\n\
+        property float z\nproperty uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    const SQUARE: &str = "0 0 0 9\n1 0 0 9\n1 1 0 9\n0 1 0 9\n";
+
+    /// The square in binary, as one polygon of `length` corners.
+    fn binary(order: &str, count: u32, length: u8) -> Vec<u8> {
+        let head = HEAD.replace("ascii", order).replace("vertex 4", &format!("vertex {count}"));
+        let mut bytes = head.into_bytes();
+        let is_big = order.contains("big");
+        for [x, y] in [[0.0f32, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
+            let number = |c: f32| if is_big { c.to_be_bytes() } else { c.to_le_bytes() };
+            bytes.extend([x, y, 0.0].iter().flat_map(|&c| number(c)));
+            bytes.push(9);
+        }
+        bytes.push(length);
+        bytes.extend((0..4i32).flat_map(|i| if is_big { i.to_be_bytes() } else { i.to_le_bytes() }));
+        bytes
+    }
+
+    fn fault(text: &str) -> String {
+        let message = read(text.as_bytes()).unwrap_err();
+        assert!(!message.contains('\n'), "{message}");
+        message
+    }
+
+    #[test]
+    fn polygons_in_every_storage() {
+        for bytes in [
+            format!("{HEAD}{SQUARE}4 0 1 2 3").into_bytes(),
+            format!("{HEAD}{SQUARE}4 0 1 2 3\n").replace('\n', "\r\n").into_bytes(),
+            binary("binary_little_endian", 4, 4),
+            binary("binary_big_endian", 4, 4),
+        ] {
+            let read = read(&bytes).unwrap();
+            assert_eq!(read.mesh.triangles().len(), 2);
+            assert_eq!(read.mesh.bounds(), (Point::origin(), Point::new(1.0, 1.0, 0.0)));
+            assert!(read.remarks.is_empty() && read.mesh.triangle(0).normal().z > 0.0);
+        }
+    }
+
+    #[test]
+    fn faces_may_come_first_and_in_strips() {
+        let xyz = "property double x\nproperty double y\nproperty double z\n";
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list int int vertex_indices\n\
+             element edge 1\nproperty int a\nelement vertex 4\n{xyz}end_header\n9 0 1 3 2 -1 0 1 2 -1\n7\n\
+             0 0 0 1 0 0 1 1 0 0 1 0"
+        );
+        let read = read(text.as_bytes()).unwrap();
+        assert_eq!(read.mesh.triangles().len(), 3);
+        for i in 0..3 {
+            assert!(read.mesh.triangle(i).normal().z > 0.0);
+        }
+    }
+
+    #[test]
+    fn points_and_lines_are_skipped_and_counted() {
+        let text = HEAD.replace("face 1", "face 4");
+        let read = read(format!("{text}{SQUARE}0\n1 2\n2 0 1\n3 0 1 2").as_bytes()).unwrap();
+        assert_eq!(read.mesh.triangles().len(), 1);
+        assert!(read.remarks[0].starts_with("3 polygons of fewer"), "{:?}", read.remarks);
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let of = |faces: &str| fault(&format!("{HEAD}{SQUARE}{faces}"));
+        assert!(of("3 0 1 4").contains("vertex 4, but there are 4"));
+        assert!(of("3 0 1 -1").contains("vertex -1"));
+        assert!(of("3 0 1 1.5").contains("no vertex number"));
+        assert!(of("3 0 1").contains("face 0 of 1"));
+        assert!(of("2 0 1").contains("no faces"));
+        assert!(fault(&HEAD.replace("face 1", "face 0")).contains("records"));
+        assert!(fault(&format!("{}{SQUARE}", HEAD.replace("face 1", "face 0"))).contains("no faces"));
+        assert!(fault(&HEAD.replace("vertex_indices", "other")).contains("records"));
+        assert!(
+            fault(&format!("{}{SQUARE}3 0 1 2", HEAD.replace("vertex_indices", "o")))
+                .contains("vertex_indices")
+        );
+        assert!(fault(&format!("{HEAD}{}3 0 1 2", SQUARE.replace("1 1", "nan 1"))).contains("not finite"));
+        assert!(fault("ply\nformat ascii 1.0\nend_header\n").contains("vertex"));
+        assert!(fault("ply\n").contains("end_header"));
+        for bytes in [binary("binary_little_endian", u32::MAX, 4), binary("binary_little_endian", 5, 4)] {
+            assert!(!read(&bytes).unwrap_err().is_empty());
+        }
+        assert!(read(&binary("binary_little_endian", 4, 255)).unwrap_err().contains("ends here"));
+        let text = format!("{}{SQUARE}3 0 1 2", HEAD.replace("face 1", "face 18446744073709551615"));
+        assert!(fault(&text).contains("records"));
+    }
+
+    proptest! {
+        #[test]
+        fn mutations_never_panic(flips in prop::collection::vec(any::<(u16, u8)>(), 0..6), cut in 0usize..400) {
+            let ascii = format!("{HEAD}{SQUARE}4 0 1 2 3").into_bytes();
+            for mut bytes in [ascii, binary("binary_little_endian", 4, 4), binary("binary_big_endian", 4, 4)] {
+                for &(at, bits) in &flips {
+                    let at = usize::from(at) % bytes.len();
+                    bytes[at] ^= bits;
+                }
+                bytes.truncate(bytes.len().saturating_sub(cut / 4));
+                let _ = read(&bytes);
+            }
+        }
+    }
+}

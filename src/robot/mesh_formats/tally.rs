@@ -1,0 +1,24 @@
+//! Parts of a mesh file that are not read as they stand, counted for one remark of each kind.
+
+use std::collections::BTreeMap;
+
+/// How often each thing was found, and the line of the first.
+#[derive(Debug, Default)]
+pub(super) struct Tally(BTreeMap<&'static str, (usize, Option<u32>)>);
+
+impl Tally {
+    /// Counts one more of `what`, a clause that follows a number.
+    pub fn add(&mut self, what: &'static str, line: Option<u32>) {
+        self.0.entry(what).or_insert((0, line)).0 += 1;
+    }
+
+    pub fn remarks(&self) -> impl Iterator<Item = String> {
+        self.0.iter().map(|(what, (count, line))| {
+            let first = line.map(|line| format!(", the first at line {line}")).unwrap_or_default();
+            format!("{count} {what}{first}")
+        })
+    }
+}
+
+/// Polygons that are points and lines.
+pub(super) const TOO_FEW_CORNERS: &str = "polygons of fewer than three corners are skipped";
