@@ -108,7 +108,7 @@ impl<'d> Door<'d> {
             self.check_joint(&name, joint, &known);
         }
         self.writer.close("robot");
-        if links.is_empty() {
+        if links.is_empty() && self.faults.is_empty() {
             self.fault(root, "", "the robot has no <link>");
         }
         self.sound.text = self.writer.finish();

@@ -14,6 +14,7 @@ mod hostile_requests;
 mod input_files;
 mod large_worlds;
 mod layers;
+mod mesh_formats;
 mod mimic_joints;
 mod motions;
 mod moving;

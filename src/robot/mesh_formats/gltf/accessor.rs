@@ -71,7 +71,7 @@ impl Component {
             Self::U16 => f64::from(u16::MAX),
             Self::U32 | Self::F32 => 1.0,
         };
-        let number = match self {
+        let number: f64 = match self {
             Self::I8 => i8::from_le_bytes(*bytes.first_chunk()?).into(),
             Self::U8 => u8::from_le_bytes(*bytes.first_chunk()?).into(),
             Self::I16 => i16::from_le_bytes(*bytes.first_chunk()?).into(),
