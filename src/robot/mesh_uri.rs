@@ -31,20 +31,17 @@ pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
         return Err(bad("holds a control character"));
     }
     match (scheme.as_deref(), decoded.strip_prefix("//")) {
-        (None, _) if Path::new(&*decoded).is_absolute() => {
+        (None, _) | (Some("file"), None) if Path::new(&*decoded).is_absolute() => {
             Ok(MeshName::Absolute(decoded.into_owned().into()))
         }
         (None, _) => Ok(MeshName::Relative(decoded.into_owned().into())),
         (Some("package" | "model"), Some(rest)) => package(rest).map_err(bad),
         (Some("package" | "model"), None) => Err(bad("lacks two slashes: write package://NAME/path")),
         (Some("file"), Some(rest)) => on_this_computer(rest).map_err(|reason| bad(&reason)),
-        (Some("file"), None) if Path::new(&*decoded).is_absolute() => {
-            Ok(MeshName::Absolute(decoded.into_owned().into()))
-        }
         (Some("file"), None) => Err(bad("is no absolute path: write file:///path or a plain file name")),
         (Some(scheme), _) => Err(bad(&format!(
-            "has the scheme {}://, and nothing is ever fetched; only package://, model://, file:// and plain \
-             file names are read",
+            "has the scheme {}://, and nothing is ever fetched; only package://, model://, file:// and plain file names \
+             are read",
             shortened(scheme)
         ))),
     }

@@ -115,7 +115,7 @@ struct Surface<'d> {
     tally: Tally,
 }
 
-impl<'d> Surface<'d> {
+impl Surface<'_> {
     fn read(mut self) -> Result<ReadMesh, String> {
         for (mesh, to_file) in self.shown_meshes()? {
             let found = self.document.meshes.get(mesh);

@@ -18,7 +18,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// Buffers that are read when they are first needed.
 pub struct Buffers<'d> {
-    buffers: &'d [Buffer],
+    described: &'d [Buffer],
     in_file: Option<&'d [u8]>,
     parts: Parts<'d>,
     loaded: Vec<Option<Cow<'d, [u8]>>>,
@@ -26,8 +26,8 @@ pub struct Buffers<'d> {
 
 impl<'d> Buffers<'d> {
     pub fn new(document: &'d Document, in_file: Option<&'d [u8]>, parts: Parts<'d>) -> Self {
-        let buffers = &document.buffers[..];
-        Self { buffers, in_file, parts, loaded: buffers.iter().map(|_| None).collect() }
+        let described = &document.buffers[..];
+        Self { described, in_file, parts, loaded: described.iter().map(|_| None).collect() }
     }
 
     /// Reads a buffer, if that has not happened yet.
@@ -35,8 +35,8 @@ impl<'d> Buffers<'d> {
     /// # Errors
     /// When there is no such buffer, or it cannot be read or is shorter than the document says.
     pub fn load(&mut self, index: usize) -> Result<(), String> {
-        let Some(buffer) = self.buffers.get(index) else {
-            return Err(format!("names buffer {index}, but there are {}", self.buffers.len()));
+        let Some(buffer) = self.described.get(index) else {
+            return Err(format!("names buffer {index}, but there are {}", self.described.len()));
         };
         if self.loaded[index].is_some() {
             return Ok(());
@@ -54,14 +54,14 @@ impl<'d> Buffers<'d> {
 
     /// A part of a buffer that was read; `None` when it does not reach so far.
     pub fn slice(&self, index: usize, offset: usize, length: usize) -> Option<&[u8]> {
-        let says = self.buffers.get(index)?.byte_length;
+        let says = self.described.get(index)?.byte_length;
         let bytes = self.loaded.get(index)?.as_ref()?;
         bytes.get(..says)?.get(offset..offset.checked_add(length)?)
     }
 
     /// Bytes of all buffers by the document's word.
     pub fn total(&self) -> usize {
-        self.buffers.iter().fold(0, |sum: usize, buffer| sum.saturating_add(buffer.byte_length))
+        self.described.iter().fold(0, |sum: usize, buffer| sum.saturating_add(buffer.byte_length))
     }
 
     fn bytes(&mut self, index: usize, buffer: &'d Buffer) -> Result<Cow<'d, [u8]>, String> {

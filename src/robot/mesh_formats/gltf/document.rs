@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 /// Extensions that an element uses, by name.
-pub type Extensions = BTreeMap<String, IgnoredAny>;
+pub type Extensions = serde_json::Map<String, serde_json::Value>;
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]

@@ -1,3 +1,5 @@
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -112,7 +114,7 @@ fn transforms_of_nodes_and_instances() {
     let mut nested = document();
     nested["nodes"] = json!([
         {"children": [1, 2], "translation": [5.0, 0.0, 0.0]},
-        {"mesh": 0, "rotation": [0.0, 0.0, 0.707_106_781_186_547_6, 0.707_106_781_186_547_6], "scale": [2.0, 1.0, 1.0]},
+        {"mesh": 0, "rotation": [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2], "scale": [2.0, 1.0, 1.0]},
         {"mesh": 0, "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 3, 1]}
     ]);
     let read = of(&nested).unwrap();
