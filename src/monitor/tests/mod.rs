@@ -130,6 +130,11 @@ fn what_is_right_is_judged() {
     assert_eq!(colliding.distance(), 0.0);
 }
 
+/// One byte longer than names may be.
+fn long_name() -> &'static str {
+    Box::leak("n".repeat(1025).into_boxed_str())
+}
+
 #[test]
 fn what_is_wrong_is_unknown_and_named() {
     let whole = [("shoulder", 0.0), ("elbow", 0.0)];
@@ -145,6 +150,7 @@ fn what_is_wrong_is_unknown_and_named() {
         (state(0.0, [0.0, 1e300]), "malformed", "'elbow'"),
         (input(0.0, &with("elbow", 0.0)), "malformed", "'elbow'"),
         (cut, "malformed", "2 names and 1 positions"),
+        (input(0.0, &with(long_name(), 0.0)), "malformed", "has 1025 bytes, more than the limit of 1024"),
         (state(-0.6, FREE), "stale", "0.600 s"),
         (state(0.6, FREE), "future_stamp", "0.600 s"),
     ] {

@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
-use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Pose as PoseMessage, Quaternion, Transform};
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{
+    Point, Pose as PoseMessage, Quaternion, Transform, TransformStamped,
+};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, JointConstraint, PlanningScene, PlanningSceneComponents as C,
 };
@@ -100,6 +102,38 @@ fn scene(messages: &[PlanningScene]) -> PlanningSceneState {
         assert_eq!(applied.refusals, []);
     }
     scene
+}
+
+#[test]
+fn names_without_end_are_rejected() {
+    let robot = robot();
+    let (transforms, mut poses) = (TransformTree::default(), LinkPoses::new(&robot));
+    robot.forward_kinematics(&robot.configuration(&STRETCHED).unwrap(), &mut poses);
+    let context = SceneContext::new(&robot, Some(&poses), &transforms, None, 1.0);
+    let long = "n".repeat(2000);
+    let mut held = part();
+    held.object.id.clone_from(&long);
+    let mut framed = difference(vec![], vec![]);
+    framed
+        .fixed_frame_transforms
+        .push(TransformStamped { child_frame_id: long.clone(), ..TransformStamped::default() });
+    for message in [
+        difference(vec![ball(&long, at(5.0, 0.0, 0.0), 0.1, "")], vec![]),
+        difference(vec![], vec![held]),
+        framed,
+    ] {
+        let read = scene_change(&message, false);
+        let mut scene = PlanningSceneState::default();
+        let applied = scene.apply(&SceneUpdate::Scene(Box::new(read.change)), &context);
+        let refusals: Vec<_> = read.refusals.iter().chain(&applied.refusals).collect();
+        assert_eq!(refusals.len(), 1);
+        let words = refusals[0].to_string();
+        assert!(
+            words.contains("has 2000 bytes, more than the limit of 1024") && words.len() < 400,
+            "{words}"
+        );
+        assert!(scene.world.is_empty());
+    }
 }
 
 fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObject>) -> PlanningScene {
