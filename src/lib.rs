@@ -21,7 +21,7 @@
 pub mod constants;
 pub mod input_files;
 pub mod math;
-pub mod ply;
+pub mod ply_format;
 pub mod simd;
 
 pub mod geometry;

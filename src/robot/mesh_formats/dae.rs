@@ -19,12 +19,12 @@ use crate::math::Point;
 use crate::robot::numbers::{decimal, decimals, shortened};
 use crate::robot::xml::{Expected, Xml, child, children, read_xml};
 
+mod elements_by_id;
 mod geometry;
-mod ids;
 mod scene;
 mod skin;
 
-use ids::Ids;
+use elements_by_id::ElementsById;
 
 /// Most triangles of a file, instances counted: a file of nested instances can ask for any number.
 const MOST_TRIANGLES: usize = 20_000_000;
@@ -44,7 +44,7 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
 /// A COLLADA document and what has been gathered from it.
 struct Collada<'d> {
     xml: &'d Xml<'d>,
-    ids: Ids<'d>,
+    ids: ElementsById<'d>,
     vertices: Vec<Point>,
     triangles: Vec<[u32; 3]>,
     remarks: Vec<String>,
@@ -55,7 +55,7 @@ impl<'d> Collada<'d> {
     fn new(xml: &'d Xml<'d>) -> Self {
         Self {
             xml,
-            ids: Ids::new(xml.root()),
+            ids: ElementsById::new(xml.root()),
             vertices: Vec::new(),
             triangles: Vec::new(),
             remarks: Vec::new(),

@@ -9,7 +9,7 @@ mod stl;
 mod tally;
 
 use crate::geometry::TriangleMesh;
-use crate::ply::is_ply;
+use crate::ply_format::is_ply;
 
 /// A mesh in the file's own units (metres for COLLADA, which knows its unit), and what was odd.
 #[derive(Debug)]

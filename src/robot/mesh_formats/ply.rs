@@ -5,7 +5,7 @@ use super::tally::{TOO_FEW_CORNERS, Tally};
 use super::{ReadMesh, polygon};
 use crate::geometry::TriangleMesh;
 use crate::math::Point;
-use crate::ply::{Element, Numbers, PlyError, PlyFile};
+use crate::ply_format::{Element, Numbers, PlyError, PlyFile};
 
 /// Most triangles: strips and polygons have one for each index at most.
 const MOST_TRIANGLES: usize = 20_000_000;

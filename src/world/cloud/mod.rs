@@ -8,10 +8,10 @@ mod pcd;
 mod ply;
 mod points;
 
-pub use crate::ply::{ByteOrder, NumberKind};
+pub use crate::ply_format::{ByteOrder, NumberKind};
 pub use points::{CloudError, CloudPoints, Column, Columns};
 
-use crate::ply::is_ply;
+use crate::ply_format::is_ply;
 
 /// Whether the bytes begin as a cloud file does that [`read_cloud`] knows.
 #[must_use]

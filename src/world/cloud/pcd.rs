@@ -2,8 +2,8 @@
 
 use super::lzf;
 use super::points::{CloudError, CloudPoints, Column, Columns};
-use crate::ply::text::{next_line, quoted, words};
-use crate::ply::{ByteOrder, NumberKind};
+use crate::ply_format::words::{next_line, quoted, words};
+use crate::ply_format::{ByteOrder, NumberKind};
 
 /// What stands before the data.
 #[derive(Debug, Default)]

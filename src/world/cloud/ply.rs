@@ -1,7 +1,7 @@
 //! Point clouds in PLY files: the vertices only.
 
 use super::points::{CloudError, CloudPoints};
-use crate::ply::PlyFile;
+use crate::ply_format::PlyFile;
 
 /// # Errors
 /// When the header is incomplete, or the data ends before the last vertex.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::constants::LARGEST_COORDINATE;
 use crate::geometry::{PointCloud, PointCloudError};
 use crate::math::Extremes;
-use crate::ply::{ByteOrder, NumberKind, PlyError};
+use crate::ply_format::{ByteOrder, NumberKind, PlyError};
 
 /// Points as they were read, before they have a size.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use roxmltree::Node;
 
 /// All elements with an id. An id counts among elements of one kind: exporters give a node and its geometry the same one.
-pub(super) struct Ids<'d>(HashMap<&'d str, Vec<Node<'d, 'd>>>);
+pub(super) struct ElementsById<'d>(HashMap<&'d str, Vec<Node<'d, 'd>>>);
 
-impl<'d> Ids<'d> {
+impl<'d> ElementsById<'d> {
     pub fn new(root: Node<'d, 'd>) -> Self {
         let mut by_id: HashMap<&str, Vec<Node>> = HashMap::new();
         for node in root.descendants() {

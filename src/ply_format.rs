@@ -1,11 +1,11 @@
 //! PLY, the Stanford polygon format: header and numbers. Meshes and point clouds are read with it.
 
-mod number;
-pub(crate) mod text;
+mod number_kind;
+pub(crate) mod words;
 
-pub use number::{ByteOrder, NumberKind};
+pub use number_kind::{ByteOrder, NumberKind};
 
-use text::{next_line, quoted, words};
+use words::{next_line, quoted, words};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Storage {
