@@ -16,7 +16,7 @@ use super::loader::{Loader, Order, Surroundings};
 use super::logging::{self, Line};
 use super::mailbox;
 use super::marker_topic;
-use super::memory_limit::{Components, MemoryWatch};
+use super::memory_limit::{Components, MemoryWatch, OutOfMemory};
 use super::middleware::{
     self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
 };
@@ -207,15 +207,21 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         recorder.finish();
     }
     ended?;
+    leave(&middleware, &out_of_memory)?;
+    log::info!("{node} has ended");
+    Ok(())
+}
+
+/// Tells peers of the end.
+///
+/// # Errors
+/// When the node ended by itself.
+fn leave(middleware: &Middleware, out_of_memory: &OutOfMemory) -> Result<(), NodeError> {
     if middleware::is_deaf() {
         return Err(NodeError::Internal(DEAF.to_owned()));
     }
     middleware.leave();
-    if let Some(why) = out_of_memory.get() {
-        return Err(NodeError::OutOfMemory(why.clone()));
-    }
-    log::info!("{node} has ended");
-    Ok(())
+    out_of_memory.get().map_or(Ok(()), |why| Err(NodeError::OutOfMemory(why.clone())))
 }
 
 fn run_first(monitor_loop: MonitorLoop, priority: ThreadPriority) {

@@ -23,6 +23,9 @@ struct Reader<'r> {
     poses: LinkPoses,
 }
 
+/// Positions (rad, m) by name.
+type NamedPositions = Vec<(String, f64)>;
+
 impl PlanningScene {
     /// Reads a `moveit_msgs/PlanningScene` or its `world` alone, on top of what is there.
     ///
@@ -232,7 +235,7 @@ impl Situation {
         &mut self,
         text: &MultiDofText,
         robot: &RobotModel,
-    ) -> Result<(Vec<(String, f64)>, Vec<String>), String> {
+    ) -> Result<(NamedPositions, Vec<String>), String> {
         if text.joint_names.len() != text.transforms.len() {
             let (given, names) = (text.transforms.len(), text.joint_names.len());
             return Err(format!("{given} transforms for {names} joint_names"));
