@@ -119,9 +119,9 @@ impl Trajectory {
         let configurations = (points.iter().enumerate())
             .map(|(point, p)| {
                 check_lengths(point, p, joints)?;
-                named
-                    .configuration(rest, &p.positions)
-                    .map_err(|error| TrajectoryError::Point { point, error })
+                let refuse = |error| TrajectoryError::Point { point, error };
+                check_rates(&named, p).map_err(refuse)?;
+                named.configuration(rest, &p.positions).map_err(refuse)
             })
             .collect::<Result<Vec<_>, _>>()?;
         let configurations = directed(robot, configurations, direction)?;
@@ -227,6 +227,16 @@ fn check_lengths(point: usize, p: &TrajectoryPoint, joints: &[String]) -> Result
         }
         if let Some(i) = numbers.iter().position(|x| !x.is_finite()) {
             return Err(TrajectoryError::NotFinite { point, what, joint: joints[i].clone() });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses velocities and accelerations of mimic joints that are not those of their leaders, also where they make no curve.
+fn check_rates(named: &NamedJoints, p: &TrajectoryPoint) -> Result<(), ConfigurationError> {
+    for (what, values) in [("velocity", &p.velocities), ("acceleration", &p.accelerations)] {
+        if !values.is_empty() {
+            named.rates(what, values, 1.0)?;
         }
     }
     Ok(())

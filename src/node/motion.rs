@@ -193,6 +193,7 @@ pub async fn play(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::MeshFiles;
 
     const TEXT: &str = "joint_names: [a, b]\npoints:\n\
         - {positions: [0, 1], time_from_start: {sec: 0, nanosec: 0}}\n\
@@ -206,6 +207,28 @@ mod tests {
         assert_eq!(trajectory.sample(0.75), [1.0, 1.0]);
         assert_eq!(trajectory.sample(1.5), [2.0, 1.0]);
         assert_eq!(trajectory.sample(3.75), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_mimic_joint_alone_moves_its_leader() {
+        let joint = |name: &str, mimic: &str| {
+            format!(
+                "<link name='of_{name}'/><joint name='{name}' type='continuous'><parent link='base'/><child link='of_{name}'/>\
+                 <axis xyz='0 0 1'/>{mimic}</joint>"
+            )
+        };
+        let joints = [joint("drive", ""), joint("j", "<mimic joint='drive' multiplier='2'/>")].concat();
+        let urdf = format!("<robot name='r'><link name='base'/>{joints}</robot>");
+        let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
+        let with_leaders = |names: &[&str], positions: &[f64]| {
+            let names = names.iter().map(|name| (*name).to_owned()).collect();
+            with_leaders(&robot, (names, positions.to_vec()))
+        };
+        let (names, positions) = with_leaders(&["j"], &[1.0]).unwrap();
+        assert_eq!((names.join(" ").as_str(), positions), ("j drive", vec![1.0, 0.5]));
+        assert!(with_leaders(&["drive", "j"], &[1.0, 1.0]).is_err());
+        let of_another = with_leaders(&["arm"], &[1.0]).unwrap();
+        assert_eq!(of_another, (vec!["arm".to_owned()], vec![1.0]));
     }
 
     #[test]

@@ -139,6 +139,12 @@ fn velocities_and_accelerations_of_a_mimic_joint_are_those_of_its_leader() {
     };
     moving("0.5, 1.0");
     assert_eq!(folder.result("motion", &["--trajectory", "t.yaml"])["verdict"], "contact");
+    // also where a piece is straight because its other end has none
+    folder.write(
+        "t.yaml",
+        &trajectory("arm, drive", &["positions: [0, 0], velocities: [0.5, 0.25]", "positions: [1, 2]"]),
+    );
+    folder.refused("motion", &["--trajectory", "t.yaml"], &["point 0", "'arm'", "'drive'"]);
     moving("0.5, 0.25");
     folder.refused(
         "motion",
