@@ -88,6 +88,26 @@ def test_solid_meshes_hold_what_is_inside_and_open_ones_are_named(start):
     assert "mesh 0 of attached object 'open'" in warning
 
 
+def test_meshes_wound_both_ways_are_solid_and_named_once(start):
+    cell = start("--mesh", "solid", parameters=NEARBY)
+    cell.judged(joint1=0, joint2=0)
+    scene = SceneClient(cell)
+    double = cube_mesh(6)
+    double.triangles = [*double.triangles, *inside_out(cube_mesh(6)).triangles]
+    for place in pose(), pose(0.01):
+        state = scene.change(obstacle("double", double, at=place))
+        assert {("link", "tip"), ("obstacle", "double")} in colliding(state)
+        (warning,) = state.warnings
+        assert warning.startswith("mesh 0 of object 'double': 12 of 24 faces are there in both windings")
+    assert cell.node.output().count("faces are there in both windings") == 1
+
+
+def inside_out(mesh):
+    for triangle in mesh.triangles:
+        triangle.vertex_indices = triangle.vertex_indices[::-1]
+    return mesh
+
+
 def opened(mesh):
     mesh.triangles = mesh.triangles[1:]
     return mesh

@@ -118,6 +118,19 @@ def test_a_mesh_that_is_not_found_is_named(peer, domain_id, tmp_path):
     assert "arm_description/tip.stl" in fault and "--package-path" in fault
 
 
+def test_meshes_that_are_no_plain_solids_are_listed(domain_id, tmp_path):
+    (tmp_path / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    robot = tmp_path / "sheet.urdf"
+    robot.write_text(
+        '<robot name="sheet"><link name="a"><collision><geometry><mesh filename="sheet.obj"/></geometry></collision></link></robot>'
+    )
+    for given, count in ((), 0), (("--mesh", "solid"), 1):
+        findings = doctor(domain_id, "--urdf", robot, *given, code=1, wait=0.5)
+        texts = [text for verdict, about, text in findings if (verdict, about) == ("note", "solid meshes")]
+        assert len(texts) == count
+        assert all("mesh of link 'a'" in text and "not closed" in text for text in texts)
+
+
 @pytest.mark.parametrize(
     ("variable", "value"),
     [("RMW_IMPLEMENTATION", "rmw_zenoh_cpp"), ("ROS_LOCALHOST_ONLY", "perhaps"), ("ROS_STATIC_PEERS", "10.0.0.1")],
