@@ -6,6 +6,7 @@
 
 use std::io::{BufRead, Read};
 
+use super::tally::{TOO_FEW_CORNERS, Tally};
 use super::{ReadMesh, polygon};
 use crate::geometry::{MeshError, TriangleMesh};
 use crate::math::Point;
@@ -61,10 +62,11 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     };
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
+    let mut tally = Tally::default();
     for model in &models {
         let first = vertices.len();
         vertices.extend(model.mesh.positions.chunks_exact(3).map(|p| Point::new(p[0], p[1], p[2])));
-        append_faces(&model.mesh, &vertices[first..], first, &mut triangles)?;
+        append_faces(&model.mesh, &vertices[first..], first, (&mut triangles, &mut tally))?;
     }
     // tobj keeps only the vertices that faces name
     if let (Some(line), true) = (surface.unreadable.first(), vertices.iter().any(|v| v.x.is_nan())) {
@@ -76,7 +78,7 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
         MeshError::NoTriangles => "the file has no faces".to_owned(),
         other => other.to_string(),
     })?;
-    Ok(ReadMesh { mesh, remarks: surface.remarks() })
+    Ok(ReadMesh { mesh, remarks: surface.remarks().into_iter().chain(tally.remarks()).collect() })
 }
 
 /// The statements that make the surface, line for line as in the file; other lines are empty.
@@ -171,7 +173,7 @@ fn append_faces(
     mesh: &tobj::Mesh,
     vertices: &[Point],
     first: usize,
-    triangles: &mut Vec<[u32; 3]>,
+    (triangles, tally): (&mut Vec<[u32; 3]>, &mut Tally),
 ) -> Result<(), String> {
     // tobj leaves the arities out when all are 3
     let arities: Vec<usize> = if mesh.face_arities.is_empty() {
@@ -185,6 +187,10 @@ fn append_faces(
             return Err("bad OBJ: a face is cut".to_owned());
         };
         rest = others;
+        if arity < 3 {
+            tally.add(TOO_FEW_CORNERS, None);
+            continue;
+        }
         let points: Option<Vec<Point>> =
             (corners.iter()).map(|&c| vertices.get(c as usize).copied()).collect();
         let points = points.ok_or("bad OBJ: a face names a vertex that the file does not have")?;
@@ -272,7 +278,14 @@ mod tests {
         assert!(read("v 0 0 0\nv 1 2\nf 1 2 1").unwrap_err().contains("line 2"));
         assert!(read("v 0 0 0\n\nf 1 x 1\n").unwrap_err().contains("line 3"));
         assert_eq!(read("v 0 0 0\nv 1 0 0").unwrap_err(), "the file has no faces");
-        assert!(read(&format!("{SQUARE}f 1 2")).unwrap_err().contains("fewer than three"));
+        assert_eq!(read(&format!("{SQUARE}f 1 2")).unwrap_err(), "the file has no faces");
+    }
+
+    #[test]
+    fn points_and_lines_are_skipped_and_counted() {
+        let read = read(&format!("{SQUARE}f 1 2\nf 1 2 3\nf 4\nf 2/1 1/1")).unwrap();
+        assert_eq!(read.mesh.triangles().len(), 1);
+        assert!(read.remarks[0].starts_with("3 polygons of fewer"), "{:?}", read.remarks);
     }
 
     #[test]

@@ -246,7 +246,7 @@ fn what_is_not_read_is_named() {
         (with("/accessors/0/type", json!("VEC2")), "VEC3"),
         (with("/accessors/0/componentType", json!(1)), "componentType 1"),
         (with("/accessors/0/componentType", json!(5125)), "unsigned"),
-        (with("/accessors/1/componentType", json!(5126)), "indices are unsigned"),
+        (with("/accessors/1/componentType", json!(5122)), "indices are unsigned"),
         (with("/accessors/1/count", json!(5)), "5 corners"),
         (with("/accessors/0/count", json!(3)), "vertex 3, but there are 3"),
         (with("/bufferViews/0/buffer", json!(9)), "buffer 9"),

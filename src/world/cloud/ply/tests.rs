@@ -97,7 +97,10 @@ fn faults_are_named() {
         (format!("ply\nelement vertex 1\n{xyz}end_header\n1 2 3"), "format"),
         (format!("{head}end_header\n"), "vertex"),
         (format!("{head}element vertex 1\nproperty float x\nend_header\n1"), "property y"),
-        (format!("{head}element vertex 1\nproperty list int int x\n{xyz}end_header\n1"), "property x"),
+        (
+            format!("{head}element vertex 1\nproperty list int int x\n{xyz}end_header\n1 5 1 2 3"),
+            "property x",
+        ),
         (format!("{head}element vertex 2\n{xyz}end_header\n1.0 2.0 3.0\n4.0 5.0"), "vertex 1 of 2"),
         (format!("{head}element vertex 1\n{xyz}end_header\n1 2 far"), "'far'"),
         (format!("{head}element vertex many\n{xyz}end_header\n"), "'many'"),
