@@ -20,6 +20,7 @@ use super::within_reach::{PartOrder, WithinReach};
 use super::{AllowedCollisionMatrix, PairList, Workspace};
 use crate::geometry::ScaleError;
 use crate::math::Extremes;
+use crate::motion::CertificateParts;
 use crate::query::Scratch;
 use crate::robot::{Chain, PlacedFrame, RobotModel, TravelRates, WaysToRoot};
 use crate::simd::LANES;
@@ -60,6 +61,7 @@ pub struct CollisionChecker {
     pub(super) fixed_nearest: OnceLock<FixedNearest>,
     /// Of the model and the world, once somebody asked.
     pub(super) fingerprints: OnceLock<[String; 2]>,
+    pub(super) parts: OnceLock<CertificateParts>,
     /// No two robots built in one process have the same.
     pub(super) identity: u64,
     /// No two robots in their worlds have the same.
@@ -132,6 +134,7 @@ impl CollisionChecker {
         self.within_reach = OnceLock::new();
         self.fixed_nearest = OnceLock::new();
         self.fingerprints = OnceLock::new();
+        self.parts = OnceLock::new();
         self.revision = next_identity();
         Ok(())
     }
@@ -178,6 +181,7 @@ impl CollisionChecker {
             within_reach: OnceLock::new(),
             fixed_nearest: OnceLock::new(),
             fingerprints: OnceLock::new(),
+            parts: OnceLock::new(),
             identity: next_identity(),
             revision: next_identity(),
         })

@@ -86,6 +86,15 @@ pub fn world_fingerprint(world: &World) -> String {
 
 fn add_joint(print: &mut Fingerprint, joint: &Joint) {
     print.text(&joint.name).indices(&[joint.parent.0, joint.child.0]).pose(&joint.pose_pj);
+    add_kind(print, joint);
+    match joint.mimic {
+        Some(m) => print.count(1).indices(&[m.joint.0]).numbers(&[m.multiplier, m.offset]),
+        None => print.count(0),
+    };
+}
+
+/// How a joint moves.
+pub(super) fn add_kind(print: &mut Fingerprint, joint: &Joint) {
     let axis = |axis: &UnitVector| vec![axis.x, axis.y, axis.z];
     let (kind, axis) = match &joint.kind {
         JointKind::Fixed => ("fixed", vec![]),
@@ -96,13 +105,9 @@ fn add_joint(print: &mut Fingerprint, joint: &Joint) {
         JointKind::Planar(a) => ("planar", axis(a)),
     };
     print.text(kind).numbers(&axis);
-    match joint.mimic {
-        Some(m) => print.count(1).indices(&[m.joint.0]).numbers(&[m.multiplier, m.offset]),
-        None => print.count(0),
-    };
 }
 
-fn add_shape(print: &mut Fingerprint, pose: &Pose, shape: &Shape) {
+pub(super) fn add_shape(print: &mut Fingerprint, pose: &Pose, shape: &Shape) {
     print.pose(pose).text(shape.kind());
     match shape {
         Shape::Primitive(Primitive::Box { half_extents }) => print.numbers(half_extents),

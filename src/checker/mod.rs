@@ -17,6 +17,7 @@ mod bodies;
 mod capsule_fit;
 mod capsule_lanes;
 mod capsules;
+mod certificate_parts;
 mod collision_checker;
 mod contact;
 mod fingerprint;
@@ -45,6 +46,7 @@ mod workspace;
 mod world_hits;
 
 pub use allowed::{AllowedCollisionMatrix, MatrixError};
+pub use certificate_parts::{certificate_parts, mesh_model_name};
 pub use collision_checker::{CollisionChecker, SettingsError};
 pub use contact::Contact;
 pub use fingerprint::{model_fingerprint, world_fingerprint};

@@ -4,6 +4,7 @@
 //! The node also has 4: ended by a signal, before its orderly end was complete.
 
 mod bench;
+mod certificate_summary;
 mod check;
 #[cfg(feature = "ros")]
 mod demo;
@@ -25,6 +26,7 @@ mod timing;
 mod verify;
 #[cfg(feature = "ros")]
 mod view;
+mod way;
 
 use std::process::ExitCode;
 
@@ -58,7 +60,7 @@ enum Command {
     /// Check ways between configurations: proven free, contact, or undecided and why
     Motion(Box<motion::MotionArgs>),
     /// Check a certificate that a motion is free, with code that shares nothing with what wrote it
-    Verify(verify::VerifyArgs),
+    Verify(Box<verify::VerifyArgs>),
     /// Measure what checks cost with a robot in a world, and compare ways to find what is near
     Bench(bench::BenchArgs),
     /// The ROS 2 node: joint states in, collisions and distances out

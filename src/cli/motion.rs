@@ -8,11 +8,7 @@ use clap::Args;
 use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
-use clearance::input_files::{self, STATES_LIMIT};
-use clearance::motion::{
-    Certificate, ContinuousDirection, ContinuousTurn, MotionSegment, ObstacleTrajectory, Trajectory,
-    shortest_way,
-};
+use clearance::motion::{Certificate, ContinuousTurn, MotionSegment, Trajectory};
 use clearance::robot::{Configuration, RobotModel};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -20,11 +16,12 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::model::{ModelArgs, WorldArgs};
 use super::progress::Progress;
-use super::run_args::{Format, RunArgs, Stats, internal, print_line};
-use super::states;
+use super::run_args::{Format, RunArgs, Stats, internal, positive, print_line};
 use super::timing::{self, Timing};
+use super::way::WayArgs;
 
 #[derive(Args)]
+#[command(mut_group("way", |group| group.required(true)))]
 pub struct MotionArgs {
     #[command(flatten)]
     model: ModelArgs,
@@ -33,28 +30,7 @@ pub struct MotionArgs {
     world: WorldArgs,
 
     #[command(flatten)]
-    input: WayArgs,
-
-    /// Where a straight way ends
-    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "from")]
-    to: Option<String>,
-
-    /// How far the robot may be from its way: one number (rad, m) for every joint, or "j1=0.01 j2=0.02"
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    tube: Option<String>,
-
-    /// Which way round continuous joints go between two positions
-    #[arg(long, value_enum, default_value_t = Continuous::AsGiven)]
-    continuous: Continuous,
-
-    /// Obstacles that move meanwhile: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
-    /// m/s, "angular" in rad/s about "centre") or with "poses" ("time" in s, "position", "orientation"), in the root frame.
-    ///
-    /// Times are those of the trajectory, which needs time_from_start then; at time 0 a twist begins, and at its first pose an
-    /// obstacle stands where the world has it. A straight way has no times: there it begins at 0, ends at 1, and a twist is what
-    /// happens on the whole way.
-    #[arg(long, value_name = "FILE")]
-    moving: Option<PathBuf>,
+    way: WayArgs,
 
     /// What keeps farther apart than this many metres is always decided
     #[arg(long, value_name = "M", default_value_t = 5e-4, allow_negative_numbers = true)]
@@ -68,7 +44,7 @@ pub struct MotionArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     deadline: Option<f64>,
 
-    /// Write the proof that the way is free here, as JSON
+    /// Write the proof that the way is free here, as JSON; `clearance verify` with the same arguments checks it
     #[arg(long, value_name = "FILE")]
     certificate: Option<PathBuf>,
 
@@ -80,36 +56,12 @@ pub struct MotionArgs {
     run: RunArgs,
 }
 
-#[derive(Args)]
-#[group(required = true, multiple = false)]
-struct WayArgs {
-    /// Straight ways in joint space: JSON {"joints": [...], "edges": [[[...], [...]], ...]}
-    #[arg(long, value_name = "FILE")]
-    edges: Option<PathBuf>,
-
-    /// One trajectory: the YAML or JSON of a trajectory_msgs/JointTrajectory
-    #[arg(long, value_name = "FILE")]
-    trajectory: Option<PathBuf>,
-
-    /// Where a straight way begins, such as "j1=0.1 j2=-1.2"
-    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "to")]
-    from: Option<String>,
-}
-
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 enum Order {
     /// The earliest: all before it is proven free
     Earliest,
     /// Any, as soon as possible
     Any,
-}
-
-#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
-enum Continuous {
-    /// Through all positions between the two
-    AsGiven,
-    /// By half a turn at most, as joint_trajectory_controller goes from its current state: whole turns are taken off the start
-    Shortest,
 }
 
 /// The JSON answer.
@@ -177,8 +129,8 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
-    let robots_ways = args.ways(robot)?;
-    let ways = args.with_obstacles(&robots_ways, &checker)?;
+    let robots_ways = args.way.ways(robot)?;
+    let ways = args.way.with_obstacles(&robots_ways, checker.world())?;
     if args.certificate.is_some() && ways.len() != 1 {
         let count = ways.len();
         return Err(Failure::Input(format!("--certificate is for one way, but {count} are given")));
@@ -199,7 +151,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
         write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
     }
     let timing = time_passes(&checker, &ways, &options, args);
-    let is_trajectory = args.input.trajectory.is_some();
+    let is_trajectory = args.way.is_trajectory();
     let results = reports.iter().zip(&ways).zip(&robots_ways).map(|((report, way), robots_way)| {
         let swept = args.swept_volumes.map(|n| swept_volumes(&checker, robots_way, n as usize));
         let turns = robots_way.continuous_turns(robot).into_iter();
@@ -225,10 +177,6 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
 
 impl MotionArgs {
     fn options(&self) -> Result<MotionOptions, Failure> {
-        let positive = |name: &str, value: f64| {
-            let sound = value.is_finite() && value > 0.0;
-            sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be more than zero")))
-        };
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
         if self.swept_volumes.is_some() && self.run.format == Format::Text {
             return Err(Failure::Input("--swept-volumes are told with --format json only".to_owned()));
@@ -248,68 +196,6 @@ impl MotionArgs {
         let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
         MotionOptions { deadline: span.and_then(|span| Instant::now().checked_add(span)), ..options.clone() }
     }
-
-    /// The ways with the obstacles that move meanwhile.
-    fn with_obstacles(
-        &self,
-        ways: &[Trajectory],
-        checker: &CollisionChecker,
-    ) -> Result<Vec<Trajectory>, Failure> {
-        let Some(path) = &self.moving else { return Ok(ways.to_vec()) };
-        let file = path.display();
-        let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
-        let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-        let world = checker.world();
-        let obstacles = ObstacleTrajectory::list_from_yaml(&text, world).map_err(|e| bad(&e))?;
-        (ways.iter()).map(|way| way.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e))).collect()
-    }
-
-    fn direction(&self) -> ContinuousDirection {
-        match self.continuous {
-            Continuous::AsGiven => ContinuousDirection::AsGiven,
-            Continuous::Shortest => ContinuousDirection::Shortest,
-        }
-    }
-
-    /// The ends of a straight way between which continuous joints go the way that is asked for.
-    fn directed(&self, robot: &RobotModel, ends: [Configuration; 2]) -> Result<[Configuration; 2], Failure> {
-        if self.continuous == Continuous::AsGiven {
-            return Ok(ends);
-        }
-        let (ends, held) = shortest_way(robot, ends.to_vec()).map_err(Failure::input)?;
-        match (held.into_iter().next(), <[Configuration; 2]>::try_from(ends)) {
-            (None, Ok(ends)) => Ok(ends),
-            (Some(held), _) => Err(Failure::Input(format!("--continuous shortest: {held}"))),
-            (None, Err(_)) => Err(Failure::Internal("a way has two ends".to_owned())),
-        }
-    }
-
-    /// What is to be checked: each way as a trajectory.
-    fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
-        let straight = |ends: [Configuration; 2]| {
-            let [from, to] = self.directed(robot, ends)?;
-            Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)]).map_err(Failure::input)
-        };
-        let ways = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
-            (Some(path), ..) => {
-                states::edges_from_file(path, robot)?.into_iter().map(straight).collect::<Result<_, _>>()?
-            }
-            (_, Some(path), ..) => vec![trajectory(path, robot, self.direction())?],
-            (.., Some(from), Some(to)) => {
-                let end = |name: &str, text: &str| states::from_text(name, text, robot);
-                vec![straight([end("--from", from)?, end("--to", to)?])?]
-            }
-            _ => return Err(Failure::Input("give --edges, --trajectory, or --from and --to".to_owned())),
-        };
-        match &self.tube {
-            None => Ok(ways),
-            Some(text) => {
-                let tube = states::tube_from_text(text, robot)?;
-                let loosened = |way: Trajectory| way.map(|s| s.with_tube(robot, tube.clone()));
-                ways.into_iter().map(loosened).collect::<Result<_, _>>().map_err(Failure::input)
-            }
-        }
-    }
 }
 
 /// A warning about the first of the ways in which a continuous joint turns far, and how many others there are.
@@ -322,20 +208,6 @@ fn long_turn_note(ways: &[Trajectory], robot: &RobotModel) -> Option<String> {
         others => format!("; likewise in {others} more motions"),
     };
     Some(format!("{which}{note}{others}"))
-}
-
-fn trajectory(
-    path: &Path,
-    robot: &RobotModel,
-    direction: ContinuousDirection,
-) -> Result<Trajectory, Failure> {
-    let file = path.display();
-    let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
-    let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-    let way = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
-    way.map_err(|e| {
-        bad(&format!("{e}\n  (a trajectory is the YAML or JSON of a trajectory_msgs/JointTrajectory)"))
-    })
 }
 
 /// One report a way, in the ways' order, for any number of threads.

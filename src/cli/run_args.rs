@@ -82,6 +82,12 @@ impl Stats {
     }
 }
 
+/// A number that an option needs to be finite and more than zero.
+pub fn positive(name: &str, value: f64) -> Result<f64, Failure> {
+    let sound = value.is_finite() && value > 0.0;
+    sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be more than zero")))
+}
+
 /// Writes to stdout; a reader that went away is no fault of ours.
 pub fn print_line(line: &str) -> Result<(), Failure> {
     use std::io::Write;

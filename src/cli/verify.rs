@@ -1,18 +1,31 @@
-//! `clearance verify`: is a certificate a proof?
+//! `clearance verify`: is a certificate a proof, and of which motion?
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use clearance::checker::Settings;
 use clearance::input_files::{self, STATES_LIMIT};
-use clearance::motion::{Certificate, SegmentText};
-use clearance::verifier::{self, Verified};
+use clearance::motion::{Certificate, Trajectory};
+use clearance::robot::RobotModel;
+use clearance::verifier::{Expected, Refusal, Verified, Verifier};
+use clearance::world::World;
 use serde_json::json;
 
+use super::certificate_summary::{Summary, on_one_line};
 use super::failure::Failure;
 use super::model::{ModelArgs, WorldArgs, warn_of_meshes};
-use super::run_args::{Format, PairArgs, print_line};
+use super::run_args::{Format, PairArgs, positive, print_line};
+use super::way::WayArgs;
 
+/// Check a certificate that a motion is free, with code that shares nothing with what wrote it.
+///
+/// A certificate proves one motion, with one tracking tolerance, among obstacles that stand or move in one way. Say which motion is
+/// meant with the arguments that `clearance motion` was given (--from and --to, --edges or --trajectory, --tube, --moving): a
+/// certificate of any other motion is rejected, and what differs is named. Without them, the motion that it is about is printed,
+/// and has to be compared by the reader.
+///
+/// Exit code 0: it is a proof; 1: it is none, or one of another motion, robot or world; 2: bad input.
 #[derive(Args)]
 pub struct VerifyArgs {
     #[command(flatten)]
@@ -28,8 +41,15 @@ pub struct VerifyArgs {
     #[command(flatten)]
     pairs: PairArgs,
 
-    /// Obstacles may move as the certificate says
-    #[arg(long)]
+    #[command(flatten, next_help_heading = "The expected motion, as for `clearance motion`")]
+    way: WayArgs,
+
+    /// The tolerance (m) that it has to be made with
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+
+    /// Obstacles may move as the certificate says, from where the world has them; which ones do is printed
+    #[arg(long, conflicts_with = "moving")]
     moving_obstacles: bool,
 
     /// How the answer is written
@@ -45,53 +65,118 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);
     loaded.add_to(&mut settings);
     warn_of_meshes(&robot, &loaded.world, &settings);
-    let file = args.certificate.display();
-    let text = input_files::read_text(&args.certificate, STATES_LIMIT).map_err(Failure::input)?;
-    let certificate: Certificate = serde_json::from_str(&text)
-        .map_err(|e| Failure::Input(format!("{file}: this is no certificate: {e}")))?;
-    let movers = certificate.segments.iter().flat_map(|s| &s.motion.obstacles);
-    if let Some(mover) = movers.into_iter().find(|_| !args.moving_obstacles) {
-        let name = &mover.name;
-        return Err(Failure::Input(format!(
-            "{file}: the proof supposes that obstacle '{name}' moves; say --moving-obstacles if it does"
-        )));
-    }
-    let verified = verifier::verify(&robot, &loaded.world, &settings, loaded.allowed.as_ref(), &certificate);
+    let expected = args.expected(&robot, &loaded.world)?;
+    let certificate = args.read()?;
+    args.check_obstacles(&certificate)?;
+    let verifier = Verifier::new(&robot, &loaded.world, &settings, loaded.allowed.as_ref());
+    let verified = verifier.and_then(|verifier| verifier.verify_expected(&certificate, &expected));
     if verified.as_ref().is_ok_and(|v| v.pairs == 0) {
         log::warn!("there is no pair to check: every motion counts as free");
     }
-    match (args.format, &verified) {
-        (Format::Text, Ok(Verified { segments, pairs, proofs, .. })) => print_line(&format!(
-            "proven free: {proofs} proofs for {pairs} pairs in {segments} segment(s) hold\n{}",
-            ends(&certificate)
-        ))?,
-        (Format::Text, Err(refusal)) => print_line(&format!("NOT PROVEN: {refusal}"))?,
-        (Format::Json, Ok(v)) => print_line(
-            &json!({"verified": true, "segments": v.segments, "pairs": v.pairs, "proofs": v.proofs})
-                .to_string(),
-        )?,
-        (Format::Json, Err(refusal)) => {
-            print_line(&json!({"verified": false, "reason": refusal.to_string()}).to_string())?;
-        }
-    }
+    let told = Told { robot: &robot, settings: &settings, certificate: &certificate };
+    print_line(&match args.format {
+        Format::Text => told.text(&verified, &expected),
+        Format::Json => told.json(&verified, &expected),
+    })?;
     Ok(ExitCode::from(u8::from(verified.is_err())))
 }
 
-/// Which motion it is about.
-fn ends(certificate: &Certificate) -> String {
-    let end = |text: Option<&SegmentText>, last: bool| -> String {
-        let Some(text) = text else { return String::new() };
-        let polynomials = text
-            .polynomials
-            .as_ref()
-            .map(|all| all.iter().map(|p| if last { p.iter().sum() } else { p[0] }).collect::<Vec<f64>>());
-        let straight = if last { text.to.clone() } else { text.from.clone() };
-        let positions = straight.or(polynomials).unwrap_or_default();
-        let named = certificate.joints.iter().zip(&positions).map(|(joint, q)| format!("{joint}={q}"));
-        named.collect::<Vec<_>>().join(" ")
-    };
-    let segments = &certificate.segments;
-    let from = end(segments.first().map(|s| &s.motion), false);
-    let to = end(segments.last().map(|s| &s.motion), true);
-    format!("from {from}\nto   {to}")
+impl VerifyArgs {
+    /// What the certificate has to be about.
+    fn expected(&self, robot: &RobotModel, world: &World) -> Result<Expected, Failure> {
+        let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;
+        if self.way.moves_obstacles() && !self.way.is_given() {
+            let needed =
+                "--moving is about an expected motion: give --from and --to, --edges or --trajectory, too";
+            return Err(Failure::Input(needed.to_owned()));
+        }
+        let tube = self.way.tube(robot)?;
+        let expected = Expected { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
+        if !self.way.is_given() {
+            return Ok(expected);
+        }
+        let ways = self.way.with_obstacles(&self.way.ways(robot)?, world)?;
+        match <[Trajectory; 1]>::try_from(ways) {
+            Ok([motion]) => Ok(Expected { motion: Some(motion), ..expected }),
+            Err(ways) => {
+                let count = ways.len();
+                Err(Failure::Input(format!("--edges: a certificate is about one way, but {count} are given")))
+            }
+        }
+    }
+
+    fn read(&self) -> Result<Certificate, Failure> {
+        let file = self.certificate.display();
+        let text = input_files::read_text(&self.certificate, STATES_LIMIT).map_err(Failure::input)?;
+        serde_json::from_str(&text).map_err(|e| {
+            Failure::Input(format!("{file}: this is no certificate: {}", on_one_line(&e.to_string())))
+        })
+    }
+
+    /// Obstacles do not move unless the user knows of it.
+    fn check_obstacles(&self, certificate: &Certificate) -> Result<(), Failure> {
+        if self.moving_obstacles || self.way.is_given() {
+            return Ok(());
+        }
+        let Some(mover) = certificate.segments.iter().flat_map(|s| &s.motion.obstacles).next() else {
+            return Ok(());
+        };
+        let (file, name) = (self.certificate.display(), on_one_line(&mover.name));
+        Err(Failure::Input(format!(
+            "{file}: the proof supposes that obstacle '{name}' moves; say --moving-obstacles if it does, or how with --moving"
+        )))
+    }
+}
+
+/// What the answer is about.
+struct Told<'t> {
+    robot: &'t RobotModel,
+    settings: &'t Settings,
+    certificate: &'t Certificate,
+}
+
+impl Told<'_> {
+    fn text(&self, verified: &Result<Verified, Refusal>, expected: &Expected) -> String {
+        let Verified { segments, pairs, proofs, .. } = match verified {
+            Ok(verified) => verified,
+            Err(refusal) => return format!("NOT PROVEN: {refusal}"),
+        };
+        let summary = Summary::new(self.robot, self.settings, self.certificate);
+        let about = match (&expected.motion, expected.any_obstacle_motion && summary.moves_obstacles()) {
+            (None, _) => {
+                "it was not told which motion is expected: compare the above, or give --from and --to, --edges or --trajectory"
+            }
+            (Some(_), true) => {
+                "this is the expected motion of the robot; how obstacles are expected to move was not told (--moving)"
+            }
+            (Some(_), false) => "this is the expected motion",
+        };
+        format!(
+            "proven free: {proofs} proofs for {pairs} pairs in {segments} segment(s) hold\n{}\n{about}",
+            summary.text(*pairs)
+        )
+    }
+
+    fn json(&self, verified: &Result<Verified, Refusal>, expected: &Expected) -> String {
+        let told = expected.motion.is_some();
+        match verified {
+            Ok(v) => {
+                let summary = Summary::new(self.robot, self.settings, self.certificate);
+                let mut answer = json!({
+                    "verified": true, "segments": v.segments, "pairs": v.pairs, "proofs": v.proofs,
+                    "expected_motion_given": told,
+                });
+                if let (Some(answer), serde_json::Value::Object(summary)) =
+                    (answer.as_object_mut(), summary.json())
+                {
+                    answer.extend(summary);
+                }
+                answer.to_string()
+            }
+            Err(refusal) => {
+                json!({"verified": false, "reason": refusal.to_string(), "expected_motion_given": told})
+                    .to_string()
+            }
+        }
+    }
 }

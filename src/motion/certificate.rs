@@ -8,19 +8,21 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Fingerprint;
 use super::segment::SegmentText;
-use super::{MotionSegment, SegmentError};
+use super::{CertificateParts, Fingerprint, MotionSegment, SegmentError};
 use crate::robot::{ConfigurationError, RobotModel};
 
-/// What [`Certificate::format`] says.
-pub const FORMAT: &str = "clearance certificate 1";
+/// [`Certificate::format`] of a certificate with parts and tolerance.
+pub const FORMAT: &str = "clearance certificate 2";
+
+/// [`Certificate::format`] of one without; still read.
+pub const FORMAT_1: &str = "clearance certificate 1";
 
 /// A proof that a robot can make a motion and hits nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// [`FORMAT`].
+    /// [`FORMAT`] or [`FORMAT_1`].
     pub format: String,
     /// The robot's name.
     pub robot: String,
@@ -30,6 +32,11 @@ pub struct Certificate {
     pub world: String,
     /// SHA-256 of joints and segments' motions.
     pub motion: String,
+    /// What keeps farther apart (m) the checker had to decide; a proof holds whatever it was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parts: Option<CertificateParts>,
     /// Names of the positions.
     pub joints: Vec<String>,
     /// Names of the bodies of the pairs that have to be checked.
@@ -58,7 +65,7 @@ pub struct Proof(pub usize, pub f64, pub f64, pub f64, pub f64);
 pub enum CertificateError {
     #[error("this is no certificate: {0}")]
     Text(#[from] serde_json::Error),
-    #[error("the format is '{0}', but only '{FORMAT}' is known")]
+    #[error("the format is '{0}', but only '{FORMAT}' and '{FORMAT_1}' are known")]
     Format(String),
     #[error("the digest does not fit the content: something in it was altered")]
     Digest,
@@ -71,7 +78,7 @@ pub enum CertificateError {
 }
 
 impl Certificate {
-    /// A certificate of these parts, with its digest.
+    /// A certificate of format 1, with its digest.
     #[must_use]
     pub fn new(
         robot: &RobotModel,
@@ -82,11 +89,13 @@ impl Certificate {
         let joints = robot.position_names().to_vec();
         let motion = motion_hash(&joints, &segments);
         let mut certificate = Self {
-            format: FORMAT.to_owned(),
+            format: FORMAT_1.to_owned(),
             robot: robot.name().to_owned(),
             model,
             world,
             motion,
+            tolerance: None,
+            parts: None,
             joints,
             pairs,
             segments,
@@ -96,11 +105,30 @@ impl Certificate {
         certificate
     }
 
+    /// The same in format 2: with the parts that its hashes are about, and the tolerance (m) it was made with.
+    #[must_use]
+    pub fn with_parts(mut self, parts: CertificateParts, tolerance: f64) -> Self {
+        FORMAT.clone_into(&mut self.format);
+        (self.parts, self.tolerance) = (Some(parts), Some(tolerance));
+        self.digest = self.content_hash();
+        self
+    }
+
+    /// Whether it has what its format asks for, and no more.
+    #[must_use]
+    pub fn has_known_format(&self) -> bool {
+        match self.format.as_str() {
+            FORMAT => self.parts.is_some() && self.tolerance.is_some(),
+            FORMAT_1 => self.parts.is_none() && self.tolerance.is_none(),
+            _ => false,
+        }
+    }
+
     /// Reads a certificate and checks that it is whole.
     pub fn from_json(text: &str) -> Result<Self, CertificateError> {
         let certificate: Self = serde_json::from_str(text)?;
-        if certificate.format != FORMAT {
-            return Err(CertificateError::Format(certificate.format));
+        if !certificate.has_known_format() {
+            return Err(CertificateError::Format(shown(&certificate.format)));
         }
         if certificate.digest != certificate.content_hash() {
             return Err(CertificateError::Digest);
@@ -149,6 +177,20 @@ impl Certificate {
         }
         motion.with_tube(robot, text.tube.clone()).map_err(of_segment)
     }
+}
+
+/// Longest text (characters) of a document that a message repeats.
+const LONGEST_SHOWN: usize = 100;
+
+/// A text out of a document as messages show it: short, and nothing in it that a terminal obeys.
+#[must_use]
+pub(crate) fn shown(text: &str) -> String {
+    let safe = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    let mut short: String = text.chars().take(LONGEST_SHOWN).map(safe).collect();
+    if text.chars().nth(LONGEST_SHOWN).is_some() {
+        short.push('…');
+    }
+    short
 }
 
 fn motion_hash(joints: &[String], segments: &[SegmentProof]) -> String {

@@ -10,8 +10,10 @@
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
 mod certificate;
+mod certificate_parts;
 mod continuous_joints;
 mod fingerprint;
+mod join;
 mod moving_obstacle;
 mod obstacle_trajectory;
 mod obstacle_trajectory_text;
@@ -19,9 +21,12 @@ mod segment;
 mod trajectory;
 mod trajectory_text;
 
+pub(crate) use certificate::shown;
 pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
+pub use certificate_parts::{BodyPart, CertificateParts, JointPart};
 pub use continuous_joints::{ContinuousDirection, ContinuousTurn, HeldTurn, shortest_way};
 pub(crate) use fingerprint::Fingerprint;
+pub(crate) use join::{Join, JoinError, join};
 pub use moving_obstacle::MovingObstacle;
 pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
 pub use obstacle_trajectory_text::ObstacleTextError;

@@ -23,6 +23,9 @@ pub struct MovingObstacle {
     pub start: Option<([f64; 3], [f64; 4])>,
 }
 
+/// Where the world has an obstacle.
+pub(super) const NO_DISPLACEMENT: ([f64; 3], [f64; 4]) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+
 impl MovingObstacle {
     /// From one displacement to another, shifting and turning evenly, by the shortest way; `centre` is a point of the
     /// obstacle where the world has it.
@@ -70,6 +73,17 @@ impl MovingObstacle {
             start: (from != 0.0 || self.start.is_some())
                 .then(|| (start.translation.vector.into(), [q.x, q.y, q.z, q.w])),
         }
+    }
+
+    /// The displacement at t = 0 as it is written: position and quaternion, exact.
+    pub(super) fn start_numbers(&self) -> ([f64; 3], [f64; 4]) {
+        self.start.unwrap_or(NO_DISPLACEMENT)
+    }
+
+    /// Whether it stands still.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        self.linear == [0.0; 3] && self.angular == [0.0; 3]
     }
 
     /// [`Self::displacement`], as a matrix.

@@ -1,7 +1,7 @@
 //! An obstacle that moves on a clock: evenly, or through poses at given times.
 
 use super::trajectory::Part;
-use super::{MotionSegment, MovingObstacle, Trajectory, TrajectoryError};
+use super::{MovingObstacle, Trajectory, TrajectoryError};
 use crate::math::{Point, Pose};
 use crate::world::World;
 
@@ -23,9 +23,6 @@ enum Course {
 
 /// A turn (rad) between two poses from which on it is not clear which way is the shortest.
 const CLEAR_TURN: f64 = std::f64::consts::PI - 0.01;
-
-/// How far (m a metre, rad) an obstacle may be from where it was at the end of the last segment: what rounding makes of it.
-const JOINED: f64 = 1e-9;
 
 /// Why poses are no way.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -67,7 +64,9 @@ impl ObstacleTrajectory {
             if from.rotation.angle_to(&to.rotation) > CLEAR_TURN {
                 return Err(PosesError::HalfTurn(i + 1));
             }
-            Ok(MovingObstacle::between(name, centre, &(from * back), &(to * back)))
+            // at its first pose it stands where the world has it, without any rounding
+            let start = if i == 0 { Pose::identity() } else { from * back };
+            Ok(MovingObstacle::between(name, centre, &start, &(to * back)))
         });
         let pieces = pieces.collect::<Result<_, _>>()?;
         let times = poses.iter().map(|(time, _)| *time).collect();
@@ -158,24 +157,6 @@ fn cuts(obstacles: &[ObstacleTrajectory], [from, to]: [f64; 2]) -> Vec<f64> {
     cuts.sort_unstable_by(f64::total_cmp);
     cuts.dedup();
     cuts
-}
-
-/// The first obstacle that is elsewhere at the start of a segment than at the end of the one before; one that does not move stands where
-/// the world has it.
-pub(super) fn jumping_obstacle(before: &MotionSegment, after: &MotionSegment) -> Option<String> {
-    let displaced = |segment: &MotionSegment, name: &str, t: f64| {
-        let mover = segment.obstacles().iter().find(|o| o.name == name);
-        mover.map_or_else(Pose::identity, |mover| mover.displacement(t))
-    };
-    let movers = before.obstacles().iter().chain(after.obstacles());
-    let jumps = |name: &str| {
-        let (from, to) = (displaced(before, name, 1.0), displaced(after, name, 0.0));
-        let shift = (to.translation.vector - from.translation.vector).amax();
-        let size = 1.0 + from.translation.vector.amax();
-        let turn = (to.rotation * from.rotation.inverse()).scaled_axis().amax();
-        !(shift <= JOINED * size && turn <= JOINED)
-    };
-    movers.map(|mover| &mover.name).find(|name| jumps(name)).cloned()
 }
 
 #[cfg(test)]

@@ -16,6 +16,10 @@ pub(crate) type Polynomial = [f64; 6];
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSegment {
     positions: Vec<Polynomial>,
+    /// Positions at t = 1 as they were given; empty for polynomials, whose ends are sums.
+    goal: Vec<f64>,
+    /// Index of the first component of each quaternion.
+    quaternions: Vec<usize>,
     turns: Vec<Turn>,
     obstacles: Vec<MovingObstacle>,
     /// How far (rad, m) each position may be off on the way; empty when it is followed exactly.
@@ -90,14 +94,13 @@ impl MotionSegment {
     /// The straight line in joint space from one configuration of `robot` to another.
     #[must_use]
     pub fn straight(robot: &RobotModel, from: &Configuration, to: &Configuration) -> Self {
-        let ends = from.positions().iter().zip(to.positions());
-        let positions = ends.map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect();
-        let turns = floating(robot).map(|(_, first)| Turn::between(first, from.positions(), to.positions()));
-        let turns: Vec<Turn> = turns.collect();
-        Self::new(robot, positions, turns)
+        let (from, to) = (from.positions(), to.positions());
+        let segment = Self::new(robot, line(from, to));
+        let turns = Turn::all(&segment.quaternions, from, to);
+        Self { goal: to.to_vec(), turns, ..segment }
     }
 
-    fn new(robot: &RobotModel, positions: Vec<Polynomial>, turns: Vec<Turn>) -> Self {
+    fn new(robot: &RobotModel, positions: Vec<Polynomial>) -> Self {
         let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
         let most = |p: &Polynomial| p.iter().map(|c| c.abs()).sum::<f64>();
         let following = robot.mimicking_joints().filter_map(|(_, mimic)| {
@@ -105,8 +108,10 @@ impl MotionSegment {
             Some(mimic.multiplier.abs() * most(p) + mimic.offset.abs())
         });
         let size = positions.iter().map(most).chain(following).fold(0.0, f64::greater);
-        let (obstacles, tube, spread) = (Vec::new(), Vec::new(), Vec::new());
-        Self { positions, turns, obstacles, tube, spread, is_straight, size }
+        let quaternions = floating(robot).map(|(_, first)| first + 3).collect();
+        let (goal, turns, obstacles) = (Vec::new(), Vec::new(), Vec::new());
+        let (tube, spread) = (Vec::new(), Vec::new());
+        Self { positions, goal, quaternions, turns, obstacles, tube, spread, is_straight, size }
     }
 
     /// A polynomial for each of the robot's positions.
@@ -131,7 +136,7 @@ impl MotionSegment {
         let start: Vec<f64> = positions.iter().map(|p| p[0]).collect();
         let start = robot.configuration(&start)?;
         positions.iter_mut().zip(start.positions()).for_each(|(p, q)| p[0] = *q);
-        let segment = Self::new(robot, positions, Vec::new());
+        let segment = Self::new(robot, positions);
         if segment.size > LARGEST_COORDINATE {
             return Err(SegmentError::TooFar(segment.size));
         }
@@ -160,6 +165,13 @@ impl MotionSegment {
         self.size = largest.fold(self.size, f64::greater);
         self.obstacles = obstacles;
         Ok(self)
+    }
+
+    /// With the obstacles that move during another segment.
+    #[must_use]
+    pub(crate) fn with_obstacles_of(self, other: &Self) -> Self {
+        let size = other.obstacles.iter().map(MovingObstacle::size).fold(self.size, f64::greater);
+        Self { size, obstacles: other.obstacles.clone(), ..self }
     }
 
     /// With a tolerance (rad, m) for each of the robot's positions: the robot may be anywhere within it.
@@ -194,6 +206,11 @@ impl MotionSegment {
         if [from, to] == [0.0, 1.0] {
             return self.clone();
         }
+        let obstacles = self.obstacles.iter().map(|mover| mover.part([from, to])).collect();
+        if !self.goal.is_empty() {
+            // both parts at a cut compute its positions alike, so that they join exactly
+            return Self { obstacles, ..self.between(self.at(from).positions(), self.at(to).positions()) };
+        }
         let part = |p: &Polynomial| {
             let (mut c, mut scale) = (taylor(p, from), 1.0);
             for c in &mut c {
@@ -202,17 +219,33 @@ impl MotionSegment {
             }
             c
         };
-        let turn = |turn: &Turn| Turn {
-            from: Rotation::from_axis_angle(&turn.axis, turn.angle * from) * turn.from,
-            angle: turn.angle * (to - from),
-            ..turn.clone()
-        };
+        Self { positions: self.positions.iter().map(part).collect(), obstacles, ..self.clone() }
+    }
+
+    /// The same robot, tolerances and obstacles, straight from one configuration to another that is no farther from zero than this
+    /// segment's [`Self::size`].
+    pub(super) fn between(&self, from: &[f64], to: &[f64]) -> Self {
         Self {
-            positions: self.positions.iter().map(part).collect(),
-            turns: self.turns.iter().map(turn).collect(),
-            obstacles: self.obstacles.iter().map(|mover| mover.part([from, to])).collect(),
+            positions: line(from, to),
+            goal: to.to_vec(),
+            turns: Turn::all(&self.quaternions, from, to),
+            is_straight: true,
             ..self.clone()
         }
+    }
+
+    /// With the tolerances and obstacles of a gap, next to a segment of this [`Self::size`].
+    pub(super) fn into_gap(self, tube: Vec<f64>, obstacles: Vec<MovingObstacle>, beside: f64) -> Self {
+        let tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
+        let size = obstacles.iter().map(MovingObstacle::size).fold(self.size.greater(beside), f64::greater);
+        Self { tube, spread: Vec::new(), obstacles, size, ..self }
+    }
+
+    /// The same robot, which stands at the start of this segment, exactly and without any obstacle that moves.
+    #[must_use]
+    pub(crate) fn standing_at_start(&self) -> Self {
+        let start: Vec<f64> = self.starts().collect();
+        Self { obstacles: Vec::new(), ..self.nominal().between(&start, &start) }
     }
 
     /// The same without tolerances.
@@ -254,6 +287,37 @@ impl MotionSegment {
         &self.tube
     }
 
+    /// Index of the first component of each floating joint's quaternion.
+    pub(super) fn quaternions(&self) -> &[usize] {
+        &self.quaternions
+    }
+
+    /// The positions at t = 0, which are always exact.
+    pub(super) fn starts(&self) -> impl Iterator<Item = f64> + '_ {
+        self.positions.iter().map(|p| p[0])
+    }
+
+    /// A position at t = 1, and by how much rounding may have it off; zero where the end was given as a number.
+    pub(super) fn end(&self, position: usize) -> [f64; 2] {
+        if let Some(goal) = self.goal.get(position) {
+            return [*goal, 0.0];
+        }
+        let p = &self.positions[position];
+        if p[1..].iter().all(|c| *c == 0.0) {
+            return [p[0], 0.0];
+        }
+        // a sum of six terms and the products of Horner's scheme: ten roundings
+        let size: f64 = p.iter().map(|c| c.abs()).sum();
+        [value(p, 1.0), 10.0 * f64::EPSILON * size]
+    }
+
+    /// Highest power of t in any position; 1 for a straight line, also if it stands still.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        let of = |p: &Polynomial| p.iter().rposition(|c| *c != 0.0).unwrap_or(0);
+        if self.goal.is_empty() { self.positions.iter().map(of).max().unwrap_or(0) } else { 1 }
+    }
+
     /// Whether every position goes from its first to its last at even speed.
     #[must_use]
     pub fn is_straight(&self) -> bool {
@@ -286,6 +350,10 @@ impl MotionSegment {
     /// # Panics
     /// When `positions` is not as long as the robot has positions.
     pub fn positions_at(&self, t: f64, positions: &mut [f64]) {
+        if t == 1.0 && !self.goal.is_empty() {
+            positions.copy_from_slice(&self.goal);
+            return;
+        }
         for (position, p) in positions.iter_mut().zip(&self.positions) {
             *position = if self.is_straight { p[0] + t * p[1] } else { value(p, t) };
         }
@@ -328,16 +396,11 @@ impl MotionSegment {
     /// As it stands in a file.
     #[must_use]
     pub fn text(&self) -> SegmentText {
-        let straight = self.is_straight;
-        let mut ends = [vec![0.0; self.positions.len()], vec![0.0; self.positions.len()]];
-        let [from, to] = &mut ends;
-        self.positions_at(0.0, from);
-        self.positions_at(1.0, to);
-        let [from, to] = ends;
+        let by_ends = !self.goal.is_empty() || self.positions.is_empty();
         SegmentText {
-            from: straight.then_some(from),
-            to: straight.then_some(to),
-            polynomials: (!straight).then(|| self.positions.clone()),
+            from: by_ends.then(|| self.starts().collect()),
+            to: by_ends.then(|| self.goal.clone()),
+            polynomials: (!by_ends).then(|| self.positions.clone()),
             obstacles: self.obstacles.clone(),
             tube: self.tube.clone(),
         }
@@ -354,6 +417,10 @@ fn taylor(p: &Polynomial, t: f64) -> Polynomial {
         }
     }
     c
+}
+
+fn line(from: &[f64], to: &[f64]) -> Vec<Polynomial> {
+    from.iter().zip(to).map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect()
 }
 
 fn value(p: &Polynomial, t: f64) -> f64 {
@@ -388,8 +455,11 @@ pub(crate) fn floating(robot: &RobotModel) -> impl Iterator<Item = (&str, usize)
 }
 
 impl Turn {
-    fn between(joint: usize, from: &[f64], to: &[f64]) -> Self {
-        let first = joint + 3;
+    fn all(quaternions: &[usize], from: &[f64], to: &[f64]) -> Vec<Self> {
+        quaternions.iter().map(|first| Self::between(*first, from, to)).collect()
+    }
+
+    fn between(first: usize, from: &[f64], to: &[f64]) -> Self {
         let rotation = |q: &[f64]| {
             Rotation::from_quaternion(nalgebra::Quaternion::new(
                 q[first + 3],

@@ -1,8 +1,6 @@
 //! Stretches one after the other: what ROS calls a joint trajectory.
 
-use super::obstacle_trajectory::jumping_obstacle;
-use super::{ContinuousDirection, HeldTurn, MotionSegment, SegmentError, shortest_way};
-use crate::math::Extremes;
+use super::{ContinuousDirection, HeldTurn, JoinError, MotionSegment, SegmentError, join, shortest_way};
 use crate::robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 
 /// Segments, and the seconds at which they begin and end.
@@ -21,9 +19,6 @@ pub(super) struct Part {
     pub segment: usize,
     pub t: [f64; 2],
 }
-
-/// How far (rad, m) the end of a segment may be from the start of the next: what rounding makes of polynomials.
-const JOINED: f64 = 1e-9;
 
 /// One point of a trajectory, as `trajectory_msgs/JointTrajectoryPoint` has it: velocities and accelerations may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,6 +65,20 @@ pub enum TrajectoryError {
     Segment { segment: usize, error: SegmentError },
 }
 
+impl TrajectoryError {
+    /// A segment that does not start where the one before ends.
+    fn at_join(segment: usize, error: JoinError) -> Self {
+        match error {
+            JoinError::Length { before, after } => {
+                let error = SegmentError::WrongLength { given: after, expected: before };
+                Self::Segment { segment, error }
+            }
+            JoinError::Position { from, to, .. } => Self::Jump { segment, jump: (to - from).abs() },
+            JoinError::Obstacle { name, .. } => Self::ObstacleJump { segment, name },
+        }
+    }
+}
+
 impl Trajectory {
     /// Segments without times, each beginning where the last ends, robot and obstacles.
     pub fn of_segments(segments: Vec<MotionSegment>) -> Result<Self, TrajectoryError> {
@@ -77,15 +86,7 @@ impl Trajectory {
             return Err(TrajectoryError::TooShort(0));
         }
         for (i, two) in segments.windows(2).enumerate() {
-            let (end, start) = (two[0].at(1.0), two[1].at(0.0));
-            let off = |(a, b): (&f64, &f64)| (a - b).abs();
-            let jump = end.positions().iter().zip(start.positions()).map(off).fold(0.0, f64::greater);
-            if jump > JOINED || end.positions().len() != start.positions().len() {
-                return Err(TrajectoryError::Jump { segment: i + 1, jump });
-            }
-            if let Some(name) = jumping_obstacle(&two[0], &two[1]) {
-                return Err(TrajectoryError::ObstacleJump { segment: i + 1, name });
-            }
+            join(&two[0], &two[1]).map_err(|error| TrajectoryError::at_join(i + 1, error))?;
         }
         Ok(Self { segments, times: Vec::new(), parts: Vec::new() })
     }

@@ -207,7 +207,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         recorder.finish();
     }
     ended?;
-    leave(&middleware, &out_of_memory)?;
+    leave(middleware, &out_of_memory)?;
     log::info!("{node} has ended");
     Ok(())
 }
@@ -216,7 +216,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
 ///
 /// # Errors
 /// When the node ended by itself.
-fn leave(middleware: &Middleware, out_of_memory: &OutOfMemory) -> Result<(), NodeError> {
+fn leave(middleware: Middleware, out_of_memory: &OutOfMemory) -> Result<(), NodeError> {
     if middleware::is_deaf() {
         return Err(NodeError::Internal(DEAF.to_owned()));
     }

@@ -29,6 +29,8 @@ pub(super) struct Step {
     pub law: [f64; 6],
     /// How far (rad, m) it may be off on the way.
     pub tube: f64,
+    /// No number (rad, m) that its value is computed from is larger, before sums of them cancel.
+    pub size: f64,
 }
 
 /// Whose frame an axis is in.
@@ -118,12 +120,8 @@ impl Step {
     /// A turn or slide at even speed, given by axis and speed in one.
     fn even(carrier: Carrier, turns: bool, speed: Vector) -> Self {
         let axis = speed.try_normalize(0.0).unwrap_or_else(Vector::zeros);
-        Self { carrier, turns, axis, law: [0.0, speed.norm(), 0.0, 0.0, 0.0, 0.0], tube: 0.0 }
-    }
-
-    /// Angle or length at t.
-    pub fn value(&self, t: f64) -> f64 {
-        self.law.iter().rev().fold(0.0, |sum, c| sum * t + c)
+        let size = speed.norm();
+        Self { carrier, turns, axis, law: [0.0, size, 0.0, 0.0, 0.0, 0.0], tube: 0.0, size }
     }
 
     /// By Taylor's theorem, which is exact for polynomials.
@@ -166,7 +164,8 @@ impl<'r> Laws<'r> {
 
     fn add_joint(&self, id: JointId, steps: &mut Vec<Step>) {
         let joint = self.robot.joint(id);
-        let (driver, multiplier) = joint.mimic.map_or((id, 1.0), |m| (m.joint, m.multiplier));
+        let (driver, multiplier, offset) =
+            joint.mimic.map_or((id, 1.0, 0.0), |m| (m.joint, m.multiplier, m.offset));
         let Some(first) = self.robot.first_position(driver) else { return };
         let carrier = Carrier::Joint(id);
         let step = |turns: bool, axis: Vector, position: usize| Step {
@@ -175,6 +174,8 @@ impl<'r> Laws<'r> {
             axis,
             law: self.polynomials[position].map(|c| multiplier * c),
             tube: multiplier.abs() * self.motion.tube().get(position).copied().unwrap_or(0.0),
+            size: offset.abs()
+                + self.polynomials[position].iter().map(|c| (multiplier * c).abs()).sum::<f64>(),
         };
         match &joint.kind {
             JointKind::Fixed => {}

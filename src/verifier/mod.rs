@@ -6,7 +6,9 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `documents` | it is about this robot, world and motion; every pair is listed; segments follow each other |
+//! | `documents` | it is about this robot, world and motion; every pair is listed |
+//! | `joins` | segments follow each other exactly, or the gap between them is free; obstacles start where the world has them |
+//! | `expected`, `differences` | it is about the motion that was meant, and what differs if it is not |
 //! | `coverage` | for every pair, intervals cover all of every segment |
 //! | `course`, `moment` | lines that joints turn about and slide along, and by how much, from the URDF's tree |
 //! | `bound` | how much nearer a pair can come within an interval (`docs/derivations/motion-bound.md`) |
@@ -21,10 +23,13 @@ mod body;
 mod bound;
 mod course;
 mod coverage;
+mod differences;
 mod direction;
 mod documents;
 mod element;
+mod expected;
 mod interior;
+mod joins;
 mod moment;
 mod refusal;
 mod subjects;
@@ -34,5 +39,7 @@ mod verifier;
 #[cfg(test)]
 mod tests;
 
+pub use differences::Differences;
+pub use expected::Expected;
 pub use refusal::{Refusal, Verified};
 pub use verifier::{Verifier, verify};

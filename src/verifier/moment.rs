@@ -19,8 +19,10 @@ pub(super) struct Moment {
     bodies: Vec<Option<Placed>>,
     /// Largest coordinate (m) of any frame.
     farthest: f64,
-    /// Largest angle of any joint.
+    /// Largest angle of any joint, or number that it is computed from.
     radians: f64,
+    /// No number that positions and displacements are computed from is larger: sums of them may cancel.
+    size: f64,
 }
 
 /// The line of a step, in the root's frame: a point of it and its direction, of length one or zero.
@@ -89,12 +91,14 @@ impl Moment {
             bodies: (0..bodies).map(|_| None).collect(),
             farthest: f64::NAN,
             radians: f64::NAN,
+            size: f64::NAN,
         }
     }
 
     /// Goes to another t, or to another segment.
     pub fn go_to(&mut self, robot: &RobotModel, course: &Course, t: f64) {
         self.t = t;
+        self.size = course.motion.size();
         self.bodies.fill_with(|| None);
         let q = course.motion.at(t);
         robot.forward_kinematics(&q, &mut self.poses);
@@ -114,7 +118,7 @@ impl Moment {
         let origins = self.lines.iter().map(|line| line.origin.coords.amax());
         let links = robot.link_ids().map(|link| poses.pose(link).translation.vector.amax());
         self.farthest = origins.chain(links).fold(0.0, f64::greater);
-        let angles = course.steps.iter().filter(|step| step.turns).map(|step| step.value(t).abs());
+        let angles = course.steps.iter().filter(|step| step.turns).map(|step| step.size);
         self.radians = angles.fold(0.0, f64::greater);
     }
 
@@ -159,6 +163,7 @@ impl Moment {
     pub fn rounding(&self, bodies: [usize; 2]) -> f64 {
         let extent =
             |index: usize| self.placed(index).corners.iter().map(|p| p.coords.amax()).fold(0.0, f64::greater);
-        ROUNDING * (10.0 + self.radians) * (self.farthest + extent(bodies[0]) + extent(bodies[1]))
+        let reach = self.farthest + extent(bodies[0]) + extent(bodies[1]);
+        ROUNDING * ((10.0 + self.radians) * reach + 10.0 * self.size)
     }
 }

@@ -1,5 +1,6 @@
 //! What came of verifying a certificate.
 
+use super::differences::Differences;
 use crate::geometry::ScaleError;
 use crate::motion::CertificateError;
 
@@ -26,6 +27,11 @@ impl Verified {
     }
 }
 
+/// What differs, or what it may be where the document does not hold enough to say.
+fn or(differences: &Differences, otherwise: &str) -> String {
+    if differences.is_empty() { otherwise.to_owned() } else { differences.to_string() }
+}
+
 /// Why a certificate was not accepted: the first thing found wrong. Names of pairs are links and obstacles; lengths are metres.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
@@ -35,16 +41,22 @@ pub enum Refusal {
     BadPadding { of: String, value: f64 },
     #[error("'{of}' cannot be scaled: {why}")]
     CannotScale { of: String, why: ScaleError },
-    #[error("the format is '{0}', which is not known")]
+    #[error("the format is '{0}', which is not known, or the document lacks what that format has")]
     Format(String),
     #[error("the digest does not fit the content: something in it was altered")]
     Digest,
     #[error("it is about robot '{given}', not '{expected}'")]
     Robot { given: String, expected: String },
-    #[error("it is about another model: links, joints, shapes, paddings or pairs differ")]
-    Model,
-    #[error("it is about another world: obstacles differ")]
-    World,
+    #[error("it is about another model: {}", or(.0, "links, joints, shapes, paddings or pairs differ"))]
+    Model(Differences),
+    #[error("it is about another world: {}", or(.0, "obstacles or attached objects differ"))]
+    World(Differences),
+    #[error("its list of parts does not fit its hashes: {}", or(.0, "their order differs"))]
+    Parts(Differences),
+    #[error("it is about another motion: {0}")]
+    OtherMotion(Differences),
+    #[error("its tolerance is {0}, but must be a finite number of metres, more than zero")]
+    Tolerance(f64),
     #[error("the hash of the motion does not fit the motion")]
     MotionHash,
     #[error("its positions are those of other joints: number {place} is '{given}', but must be '{expected}'")]
@@ -63,6 +75,14 @@ pub enum Refusal {
     Configuration { segment: usize, error: crate::robot::ConfigurationError },
     #[error("segment {segment} begins with '{position}' at {to}, where the last ended at {from}")]
     Jump { segment: usize, position: String, from: f64, to: f64 },
+    #[error("segment {segment} has {after} positions, the last one {before}")]
+    JoinLength { segment: usize, before: usize, after: usize },
+    #[error(
+        "segment {segment} does not start exactly where the last one ends, and '{}' – '{}' are not proven apart in between", pair[0], pair[1]
+    )]
+    OpenJoin { segment: usize, pair: [String; 2] },
+    #[error("obstacle '{name}' starts {shift} m and {turn} rad away from where the world has it")]
+    ObstacleStart { name: String, shift: f64, turn: f64 },
     #[error("segment {segment} moves obstacle '{name}', which the world has not")]
     UnknownObstacle { segment: usize, name: String },
     #[error("segment {segment} moves obstacle '{name}' twice")]

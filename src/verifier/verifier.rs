@@ -8,10 +8,13 @@ use super::bound::{Approach, Side};
 use super::course::{Course, Rate, link_paths};
 use super::documents::{self, Subject};
 use super::moment::{Moment, Ride};
-use super::{Refusal, Verified, coverage, subjects};
-use crate::checker::{AllowedCollisionMatrix, Settings, model_fingerprint, world_fingerprint};
+use super::{Expected, Refusal, Verified, coverage, joins, subjects};
+use crate::checker::{
+    AllowedCollisionMatrix, Settings, certificate_parts, model_fingerprint, world_fingerprint,
+};
+use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
-use crate::motion::{Certificate, Proof};
+use crate::motion::{Certificate, MotionSegment, Proof};
 use crate::robot::{LinkId, RobotModel};
 use crate::world::World;
 
@@ -20,6 +23,11 @@ const CLAIM_SLACK: f64 = 1e-9;
 
 /// What is added to a bound, in m and as a share of it (`docs/derivations/motion-bound.md`).
 const BOUND_SLACK: f64 = 1e-9;
+
+/// The distance (m) in the middle of an interval with which a pair that comes nearer by `found` does not touch anywhere.
+fn keeping_apart(found: f64) -> f64 {
+    found * (1.0 + BOUND_SLACK) + BOUND_SLACK.greater(CONTACT_DISTANCE)
+}
 
 /// Verifies certificates about one robot in one world; bodies are built once.
 #[derive(Debug)]
@@ -59,24 +67,56 @@ impl<'r> Verifier<'r> {
         let pairs = subjects::pairs(robot, world, settings, matrix)?;
         let bodies = subjects::bodies(robot, world, settings, &pairs)?;
         let model = model_fingerprint(robot, settings, matrix);
-        let subject = Subject { model, world: world_fingerprint(world), pairs };
+        let parts = certificate_parts(robot, world, settings);
+        let subject = Subject { model, world: world_fingerprint(world), parts, pairs };
         let carriers = subjects::carriers(robot, world)?;
         let of_links = link_paths(robot);
         let paths = carriers.iter().map(|link| of_links[link.index()].clone()).collect();
         Ok(Self { robot, world, subject, bodies, carriers, paths })
     }
 
-    /// Accepts a certificate only if all that it claims is proven here again.
+    /// Accepts a certificate only if all that it claims is proven here again. Which motion it is about, the caller has to check.
     pub fn verify(&self, certificate: &Certificate) -> Result<Verified, Refusal> {
+        self.verify_expected(certificate, &Expected::default())
+    }
+
+    /// As [`Self::verify`], only for a certificate of what is expected.
+    pub fn verify_expected(
+        &self,
+        certificate: &Certificate,
+        expected: &Expected,
+    ) -> Result<Verified, Refusal> {
         documents::check(certificate, self.robot, &self.subject)?;
-        let pairs = self.subject.pairs.len();
-        let mut verified = Verified { segments: certificate.segments.len(), pairs, ..Verified::default() };
-        let mut last = None;
-        for (segment, proof) in certificate.segments.iter().enumerate() {
+        let motions = |segment| {
             let motion = certificate.segment(self.robot, segment);
-            let motion = motion.map_err(|error| Refusal::Motion { segment, error })?;
+            motion.map_err(|error| Refusal::Motion { segment, error })
+        };
+        let given = (0..certificate.segments.len()).map(motions).collect::<Result<Vec<_>, _>>()?;
+        let meant = expected.check(self, certificate, &given)?;
+        let verified = self.prove(certificate, given, expected)?;
+        // numbers that differ by rounding are another motion still
+        meant.map_or(Ok(()), |meant| self.prove(certificate, meant, expected).map(|_| ()))?;
+        Ok(verified)
+    }
+
+    /// Checks that the proofs of a certificate prove these segments free.
+    fn prove(
+        &self,
+        certificate: &Certificate,
+        segments: Vec<MotionSegment>,
+        expected: &Expected,
+    ) -> Result<Verified, Refusal> {
+        let pairs = self.subject.pairs.len();
+        let mut verified = Verified { segments: segments.len(), pairs, ..Verified::default() };
+        let mut last: Option<Course> = None;
+        for ((segment, motion), proof) in segments.into_iter().enumerate().zip(&certificate.segments) {
             let course = Course::new(self.robot, self.world, segment, motion)?;
-            documents::check_ends(segment, last.as_ref(), &course, self.robot, self.world)?;
+            documents::check_ends(segment, &course, self.robot)?;
+            match &last {
+                Some(last) => joins::check(self, segment, &last.motion, &course)?,
+                None if expected.tells_starts() => {}
+                None => joins::check_start(self, &course)?,
+            }
             coverage::check(segment, &proof.proofs, &self.subject.pairs)?;
             let mut pass = Pass::new(self, segment, &course);
             pass.proofs(&proof.proofs)?;
@@ -179,7 +219,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         let subject = &self.verifier.subject.pairs[pair];
         let (segment, padding) = (self.segment, subject.padding);
         let keeps = |found: f64| found <= bound * (1.0 + BOUND_SLACK) + BOUND_SLACK;
-        let leaves = |found: f64| found * (1.0 + BOUND_SLACK) + BOUND_SLACK + padding < lower;
+        let leaves = |found: f64| keeping_apart(found) + padding < lower;
         let mut found = self.bound(pair, interval, false);
         if !(keeps(found) && leaves(found)) {
             self.verified.exact_bounds += 1;
@@ -191,12 +231,29 @@ impl<'p, 'r> Pass<'p, 'r> {
         if !leaves(found) {
             return Err(Refusal::Margin { segment, proof, lower, found, padding });
         }
-        let needed = found + padding + self.moment.rounding(subject.bodies);
+        let needed = keeping_apart(found) + padding + self.moment.rounding(subject.bodies);
         if self.apart(pair, needed.greater(lower - CLAIM_SLACK)) {
             return Ok(());
         }
         let (pair, at) = (subject.names.clone(), interval.middle);
         Err(Refusal::Near { segment, proof, pair, at, lower })
+    }
+
+    /// Whether a pair is proven apart in all of an interval, with nothing claimed beforehand.
+    pub fn is_apart_throughout(&mut self, pair: usize, interval: Interval) -> bool {
+        self.go_to(interval);
+        self.place(pair);
+        let subject = &self.verifier.subject.pairs[pair];
+        let (padding, rounding) = (subject.padding, self.moment.rounding(subject.bodies));
+        let is_apart = |found: f64, pass: &mut Self| {
+            let needed = keeping_apart(found) + padding + rounding;
+            needed.is_finite() && pass.apart(pair, needed)
+        };
+        let rough = self.bound(pair, interval, false);
+        is_apart(rough, self) || {
+            let exact = self.bound(pair, interval, true).lesser(rough);
+            is_apart(exact, self)
+        }
     }
 
     /// By how much a pair that is placed may come nearer in the interval.

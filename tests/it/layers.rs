@@ -38,7 +38,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
 ];
 
 /// A foreign crate and the one place that names it.
-const HOMES: [(&str, &str); 27] = [
+const HOMES: [(&str, &str); 28] = [
     ("base64", "src/robot/mesh_formats/"),
     ("libc", "src/input_files.rs"),
     ("fearless_simd", "src/simd/"),

@@ -3,6 +3,7 @@
 mod adversarial;
 mod bodies;
 mod cases;
+mod certificates;
 mod checker;
 mod command_line;
 mod continuous_joints;

@@ -1,10 +1,12 @@
 //! What is proven of a motion, as a document.
 
 use super::report::{MotionOptions, MotionReport};
-use super::trajectory::{TrajectoryReport, each_segment};
+use super::trajectory::{Stretch, TrajectoryReport, each_segment};
+use crate::checker::certificate_parts::certificate_parts;
 use crate::checker::collision_checker::CollisionChecker;
 use crate::checker::fingerprint::{model_fingerprint, world_fingerprint};
 use crate::checker::workspace::Workspace;
+use crate::math::Extremes;
 use crate::motion::{Certificate, MotionSegment, SegmentProof, Trajectory};
 
 impl CollisionChecker {
@@ -19,7 +21,7 @@ impl CollisionChecker {
         let (report, proofs) = self.prove(segment, options, workspace, true);
         let report = self.sure_of_contact(report, segment, options, workspace);
         let proof = SegmentProof { motion: segment.text(), proofs };
-        let certificate = report.is_free().then(|| self.certificate(vec![proof]));
+        let certificate = report.is_free().then(|| self.certificate(vec![proof], options));
         (report, certificate)
     }
 
@@ -32,19 +34,24 @@ impl CollisionChecker {
         workspace: &mut Workspace,
     ) -> (TrajectoryReport, Option<Certificate>) {
         let mut all = Vec::new();
-        let report = each_segment(trajectory, options, |segment| {
-            let (report, proofs) = self.prove(segment, options, workspace, true);
-            all.push(SegmentProof { motion: segment.text(), proofs });
-            self.sure_of_contact(report, segment, options, workspace)
+        let report = each_segment(trajectory, options, |stretch| match stretch {
+            Stretch::Segment(segment) => {
+                let (report, proofs) = self.prove(segment, options, workspace, true);
+                all.push(SegmentProof { motion: segment.text(), proofs });
+                self.sure_of_contact(report, segment, options, workspace)
+            }
+            Stretch::Gap(gap) => self.prove(gap, options, workspace, false).0,
         });
-        let certificate = report.is_free().then(|| self.certificate(all));
+        let certificate = report.is_free().then(|| self.certificate(all, options));
         (report, certificate)
     }
 
-    fn certificate(&self, segments: Vec<SegmentProof>) -> Certificate {
+    fn certificate(&self, segments: Vec<SegmentProof>, options: &MotionOptions) -> Certificate {
         let names = |(a, b)| [self.body_name(a).to_owned(), self.body_name(b).to_owned()];
         let pairs = self.all_pairs().map(|pair| names(self.info(pair).ids)).collect();
+        let parts = self.parts.get_or_init(|| certificate_parts(self.robot(), self.world(), self.settings()));
         Certificate::new(self.robot(), self.fingerprints().clone(), pairs, segments)
+            .with_parts(parts.clone(), options.tolerance.greater(f64::MIN_POSITIVE).lesser(f64::MAX))
     }
 
     /// SHA-256 of the model with its settings, and of the world.

@@ -94,7 +94,7 @@ pub enum UndecidedReason {
     Budget,
     /// The pair is two planes, of which nothing is proven, or numbers are too large to be computed with.
     Overflow,
-    /// The motion is of another robot, or moves an obstacle that the world has not.
+    /// The motion is of another robot, moves an obstacle that the world has not, or has segments that do not join.
     Mismatch,
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::{Primitive, Shape};
 use crate::math::{Rotation, Vector};
-use crate::motion::TrajectoryPoint;
+use crate::motion::{MotionSegment, TrajectoryPoint};
 use crate::robot::{MeshFiles, RobotModel};
 use crate::world::Obstacle;
 

@@ -34,7 +34,8 @@ impl Approach {
         let remainder = a.remainder + b.remainder;
         let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
         let extent = reaches.iter().map(Reach::extent).sum::<f64>() + a.extent + b.extent;
-        let rounding = KINEMATICS_ROUNDING * (10.0 + size) * extent;
+        // what a mimic joint's offset or an obstacle's displacement cancels has been rounded before
+        let rounding = KINEMATICS_ROUNDING * ((10.0 + size) * extent + 10.0 * size);
         let found = Self {
             way: a.way + b.way,
             speed: half_width * speed,

@@ -1,0 +1,156 @@
+//! The arguments that name a motion: `motion` checks it, `verify` expects it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clearance::input_files::{self, STATES_LIMIT};
+use clearance::motion::{ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, shortest_way};
+use clearance::robot::{Configuration, RobotModel};
+use clearance::world::World;
+
+use super::failure::Failure;
+use super::states;
+
+/// Motions, how far the robot may be off, and what moves meanwhile.
+#[derive(Args)]
+pub struct WayArgs {
+    #[command(flatten)]
+    input: InputArgs,
+
+    /// Where a straight way ends
+    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "from")]
+    to: Option<String>,
+
+    /// How far the robot may be from its way: one number (rad, m) for every joint, or "j1=0.01 j2=0.02"
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    tube: Option<String>,
+
+    /// Which way round continuous joints go between two positions
+    #[arg(long, value_enum, default_value_t = Continuous::AsGiven)]
+    continuous: Continuous,
+
+    /// Obstacles that move meanwhile: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
+    /// m/s, "angular" in rad/s about "centre") or with "poses" ("time" in s, "position", "orientation"), in the root frame.
+    ///
+    /// Times are those of the trajectory, which needs time_from_start then; at time 0 a twist begins, and at its first pose an
+    /// obstacle stands where the world has it. A straight way has no times: there it begins at 0, ends at 1, and a twist is what
+    /// happens on the whole way.
+    #[arg(long, value_name = "FILE")]
+    moving: Option<PathBuf>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+enum Continuous {
+    /// Through all positions between the two
+    AsGiven,
+    /// By half a turn at most, as joint_trajectory_controller goes from its current state: whole turns are taken off the start
+    Shortest,
+}
+
+#[derive(Args)]
+#[group(id = "way", multiple = false)]
+struct InputArgs {
+    /// Straight ways in joint space: JSON {"joints": [...], "edges": [[[...], [...]], ...]}
+    #[arg(long, value_name = "FILE")]
+    edges: Option<PathBuf>,
+
+    /// One trajectory: the YAML or JSON of a trajectory_msgs/JointTrajectory
+    #[arg(long, value_name = "FILE")]
+    trajectory: Option<PathBuf>,
+
+    /// Where a straight way begins, such as "j1=0.1 j2=-1.2"
+    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "to")]
+    from: Option<String>,
+}
+
+impl WayArgs {
+    /// Whether a motion is given.
+    pub fn is_given(&self) -> bool {
+        let InputArgs { edges, trajectory, from } = &self.input;
+        edges.is_some() || trajectory.is_some() || from.is_some()
+    }
+
+    pub fn is_trajectory(&self) -> bool {
+        self.input.trajectory.is_some()
+    }
+
+    /// Whether a file says how obstacles move.
+    pub fn moves_obstacles(&self) -> bool {
+        self.moving.is_some()
+    }
+
+    /// The tolerance (rad, m) of each position, if one is given.
+    pub fn tube(&self, robot: &RobotModel) -> Result<Option<Vec<f64>>, Failure> {
+        self.tube.as_ref().map(|text| states::tube_from_text(text, robot)).transpose()
+    }
+
+    /// The ways with the obstacles that move meanwhile.
+    pub fn with_obstacles(&self, ways: &[Trajectory], world: &World) -> Result<Vec<Trajectory>, Failure> {
+        let Some(path) = &self.moving else { return Ok(ways.to_vec()) };
+        let file = path.display();
+        let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
+        let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
+        let obstacles = ObstacleTrajectory::list_from_yaml(&text, world).map_err(|e| bad(&e))?;
+        (ways.iter()).map(|way| way.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e))).collect()
+    }
+
+    fn direction(&self) -> ContinuousDirection {
+        match self.continuous {
+            Continuous::AsGiven => ContinuousDirection::AsGiven,
+            Continuous::Shortest => ContinuousDirection::Shortest,
+        }
+    }
+
+    /// The ends of a straight way between which continuous joints go the way that is asked for.
+    fn directed(&self, robot: &RobotModel, ends: [Configuration; 2]) -> Result<[Configuration; 2], Failure> {
+        if self.continuous == Continuous::AsGiven {
+            return Ok(ends);
+        }
+        let (ends, held) = shortest_way(robot, ends.to_vec()).map_err(Failure::input)?;
+        match (held.into_iter().next(), <[Configuration; 2]>::try_from(ends)) {
+            (None, Ok(ends)) => Ok(ends),
+            (Some(held), _) => Err(Failure::Input(format!("--continuous shortest: {held}"))),
+            (None, Err(_)) => Err(Failure::Internal("a way has two ends".to_owned())),
+        }
+    }
+
+    /// The motions of the robot: each way as a trajectory.
+    pub fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
+        let straight = |ends: [Configuration; 2]| {
+            let [from, to] = self.directed(robot, ends)?;
+            Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)]).map_err(Failure::input)
+        };
+        let ways = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
+            (Some(path), ..) => {
+                states::edges_from_file(path, robot)?.into_iter().map(straight).collect::<Result<_, _>>()?
+            }
+            (_, Some(path), ..) => vec![trajectory(path, robot, self.direction())?],
+            (.., Some(from), Some(to)) => {
+                let end = |name: &str, text: &str| states::from_text(name, text, robot);
+                vec![straight([end("--from", from)?, end("--to", to)?])?]
+            }
+            _ => return Err(Failure::Input("give --edges, --trajectory, or --from and --to".to_owned())),
+        };
+        match self.tube(robot)? {
+            None => Ok(ways),
+            Some(tube) => {
+                let loosened = |way: Trajectory| way.map(|s| s.with_tube(robot, tube.clone()));
+                ways.into_iter().map(loosened).collect::<Result<_, _>>().map_err(Failure::input)
+            }
+        }
+    }
+}
+
+fn trajectory(
+    path: &Path,
+    robot: &RobotModel,
+    direction: ContinuousDirection,
+) -> Result<Trajectory, Failure> {
+    let file = path.display();
+    let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
+    let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
+    let way = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
+    way.map_err(|e| {
+        bad(&format!("{e}\n  (a trajectory is the YAML or JSON of a trajectory_msgs/JointTrajectory)"))
+    })
+}

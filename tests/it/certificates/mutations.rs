@@ -1,0 +1,576 @@
+//! Documents altered at random and signed again, as a forger would: what is still accepted is free, by sampling it, and is the motion
+//! that was expected.
+//!
+//! `CLEARANCE_SOUNDNESS=long` makes 10⁵ of them.
+
+use std::sync::Arc;
+
+use clearance::checker::Settings;
+use clearance::geometry::{Primitive, Shape};
+use clearance::math::{Point, Pose};
+use clearance::motion::{
+    Certificate, MotionSegment, MovingObstacle, ObstacleTrajectory, Proof, SegmentText, Trajectory,
+    TrajectoryPoint,
+};
+use clearance::robot::RobotModel;
+use clearance::verifier::{Expected, Verifier};
+use clearance::world::{AttachedObject, World};
+use rayon::prelude::*;
+
+use super::brute_force::Room;
+use super::{Scene, obstacle, resign, sheet, wall};
+use crate::random::Random;
+use crate::soundness::share;
+use crate::tally::Tally;
+
+/// A document to alter, and the motion that it is about; none if it is forged from the start.
+struct Base {
+    name: &'static str,
+    scene: Scene,
+    certificate: Certificate,
+    motion: Option<Trajectory>,
+}
+
+fn joint(name: &str, kind: &str, [parent, child]: [&str; 2], origin: &str, axis: &str, more: &str) -> String {
+    format!(
+        "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/><origin xyz='{origin}'/>
+         <axis xyz='{axis}'/><limit lower='-9' upper='9' effort='1' velocity='1'/>{more}</joint>"
+    )
+}
+
+fn ball_link(name: &str, x: f64, radius: f64) -> String {
+    format!(
+        "<link name='{name}'><collision><origin xyz='{x} 0 0'/><geometry><sphere radius='{radius}'/></geometry></collision></link>"
+    )
+}
+
+/// Three links with balls, of which the first and the last may meet.
+fn arm() -> String {
+    [
+        "<robot name='arm'><link name='base'/>".to_owned(),
+        ball_link("a", 0.3, 0.12),
+        ball_link("b", 0.25, 0.05),
+        ball_link("c", 0.3, 0.05),
+        joint("j1", "revolute", ["base", "a"], "0 0 0", "0 0 1", ""),
+        joint("j2", "revolute", ["a", "b"], "0.5 0 0", "0 0.1 1", ""),
+        joint(
+            "j3",
+            "revolute",
+            ["b", "c"],
+            "0.5 0 0",
+            "0 0 1",
+            "<mimic joint='j2' multiplier='-1.5' offset='0.2'/>",
+        ),
+        "</robot>".to_owned(),
+    ]
+    .concat()
+}
+
+/// A slide with a ball that follows another a thousand times as fast.
+fn fast_follower() -> String {
+    [
+        "<robot name='follower'><link name='base'/><link name='leader'/>".to_owned(),
+        ball_link("tool", 0.0, 0.05),
+        joint("lead", "prismatic", ["base", "leader"], "0 0 0", "0 1 0", ""),
+        joint(
+            "follow",
+            "prismatic",
+            ["base", "tool"],
+            "0 0 0",
+            "1 0 0",
+            "<mimic joint='lead' multiplier='1e9'/>",
+        ),
+        "</robot>".to_owned(),
+    ]
+    .concat()
+}
+
+fn shapes() -> World {
+    let mut world = World::default();
+    let ball = |radius: f64| Shape::Primitive(Primitive::sphere(radius).unwrap());
+    let cube = Shape::Primitive(Primitive::cuboid([0.1, 0.2, 0.3]).unwrap());
+    world.add(obstacle("ball", ball(0.1), [0.9, 0.9, 0.0])).unwrap();
+    world.add(obstacle("box", cube, [0.2, -1.1, 0.1])).unwrap();
+    world.add(obstacle("sheet", sheet(), [1.45, -0.3, 0.0])).unwrap();
+    world
+}
+
+/// The free trajectory of some that comes nearest to something: the one whose proof has most intervals.
+fn nearest(
+    scene: &Scene,
+    random: &mut Random,
+    way: impl Fn(&mut Random) -> Trajectory,
+) -> (Certificate, Trajectory) {
+    let found = (0..40).filter_map(|_| {
+        let way = way(random);
+        Some((scene.certify(&way)?, way))
+    });
+    let size = |c: &Certificate| c.segments.iter().map(|s| s.proofs.len()).sum::<usize>();
+    found.filter(|(c, _)| size(c) < 400).max_by_key(|(c, _)| size(c)).expect("one of forty is free")
+}
+
+fn points(random: &mut Random, extent: f64, bent: bool) -> Vec<TrajectoryPoint> {
+    (0..4)
+        .map(|i| TrajectoryPoint {
+            positions: (0..2).map(|_| random.within(-extent, extent)).collect(),
+            velocities: if bent && i > 0 {
+                (0..2).map(|_| random.within(-0.3, 0.3)).collect()
+            } else {
+                vec![]
+            },
+            accelerations: vec![],
+            time_from_start: f64::from(i),
+        })
+        .collect()
+}
+
+fn way_of_arm(robot: &Arc<RobotModel>, random: &mut Random, bent: bool) -> Trajectory {
+    let joints = ["j1", "j2"].map(str::to_owned);
+    let points = points(random, 1.2, bent);
+    Trajectory::from_points(robot, &joints, &points, &robot.default_configuration()).unwrap()
+}
+
+fn bases() -> Vec<Base> {
+    let mut random = Random::new(20);
+    let mut all = vec![];
+    let mut add = |name, scene: Scene, (certificate, way): (Certificate, Trajectory)| {
+        scene.verify(&certificate).unwrap();
+        all.push(Base { name, scene, certificate, motion: Some(way) });
+    };
+    let scene = Scene::new(&arm(), shapes());
+    let robot = scene.robot.clone();
+    let found = nearest(&scene, &mut random, |random| way_of_arm(&robot, random, true));
+    add("polynomials", scene, found);
+
+    let scene = Scene::with_settings(&arm(), shapes(), Settings { padding: 0.02, ..Settings::default() });
+    let tube = |way: Trajectory| way.map(|s| s.with_tube(&robot, vec![0.01, 0.02])).unwrap();
+    let found = nearest(&scene, &mut random, |random| tube(way_of_arm(&robot, random, false)));
+    add("straight, with a tube and a padding", scene, found);
+
+    let scene = Scene::new(&arm(), shapes());
+    let movers = |random: &mut Random| {
+        let even = ObstacleTrajectory::even(
+            "sheet",
+            Point::new(1.45, -0.3, 0.0),
+            [-0.05, 0.1, 0.0],
+            [0.0, 0.0, 0.3],
+        );
+        let pose = |x: f64| Pose::translation(0.9 + x, 0.9, 0.0);
+        let stops = [(0.0, pose(0.0)), (1.5, pose(random.within(-0.3, 0.1))), (3.0, pose(0.1))];
+        [even, ObstacleTrajectory::through("ball", &stops).unwrap()]
+    };
+    let moving = |random: &mut Random| {
+        let way = way_of_arm(&robot, random, true);
+        way.with_obstacles(&shapes(), &movers(random)).unwrap()
+    };
+    let found = nearest(&scene, &mut random, moving);
+    add("moving obstacles", scene, found);
+
+    let mut world = shapes();
+    let held = obstacle("held", Shape::Primitive(Primitive::sphere(0.08).unwrap()), [0.55, 0.0, 0.0]);
+    world.attach(AttachedObject::grasped(&held, "c", &Pose::identity(), vec!["b".into()])).unwrap();
+    let scene = Scene::new(&arm(), world);
+    let found = nearest(&scene, &mut random, |random| way_of_arm(&robot, random, false));
+    add("a held object", scene, found);
+    all.extend([floating(&mut random), jumping()]);
+    all.extend(followers());
+    all
+}
+
+fn floating(random: &mut Random) -> Base {
+    let urdf = [
+        "<robot name='floats'><link name='base'/>".to_owned(),
+        ball_link("body", 0.4, 0.05),
+        "<joint name='free' type='floating'><parent link='base'/><child link='body'/></joint></robot>"
+            .to_owned(),
+    ];
+    let scene = Scene::new(&urdf.concat(), shapes());
+    let way = |random: &mut Random| {
+        let mut state = || {
+            let q = random.rotation().coords;
+            let at = random.vector(0.8);
+            [at.x, at.y, 0.3 * at.z, q.x, q.y, q.z, q.w]
+        };
+        let states = [state(), state(), state()];
+        let straight = states.windows(2).map(|two| scene.straight(&two[0], &two[1])).collect();
+        Trajectory::of_segments(straight).unwrap()
+    };
+    let (certificate, way) = nearest(&scene, random, way);
+    Base { name: "a floating body", scene, certificate, motion: Some(way) }
+}
+
+/// An honest motion up to the wall and back, and a forged one that is past it after a gap of 1e-9.
+fn followers() -> [Base; 2] {
+    let scene = || Scene::new(&fast_follower(), wall());
+    let honest = scene();
+    let stops = [-1.0e-9, 0.399e-9, -0.2e-9, 0.3999e-9, 0.0];
+    let straight = stops.windows(2).map(|two| honest.straight(&[two[0]], &[two[1]])).collect();
+    let way = Trajectory::of_segments(straight).unwrap();
+    let certificate = honest.certify(&way).unwrap();
+    let forged = scene();
+    let segments = [forged.straight(&[-1e-9], &[0.3e-9]), forged.straight(&[0.7e-9], &[1.5e-9])];
+    let torn = forged.spliced(&segments);
+    assert!(forged.verify(&torn).is_err());
+    [
+        Base { name: "a fast follower", scene: honest, certificate, motion: Some(way) },
+        Base { name: "a fast follower through a wall", scene: forged, certificate: torn, motion: None },
+    ]
+}
+
+/// A far sheet that jumps over the arm by what is little beside its way.
+fn jumping() -> Base {
+    let mut world = World::default();
+    world.add(obstacle("sheet", sheet(), [-1e6, 0.0, 0.0])).unwrap();
+    let urdf = [
+        "<robot name='grain'>".to_owned(),
+        ball_link("base", 0.0, 1e-5),
+        "<link name='other'/>".to_owned(),
+        joint("j", "revolute", ["base", "other"], "0 0 0", "0 0 1", ""),
+        "</robot>".to_owned(),
+    ];
+    let scene = Scene::new(&urdf.concat(), world);
+    let shifted = |x: f64| Pose::translation(x, 0.0, 0.0);
+    let moving = |from: f64, to: f64| -> MotionSegment {
+        let mover = MovingObstacle::between("sheet", Point::origin(), &shifted(from), &shifted(to));
+        scene.straight(&[0.0], &[0.0]).with_obstacles(&scene.world, vec![mover]).unwrap()
+    };
+    let certificate = scene.spliced(&[moving(0.0, 1e6 - 4e-4), moving(1e6 + 4e-4, 1.1e6)]);
+    assert!(scene.verify(&certificate).is_err());
+    Base { name: "an obstacle that jumps", scene, certificate, motion: None }
+}
+
+fn pick<'t, T>(random: &mut Random, all: &'t mut [T]) -> Option<&'t mut T> {
+    let count = u32::try_from(all.len()).unwrap();
+    (count > 0).then(|| &mut all[random.below(count) as usize])
+}
+
+/// Another number in place of one.
+fn alter(random: &mut Random, x: f64) -> f64 {
+    let small = 10f64.powf(random.within(-17.0, 0.5)) * [-1.0, 1.0][random.below(2) as usize];
+    match random.below(14) {
+        0..=4 => x + small,
+        5 | 6 => x * (1.0 + small),
+        7 => -x,
+        8 => 0.0,
+        9 => x.next_up(),
+        10 => x.next_down(),
+        11 => [1e300, -1e300, 1e9, 1e-300, 1.0, 2.0][random.below(6) as usize],
+        12 => [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0][random.below(4) as usize],
+        _ => x * 0.5,
+    }
+}
+
+fn alter_one(random: &mut Random, numbers: &mut [f64]) {
+    if let Some(x) = pick(random, numbers) {
+        *x = alter(random, *x);
+    }
+}
+
+fn alter_motion(random: &mut Random, text: &mut SegmentText, size: usize) {
+    match random.below(10) {
+        0 | 1 => alter_one(random, text.from.as_deref_mut().unwrap_or_default()),
+        2 | 3 => alter_one(random, text.to.as_deref_mut().unwrap_or_default()),
+        4 | 5 => match pick(random, text.polynomials.as_deref_mut().unwrap_or_default()) {
+            Some(p) if random.below(2) == 0 => {
+                // the same ends
+                let (i, j) = (1 + random.below(5) as usize, 1 + random.below(5) as usize);
+                let by = random.within(-2.0, 2.0);
+                (p[i], p[j]) = (p[i] + by, p[j] - by);
+            }
+            Some(p) => alter_one(random, p),
+            None => {}
+        },
+        6 => {
+            if text.tube.len() != size {
+                text.tube = vec![0.0; size];
+            }
+            alter_one(random, &mut text.tube);
+        }
+        7 => match pick(random, &mut text.obstacles) {
+            Some(o) => {
+                let which = random.below(3) as usize;
+                let [centre, linear, angular] = [&mut o.centre, &mut o.linear, &mut o.angular];
+                alter_one(random, [centre, linear, angular][which]);
+            }
+            None => text.obstacles.push(mover(random)),
+        },
+        8 => {
+            if let Some(o) = pick(random, &mut text.obstacles) {
+                let (xyz, q) = o.start.get_or_insert(([0.0; 3], [0.0, 0.0, 0.0, 1.0]));
+                if random.below(2) == 0 { alter_one(random, xyz) } else { alter_one(random, q) }
+            }
+        }
+        _ => bend(random, text),
+    }
+}
+
+/// The same ends by another way, or a polynomial that is straight.
+fn bend(random: &mut Random, text: &mut SegmentText) {
+    let (Some(from), Some(to)) = (text.from.take(), text.to.take()) else { return };
+    let by = [0.0, 0.1, 3.0][random.below(3) as usize];
+    let bent = from.iter().zip(&to).map(|(a, b)| [*a, b - a + by, -by, 0.0, 0.0, 0.0]).collect();
+    text.polynomials = Some(bent);
+}
+
+fn mover(random: &mut Random) -> MovingObstacle {
+    let name = ["ball", "box", "sheet", "wall", "held", "tool"][random.below(6) as usize].to_owned();
+    let linear = random.vector(1.0).into();
+    let far = Some(([0.0, 100.0, 0.0], [0.0, 0.0, 0.0, 1.0]));
+    let start = if random.below(2) == 0 { far } else { None };
+    MovingObstacle { name, centre: [0.0; 3], linear, angular: [0.0; 3], start }
+}
+
+fn alter_proofs(random: &mut Random, proofs: &mut Vec<Proof>, pairs: usize) {
+    let count = u32::try_from(proofs.len()).unwrap();
+    if count == 0 {
+        return;
+    }
+    let i = random.below(count) as usize;
+    match random.below(8) {
+        0 => {
+            proofs.remove(i);
+        }
+        1 => proofs.insert(i, proofs[random.below(count) as usize]),
+        2 => proofs.swap(i, random.below(count) as usize),
+        3 => proofs[i].0 = random.below(u32::try_from(pairs).unwrap() + 2) as usize,
+        // one interval in place of several
+        4 => {
+            let pair = proofs[i].0;
+            let most = proofs.iter().filter(|p| p.0 == pair).map(|p| p.3).fold(0.0, f64::max);
+            proofs.retain(|p| p.0 != pair);
+            proofs.push(Proof(pair, 0.0, 1.0, most, most * random.within(0.0, 1.0)));
+        }
+        _ => {
+            let p = &mut proofs[i];
+            let numbers = [&mut p.1, &mut p.2, &mut p.3, &mut p.4];
+            let x = numbers.into_iter().nth(random.below(4) as usize).unwrap();
+            *x = alter(random, *x);
+        }
+    }
+}
+
+fn alter_segments(random: &mut Random, certificate: &mut Certificate) {
+    let count = u32::try_from(certificate.segments.len()).unwrap();
+    if count == 0 {
+        return;
+    }
+    let [i, j] = [(); 2].map(|()| random.below(count) as usize);
+    match random.below(6) {
+        0 => {
+            certificate.segments.remove(i);
+        }
+        1 => certificate.segments.insert(j, certificate.segments[i].clone()),
+        2 => certificate.segments.swap(i, j),
+        3 => certificate.segments.reverse(),
+        4 => certificate.segments[i].motion = certificate.segments[j].motion.clone(),
+        // both sides of a joint
+        _ => {
+            let by = 10f64.powf(random.within(-17.0, -8.0));
+            let away = [0.0, by, -by][random.below(3) as usize];
+            let shift = |list: Option<&mut Vec<f64>>, by: f64| {
+                if let Some(list) = list {
+                    for x in list {
+                        *x += by;
+                    }
+                }
+            };
+            shift(certificate.segments[i].motion.to.as_mut(), by);
+            if let Some(next) = certificate.segments.get_mut(i + 1) {
+                shift(next.motion.from.as_mut(), away);
+            }
+        }
+    }
+}
+
+fn alter_rest(random: &mut Random, certificate: &mut Certificate) {
+    let swap = |random: &mut Random, list: &mut Vec<String>| {
+        if let [first, .., last] = list.as_mut_slice() {
+            if random.below(2) == 0 { std::mem::swap(first, last) } else { last.push('x') }
+        }
+    };
+    match random.below(8) {
+        0 => swap(random, &mut certificate.joints),
+        1 => {
+            certificate.pairs.pop();
+        }
+        2 => certificate.pairs.reverse(),
+        3 => {
+            if let Some(pair) = pick(random, &mut certificate.pairs).cloned() {
+                certificate.pairs.push(pair);
+            }
+        }
+        4 => certificate.tolerance = certificate.tolerance.map(|t| alter(random, t)),
+        5 => {
+            "clearance certificate 1".clone_into(&mut certificate.format);
+            (certificate.parts, certificate.tolerance) = (None, None);
+        }
+        6 => {
+            if let Some(parts) = &mut certificate.parts {
+                parts.links[0].2 += 0.1;
+            }
+        }
+        _ => certificate.model = "0".repeat(64),
+    }
+}
+
+fn altered(random: &mut Random, base: &Certificate) -> Certificate {
+    let mut certificate = base.clone();
+    for _ in 0..=random.below(3) {
+        let (pairs, joints) = (certificate.pairs.len(), certificate.joints.len());
+        match random.below(20) {
+            0..=3 => alter_segments(random, &mut certificate),
+            4..=11 => {
+                if let Some(segment) = pick(random, &mut certificate.segments) {
+                    alter_motion(random, &mut segment.motion, joints);
+                }
+            }
+            12..=17 => {
+                if let Some(segment) = pick(random, &mut certificate.segments) {
+                    alter_proofs(random, &mut segment.proofs, pairs);
+                }
+            }
+            _ => alter_rest(random, &mut certificate),
+        }
+    }
+    resign(&mut certificate);
+    certificate
+}
+
+/// What is the same motion: a little more than what the verifier takes for rounding.
+fn is_same_motion(a: &Certificate, b: &Certificate) -> Result<(), String> {
+    if a.segments.len() != b.segments.len() {
+        return Err("another number of segments".to_owned());
+    }
+    for (a, b) in a.segments.iter().zip(&b.segments).map(|(a, b)| (&a.motion, &b.motion)) {
+        let near = |x: &f64, y: &f64| (x - y).abs() <= 4e-9 * (1.0 + y.abs());
+        let all_near = |x: &[f64], y: &[f64]| x.len() == y.len() && x.iter().zip(y).all(|(x, y)| near(x, y));
+        let lists = [(&a.from, &b.from), (&a.to, &b.to)];
+        let same_ends = lists.iter().all(|(x, y)| match (x, y) {
+            (Some(x), Some(y)) => all_near(x, y),
+            (x, y) => x.is_none() && y.is_none(),
+        });
+        let flat = |t: &SegmentText| t.polynomials.clone().unwrap_or_default().concat();
+        let tube = |t: &SegmentText| t.tube.iter().filter(|t| **t != 0.0).copied().collect::<Vec<_>>();
+        let movers = |t: &SegmentText| {
+            let numbers = |o: &MovingObstacle| {
+                let (xyz, q) = o.start.unwrap_or(([0.0; 3], [0.0, 0.0, 0.0, 1.0]));
+                [&o.centre[..], &o.linear, &o.angular, &xyz, &q].concat()
+            };
+            t.obstacles.iter().flat_map(numbers).collect::<Vec<_>>()
+        };
+        if !(same_ends && all_near(&flat(a), &flat(b))) {
+            return Err(format!("another motion: {a:?}, expected {b:?}"));
+        }
+        if tube(a) != tube(b) {
+            return Err("another tube".to_owned());
+        }
+        if !all_near(&movers(a), &movers(b)) {
+            return Err("other obstacles".to_owned());
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with the answers about one altered document; whether it was accepted as any motion, and as the expected one.
+fn answers(base: &Base, verifier: &Verifier, room: &Room, seed: u64) -> (Option<String>, [bool; 2]) {
+    let mut random = Random::new(seed);
+    let document = altered(&mut random, &base.certificate);
+    let any = verifier.verify(&document);
+    let expected = base.motion.as_ref().map(|motion| {
+        let tolerance = base.certificate.tolerance;
+        let expected = Expected { motion: Some(motion.clone()), tolerance, ..Expected::default() };
+        verifier.verify_expected(&document, &expected)
+    });
+    let is_expected = expected.is_some_and(|found| found.is_ok());
+    let found = [any.is_ok(), is_expected];
+    if any.is_ok() || is_expected {
+        if let Some(touch) = room.touch(&document, &mut random) {
+            return (Some(format!("accepted, but {touch}")), found);
+        }
+        let read = Certificate::from_json(&document.to_json());
+        if read.as_ref().ok() != Some(&document) {
+            return (Some(format!("it is another one once it is written: {:?}", read.err())), found);
+        }
+    }
+    if is_expected {
+        let other = is_same_motion(&document, &base.certificate).err();
+        let tolerance = document.tolerance == base.certificate.tolerance;
+        return (other.or_else(|| (!tolerance).then(|| "another tolerance".to_owned())), found);
+    }
+    (None, found)
+}
+
+#[test]
+fn what_is_accepted_is_free_and_expected() {
+    let bases = bases();
+    let count = share(3_000, 100_000) / bases.len() + 1;
+    let mut all_accepted = [0; 2];
+    for (number, base) in bases.iter().enumerate() {
+        let Scene { robot, world, settings, .. } = &base.scene;
+        let verifier = Verifier::new(robot, world, settings, None).unwrap();
+        let room = Room::new(&base.scene, &base.certificate.pairs);
+        if base.motion.is_some() {
+            assert_eq!(room.touch(&base.certificate, &mut Random::new(1)), None, "{}", base.name);
+        } else {
+            assert!(room.touch(&base.certificate, &mut Random::new(1)).is_some(), "{}", base.name);
+        }
+        let found: Vec<(Option<String>, [bool; 2])> = (0..count)
+            .into_par_iter()
+            .map(|i| answers(base, &verifier, &room, (number * 10_000_000 + i) as u64))
+            .collect();
+        let accepted = [0, 1].map(|i| found.iter().filter(|(_, accepted)| accepted[i]).count());
+        println!("{}: {count} altered, {accepted:?} accepted as any and as the expected motion", base.name);
+        all_accepted = [0, 1].map(|i| all_accepted[i] + accepted[i]);
+        let wrong =
+            found.into_iter().enumerate().filter_map(|(i, (wrong, _))| Some(format!("{i}: {}", wrong?)));
+        let mut tally = Tally::new(&format!("altered certificates: {}", base.name));
+        tally.add_all(count, wrong.collect());
+        tally.finish(count);
+    }
+    let many = count * bases.len() / 50;
+    assert!(all_accepted.iter().all(|n| *n > many), "too few are accepted to tell: {all_accepted:?}");
+}
+
+/// Whatever a text holds: an answer, and no panic.
+#[test]
+fn broken_texts_are_answered() {
+    let base = followers().into_iter().next().unwrap();
+    let text = base.certificate.to_json();
+    let scene = &base.scene;
+    let verifier = Verifier::new(&scene.robot, &scene.world, &scene.settings, None).unwrap();
+    let junk = [
+        "",
+        "null",
+        "1e999",
+        "-",
+        "[[[[",
+        "\"\\u0000\"",
+        "{}",
+        "9999999999999999999999",
+        "1e308",
+        "[]",
+        "\u{1b}[2J",
+    ];
+    let mut random = Random::new(3);
+    let read = |text: &str| {
+        if let Ok(mut certificate) = serde_json::from_str::<Certificate>(text) {
+            let _ = verifier.verify(&certificate);
+            resign(&mut certificate);
+            let _ = verifier.verify(&certificate);
+        }
+    };
+    for _ in 0..share(3_000, 100_000) {
+        let length = u32::try_from(text.len()).unwrap();
+        let [from, to] = [(); 2].map(|()| random.below(length) as usize);
+        let (from, to) = (
+            from,
+            if random.below(2) == 0 { (from + random.below(12) as usize).min(text.len()) } else { to },
+        );
+        let new = junk[random.below(u32::try_from(junk.len()).unwrap()) as usize];
+        let broken = [&text[..from], new, text.get(to..).unwrap_or_default()].concat();
+        read(&broken);
+    }
+    let deep = format!("{}{}", "[".repeat(1_000_000), "]".repeat(1_000_000));
+    read(&deep);
+    read(&text.replacen("\"segments\":[", &format!("\"segments\":[{deep},"), 1));
+}
