@@ -173,7 +173,7 @@ fn broken_requests_are_refused_by_name() {
         (|r| r.terms.joint_tolerances = vec![0.1], "joint_tolerances has 1 numbers"),
         (|r| r.terms.joint_tolerances = vec![0.1, -0.1], "tolerance of joint 'joint2' is -0.1"),
         (|r| r.terms.joint_tolerances = vec![f64::NAN, 0.0], "tolerance of joint 'joint1' is NaN"),
-        (|r| r.joint_names[0] = "x".repeat(1 << 20), "joint_names: the robot has no joint 'xxx"),
+        (|r| r.joint_names[0] = "x".repeat(1 << 20), "joint_names: the name 'xxx"),
     ];
     for (break_it, named) in broken {
         let mut request = from_to(&NEAR, &BEYOND);

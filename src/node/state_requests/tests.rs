@@ -140,15 +140,23 @@ fn where_only_the_check_was_late_the_robot_stands_where_it_is() {
 
 #[test]
 fn names_that_do_not_fit_are_left_out() {
+    const LENGTH: usize = 1000;
+    // a ball before the tip of each state
+    let states: Vec<[f64; 2]> = (0..12).map(|k| [0.4 * f64::from(k) - 2.4, 0.0]).collect();
     let mut world = World::default();
-    let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
-    world.add(Obstacle::of_shape("x".repeat(LONGEST_NAMES), Pose::translation(2.3, 0.0, 0.0), ball)).unwrap();
-    let mut request = batch(&[[0.0, 0.0]]);
+    for (k, [angle, _]) in states.iter().enumerate() {
+        let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+        let place = Pose::translation(2.3 * angle.cos(), 2.3 * angle.sin(), 0.0);
+        world.add(Obstacle::of_shape(format!("{k:0LENGTH$}"), place, ball)).unwrap();
+    }
+    let mut request = batch(&states);
     request.with_distance = true;
     let answer = answer_states(&request, Some(&judgement(&world, &[0.0, 0.0])), &mut None);
-    assert!((answer.distances[0] - 0.1).abs() < 1e-9, "{answer:?}");
-    assert_eq!(answer.bodies, ["tip"]);
-    assert!([answer.pair_a[0], answer.pair_b[0]].contains(&NOBODY), "{answer:?}");
+    assert!(answer.distances.iter().all(|distance| (distance - 0.1).abs() < 1e-9), "{answer:?}");
+    let fitting = (LONGEST_NAMES - "tip".len()) / LENGTH;
+    assert_eq!(answer.bodies.len(), 1 + fitting);
+    let told = |i: usize| ![answer.pair_a[i], answer.pair_b[i]].contains(&NOBODY);
+    assert!((0..states.len()).all(|i| told(i) == (i < fitting)), "{answer:?}");
 }
 
 #[test]
@@ -258,7 +266,7 @@ fn broken_requests_are_refused_by_name() {
         (|r| r.positions[0] = 1e300, "state 0: joint 'joint1' has position 1e300"),
         (|r| r.joint_names[1] = "wrist".into(), "joint_names: the robot has no joint 'wrist'"),
         (|r| r.joint_names[1] = "joint1".into(), "joint 'joint1' is given twice"),
-        (|r| r.joint_names[0] = "x".repeat(1 << 20), "the robot has no joint 'xxx"),
+        (|r| r.joint_names[0] = "x".repeat(1 << 20), "the name 'xxx"),
         (|r| r.positions = vec![0.0; 2 * STATES + 2], "positions has 10001 states, but at most 10000"),
         (|r| r.timeout = f64::NAN, "timeout is NaN"),
         (|r| r.distance_limit = -1.0, "distance_limit is -1 m"),

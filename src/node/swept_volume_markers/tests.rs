@@ -117,6 +117,7 @@ fn what_is_allowed_fits_into_a_message() {
     assert_eq!(most_intervals(&robot, 2), most / 2);
     assert_eq!(most_intervals(&robot, 1_000_000), 0);
     assert_eq!(most_intervals(&robot, usize::MAX), 0);
-    let long = URDF.replace("\"base\"", &format!("\"{}\"", "b".repeat(100_000)));
-    assert_eq!(most_intervals(&RobotModel::from_urdf(&long, &MeshFiles::default()).unwrap(), 1), 0);
+    // the name stands in every marker of the link
+    let long = URDF.replace("\"base\"", &format!("\"{}\"", "b".repeat(1000)));
+    assert!(most_intervals(&RobotModel::from_urdf(&long, &MeshFiles::default()).unwrap(), 1) < most);
 }
