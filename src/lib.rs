@@ -23,6 +23,7 @@ pub mod input_files;
 pub mod math;
 pub mod ply_format;
 pub mod simd;
+pub mod yaml;
 
 pub mod geometry;
 

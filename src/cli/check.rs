@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use clearance::checker::{Body, CollisionChecker, CollisionReport, Question};
+use clearance::checker::{Body, CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
 use clearance::robot::Configuration;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,6 +16,9 @@ use super::progress::Progress;
 use super::run_args::{Format, RunArgs, Stats, internal, print_line};
 use super::states;
 use super::timing::{self, Timing};
+
+/// States whose pairs are compared before it is decided whether more are needed.
+const STATES_AT_ONCE: usize = 64;
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -49,7 +52,8 @@ pub struct CheckArgs {
 #[derive(Args)]
 #[group(required = true, multiple = false)]
 struct StateArgs {
-    /// States: JSON {"joints": [...], "states": [[...]]}, or CSV with a header of joint names
+    /// States: JSON {"joints": [...], "states": [[...]]}, the YAML of a sensor_msgs/JointState or moveit_msgs/RobotState, or CSV with a
+    /// header of joint names
     #[arg(long, value_name = "FILE")]
     states: Option<PathBuf>,
 
@@ -126,6 +130,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     }
     let question = args.question();
     let reports = check_all(&checker, &states, question, &args.run)?;
+    if let Some(remark) = constant_contacts(&checker, &states, &reports, args)? {
+        log::warn!("{remark}");
+    }
     let timing = time_passes(&checker, &states, question, args.run.repeat);
     let answer = Answer {
         robot: robot.name().to_owned(),
@@ -177,6 +184,39 @@ fn check_all(
             )
             .collect()
     }))
+}
+
+/// A remark about pairs of links that touch in all states, if each state collides and there are enough.
+fn constant_contacts(
+    checker: &CollisionChecker,
+    states: &[Configuration],
+    reports: &[CollisionReport],
+    args: &CheckArgs,
+) -> Result<Option<String>, Failure> {
+    if states.len() < ConstantContacts::FEWEST_STATES || reports.iter().any(CollisionReport::is_free) {
+        return Ok(None);
+    }
+    let mut contacts = ConstantContacts::default();
+    let pool = args.run.pool(states.len())?;
+    for (states, reports) in states.chunks(STATES_AT_ONCE).zip(reports.chunks(STATES_AT_ONCE)) {
+        // other queries do not report every pair
+        let pairs = |workspace: &mut Workspace, q: &Configuration, report: &CollisionReport| {
+            if args.query == Query::Pairs {
+                return report.colliding_pairs.clone();
+            }
+            checker.check(q, Question::Pairs, workspace).colliding_pairs
+        };
+        let all: Vec<Vec<(Body, Body)>> = pool.install(|| {
+            let each = states.par_iter().zip(reports);
+            each.map_init(|| checker.workspace(), |workspace, (q, report)| pairs(workspace, q, report))
+                .collect()
+        });
+        states.iter().zip(&all).for_each(|(q, pairs)| contacts.add(q, pairs));
+        if !contacts.is_open() {
+            return Ok(None);
+        }
+    }
+    Ok(contacts.remark(&format!("all {} states", states.len()), checker))
 }
 
 fn time_passes(

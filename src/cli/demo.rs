@@ -1,8 +1,8 @@
 //! `clearance` alone: the node on a robot, a world and a motion that the program carries, and a live table.
 
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
 
 use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
@@ -46,11 +46,21 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let motion = Trajectory::from_yaml(MOTION)
         .map_err(|e| Failure::Internal(format!("config/demo_motion.yaml: {e}")))?;
 
-    let view = view.open()?;
-    let mut show = view.as_ref().map(View::observer);
+    let domain = announcement.environment().domain;
+    let opened = view.open()?;
+    let announce_view = view.announcement(opened.as_ref());
+    let mut show = opened.as_ref().map(View::observer);
     let latest = Latest::default();
     let ended = Arc::new(AtomicBool::new(false));
-    let table = Table::start(latest.clone(), Arc::clone(&ended), announcement.environment().domain);
+    let (started, table) = mpsc::channel();
+    let on_start = {
+        let (latest, ended) = (latest.clone(), Arc::clone(&ended));
+        move || {
+            announce_view();
+            // the receiver is below
+            let _ = started.send(Table::start(latest, ended, domain));
+        }
+    };
     let result = node::run(NodeOptions {
         announcement,
         arguments: RosArguments::default(),
@@ -66,10 +76,13 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
                 show(judgement, settings);
             }
         })),
+        on_start: Some(Box::new(on_start)),
         given: Given::default(),
     });
     ended.store(true, Ordering::Relaxed);
-    table.finish();
+    if let Ok(table) = table.try_recv() {
+        table.finish();
+    }
     result.map_err(failure)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -7,6 +7,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use clearance::monitor::Judgement;
+use clearance::node;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Time between two looks at a table in a terminal.
@@ -160,7 +161,7 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let lines = labels.map(labelled);
     let [status, nearest, distance, rate, check] = &lines;
     let mut window = Window::new(latest.read());
-    while !ended.load(Ordering::Relaxed) {
+    while !ended.load(Ordering::Relaxed) && !node::is_ending() {
         let row = window.row(&latest.read());
         let colour = match row.status {
             "FREE" => "green",
@@ -173,12 +174,17 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         distance.set_message(row.distance);
         rate.set_message(format!("{:.0} joint states per second", row.rate));
         check.set_message(format!("{:.0} µs, {} pairs", row.microseconds, row.pairs));
+        // what the terminal echoes, such as ^C, then breaks no line, which the next picture would stand below
+        print!("\r");
+        let _ = std::io::stdout().flush();
         thread::sleep(REFRESH);
     }
-    // the last state stays on the screen
+    // the last state stays on the screen as it is
+    table.set_draw_target(ProgressDrawTarget::hidden());
     for line in &lines {
         line.abandon();
     }
+    println!();
 }
 
 fn style(template: &str) -> ProgressStyle {

@@ -3,6 +3,7 @@
 //! Exit codes: 0 everything asked about is free; 1 answered, and something is not free; 2 bad input; 3 internal error.
 //! The node also has 4: ended by a signal, before its orderly end was complete.
 
+mod assignments;
 mod bench;
 mod certificate_summary;
 mod check;
@@ -21,6 +22,7 @@ mod progress;
 #[cfg(feature = "ros")]
 mod replay;
 mod run_args;
+mod state_files;
 mod states;
 mod timing;
 mod verify;
@@ -30,6 +32,7 @@ mod way;
 
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 use log::LevelFilter;
 
@@ -76,13 +79,32 @@ enum Command {
 
 /// Runs the program; everything that goes wrong is one message on stderr.
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return reject(&error),
+    };
     match dispatch(arguments) {
         Ok(code) => code,
         Err(failure) => {
             eprintln!("clearance: {failure}");
             failure.exit_code()
         }
+    }
+}
+
+/// Says what is wrong with the command line: in one line where the mistake is a known one.
+fn reject(error: &clap::Error) -> ExitCode {
+    let stray = match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::UnknownArgument, Some(ContextValue::String(stray))) => Some(stray),
+        _ => None,
+    };
+    let given: Vec<String> = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
+    match stray.and_then(|stray| assignments::unquoted(&given, stray)) {
+        Some(hint) => {
+            eprintln!("clearance: {hint}");
+            ExitCode::from(2)
+        }
+        None => error.exit(),
     }
 }
 

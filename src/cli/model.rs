@@ -92,23 +92,29 @@ pub struct LoadedWorld {
 impl ModelArgs {
     /// Loads the robot; warnings are logged.
     pub fn load(&self) -> Result<RobotModel, Failure> {
-        self.load_with(&self.mesh_files())
+        let robot = self.load_quietly(&self.mesh_files())?;
+        for warning in robot.warnings() {
+            log::warn!("{warning}");
+        }
+        Ok(robot)
     }
 
     /// Loads the robot; its warnings are the caller's to tell.
     pub fn load_quietly(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
         let urdf =
             (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
-        RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(Failure::input)
-    }
-
-    /// As [`Self::load`], with meshes looked up as `files` says.
-    pub fn load_with(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
-        let robot = self.load_quietly(files)?;
-        for warning in robot.warnings() {
-            log::warn!("{warning}");
-        }
-        Ok(robot)
+        RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(|error| {
+            let mut message = error.to_string();
+            for (path, option) in [(Some(urdf), "--urdf"), (self.srdf.as_deref(), "--srdf")] {
+                let Some(path) = path else { continue };
+                if let Some(kind) = other_kind(path)
+                    && message.starts_with(&path.display().to_string())
+                {
+                    message = format!("{message} ({kind} is no file for {option})");
+                }
+            }
+            Failure::Input(message)
+        })
     }
 
     /// Where the meshes of scene files are looked up.
@@ -158,6 +164,11 @@ impl WorldArgs {
             let file = path.display();
             let bytes = read(path).map_err(Failure::Input)?;
             let kind = WorldFileKind::of(&bytes, path);
+            if kind == WorldFileKind::Yaml
+                && let Some(why) = not_a_world(&bytes, path)
+            {
+                return Err(Failure::Input(format!("{file}: {why}{WORLDS}")));
+            }
             if kind == WorldFileKind::Cloud && self.point_radius.is_none() {
                 return Err(Failure::Input(format!("{file}: a cloud needs --point-radius M")));
             }
@@ -191,7 +202,42 @@ impl WorldArgs {
 }
 
 /// What a file has to hold, for those that hold something else.
-const WORLDS: &str = "\n  (a world is the YAML of a MoveIt planning scene, MoveIt's .scene text, an octomap in .bt or .ot, or a PCD or PLY)";
+const WORLDS: &str = " (a world is the YAML of a MoveIt planning scene, MoveIt's .scene text, an octomap in .bt or .ot, or a PCD or PLY)";
+
+/// What a file is by its extension, if it is no description of a robot.
+fn other_kind(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    Some(match extension.as_str() {
+        "stl" | "dae" | "obj" | "glb" | "gltf" => "a mesh",
+        "ply" | "pcd" => "a cloud or mesh",
+        "bt" | "ot" => "an octomap",
+        "yaml" | "yml" | "json" | "csv" | "scene" => "a world, or states,",
+        _ => return None,
+    })
+}
+
+/// What a world file is instead: a robot or a mesh.
+fn not_a_world(bytes: &[u8], path: &Path) -> Option<&'static str> {
+    let is_mesh = ["stl", "dae", "obj", "glb", "gltf"];
+    let extension = path.extension().unwrap_or_default();
+    if is_mesh.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        return Some("it is a mesh: place it with a planning scene, as mesh resource of an object");
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if !text.starts_with(b"<") {
+        return None;
+    }
+    let holds = |word: &[u8]| text.windows(word.len()).any(|w| w == word);
+    Some(if holds(b"<COLLADA") {
+        "it is a mesh: place it with a planning scene, as mesh resource of an object"
+    } else if holds(b"<link") {
+        "it is a URDF: give it with --urdf"
+    } else if holds(b"<robot") {
+        "it is an SRDF: give it with --srdf"
+    } else {
+        "it is XML"
+    })
+}
 
 fn is_yaml(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();

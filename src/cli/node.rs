@@ -57,7 +57,8 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let meshes = MeshLog::default();
     let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
     let robot = match args.model.urdf {
-        Some(_) => Some(args.model.load_with(&mesh_files)?),
+        // the node logs its warnings
+        Some(_) => Some(args.model.load_quietly(&mesh_files)?),
         None => None,
     };
     let view = args.view.open()?;
@@ -73,6 +74,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         mesh_model: args.model.settings().mesh_model,
         motion: args.demo_motion.then_some(Motion::Sweep),
         observer: view.as_ref().map(View::observer),
+        on_start: Some(Box::new(args.view.announcement(view.as_ref()))),
         given,
     })
     .map_err(failure)?;

@@ -1,23 +1,20 @@
-//! States to check: from a JSON or CSV file, or from the command line.
+//! States to check: from a file, or from the command line.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use clearance::input_files::{self, STATES_LIMIT};
-use clearance::robot::{Configuration, JointKind, RobotModel};
+use clearance::robot::{Configuration, ConfigurationError, JointKind, NamedJoints, RobotModel};
+use clearance::world::NamedState;
+use clearance::yaml;
 use serde::Deserialize;
 
+use super::assignments;
 use super::failure::Failure;
+use super::state_files;
 
 /// What a file has to hold, for those that hold something else.
-const STATES: &str = r#"states are JSON {"joints": [...], "states": [[...], ...]}, or CSV with a header of joint names in FILE.csv"#;
 const EDGES: &str = r#"edges are JSON {"joints": [...], "edges": [[[...], [...]], ...]}"#;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StatesText {
-    joints: Vec<String>,
-    states: Vec<Vec<f64>>,
-}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,57 +23,39 @@ struct EdgesText {
     edges: Vec<[Vec<f64>; 2]>,
 }
 
-/// States of `robot` from a file: `{"joints": [...], "states": [[...], ...]}`, or CSV with a header of joint names.
+/// States of `robot` from a file: JSON, the YAML of ROS's messages, or CSV with a header of joint names.
 ///
 /// Joints that are not given take their default. Mimic joints follow; a value of one moves its leader.
 pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-    let is_csv = (path.extension()).is_some_and(|e| e.eq_ignore_ascii_case("csv"));
-    let StatesText { joints, states } = if is_csv {
-        from_csv(&text).map_err(|e| bad(&e))?
-    } else {
-        serde_json::from_str(&text).map_err(|e| bad(&format!("{e}; {STATES}")))?
-    };
+    let states = state_files::read(path, &text, robot).map_err(|e| bad(&e))?;
     if states.is_empty() {
         return Err(bad(&"there are no states"));
     }
-    let named = robot.named_joints(joints.iter().map(String::as_str));
-    let named = named.map_err(|e| bad(&format!("state 0: {e}")))?;
     let rest = robot.default_configuration();
-    (states.iter().enumerate())
-        .map(|(i, positions)| {
-            let of_state = |e: &dyn std::fmt::Display| bad(&format!("state {i}: {e}"));
-            if positions.len() != joints.len() {
-                let (given, wanted) = (positions.len(), joints.len());
-                return Err(of_state(&format!("{given} positions for {wanted} joints")));
-            }
-            named.configuration(&rest, positions).map_err(|e| of_state(&e))
-        })
-        .collect()
-}
-
-fn from_csv(text: &str) -> Result<StatesText, String> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-    let joints = reader.headers().map_err(|e| e.to_string())?.clone();
-    let states = (reader.records())
-        .map(|record| {
-            let record = record.map_err(|e| e.to_string())?;
-            let line = record.position().map_or(0, csv::Position::line);
-            (record.iter())
-                .map(|field| {
-                    (field.parse::<f64>()).map_err(|_| format!("line {line}: '{field}' is not a number"))
-                })
-                .collect()
-        })
-        .collect::<Result<_, String>>()?;
-    Ok(StatesText { joints: joints.iter().map(str::to_owned).collect(), states })
+    // rows of a table share their names
+    let mut resolved: Option<(&Arc<[String]>, NamedJoints)> = None;
+    let mut configurations = Vec::with_capacity(states.len());
+    for (i, NamedState { names, positions, remarks }) in states.iter().enumerate() {
+        let of_state = |e: ConfigurationError| bad(&format!("state {i}: {e}"));
+        for remark in remarks {
+            log::warn!("{file}: state {i}: {remark}");
+        }
+        let joints = match resolved.take().filter(|(of, _)| Arc::ptr_eq(of, names)) {
+            Some((_, joints)) => joints,
+            None => robot.named_joints(names.iter().map(String::as_str)).map_err(of_state)?,
+        };
+        configurations.push(joints.configuration(&rest, positions).map_err(of_state)?);
+        resolved = Some((names, joints));
+    }
+    Ok(configurations)
 }
 
 /// One state from text such as `"j1=0.1 j2=-1.2"`; blanks or commas between the joints.
 pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Configuration, Failure> {
-    let named = named(argument, text)?;
+    let named = assignments::parse(argument, text)?;
     robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
 }
 
@@ -94,7 +73,7 @@ pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failur
         }
         return Ok(tube);
     }
-    let (joints, values): (Vec<&str>, Vec<f64>) = named("--tube", text)?.into_iter().unzip();
+    let (joints, values): (Vec<&str>, Vec<f64>) = assignments::parse("--tube", text)?.into_iter().unzip();
     let tube = robot.named_joints(joints).and_then(|joints| joints.tolerances(&values));
     tube.map_err(|e| Failure::Input(format!("--tube: {e}")))
 }
@@ -104,8 +83,7 @@ pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configura
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-    let EdgesText { joints, edges } =
-        serde_json::from_str(&text).map_err(|e| bad(&format!("{e}; {EDGES}")))?;
+    let EdgesText { joints, edges } = read_edges(&text).map_err(|e| bad(&format!("{e}; {EDGES}")))?;
     if edges.is_empty() {
         return Err(bad(&"there are no edges"));
     }
@@ -122,15 +100,10 @@ pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configura
     (edges.iter().enumerate()).map(|(i, [from, to])| Ok([end(i, from)?, end(i, to)?])).collect()
 }
 
-/// Joints and numbers from text such as `"j1=0.1 j2=-1.2"`.
-fn named<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, Failure> {
-    (text.split(|c: char| c == ',' || c.is_whitespace()))
-        .filter(|word| !word.is_empty())
-        .map(|word| {
-            let value = |v: &str| v.parse::<f64>().ok();
-            (word.rsplit_once('='))
-                .and_then(|(joint, v)| Some((joint, value(v)?)))
-                .ok_or_else(|| Failure::Input(format!("{argument}: '{word}' is not JOINT=NUMBER")))
-        })
-        .collect()
+/// JSON is read faster; its faults are those of JSON.
+fn read_edges(text: &str) -> Result<EdgesText, String> {
+    serde_json::from_str(text).or_else(|error| {
+        let is_json = text.trim_start().starts_with('{');
+        yaml::from_text(text).map_err(|why| if is_json { error.to_string() } else { why })
+    })
 }

@@ -21,20 +21,27 @@ impl ViewArgs {
         self.view.is_some()
     }
 
-    /// Opens the view, if it was asked for, and says where it is.
+    /// Opens the view, if it was asked for. Nothing is said about it: the node may not start.
     pub fn open(self) -> Result<Option<View>, Failure> {
-        let Some(address) = self.view else {
-            return Ok(None);
-        };
-        let view = View::open(&address).map_err(Failure::input)?;
-        if !address.is_private() {
-            log::warn!(
-                "the view at {} is open to everyone who can reach this machine: without a password they see the robot and its \
-                 surroundings",
-                view.url()
-            );
+        let address = self.view.as_ref();
+        address.map(|address| View::open(address).map_err(Failure::input)).transpose()
+    }
+
+    /// Says where an open view is, once it has something to show.
+    pub fn announcement(self, view: Option<&View>) -> impl FnOnce() + Send + use<> {
+        let url = view.map(|view| view.url().to_owned());
+        let is_private = self.view.is_none_or(|address| address.is_private());
+        move || {
+            let Some(url) = url else { return };
+            if !is_private {
+                log::warn!(
+                    "the view at {url} is open to everyone who can reach this machine: without a password they see the robot and its \
+                     surroundings"
+                );
+            }
+            if let Err(failure) = print_line(&format!("view: {url}")) {
+                log::warn!("{failure}");
+            }
         }
-        print_line(&format!("view: {}", view.url()))?;
-        Ok(Some(view))
     }
 }

@@ -54,7 +54,7 @@ struct InputArgs {
     #[arg(long, value_name = "FILE")]
     edges: Option<PathBuf>,
 
-    /// One trajectory: the YAML or JSON of a trajectory_msgs/JointTrajectory
+    /// One trajectory: the YAML or JSON of a trajectory_msgs/JointTrajectory or moveit_msgs/RobotTrajectory
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
 
@@ -151,6 +151,7 @@ fn trajectory(
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
     let way = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
     way.map_err(|e| {
-        bad(&format!("{e}\n  (a trajectory is the YAML or JSON of a trajectory_msgs/JointTrajectory)"))
+        let expected = "the YAML or JSON of a trajectory_msgs/JointTrajectory or moveit_msgs/RobotTrajectory";
+        bad(&format!("{e} (a trajectory is {expected})"))
     })
 }

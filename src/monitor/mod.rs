@@ -37,6 +37,7 @@
 
 mod approach;
 pub mod cloud;
+mod contact_watch;
 mod contribution;
 mod drift;
 mod ground;

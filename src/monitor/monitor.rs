@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
 use super::ground::GroundWatch;
 use super::hearing::{Heard, Hearing};
@@ -50,6 +51,7 @@ pub struct Monitor {
     /// The last joint state that gave no positions: when it came, and whose.
     unpositioned: Option<(Duration, Vec<String>)>,
     pace: Pace,
+    contact_watch: ContactWatch,
     /// What the robot's state is made of, whatever the verdict.
     contributions: Contributions,
     /// By how much (s) the clock was set back since the last joint state, if it was.
@@ -84,6 +86,7 @@ impl Monitor {
             hearing: Hearing::default(),
             unpositioned: None,
             pace: Pace::default(),
+            contact_watch: ContactWatch::default(),
             contributions: Contributions::default(),
             set_back: None,
             placements: Placements::default(),
@@ -106,6 +109,7 @@ impl Monitor {
         let robot = |subject: &Subject| Arc::clone(subject.revision.checker.robot());
         if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
             self.governor.forget_poses();
+            self.contact_watch = ContactWatch::default();
             self.placements = Placements::default();
             self.ground = GroundWatch::default();
         }
@@ -240,7 +244,15 @@ impl Monitor {
             return self.on_heartbeat(now);
         }
         self.judge(now);
+        if let (Some(evidence), Some(subject)) = (&self.verdict.evidence, &self.subject) {
+            self.contact_watch.note(evidence, self.contributions.newest_stamp(), &subject.revision.checker);
+        }
         self.say(now)
+    }
+
+    /// The remark about pairs of links that touch in every state, the first time that there is one.
+    pub fn take_contact_remark(&mut self) -> Option<String> {
+        self.contact_watch.take_news()
     }
 
     /// Does, until the next joint state comes, what it will probably need: best after the answer to the last one was said.
@@ -404,7 +416,9 @@ impl Monitor {
         });
         let of_world = of_revision.chain(&self.world_faults);
         let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));
+        let of_contacts = self.contact_watch.remark().filter(|_| self.verdict.evidence.is_some());
         let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
+        let warnings = warnings.chain(of_contacts.map(str::to_owned));
         Judgement {
             evidence: placement.clone().filter(|_| status.reason().is_none()),
             status,

@@ -19,6 +19,7 @@ mod obstacle_trajectory;
 mod obstacle_trajectory_text;
 mod segment;
 mod trajectory;
+mod trajectory_document;
 mod trajectory_text;
 
 pub(crate) use certificate::shown;

@@ -7,6 +7,7 @@ use crate::constants::LARGEST_COORDINATE;
 use crate::geometry::Shape;
 use crate::math::{Point, Pose, pose_from_xyz_quaternion};
 use crate::world::{Obstacle, World};
+use crate::yaml;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,8 +64,7 @@ impl ObstacleTrajectory {
     /// a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; none if not given). All in the robot's root frame, on the
     /// trajectory's clock: [`Self::even`] and [`Self::through`] say how.
     pub fn list_from_yaml(text: &str, world: &World) -> Result<Vec<Self>, ObstacleTextError> {
-        let text: FileText =
-            serde_saphyr::from_str(text).map_err(|error| ObstacleTextError::Text(error.to_string()))?;
+        let text: FileText = yaml::from_text(text).map_err(ObstacleTextError::Text)?;
         if text.moving_obstacles.is_empty() {
             return Err(ObstacleTextError::Empty);
         }

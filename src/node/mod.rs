@@ -85,5 +85,6 @@ pub use motion::{Motion, Trajectory};
 pub use parameter_value::Value;
 pub use parameters::Parameters;
 pub use run::{NODE_NAME, NodeError, NodeOptions, initial_parameters, run};
+pub use termination::is_ending;
 pub use thread_priority::ThreadPriority;
 pub use view::{View, ViewAddress, ViewAddressError, ViewError};

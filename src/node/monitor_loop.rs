@@ -273,6 +273,9 @@ impl MonitorLoop {
         let now = self.clock.read();
         let judgement = judgement.aged(now).with_warning(self.tape.fault());
         self.log_change(&judgement);
+        if let Some(remark) = self.monitor.take_contact_remark() {
+            log::warn!("{remark}");
+        }
         let said = self.publishers.say(&judgement, &self.parameters, now.steady);
         self.report.activity.note_dropped(said.dropped);
         if let Some(observe) = &mut self.observer {

@@ -9,6 +9,7 @@ use super::names::Names;
 use super::parameter_value::{self, Value};
 use super::parameters::{Parameters, declaration, similar};
 use crate::input_files::{self, DESCRIPTION_LIMIT};
+use crate::yaml;
 
 /// A parameter that can not be taken at the start.
 #[derive(Debug, thiserror::Error)]
@@ -60,7 +61,9 @@ fn apply_text(
     names: &Names,
     passed_over: &mut Vec<String>,
 ) -> Result<(), String> {
-    let document: Yaml = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+    let text = yaml::only_document(text).map_err(|error| error.to_string())?;
+    // here `yes` and `on` are booleans, as in other nodes
+    let document: Yaml = serde_saphyr::from_str(&text).map_err(|error| error.to_string())?;
     let Yaml::Object(document) = document else {
         return Err("it must map node names to ros__parameters".to_owned());
     };

@@ -60,6 +60,8 @@ pub struct NodeOptions {
     /// A motion to publish on `joint_states`.
     pub motion: Option<Motion>,
     pub observer: Option<Observer>,
+    /// Called once, when everything that can be rejected was read and the node is on the network.
+    pub on_start: Option<Box<dyn FnOnce() + Send>>,
     /// What a recording needs to run again.
     pub given: Given,
 }
@@ -201,6 +203,9 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     parts.push(task("services", &stopped, async move || Box::pin(services.serve()).await));
 
     let node = names.full_node_name();
+    if let Some(on_start) = options.on_start {
+        on_start();
+    }
     log::info!("{node} listens to {joint_states} in domain {domain}");
     let ended = run_together(parts, &end).map_err(NodeError::Internal);
     if let Some(recorder) = recorder {

@@ -20,10 +20,19 @@ const TIME_TO_END: Duration = Duration::from_millis(1500);
 /// Time after that for the end of the process: what it writes may meet a pipe that nobody reads.
 const TIME_TO_EXIT: Duration = Duration::from_millis(200);
 
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Whether a signal has asked the node to end.
+#[must_use]
+pub fn is_ending() -> bool {
+    ENDING.load(Ordering::Relaxed)
+}
+
 /// From now on the first signal asks the node to end and arms the watchdog; a second one ends the process at once.
 pub fn end_on_signals(end: End) -> Result<(), NodeError> {
     let is_armed = AtomicBool::new(false);
     let on_signal = move || {
+        ENDING.store(true, Ordering::Relaxed);
         if is_armed.swap(true, Ordering::Relaxed) {
             exit(FORCED);
         }

@@ -179,10 +179,12 @@ impl RobotModel {
         Ok(())
     }
 
-    /// The position of a joint with one degree of freedom, mimics resolved; `None` for other joints.
+    /// The position of a joint with one degree of freedom, mimics resolved: one that follows a fixed joint stays at its offset.
+    /// `None` for other joints.
     #[must_use]
     pub fn joint_position(&self, q: &Configuration, joint: JointId) -> Option<f64> {
         match self.joint(joint).mimic {
+            Some(m) if self.joint(m.joint).kind == JointKind::Fixed => Some(m.offset),
             Some(m) => Some(m.multiplier * self.joint_position(q, m.joint)? + m.offset),
             None if self.joint(joint).kind.position_suffixes().len() == 1 => {
                 Some(q.0[self.first_position(joint)?])

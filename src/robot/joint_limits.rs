@@ -1,6 +1,6 @@
 //! Joints beyond their limits.
 
-use super::{Configuration, RobotModel};
+use super::{Configuration, JointId, RobotModel};
 
 /// How far (rad, m) a joint may be beyond its limits without a word: encoders are noisy and brakes give.
 const SLACK: f64 = 1e-3;
@@ -30,22 +30,27 @@ impl RobotModel {
     /// [`Self::position_names`]. Joints with several positions have no limits of their own.
     pub fn outside_limits<'a>(&'a self, positions: &'a [f64]) -> impl Iterator<Item = OutsideLimits> + 'a {
         self.joint_ids().filter_map(|id| {
-            let joint = self.joint(id);
-            let limits = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1)?;
-            let position = match joint.mimic {
+            let position = match self.joint(id).mimic {
                 Some(mimic) => {
                     mimic.multiplier * positions.get(self.first_position(mimic.joint)?)? + mimic.offset
                 }
                 None => *positions.get(self.first_position(id)?)?,
             };
-            let is_inside = |q: f64| (limits.lower - SLACK..=limits.upper + SLACK).contains(&q);
-            (!is_inside(position)).then(|| OutsideLimits {
-                joint: joint.name.clone(),
-                position,
-                lower: limits.lower,
-                upper: limits.upper,
-                fits_in_degrees: joint.kind.turns() && is_inside(position.to_radians()),
-            })
+            self.outside_limit(id, position)
+        })
+    }
+
+    /// How a position of a joint is beyond its limits by more than noise, if it is. Joints with several positions have none.
+    pub(super) fn outside_limit(&self, id: JointId, position: f64) -> Option<OutsideLimits> {
+        let joint = self.joint(id);
+        let limits = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1)?;
+        let is_inside = |q: f64| (limits.lower - SLACK..=limits.upper + SLACK).contains(&q);
+        (!is_inside(position)).then(|| OutsideLimits {
+            joint: joint.name.clone(),
+            position,
+            lower: limits.lower,
+            upper: limits.upper,
+            fits_in_degrees: joint.kind.turns() && is_inside(position.to_radians()),
         })
     }
 

@@ -323,6 +323,12 @@ impl MeshFiles {
         self.look_at(&Candidate { file: file.clone(), package }).ok().map(|_| file)
     }
 
+    /// Whether some folder of this package is there.
+    pub(super) fn has_package(&self, name: &str) -> bool {
+        let folder = MeshName::Package { name: name.to_owned(), path: PathBuf::new() };
+        self.candidates(&folder).iter().any(|candidate| candidate.file.is_dir())
+    }
+
     fn candidates(&self, name: &MeshName) -> Vec<Candidate> {
         let plain = |file: PathBuf| Candidate { file, package: None };
         match name {

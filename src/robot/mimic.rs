@@ -2,17 +2,22 @@
 
 use super::joint::{JointKind, Mimic};
 use super::{Joint, JointId};
+use crate::constants::LARGEST_COORDINATE;
 
-/// Why mimic joints follow nobody; the joints are named in the message.
+/// A remark about the mimic of a joint, or why there can be none; other joints are named in the message.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct MimicError {
+pub(super) struct MimicNote {
     pub joint: JointId,
     pub message: String,
 }
 
 /// Replaces each joint's mimic, which may follow a joint that itself follows another, by one that follows a free joint:
-/// `m1 (m2 q + o2) + o1 = (m1 m2) q + (m1 o2 + o1)`.
-pub(super) fn resolve(joints: &mut [Joint]) -> Result<(), MimicError> {
+/// `m1 (m2 q + o2) + o1 = (m1 m2) q + (m1 o2 + o1)`. One that follows a fixed joint, whose position is 0, becomes fixed at its offset.
+///
+/// # Errors
+/// Cycles, leaders with several positions, and numbers that overflow. The remarks are about joints that became fixed.
+pub(super) fn resolve(joints: &mut [Joint]) -> Result<Vec<MimicNote>, MimicNote> {
+    let mut remarks = Vec::new();
     // 0: not looked at, 1: on the chain under way, 2: resolved
     let mut state = vec![0u8; joints.len()];
     for start in 0..joints.len() {
@@ -28,26 +33,25 @@ pub(super) fn resolve(joints: &mut [Joint]) -> Result<(), MimicError> {
         }
         // leaders first
         for &follower in chain.iter().rev() {
-            follow(joints, follower)?;
+            remarks.extend(follow(joints, follower)?);
             state[follower] = 2;
         }
         state[at] = 2;
     }
-    Ok(())
+    Ok(remarks)
 }
 
-fn follow(joints: &mut [Joint], follower: usize) -> Result<(), MimicError> {
+fn follow(joints: &mut [Joint], follower: usize) -> Result<Option<MimicNote>, MimicNote> {
     let Some(own) = joints[follower].mimic else {
-        return Ok(());
+        return Ok(None);
     };
     let leader = &joints[own.joint.index()];
-    let error = |message: String| MimicError { joint: joint_id(follower), message };
-    match leader.kind {
-        JointKind::Revolute(_) | JointKind::Continuous(_) | JointKind::Prismatic(_) => {}
-        JointKind::Fixed | JointKind::Floating | JointKind::Planar(_) => {
-            return Err(error(format!("mimics joint '{}', which has no single position", leader.name)));
-        }
+    let leader_is_fixed = leader.kind == JointKind::Fixed;
+    let note = |message: String| MimicNote { joint: joint_id(follower), message };
+    if matches!(leader.kind, JointKind::Floating | JointKind::Planar(_)) {
+        return Err(note(format!("mimics joint '{}', which has no single position", leader.name)));
     }
+    let leader_name = leader.name.clone();
     if let Some(theirs) = leader.mimic {
         let composed = Mimic {
             joint: theirs.joint,
@@ -55,17 +59,37 @@ fn follow(joints: &mut [Joint], follower: usize) -> Result<(), MimicError> {
             offset: own.multiplier * theirs.offset + own.offset,
         };
         if !composed.multiplier.is_finite() || !composed.offset.is_finite() {
-            return Err(error("the multipliers of its mimic chain overflow".to_owned()));
+            return Err(note("the multipliers of its mimic chain overflow".to_owned()));
         }
         joints[follower].mimic = Some(composed);
     }
-    Ok(())
+    if !leader_is_fixed {
+        return Ok(None);
+    }
+    let position = hold(&mut joints[follower]);
+    if position.abs() > LARGEST_COORDINATE {
+        return Err(note(format!("mimic offset {position:e} is larger than {LARGEST_COORDINATE:e}")));
+    }
+    let limits = joints[follower].limits.filter(|l| !(l.lower..=l.upper).contains(&position));
+    let limits = limits
+        .map_or_else(String::new, |l| format!(", which is outside its limits [{}, {}]", l.lower, l.upper));
+    Ok(Some(note(format!(
+        "mimics joint '{leader_name}', which is fixed: it is taken as fixed, too, at its offset {position}{limits}"
+    ))))
 }
 
-fn cycle(joints: &[Joint], chain: &[usize], at: usize) -> MimicError {
+/// Fixes a joint at the offset of its mimic, which it keeps: a state may name it.
+fn hold(joint: &mut Joint) -> f64 {
+    let position = joint.mimic.map_or(0.0, |mimic| mimic.offset);
+    joint.pose_pj *= joint.kind.motion(&[position]);
+    joint.kind = JointKind::Fixed;
+    position
+}
+
+fn cycle(joints: &[Joint], chain: &[usize], at: usize) -> MimicNote {
     let looped = chain.iter().skip_while(|&&j| j != at).chain([&at]);
     let names: Vec<String> = looped.map(|&j| format!("'{}'", joints[j].name)).collect();
-    MimicError { joint: joint_id(at), message: format!("mimics itself: {}", names.join(" mimics ")) }
+    MimicNote { joint: joint_id(at), message: format!("mimics itself: {}", names.join(" mimics ")) }
 }
 
 fn joint_id(index: usize) -> JointId {
@@ -120,6 +144,32 @@ mod tests {
         let mut joints = [joint("a", Some((1, 1.0, 0.0))), joint("b", None)];
         joints[1].kind = JointKind::Floating;
         assert!(resolve(&mut joints).unwrap_err().message.contains("'b'"));
+    }
+
+    #[test]
+    fn followers_of_a_fixed_joint_are_fixed_at_their_offset() {
+        let mut joints = [
+            joint("second", Some((1, 2.0, 0.25))),
+            joint("first", Some((2, -7.0, 0.5))),
+            joint("leader", None),
+        ];
+        joints[2].kind = JointKind::Fixed;
+        let remarks = resolve(&mut joints).unwrap();
+        assert_eq!(remarks.iter().map(|r| r.joint).collect::<Vec<_>>(), [JointId(1), JointId(0)]);
+        assert!(
+            remarks[0].message.contains("'leader', which is fixed") && remarks[0].message.ends_with("0.5")
+        );
+        for (joint, angle) in joints.iter().zip([1.25, 0.5]) {
+            assert_eq!(joint.kind, JointKind::Fixed);
+            assert!((joint.pose_pj.rotation.angle() - angle).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_offset_at_a_fixed_joint_is_bounded() {
+        let mut joints = [joint("a", Some((1, 1.0, 1e300))), joint("b", None)];
+        joints[1].kind = JointKind::Fixed;
+        assert!(resolve(&mut joints).unwrap_err().message.contains("1e300"));
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod mesh_formats;
 mod mesh_log;
 mod mesh_uri;
 mod mimic;
+mod missing_meshes;
 mod model;
 mod name_length;
 mod named_values;

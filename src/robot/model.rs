@@ -19,6 +19,8 @@ pub struct RobotModel {
     pub(super) first_position: Vec<Option<usize>>,
     pub(super) position_names: Vec<String>,
     pub(super) srdf: Option<Srdf>,
+    /// What the names of links begin with, beyond their names in URDF and SRDF.
+    pub(super) link_prefix: String,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -122,6 +124,13 @@ impl RobotModel {
     #[must_use]
     pub fn joint(&self, id: JointId) -> &Joint {
         &self.joints[id.index()]
+    }
+
+    /// The name of a link in URDF and SRDF, without a prefix that was added later.
+    #[must_use]
+    pub fn described_name(&self, id: LinkId) -> &str {
+        let name = &self.link(id).name;
+        name.strip_prefix(&self.link_prefix).unwrap_or(name)
     }
 
     /// The link that no joint has as its child; all poses are in its frame.

@@ -10,6 +10,7 @@ impl RobotModel {
         self.joints.iter_mut().for_each(|joint| rename(&mut joint.name, of_joints));
         self.position_names.iter_mut().for_each(|name| rename(name, of_joints));
         self.links.iter_mut().for_each(|link| rename(&mut link.name, of_links));
+        self.link_prefix.insert_str(0, of_links);
         self
     }
 }
@@ -26,6 +27,7 @@ mod tests {
         assert_eq!(left.position_names(), ["left_joint1", "left_joint2"]);
         assert!(left.joint_by_name("left_joint1").is_some() && left.joint_by_name("joint1").is_none());
         assert_eq!(left.link(left.root()).name, "left/base");
+        assert_eq!(left.described_name(left.root()), "base");
         assert_eq!(left.name(), plain.name());
         let q = left.configuration_from_names([("left_joint2", 1.0)]).unwrap();
         assert_eq!(q, plain.configuration_from_names([("joint2", 1.0)]).unwrap());

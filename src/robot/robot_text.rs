@@ -186,6 +186,22 @@ mod tests {
     }
 
     #[test]
+    fn a_follower_of_a_fixed_joint_stays_at_its_offset() {
+        let fixed = ALL_KINDS.replace("<joint name='s' type='prismatic'>", "<joint name='s' type='fixed'>");
+        let model = RobotModel::from_urdf(&fixed, &MeshFiles::embedded(&MESHES)).unwrap();
+        assert!(!model.position_names().iter().any(|name| name == "s" || name == "follow"));
+        let warnings: Vec<String> = model.warnings().iter().map(ToString::to_string).collect();
+        assert!(warnings[0].contains("joint 'follow': mimics joint 's', which is fixed"), "{warnings:?}");
+        let q = model.configuration_from_names([("follow", 0.5), ("t", 1.0)]).unwrap();
+        assert_eq!(model.joint_position(&q, model.joint_by_name("follow").unwrap()), Some(0.5));
+        let mut poses = LinkPoses::new(&model);
+        model.forward_kinematics(&q, &mut poses);
+        let [slide, finger] = ["slide", "finger"].map(|link| model.link_by_name(link).unwrap());
+        assert_eq!(poses.pose(finger).translation.vector, Vector::new(0.0, 0.0, 0.5));
+        assert!(model.same_rigid_body(slide, finger));
+    }
+
+    #[test]
     fn equal_meshes_are_shared() {
         let model = all_kinds();
         let mesh = |link: &str| {

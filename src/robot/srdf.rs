@@ -10,6 +10,7 @@ use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
 mod collision_rules;
 mod group;
+mod group_state;
 
 /// An SRDF with its names resolved; what it says of links and joints that the robot does not have is left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,9 +55,11 @@ pub struct VirtualJoint {
     pub child_link: LinkId,
 }
 
+/// Types of virtual joints.
+const VIRTUAL_KINDS: [&str; 3] = ["fixed", "floating", "planar"];
+
 /// Elements of SRDF and of Tesseract's dialect that say nothing about collisions.
-const IGNORED: [&str; 11] = [
-    "group_state",
+const IGNORED: [&str; 10] = [
     "end_effector",
     "joint_property",
     "link_sphere_approximation",
@@ -72,8 +75,8 @@ const IGNORED: [&str; 11] = [
 /// Reads an SRDF into `model`.
 ///
 /// # Errors
-/// Text that is no SRDF, and groups that contain themselves. Whatever else is odd becomes a warning: it can only add
-/// pairs to check.
+/// Text that is no SRDF, and rules about collisions that name no link. Whatever else is odd becomes a warning: it can
+/// only add pairs to check.
 pub(super) fn apply(model: &mut RobotModel, text: &str, file: Option<&str>) -> Result<(), Fault> {
     let mut warnings = Vec::new();
     let expected = Expected { file, language: "an SRDF", root: "robot" };
@@ -122,8 +125,9 @@ impl<'d> Reader<'d> {
         self.check_name_lengths(root)?;
         self.read_virtual_joints(root);
         let passive_joints = self.passive_joints(root);
-        let rules = self.collision_rules(root);
-        let groups = self.read_groups(root)?;
+        let rules = self.collision_rules(root)?;
+        let groups = self.read_groups(root);
+        self.check_group_states(root, &groups);
         self.note_unknown_elements(root);
         Ok(Srdf {
             robot_name,
@@ -137,8 +141,9 @@ impl<'d> Reader<'d> {
     }
 
     fn check_root(&mut self, root: Node<'d, 'd>) -> Result<String, Fault> {
+        self.xml.reject_xacro()?;
         if let Some(link) = children(root, "link").next() {
-            let message = "<link> belongs to a URDF, not to an SRDF: the files are confused";
+            let message = "the text is a URDF (it has <link>), not an SRDF: give it with --urdf";
             return Err(self.xml.fault(link, "", message));
         }
         let name = root.attribute("name").unwrap_or_default();
@@ -165,6 +170,11 @@ impl<'d> Reader<'d> {
         for node in children(root, "virtual_joint") {
             let text = |name| node.attribute(name).unwrap_or_default().trim().to_owned();
             let element = format!("virtual_joint '{}'", text("name"));
+            if !VIRTUAL_KINDS.contains(&text("type").as_str()) {
+                let message =
+                    format!("type '{}' is not known; those are {}", text("type"), VIRTUAL_KINDS.join(", "));
+                self.warn(node, element.as_str(), message);
+            }
             if let Some(child_link) = self.link(node, "child_link", &element) {
                 self.virtual_joints.push(VirtualJoint {
                     name: text("name"),
@@ -182,8 +192,9 @@ impl<'d> Reader<'d> {
     }
 
     fn note_unknown_elements(&mut self, root: Node<'d, 'd>) {
-        const READ: [&str; 6] = [
+        const READ: [&str; 7] = [
             "group",
+            "group_state",
             "virtual_joint",
             "passive_joint",
             "disable_collisions",

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use super::joint::{Joint, JointKind, Limits, Mimic};
 use super::loaded_mesh::MeshCache;
-use super::mesh_files::MeshFiles;
+use super::mesh_files::{MeshFileError, MeshFiles};
+use super::missing_meshes::MissingMeshes;
 use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
 use super::tree::{Tree, TreeError};
 use super::urdf_door::{CollisionNotes, JointNotes, LinkNotes, SoundUrdf};
@@ -18,7 +19,7 @@ use crate::math::{Pose, Rotation, UnitVector, Vector, pose_from_xyz_rpy};
 /// Joints that form no tree or follow nobody; shapes and meshes that cannot be had, all of them at once.
 pub(super) fn build(
     robot: &urdf_rs::Robot,
-    sound: SoundUrdf,
+    mut sound: SoundUrdf,
     files: &MeshFiles,
 ) -> Result<RobotModel, ModelError> {
     if (robot.links.len(), robot.joints.len()) != (sound.links.len(), sound.joints.len()) {
@@ -28,7 +29,10 @@ pub(super) fn build(
         }));
     }
     let mut joints = joints(robot, &sound)?;
-    mimic::resolve(&mut joints).map_err(|e| Fault { place: place(&sound, e.joint), message: e.message })?;
+    let remarks = mimic::resolve(&mut joints)
+        .map_err(|e| Fault { place: place(&sound, e.joint), message: e.message })?;
+    let remarks = remarks.into_iter().map(|r| Warning { place: place(&sound, r.joint), message: r.message });
+    sound.warnings.extend(remarks.collect::<Vec<_>>());
     let tree = Tree::new(robot.links.len(), &joints).map_err(|e| tree_fault(e, &sound, &joints))?;
     let SoundUrdf { links: notes, mut warnings, .. } = sound;
     let links = links(robot, &notes, &tree, files, &mut warnings)?;
@@ -42,6 +46,7 @@ pub(super) fn build(
         first_position,
         position_names,
         srdf: None,
+        link_prefix: String::new(),
         warnings,
     })
 }
@@ -156,7 +161,7 @@ fn links(
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Link>, ModelError> {
     let mut meshes = MeshCache::new(files);
-    let mut faults = Vec::new();
+    let (mut faults, mut missing) = (Vec::new(), MissingMeshes::default());
     let mut links = Vec::with_capacity(robot.links.len());
     let bodies = tree.parent_joint.iter().zip(&tree.rigid_body);
     for ((link, notes), (&parent_joint, &rigid_body)) in robot.links.iter().zip(notes).zip(bodies) {
@@ -164,12 +169,23 @@ fn links(
         for (collision, notes) in link.collision.iter().zip(&notes.collisions) {
             match read_collision(collision, notes, &mut meshes, warnings) {
                 Ok(collision) => collisions.push(collision),
-                Err(message) => faults.push(Fault { place: notes.place.clone(), message }),
+                Err(ShapeError::Mesh(error)) if missing.note(collision, &error, &notes.place) => {}
+                Err(error) => faults.push(Fault { place: notes.place.clone(), message: error.to_string() }),
             }
         }
         links.push(Link { name: link.name.clone(), parent_joint, collisions, rigid_body });
     }
+    faults.extend(missing.faults(files));
     ModelError::unless_sound(links, faults)
+}
+
+/// Why a collision has no shape.
+#[derive(Debug, thiserror::Error)]
+enum ShapeError {
+    #[error(transparent)]
+    Primitive(#[from] PrimitiveError),
+    #[error(transparent)]
+    Mesh(#[from] MeshFileError),
 }
 
 fn read_collision(
@@ -177,15 +193,15 @@ fn read_collision(
     notes: &CollisionNotes,
     meshes: &mut MeshCache,
     warnings: &mut Vec<Warning>,
-) -> Result<Collision, String> {
-    let primitive = |p: Result<Primitive, PrimitiveError>| p.map(Shape::Primitive).map_err(|e| e.to_string());
+) -> Result<Collision, ShapeError> {
+    let primitive = |p: Result<Primitive, PrimitiveError>| p.map(Shape::Primitive).map_err(ShapeError::from);
     let shape = match &collision.geometry {
         urdf_rs::Geometry::Box { size } => primitive(Primitive::cuboid(**size)),
         urdf_rs::Geometry::Sphere { radius } => primitive(Primitive::sphere(*radius)),
         urdf_rs::Geometry::Cylinder { radius, length } => primitive(Primitive::cylinder(*radius, *length)),
         urdf_rs::Geometry::Capsule { radius, length } => primitive(Primitive::capsule(*radius, *length)),
         urdf_rs::Geometry::Mesh { filename, scale } => {
-            let loaded = meshes.load(filename, mesh_scale(*scale)).map_err(|e| e.to_string())?;
+            let loaded = meshes.load(filename, mesh_scale(*scale))?;
             warnings.extend(
                 loaded.remarks.into_iter().map(|message| Warning { place: notes.place.clone(), message }),
             );

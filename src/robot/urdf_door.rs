@@ -74,7 +74,24 @@ struct Door<'d> {
     faults: Vec<Fault>,
     sound: SoundUrdf,
     writer: Writer,
+    /// Links with `<visual>` and without `<collision>`.
+    without_collision: Vec<(String, Node<'d, 'd>)>,
 }
+
+/// Elements that only an SRDF has.
+const SRDF_ELEMENTS: [&str; 8] = [
+    "group",
+    "group_state",
+    "end_effector",
+    "virtual_joint",
+    "passive_joint",
+    "disable_collisions",
+    "enable_collisions",
+    "disable_default_collisions",
+];
+
+/// Most links that the warning about missing collision geometry names.
+const MOST_NAMED: usize = 20;
 
 impl<'d> Door<'d> {
     fn new(xml: &'d Xml<'d>) -> Self {
@@ -84,6 +101,7 @@ impl<'d> Door<'d> {
             faults: Vec::new(),
             sound: SoundUrdf::default(),
             writer: Writer::default(),
+            without_collision: Vec::new(),
         }
     }
 
@@ -103,28 +121,50 @@ impl<'d> Door<'d> {
         for (name, link) in &links {
             self.check_link(name, *link);
         }
+        self.warn_of_links_without_collision();
         let known = links.iter().map(|(name, _)| name.as_str()).collect();
         for (name, joint) in self.named(root, "joint") {
             self.check_joint(&name, joint, &known);
         }
         self.writer.close("robot");
         if links.is_empty() && self.faults.is_empty() {
-            self.fault(root, "", "the robot has no <link>");
+            let of_srdf = |n: &Node| n.is_element() && SRDF_ELEMENTS.contains(&n.tag_name().name());
+            let message = match root.children().find(of_srdf) {
+                Some(element) => format!(
+                    "the text is an SRDF (it has <{}> and no <link>), not a URDF: give it with --srdf, or publish it on \
+                     robot_description_semantic",
+                    element.tag_name().name()
+                ),
+                None => "the robot has no <link>".to_owned(),
+            };
+            self.fault(root, "", message);
         }
         self.sound.text = self.writer.finish();
         ModelError::unless_sound(self.sound, self.faults)
     }
 
+    /// One warning for all links that are displayed and never checked.
+    fn warn_of_links_without_collision(&mut self) {
+        let Some((_, first)) = self.without_collision.first() else { return };
+        let named = self.without_collision.iter().take(MOST_NAMED);
+        let mut names: Vec<String> = named.map(|(name, _)| format!("'{}'", shortened(name))).collect();
+        let count = self.without_collision.len();
+        if count > MOST_NAMED {
+            names.push(format!("and {} more", count - MOST_NAMED));
+        }
+        let links = if count == 1 { "1 link has" } else { &format!("{count} links have") };
+        let message = format!(
+            "{links} <visual> but no <collision> geometry and can not be checked: {}; \
+             add <collision> elements to those that could touch something",
+            names.join(", ")
+        );
+        // first, so that a list that is cut keeps it
+        self.sound.warnings.insert(0, self.xml.warning(*first, "", message));
+    }
+
     /// Faults that make all others meaningless: no URDF at all.
     fn check_root(&mut self, root: Node<'d, 'd>) -> Result<(), Fault> {
-        let is_xacro = |n: &Node| n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
-        if let Some(element) = root.descendants().find(is_xacro) {
-            let message = format!(
-                "xacro:{} is still there: this is a xacro file, expand it first with `ros2 run xacro xacro FILE > OUT`",
-                element.tag_name().name()
-            );
-            return Err(self.xml.fault(element, "", message));
-        }
+        self.xml.reject_xacro()?;
         self.version = match root.attribute("version").map(str::trim) {
             None | Some("1.0") => (1, 0),
             Some("1") => {

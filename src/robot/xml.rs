@@ -16,6 +16,34 @@ const MOST_NODES: u32 = 2_000_000;
 /// Most namespace prefixes that are declared on behalf of a text that forgot to.
 const MOST_UNDECLARED_PREFIXES: usize = 16;
 
+/// Outermost elements of other languages.
+const KNOWN_ROOTS: [(&str, &str); 6] = [
+    ("COLLADA", "a mesh"),
+    ("sdf", "an SDF of Gazebo: convert it to a URDF"),
+    ("mujoco", "a model of MuJoCo: convert it to a URDF"),
+    ("launch", "a launch file"),
+    ("package", "a package.xml"),
+    ("svg", "a picture"),
+];
+
+/// How files of other kinds begin.
+const KNOWN_BEGINNINGS: [(&str, &str); 14] = [
+    ("solid", "an STL mesh"),
+    ("ply", "a PLY mesh or cloud"),
+    ("# .PCD", "a cloud, which --world takes"),
+    ("v ", "an OBJ mesh"),
+    ("mtllib", "an OBJ mesh"),
+    ("(", "a .scene file, which --world takes"),
+    ("# Octomap", "an octomap, which --world takes"),
+    ("world:", "a planning scene, which --world takes"),
+    ("collision_objects:", "a planning scene, which --world takes"),
+    ("robot_state:", "a planning scene, which --world takes"),
+    ("joint_names:", "a trajectory"),
+    ("{", "JSON"),
+    ("---", "YAML"),
+    ("version https://git-lfs", "a pointer of Git LFS: fetch the file with git lfs pull"),
+];
+
 /// A parsed XML text that knows its name and its lines.
 pub(super) struct Xml<'d> {
     pub document: &'d Document<'d>,
@@ -26,6 +54,18 @@ pub(super) struct Xml<'d> {
 impl<'d> Xml<'d> {
     pub fn root(&self) -> Node<'d, 'd> {
         self.document.root_element()
+    }
+
+    /// # Errors
+    /// When elements of xacro are left.
+    pub fn reject_xacro(&self) -> Result<(), Fault> {
+        let is_xacro = |n: &Node| n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
+        let Some(element) = self.root().descendants().find(is_xacro) else { return Ok(()) };
+        let message = format!(
+            "xacro:{} is still there: this is a xacro file, expand it first with `ros2 run xacro xacro FILE > OUT`",
+            element.tag_name().name()
+        );
+        Err(self.fault(element, "", message))
     }
 
     /// Line of the element's start, from 1.
@@ -89,8 +129,25 @@ impl Expected<'_> {
     /// The text is something else altogether.
     fn wrong_root(&self, found: &str, line: Option<u32>) -> Fault {
         let Self { language, root, .. } = self;
+        let kind = KNOWN_ROOTS.iter().find(|(name, _)| name.eq_ignore_ascii_case(found));
+        let kind = kind.map_or_else(String::new, |(_, kind)| format!(", {kind}"));
         let found = shortened(found);
-        self.fault(line, format!("the text is <{found}>, but {language} begins with <{root}>"))
+        self.fault(line, format!("the text is <{found}>{kind}, but {language} begins with <{root}>"))
+    }
+
+    /// The text is no XML at all.
+    fn no_xml(&self, text: &str) -> Fault {
+        let first = text.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
+        let line = text.lines().position(|line| !line.trim().is_empty());
+        let kind = KNOWN_BEGINNINGS.iter().find(|(beginning, _)| first.starts_with(beginning));
+        let kind = kind.map_or_else(String::new, |(_, kind)| format!(" (this looks like {kind})"));
+        let Self { language, root, .. } = self;
+        let line = line.and_then(|line| u32::try_from(line + 1).ok());
+        let first = shortened(first);
+        self.fault(
+            line,
+            format!("the text is no XML{kind}: {language} begins with <{root}>, not with '{first}'"),
+        )
     }
 }
 
@@ -112,6 +169,10 @@ pub(super) fn read_xml<T>(
         let message =
             format!("the text has {} bytes, more than the {LARGEST_TEXT} that are read", text.len());
         return Err(expected.fault(None, message));
+    }
+    let begins = text.trim_start_matches('\u{feff}').trim_start();
+    if !(begins.is_empty() || begins.starts_with('<')) {
+        return Err(expected.no_xml(begins));
     }
     let mut text = without_declaration(text, &expected, warnings);
     xml_limits::check(&text).map_err(|excess| expected.fault(Some(excess.line), excess.message))?;
@@ -257,6 +318,22 @@ mod tests {
     fn entities_are_refused() {
         let (result, _) = root_line("\n<!DOCTYPE a [<!ENTITY x 'y'>]><a>&x;</a>");
         assert!(result.unwrap_err().starts_with("f.xml:2: a DOCTYPE"));
+    }
+
+    #[test]
+    fn what_is_no_xml_is_named() {
+        for (text, words) in [
+            ("solid arm\nfacet normal 0 0 1", "an STL mesh"),
+            ("\n\nworld:\n  collision_objects: []\n", "--world"),
+            ("joint_names: [a]\n", "a trajectory"),
+            ("version https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+            ("hello\n", "not with 'hello'"),
+        ] {
+            let message = root_line(text).0.unwrap_err();
+            assert!(message.contains("no XML") && message.contains(words), "{message}");
+            assert!(!message.contains('\n'), "{message}");
+        }
+        assert!(root_line("<COLLADA/>").0.unwrap_err().contains("a mesh, but an A begins with <a>"));
     }
 
     #[test]

@@ -4,19 +4,20 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// A module and those it may use, as `lib.rs` lists them.
-const LAYERS: [(&str, &[&str]); 16] = [
+const LAYERS: [(&str, &[&str]); 17] = [
     ("constants", &[]),
     ("input_files", &[]),
     ("math", &["constants"]),
     ("ply_format", &[]),
     ("simd", &[]),
+    ("yaml", &[]),
     ("geometry", &["constants", "math"]),
     ("bounding_volume", &["constants", "math", "simd"]),
     ("bvh", &["constants", "math", "simd", "bounding_volume"]),
     ("query", &["constants", "math", "simd", "geometry", "bounding_volume", "bvh"]),
     ("robot", &["constants", "input_files", "math", "ply_format", "simd", "geometry"]),
-    ("world", &["constants", "math", "ply_format", "geometry", "robot"]),
-    ("motion", &["constants", "math", "geometry", "robot", "world"]),
+    ("world", &["constants", "math", "ply_format", "yaml", "geometry", "robot"]),
+    ("motion", &["constants", "math", "yaml", "geometry", "robot", "world"]),
     ("checker", &["constants", "math", "simd", "geometry", "bvh", "query", "robot", "world", "motion"]),
     ("verifier", &["constants", "math", "geometry", "robot", "world", "motion", "checker"]),
     ("monitor", &["constants", "math", "geometry", "query", "robot", "world", "checker"]),
@@ -26,6 +27,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
             "constants",
             "input_files",
             "math",
+            "yaml",
             "geometry",
             "query",
             "robot",

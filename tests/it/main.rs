@@ -6,6 +6,7 @@ mod cases;
 mod certificates;
 mod checker;
 mod command_line;
+mod command_messages;
 mod continuous_joints;
 mod default_collisions;
 mod effort;

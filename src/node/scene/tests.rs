@@ -37,6 +37,7 @@ const URDF: &str = include_str!("../../../urdf/two_link/two_link.urdf");
 const SRDF: &str = r#"<robot name="two_link">
   <group name="arm"><chain base_link="base" tip_link="tip"/></group>
   <group name="wrist"><joint name="joint2"/></group>
+  <group name="empty"/>
   <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
   <disable_collisions link1="upper" link2="tip" reason="Adjacent"/>
 </robot>"#;
@@ -549,7 +550,12 @@ fn a_group_is_judged_by_the_links_that_it_moves() {
     assert!(!of("arm", STRETCHED).unwrap().valid);
     assert!(of("wrist", STRETCHED).unwrap().valid);
     assert!(!of("wrist", ON_BASE).unwrap().valid);
-    assert!(of("elbow", STRETCHED).unwrap_err().contains("no group 'elbow'; the SRDF has 'arm' and 'wrist'"));
+    assert!(
+        of("elbow", STRETCHED)
+            .unwrap_err()
+            .contains("no group 'elbow'; the SRDF has 'arm', 'wrist' and 'empty'")
+    );
+    assert!(of("empty", STRETCHED).unwrap_err().contains("group 'empty' has no joint and no link"));
 }
 
 #[test]

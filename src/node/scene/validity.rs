@@ -133,6 +133,13 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
     if group.links.contains(&robot.root()) {
         links.insert(robot.root());
     }
+    if links.is_empty() {
+        // no pair of the group: nothing would be proven
+        return Err(format!(
+            "group_name: group {} has no joint and no link of the robot's URDF",
+            quoted_list(&[name.to_owned()])
+        ));
+    }
     Ok(Some(links))
 }
 

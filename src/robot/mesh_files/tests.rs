@@ -345,3 +345,41 @@ fn parts_are_noted_and_found_in_a_recording() {
     assert!(opens(&again, "m.gltf"), "{}", message(&again, "m.gltf"));
     assert!(message(&files, "m.gltf").contains("t.bin"));
 }
+
+#[test]
+fn a_missing_package_is_one_line_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("there")).unwrap();
+    let urdf = |packages: &[&str]| {
+        let link = |(i, package): (usize, &&str)| {
+            let joint =
+                format!("<joint name='j{i}' type='fixed'><parent link='a'/><child link='l{i}'/></joint>");
+            let mesh = format!("<mesh filename='package://{package}/meshes/m{i}.stl'/>");
+            format!("<link name='l{i}'><collision><geometry>{mesh}</geometry></collision></link>{joint}\n")
+        };
+        let links: Vec<String> = packages.iter().enumerate().map(link).collect();
+        format!("<robot name='r'><link name='a'/>\n{}</robot>", links.concat())
+    };
+    let message = |packages: &[&str]| {
+        let files = MeshFiles::default().with_package_path(folder.path());
+        crate::robot::RobotModel::from_urdf(&urdf(packages), &files).unwrap_err().to_string()
+    };
+    let one = message(&["arm_description"; 30]);
+    assert!(
+        one.starts_with("line 2: link 'l0' collision 1: package 'arm_description' was not found"),
+        "{one}"
+    );
+    assert!(one.contains("m0.stl' (and 29 more like it)") && one.contains("--package-path DIR"), "{one}");
+    assert_eq!(one.lines().count(), 1, "{one}");
+    assert!(!message(&["arm_description"]).contains("more like it"));
+    let two = message(&["arm", "gripper", "arm"]);
+    assert_eq!(two.lines().count(), 2, "{two}");
+    assert!(two.contains("'arm'") && two.contains("'gripper'"), "{two}");
+    // a package that is there lacks a file
+    let file = message(&["there", "there"]);
+    assert!(
+        file.contains("mesh 'package://there/meshes/m0.stl' was not found") && file.contains("1 more"),
+        "{file}"
+    );
+    assert_eq!(file.lines().count(), 1, "{file}");
+}

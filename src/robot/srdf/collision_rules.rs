@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use roxmltree::Node;
 
 use super::{DisabledPair, Reader};
-use crate::robot::LinkId;
 use crate::robot::xml::children;
+use crate::robot::{Fault, LinkId};
 
 /// Content of the three elements; no pair is in both lists.
 pub(super) struct CollisionRules {
@@ -18,9 +18,13 @@ pub(super) struct CollisionRules {
 impl<'d> Reader<'d> {
     /// As in `MoveIt`'s `AllowedCollisionMatrix(const srdf::Model&)`: a disabled pair overrules an enabled one, and both overrule
     /// the default entries of their links. The order of the elements in the file does not matter.
-    pub(super) fn collision_rules(&mut self, root: Node<'d, 'd>) -> CollisionRules {
+    ///
+    /// # Errors
+    /// An element that names no link: which pair is meant can not be known.
+    pub(super) fn collision_rules(&mut self, root: Node<'d, 'd>) -> Result<CollisionRules, Fault> {
         let mut unchecked_by_default = BTreeSet::new();
         for node in children(root, "disable_default_collisions") {
+            self.require(node, "link")?;
             if let Some(link) = self.link(node, "link", "disable_default_collisions")
                 && unchecked_by_default.insert(link)
             {
@@ -34,33 +38,44 @@ impl<'d> Reader<'d> {
         }
         let mut enabled = BTreeSet::new();
         for node in children(root, "enable_collisions") {
-            enabled.extend(self.pair(node));
+            enabled.extend(self.pair(node)?);
         }
         let mut disabled = BTreeMap::new();
         for node in children(root, "disable_collisions") {
-            if let Some(pair) = self.pair(node) {
+            if let Some(pair) = self.pair(node)? {
                 enabled.remove(&pair);
                 disabled.insert(pair, node.attribute("reason").unwrap_or_default().to_owned());
             }
         }
         let disabled_pairs = disabled.into_iter().map(|((a, b), reason)| DisabledPair { a, b, reason });
-        CollisionRules {
+        Ok(CollisionRules {
             disabled_pairs: disabled_pairs.collect(),
             enabled_pairs: enabled.into_iter().collect(),
             unchecked_by_default: unchecked_by_default.into_iter().collect(),
-        }
+        })
     }
 
-    fn pair(&mut self, node: Node<'d, 'd>) -> Option<(LinkId, LinkId)> {
+    /// A fault unless the attribute is there and not empty.
+    fn require(&self, node: Node<'d, 'd>, attribute: &str) -> Result<(), Fault> {
+        if node.attribute(attribute).is_some_and(|link| !link.trim().is_empty()) {
+            return Ok(());
+        }
+        let message = format!("has no {attribute}: write {attribute}=\"NAME\" with the name of a link");
+        Err(self.xml.fault(node, node.tag_name().name(), message))
+    }
+
+    fn pair(&mut self, node: Node<'d, 'd>) -> Result<Option<(LinkId, LinkId)>, Fault> {
         let element = node.tag_name().name();
+        self.require(node, "link1")?;
+        self.require(node, "link2")?;
         // both are looked up, so that both are reported when unknown
         let (a, b) = (self.link(node, "link1", element), self.link(node, "link2", element));
-        let (a, b) = (a?, b?);
+        let (Some(a), Some(b)) = (a, b) else { return Ok(None) };
         if a == b {
             let name = &self.model.link(a).name;
             self.warn(node, element, format!("link '{name}' with itself is no pair; ignored"));
-            return None;
+            return Ok(None);
         }
-        Some((a.min(b), a.max(b)))
+        Ok(Some((a.min(b), a.max(b))))
     }
 }

@@ -5,8 +5,12 @@ use std::collections::{BTreeSet, HashMap};
 use roxmltree::Node;
 
 use super::{Group, Reader};
+use crate::robot::numbers::shortened;
 use crate::robot::xml::children;
-use crate::robot::{Fault, JointId, LinkId};
+use crate::robot::{JointId, LinkId};
+
+/// Most groups that a warning names.
+const MOST_NAMED: usize = 8;
 
 /// A group as written: its own members, and the groups it names.
 struct Draft<'d> {
@@ -18,15 +22,20 @@ struct Draft<'d> {
 }
 
 impl<'d> Reader<'d> {
-    /// # Errors
-    /// When a group contains itself.
-    pub(super) fn read_groups(&mut self, root: Node<'d, 'd>) -> Result<Vec<Group>, Fault> {
+    /// Groups with their subgroups resolved; groups that contain each other are each the union of all of them.
+    pub(super) fn read_groups(&mut self, root: Node<'d, 'd>) -> Vec<Group> {
         let mut drafts = self.drafts(root);
-        for index in leaves_first(&drafts).map_err(|index| self.contains_itself(&drafts[index]))? {
-            for sub in std::mem::take(&mut drafts[index].subgroups) {
-                let (joints, links) = (drafts[sub].joints.clone(), drafts[sub].links.clone());
-                drafts[index].joints.extend(joints);
-                drafts[index].links.extend(links);
+        for together in subgroups_first(&drafts) {
+            self.warn_of_cycle(&drafts, &together);
+            let (mut joints, mut links) = (BTreeSet::new(), BTreeSet::new());
+            let parts = together.iter().flat_map(|index| drafts[*index].subgroups.iter().chain([index]));
+            for &part in parts {
+                joints.extend(&drafts[part].joints);
+                links.extend(&drafts[part].links);
+            }
+            for &index in &together {
+                drafts[index].joints.clone_from(&joints);
+                drafts[index].links.clone_from(&links);
             }
         }
         let group = |draft: Draft| Group {
@@ -34,7 +43,26 @@ impl<'d> Reader<'d> {
             joints: draft.joints.into_iter().collect(),
             links: draft.links.into_iter().collect(),
         };
-        Ok(drafts.into_iter().map(group).collect())
+        drafts.into_iter().map(group).collect()
+    }
+
+    fn warn_of_cycle(&mut self, drafts: &[Draft<'d>], together: &[usize]) {
+        let first = &drafts[together[0]];
+        let element = format!("group '{}'", first.name);
+        let message = match together {
+            [index] if !drafts[*index].subgroups.contains(index) => return,
+            [_] => "contains itself; that adds nothing".to_owned(),
+            _ => {
+                let named =
+                    together.iter().take(MOST_NAMED).map(|&index| format!("'{}'", drafts[index].name));
+                let more = if together.len() > MOST_NAMED { " and more" } else { "" };
+                let names = named.collect::<Vec<_>>().join(", ");
+                format!(
+                    "groups contain each other ({names}{more}): each is taken as the union of all of them"
+                )
+            }
+        };
+        self.warn(first.node, element, message);
     }
 
     fn drafts(&mut self, root: Node<'d, 'd>) -> Vec<Draft<'d>> {
@@ -47,6 +75,9 @@ impl<'d> Reader<'d> {
                     if name.is_empty() { "has no name; ignored" } else { "is there twice; ignored" };
                 self.warn(node, format!("group '{name}'"), message);
                 continue;
+            }
+            if !node.children().any(|child| child.is_element()) {
+                self.warn(node, format!("group '{name}'"), "is empty");
             }
             index_of.insert(name, drafts.len());
             drafts.push(self.draft(name, node));
@@ -85,7 +116,12 @@ impl<'d> Reader<'d> {
                         draft.joints.extend(self.chain(base, tip));
                     }
                 }
-                _ => {}
+                // resolved when all groups are known
+                "group" => {}
+                other => {
+                    let message = format!("<{}> is no part of a group; ignored", shortened(other));
+                    self.warn(part, element.as_str(), message);
+                }
             }
         }
         draft.links.extend(draft.joints.iter().map(|&j| self.model.joint(j).child));
@@ -102,35 +138,80 @@ impl<'d> Reader<'d> {
         let parent = |l: LinkId| self.model.link(l).parent_joint;
         std::iter::successors(parent(link), |&j| parent(self.model.joint(j).parent)).collect()
     }
-
-    fn contains_itself(&self, draft: &Draft<'d>) -> Fault {
-        let element = format!("group '{}'", draft.name);
-        self.xml.fault(draft.node, element, "contains itself through its subgroups")
-    }
 }
 
-/// The groups in an order in which subgroups come before those that name them; or a group on a circle.
-fn leaves_first(drafts: &[Draft]) -> Result<Vec<usize>, usize> {
-    let mut users: Vec<Vec<usize>> = vec![Vec::new(); drafts.len()];
-    let mut waiting_for: Vec<usize> = drafts.iter().map(|d| d.subgroups.len()).collect();
-    for (index, draft) in drafts.iter().enumerate() {
-        for &sub in &draft.subgroups {
-            users[sub].push(index);
+/// Groups in an order in which subgroups come before those that name them; groups that contain each other stand together, in the order
+/// of the text. Tarjan (1972), without recursion: texts may nest groups deeply.
+fn subgroups_first(drafts: &[Draft]) -> Vec<Vec<usize>> {
+    let mut search = Components { reached: vec![None; drafts.len()], ..Components::default() };
+    for root in 0..drafts.len() {
+        if search.reached[root].is_none() {
+            search.descend_from(root, drafts);
         }
     }
-    let mut order: Vec<usize> = (0..drafts.len()).filter(|&i| waiting_for[i] == 0).collect();
-    let mut next = 0;
-    while let Some(&done) = order.get(next) {
-        next += 1;
-        for &user in &users[done] {
-            waiting_for[user] -= 1;
-            if waiting_for[user] == 0 {
-                order.push(user);
+    search.found
+}
+
+/// Search for strongly connected components.
+#[derive(Default)]
+struct Components {
+    /// By group: in which order it was reached.
+    reached: Vec<Option<usize>>,
+    count: usize,
+    /// Groups that were reached and are in no component yet.
+    open: Vec<usize>,
+    is_open: BTreeSet<usize>,
+    found: Vec<Vec<usize>>,
+}
+
+/// A group on the path of the search: its next subgroup, and the earliest open group that it leads to.
+struct Step {
+    index: usize,
+    next: usize,
+    lowest: usize,
+}
+
+impl Components {
+    fn enter(&mut self, index: usize) -> Step {
+        let number = self.count;
+        self.reached[index] = Some(number);
+        self.count += 1;
+        self.open.push(index);
+        self.is_open.insert(index);
+        Step { index, next: 0, lowest: number }
+    }
+
+    fn descend_from(&mut self, root: usize, drafts: &[Draft]) {
+        let mut path = vec![self.enter(root)];
+        while let Some(step) = path.last_mut() {
+            if let Some(&sub) = drafts[step.index].subgroups.get(step.next) {
+                step.next += 1;
+                match self.reached[sub] {
+                    None => path.push(self.enter(sub)),
+                    Some(number) if self.is_open.contains(&sub) => step.lowest = step.lowest.min(number),
+                    Some(_) => {}
+                }
+                continue;
+            }
+            let &mut Step { index, lowest, .. } = step;
+            path.pop();
+            if let Some(above) = path.last_mut() {
+                above.lowest = above.lowest.min(lowest);
+            }
+            if self.reached[index] == Some(lowest) {
+                self.close(index);
             }
         }
     }
-    match waiting_for.iter().position(|&w| w > 0) {
-        Some(index) => Err(index),
-        None => Ok(order),
+
+    /// All groups that were opened since `index` lead to each other.
+    fn close(&mut self, index: usize) {
+        let start = self.open.iter().rposition(|&open| open == index).unwrap_or_default();
+        let mut together = self.open.split_off(start);
+        together.sort_unstable();
+        for member in &together {
+            self.is_open.remove(member);
+        }
+        self.found.push(together);
     }
 }

@@ -55,14 +55,32 @@ fn disabled_pairs_overrule_enabled_ones_and_defaults_stay_defaults() {
 fn unknown_links_are_told_once_with_their_first_line() {
     let (srdf, warnings) = srdf(
         "<disable_collisions link1='a' link2='x'/>\n<disable_collisions link1='x' link2='b'/>\n\
-         <disable_collisions link1='a' link2='a'/>\n<disable_collisions link1='a'/>",
+         <disable_collisions link1='a' link2='a'/>",
     );
     assert!(pairs(&srdf).is_empty());
-    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].starts_with("r.srdf:2: ") && warnings[0].contains("'x'"), "{warnings:?}");
     assert!(warnings[0].ends_with("1 more places"), "{warnings:?}");
     assert!(warnings[1].contains("with itself"), "{warnings:?}");
-    assert!(warnings[2].contains("no link2"), "{warnings:?}");
+}
+
+#[test]
+fn rules_about_collisions_name_their_links() {
+    for (element, missing) in [
+        ("<disable_collisions link1='a'/>", "link2"),
+        ("<disable_collisions link2='a' reason='Never'/>", "link1"),
+        ("<disable_collisions/>", "link1"),
+        ("<disable_collisions link1='a' link2=' '/>", "link2"),
+        ("<enable_collisions link1='' link2='a'/>", "link1"),
+        ("<disable_default_collisions/>", "link"),
+        // the usual misspelling
+        ("<disable_collisions link_1='a' link_2='b'/>", "link1"),
+    ] {
+        let message = load(&format!("<group/>\n{element}")).unwrap_err().to_string();
+        let tag = element[1..].split([' ', '/']).next().unwrap();
+        assert!(message.starts_with(&format!("r.srdf:3: {tag}: has no {missing}: ")), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
 }
 
 #[test]
@@ -91,11 +109,48 @@ fn groups_are_resolved_to_joints_and_links() {
 }
 
 #[test]
-fn a_group_in_itself_is_a_fault() {
-    let error = load("<group name='g'><group name='h'/></group>\n<group name='h'><group name='g'/></group>");
-    let message = error.unwrap_err().to_string();
-    assert!(message.starts_with("r.srdf:2: group 'g'"), "{message}");
-    assert!(load("<group name='g'><group name='g'/></group>").is_err());
+fn groups_that_contain_each_other_are_their_union() {
+    let (srdf, warnings) = srdf(
+        "<group name='above'><group name='g'/><joint name='be'/></group>\n\
+         <group name='g'><group name='h'/><joint name='ab'/></group>\n\
+         <group name='h'><group name='i'/><joint name='bc'/></group>\n\
+         <group name='i'><group name='g'/><group name='below'/></group>\n\
+         <group name='below'><joint name='cd'/></group>\n\
+         <group name='self'><group name='self'/><link name='a'/></group>",
+    );
+    let joints = |name: &str| -> Vec<u32> {
+        srdf.groups.iter().find(|g| g.name == name).unwrap().joints.iter().map(|j| j.0).collect()
+    };
+    for name in ["g", "h", "i"] {
+        assert_eq!(joints(name), [0, 1, 2], "{name}");
+    }
+    assert_eq!((joints("above"), joints("below")), (vec![0, 1, 2, 3], vec![2]));
+    assert_eq!(srdf.groups[5].links, [LinkId(0)]);
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(
+        warnings[0].starts_with("r.srdf:3: group 'g': groups contain each other ('g', 'h', 'i')"),
+        "{warnings:?}"
+    );
+    assert!(warnings[1].starts_with("r.srdf:7: group 'self': contains itself"), "{warnings:?}");
+}
+
+#[test]
+fn deeply_nested_and_large_circles_of_groups_need_no_stack() {
+    let count = 20_000;
+    for (last, size) in [(String::new(), 1), ("<group name='g0'/>".to_owned(), count)] {
+        let groups: String = (0..count)
+            .map(|i| {
+                if i + 1 < count {
+                    format!("<group name='g{i}'><group name='g{}'/></group>", i + 1)
+                } else {
+                    format!("<group name='g{i}'>{last}<joint name='ab'/></group>")
+                }
+            })
+            .collect();
+        let (srdf, warnings) = srdf(&groups);
+        assert_eq!(srdf.groups[0].joints, [JointId(0)]);
+        assert_eq!(warnings.len(), usize::from(size > 1));
+    }
 }
 
 #[test]
@@ -104,6 +159,83 @@ fn odd_groups_are_told() {
         srdf("<group name='g'><group name='x'/><joint name='y'/></group>\n<group name='g'/>\n<group/>");
     assert_eq!(srdf.groups.len(), 1);
     assert_eq!(warnings.len(), 4, "{warnings:?}");
+    let (_, warnings) =
+        self::srdf("<group name='g'><chain base_link='a' tip_link='x'/><joint/><links name='a'/></group>");
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+}
+
+#[test]
+fn odd_named_states_are_told() {
+    let state = |group: &str, joints: &str| {
+        let groups = "<group name='g'><joint name='ab'/><joint name='cd'/></group>";
+        let text = format!("{groups}\n<group_state name='s' group='{group}'>{joints}</group_state>");
+        srdf(&text).1
+    };
+    assert!(state("g", "<joint name='ab' value='1.5'/>").is_empty());
+    for (group, joint, words) in [
+        ("x", "<joint name='ab' value='1'/>", "there is no group 'x'"),
+        ("", "<joint name='ab' value='1'/>", "has no group"),
+        ("g", "<joint name='x' value='1'/>", "no joint 'x'"),
+        ("g", "<joint name='be' value='1'/>", "'be' is not in group 'g'"),
+        ("g", "<joint value='1'/>", "a joint has no name"),
+        ("g", "<joint name='ab'/>", "'ab' has no value"),
+        ("g", "<joint name='ab' value='pi'/>", "'pi' is no decimal number"),
+        ("g", "<joint name='ab' value='nan'/>", "not finite"),
+        ("g", "<joint name='ab' value=''/>", "has 0 values, but must have 1 value"),
+        ("g", "<joint name='ab' value='1 2'/>", "has 2 values, but must have 1 value"),
+        ("g", "<joint name='cd' value='0'/>", "has 1 values, but must have 0 values"),
+        ("g", "<joint name='ab' value='1'/><joint name='ab' value='1'/>", "'ab' is given twice"),
+    ] {
+        let warnings = state(group, joint);
+        assert_eq!(warnings.len(), 1, "{joint}: {warnings:?}");
+        assert!(warnings[0].starts_with("r.srdf:3: group_state 's': "), "{warnings:?}");
+        assert!(warnings[0].contains(words), "{warnings:?}");
+    }
+    let twice = "<group name='g'><link name='a'/></group><group_state name='s' group='g'/>\n<group_state name='s' group='g'/><group_state group='g'/>";
+    let (_, warnings) = srdf(twice);
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("twice") && warnings[1].contains("has no name"), "{warnings:?}");
+    let many = "<group_state name='s'/>".repeat(1000);
+    assert_eq!(srdf(&many).1.len(), 21);
+}
+
+#[test]
+fn values_of_named_states_are_compared_with_limits_and_counted() {
+    let limits = "<limit lower='-1' upper='2' effort='1' velocity='1'/>";
+    let urdf = format!(
+        "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>
+        <joint name='turn' type='revolute'><parent link='a'/><child link='b'/>{limits}</joint>
+        <joint name='fly' type='floating'><parent link='a'/><child link='c'/></joint>
+        <joint name='roam' type='planar'><parent link='a'/><child link='d'/></joint></robot>"
+    );
+    let warnings = |values: &str| {
+        let joints: Vec<String> = (["turn", "fly", "roam", "world"].iter().zip(values.split(';')))
+            .filter(|(_, value)| !value.is_empty())
+            .map(|(name, value)| format!("<joint name='{name}' value='{value}'/>"))
+            .collect();
+        let joints = joints.concat();
+        let srdf = format!(
+            "<robot name='r'><virtual_joint name='world' type='floating' parent_frame='w' child_link='a'/>
+            <group name='g'><joint name='turn'/><joint name='fly'/><joint name='roam'/><joint name='world'/></group>
+            <group_state name='s' group='g'>{joints}</group_state></robot>"
+        );
+        let text = RobotText { urdf: &urdf, srdf: Some(&srdf), ..RobotText::default() };
+        let model = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
+        model.warnings().iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert!(warnings("2.0005;1 2 3 0 0 0 1;1 2 3;0 0 0 0 0 0 1").is_empty());
+    for (values, words) in [
+        ("2.5;;;", "joint 'turn' is at 2.5, outside its limits [-1, 2]"),
+        ("90;;;", "is that degrees?"),
+        (";1 2 3;;", "'fly' has 3 values, but must have 7"),
+        (";1 2 3 0 0 0 2;;", "quaternion"),
+        (";;1 2;", "'roam' has 2 values, but must have 3"),
+        (";;;0 0 0", "'world' has 3 values, but must have 7"),
+    ] {
+        let warnings = warnings(values);
+        assert_eq!(warnings.len(), 1, "{values}: {warnings:?}");
+        assert!(warnings[0].contains(words), "{warnings:?}");
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Links: collisions and their shapes. Visuals and inertias are never looked at.
+//! Links: collisions and their shapes. Inertias are never read, and of visuals only whether there are any.
 
 use nalgebra::Quaternion;
 use roxmltree::Node;
@@ -40,6 +40,9 @@ impl<'d> Door<'d> {
             notes.collisions.push(CollisionNotes { place, rotation });
         }
         self.writer.close("link");
+        if notes.collisions.is_empty() && children(link, "visual").next().is_some() {
+            self.without_collision.push((name.to_owned(), link));
+        }
         self.sound.links.push(notes);
     }
 

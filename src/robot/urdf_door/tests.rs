@@ -55,6 +55,26 @@ fn a_misspelled_collision_is_told() {
 }
 
 #[test]
+fn links_that_are_only_displayed_are_told_in_one_warning() {
+    let visual = "<visual><geometry><sphere radius='1'/></geometry></visual>";
+    warned(&urdf(visual, "fixed", ""), &["line 4: 1 link has <visual>", "no <collision>", "'b'"]);
+    let both =
+        urdf(visual, "fixed", "").replace("<link name='a'/>", &format!("<link name='a'>{visual}</link>"));
+    warned(&both, &["line 3: 2 links have", "'a', 'b'"]);
+    let shape = "<collision><geometry><sphere radius='1'/></geometry></collision>";
+    assert_eq!(accepted(&urdf(&format!("{visual}{shape}"), "fixed", "")).warnings(), []);
+    let link = |i: i32| {
+        let joint = format!("<joint name='j{i}' type='fixed'><parent link='a'/><child link='l{i}'/></joint>");
+        format!("<link name='l{i}'>{visual}</link>{joint}")
+    };
+    let many = (0..100).map(link).collect::<Vec<_>>().concat();
+    warned(
+        &urdf("", "fixed", "").replace("</robot>", &format!("{many}</robot>")),
+        &["100 links", "'l19'", "and 80 more"],
+    );
+}
+
+#[test]
 fn every_shape_is_read() {
     for (geometry, kind) in [
         ("<box size='1 2 3'/>", "box"),
@@ -249,4 +269,15 @@ proptest! {
         parts[which] = escaped;
         let _ = RobotModel::from_urdf(&parts.join("'"), &MeshFiles::default());
     }
+}
+
+#[test]
+fn an_srdf_is_told_from_a_urdf_and_a_xacro() {
+    let srdf = "<robot name='r'>\n<group name='g'/>\n<disable_collisions link1='a' link2='b' reason='Never'/></robot>";
+    refused(srdf, &["is an SRDF", "<group>", "--srdf"]);
+    let xacro = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:macro name='m'/></robot>";
+    let text =
+        crate::robot::RobotText { urdf: &urdf("", "fixed", ""), srdf: Some(xacro), ..Default::default() };
+    let error = RobotModel::from_text(&text, &MeshFiles::default()).unwrap_err().to_string();
+    assert!(error.contains("xacro:macro is still there") && error.contains("ros2 run xacro"), "{error}");
 }

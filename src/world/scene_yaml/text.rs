@@ -5,9 +5,11 @@ use serde_path_to_error::{Path, Segment};
 
 use crate::world::planning_scene::SceneError;
 use crate::world::scene_text::SceneText;
+use crate::yaml;
 
 /// The scene that a text spells out, or what of it is not as it should be: the field, and the object that it belongs to.
 pub fn read(text: &str, file: &str) -> Result<SceneText, SceneError> {
+    let text = &*yaml::only_document(text).map_err(|why| SceneError::of_file(file, why.to_string()))?;
     let mut place = None;
     let read = serde_saphyr::with_deserializer_from_str_with_options(text, limits(), |yaml| {
         serde_path_to_error::deserialize(yaml).map_err(|fault| {
@@ -75,6 +77,7 @@ fn in_words(segments: &[&Segment]) -> String {
 fn limits() -> serde_saphyr::Options {
     const LARGEST_COUNT: usize = 20_000_000;
     serde_saphyr::options! {
+        with_snippet: false,
         // else the keys y and n of a position or a normal are booleans
         strict_booleans: true,
         budget: serde_saphyr::budget! {

@@ -1,0 +1,199 @@
+//! Trajectories as they stand in files: which of ROS's messages it is, and what of it is a joint trajectory.
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::TrajectoryPoint;
+use super::trajectory_text::TrajectoryTextError;
+use crate::robot::{Configuration, RobotModel};
+use crate::world::{NamedState, RobotStateText};
+use crate::yaml;
+
+/// A `trajectory_msgs/JointTrajectory`, and the positions of joints that it does not name.
+pub(super) struct TrajectoryDocument {
+    pub joint_names: Vec<String>,
+    pub points: Vec<TrajectoryPoint>,
+    pub rest: Configuration,
+}
+
+/// The fields of the three messages.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileText {
+    // trajectory_msgs/JointTrajectory
+    #[serde(rename = "header")]
+    _header: Option<IgnoredAny>,
+    joint_names: Option<Vec<String>>,
+    points: Option<Vec<PointText>>,
+    // moveit_msgs/RobotTrajectory
+    joint_trajectory: Option<JointTrajectoryText>,
+    multi_dof_joint_trajectory: Option<MultiDofTrajectoryText>,
+    // moveit_msgs/DisplayTrajectory
+    #[serde(rename = "model_id")]
+    _model_id: Option<IgnoredAny>,
+    trajectory: Option<Vec<RobotTrajectoryText>>,
+    trajectory_start: Option<RobotStateText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointTrajectoryText {
+    #[serde(rename = "header")]
+    _header: Option<IgnoredAny>,
+    joint_names: Vec<String>,
+    points: Vec<PointText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RobotTrajectoryText {
+    joint_trajectory: JointTrajectoryText,
+    multi_dof_joint_trajectory: Option<MultiDofTrajectoryText>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct MultiDofTrajectoryText {
+    #[serde(rename = "header")]
+    _header: Option<IgnoredAny>,
+    joint_names: Vec<String>,
+    points: Vec<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PointText {
+    positions: Vec<f64>,
+    #[serde(default)]
+    velocities: Vec<f64>,
+    #[serde(default)]
+    accelerations: Vec<f64>,
+    #[serde(rename = "effort")]
+    _effort: Option<IgnoredAny>,
+    #[serde(default)]
+    time_from_start: DurationText,
+}
+
+/// A time: seconds, `builtin_interfaces/Duration`, or the `duration` of ROS 1.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a time must be a number of seconds, or have sec and nanosec (ROS 2) or secs and nsecs (ROS 1)"
+)]
+enum DurationText {
+    Seconds(f64),
+    Ros2(Ros2Duration),
+    Ros1(Ros1Duration),
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Ros2Duration {
+    sec: i32,
+    #[serde(default)]
+    nanosec: u32,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Ros1Duration {
+    secs: i32,
+    #[serde(default)]
+    nsecs: i32,
+}
+
+impl Default for DurationText {
+    fn default() -> Self {
+        Self::Seconds(0.0)
+    }
+}
+
+impl DurationText {
+    fn seconds(self) -> f64 {
+        match self {
+            Self::Seconds(seconds) => seconds,
+            Self::Ros2(Ros2Duration { sec, nanosec }) => f64::from(sec) + 1e-9 * f64::from(nanosec),
+            Self::Ros1(Ros1Duration { secs, nsecs }) => f64::from(secs) + 1e-9 * f64::from(nsecs),
+        }
+    }
+}
+
+impl TrajectoryDocument {
+    /// Reads a `trajectory_msgs/JointTrajectory`, a `moveit_msgs/RobotTrajectory` or a `moveit_msgs/DisplayTrajectory` of one trajectory,
+    /// whose start tells the joints that the trajectory does not name; other joints stay as in `rest`.
+    pub fn read(text: &str, robot: &RobotModel, rest: &Configuration) -> Result<Self, TrajectoryTextError> {
+        let file: FileText = yaml::from_text(text).map_err(TrajectoryTextError::Text)?;
+        let rest = start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
+        let JointTrajectoryText { joint_names, points, .. } =
+            only_trajectory(FileText { trajectory_start: None, ..file })
+                .map_err(TrajectoryTextError::Text)?;
+        let points = points.into_iter().map(|p| TrajectoryPoint {
+            positions: p.positions,
+            velocities: p.velocities,
+            accelerations: p.accelerations,
+            time_from_start: p.time_from_start.seconds(),
+        });
+        Ok(Self { joint_names, points: points.collect(), rest })
+    }
+}
+
+/// The configuration that a `trajectory_start` tells.
+fn start(
+    text: Option<RobotStateText>,
+    robot: &RobotModel,
+    rest: &Configuration,
+) -> Result<Configuration, String> {
+    let Some(text) = text else { return Ok(rest.clone()) };
+    let fault = |why: String| format!("trajectory_start: {why}");
+    let state = NamedState::of_robot(text, robot).map_err(fault)?;
+    let named = state.names.iter().map(String::as_str).zip(state.positions.iter().copied());
+    robot.configuration_over(rest, named).map_err(|error| fault(error.to_string()))
+}
+
+fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {
+    let is_plain = file.joint_names.is_some() || file.points.is_some();
+    let is_of_robot = file.joint_trajectory.is_some() || file.multi_dof_joint_trajectory.is_some();
+    match (is_plain, is_of_robot, file.trajectory) {
+        (true, false, None) => Ok(JointTrajectoryText {
+            _header: None,
+            joint_names: file.joint_names.ok_or("joint_names is missing")?,
+            points: file.points.ok_or("points is missing")?,
+        }),
+        (false, true, None) => of_robot(
+            file.joint_trajectory.ok_or("joint_trajectory is missing")?,
+            file.multi_dof_joint_trajectory,
+        ),
+        (false, false, Some(mut all)) => match (all.pop(), all.len()) {
+            (Some(only), 0) => of_robot(only.joint_trajectory, only.multi_dof_joint_trajectory),
+            (None, _) => Err("trajectory is empty".to_owned()),
+            (Some(_), others) => {
+                let count = others + 1;
+                Err(format!(
+                    "trajectory has {count} trajectories, but only one is read: give each in a file of its own"
+                ))
+            }
+        },
+        (false, false, None) => {
+            Err("it has no joint_names and points, joint_trajectory, or trajectory".to_owned())
+        }
+        _ => Err("joint_names and points, joint_trajectory, and trajectory exclude each other".to_owned()),
+    }
+}
+
+fn of_robot(
+    joints: JointTrajectoryText,
+    multi_dof: Option<MultiDofTrajectoryText>,
+) -> Result<JointTrajectoryText, String> {
+    let MultiDofTrajectoryText { joint_names, points, .. } = multi_dof.unwrap_or_default();
+    if joint_names.is_empty() && points.is_empty() {
+        return Ok(joints);
+    }
+    let names = joint_names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
+    Err(format!(
+        "multi_dof_joint_trajectory ({names}) is not read: name the positions of these joints in joint_trajectory, \
+         such as JOINT/x, JOINT/y and JOINT/theta"
+    ))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,109 @@
+use crate::motion::Trajectory;
+use crate::robot::{MeshFiles, RobotModel};
+
+fn robot() -> RobotModel {
+    let text = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>
+        <joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint></robot>";
+    RobotModel::from_urdf(text, &MeshFiles::default()).unwrap()
+}
+
+fn read(text: &str) -> Result<Trajectory, String> {
+    let robot = robot();
+    Trajectory::from_yaml(&robot, text, &robot.default_configuration()).map_err(|e| e.to_string())
+}
+
+/// From 0 to 1 in two seconds, as `ros2 topic echo` writes it, with this time.
+fn points(time: &str) -> String {
+    format!(
+        "header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: ''\njoint_names:\n- j\npoints:\n- positions: [0.0]\n  velocities: []\n  \
+         accelerations: []\n  effort: []\n  time_from_start: {{sec: 0, nanosec: 0}}\n- positions: [1.0]\n  time_from_start: {time}\n"
+    )
+}
+
+fn indented(text: &str, first: &str) -> String {
+    let rest = " ".repeat(first.len());
+    let lines = text.lines().enumerate();
+    lines
+        .map(|(i, line)| format!("{}{line}\n", if i == 0 { first } else { &rest }))
+        .collect::<Vec<_>>()
+        .concat()
+}
+
+const EMPTY: &str =
+    "multi_dof_joint_trajectory:\n  header: {frame_id: ''}\n  joint_names: []\n  points: []\n";
+
+#[test]
+fn one_trajectory_in_every_message() {
+    let expected = read(&points("{sec: 2, nanosec: 500000000}")).unwrap();
+    assert_eq!(expected.time(0, 1.0), Some(2.5));
+    let of_robot = format!("joint_trajectory:\n{}{EMPTY}", indented(&points("2.5"), "  "));
+    let display = format!(
+        "model_id: r\ntrajectory:\n{}trajectory_start: {{joint_state: {{}}}}\n",
+        indented(&of_robot, "- ")
+    );
+    for text in [
+        points("{sec: 2, nanosec: 500000000}") + "---\n",
+        points("{secs: 2, nsecs: 500000000}"),
+        points("2.5"),
+        of_robot.clone() + "---\n",
+        of_robot.replace(EMPTY, ""),
+        display,
+    ] {
+        assert_eq!(read(&text).as_ref(), Ok(&expected), "{text}");
+    }
+    assert_eq!(read(&points("2")).unwrap().time(0, 1.0), Some(2.0));
+}
+
+#[test]
+fn the_start_tells_joints_that_the_trajectory_does_not_name() {
+    let of_robot = format!("joint_trajectory:\n{}", indented(&points("2.5"), "  "));
+    let text = format!(
+        "trajectory:\n{}trajectory_start:\n  joint_state: {{name: [k, j], position: [0.75, 0.0]}}\n",
+        indented(&of_robot, "- ")
+    );
+    let trajectory = read(&text).unwrap();
+    assert_eq!(trajectory.segments()[0].at(1.0).positions(), [1.0, 0.75]);
+}
+
+#[test]
+fn what_is_no_single_joint_trajectory_is_rejected_in_one_line() {
+    let of_robot = format!("joint_trajectory:\n{}", indented(&points("2.5"), "  "));
+    let one = indented(&of_robot, "- ");
+    for (text, words) in [
+        (points("1") + "---\n" + &points("1"), &["2 documents", "line 14"][..]),
+        (String::new(), &["empty"]),
+        ("---\n".to_owned(), &["empty"]),
+        (
+            format!("{of_robot}multi_dof_joint_trajectory: {{joint_names: [base], points: [{{}}]}}\n"),
+            &["'base'", "multi_dof"],
+        ),
+        (EMPTY.to_owned(), &["joint_trajectory is missing"]),
+        (format!("trajectory:\n{one}{one}"), &["2 trajectories"]),
+        ("trajectory: []\n".to_owned(), &["trajectory is empty"]),
+        ("joint_names: [j]\n".to_owned(), &["points is missing"]),
+        ("model_id: r\n".to_owned(), &["no joint_names and points"]),
+        (format!("{}{of_robot}", points("1")), &["exclude"]),
+        (points("{sec: 1, nsecs: 0}"), &["seconds", "nsecs"]),
+        (points("soon"), &["seconds"]),
+        (points("-1.0"), &["time_from_start -1"]),
+        (points(".nan"), &["time_from_start NaN"]),
+        (
+            format!("trajectory:\n{one}trajectory_start: {{joint_state: {{name: [x], position: [0]}}}}\n"),
+            &["trajectory_start", "'x'"],
+        ),
+        (
+            format!(
+                "trajectory:\n{one}trajectory_start: {{attached_collision_objects: [{{object: {{id: tool}}}}]}}\n"
+            ),
+            &["trajectory_start", "'tool'"],
+        ),
+        ("points: [1\n".to_owned(), &["line"]),
+    ] {
+        let message = read(&text).unwrap_err();
+        for word in words {
+            assert!(message.contains(word), "{text}\n{message}");
+        }
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
