@@ -57,12 +57,13 @@ impl<'c> Summary<'c> {
         let [from, to] = self
             .ends()
             .map(|end| self.certificate.joints.iter().cloned().zip(end).collect::<BTreeMap<String, f64>>());
+        let tube = self.tube_of().map(|tube| tube.into_iter().collect::<BTreeMap<_, _>>());
         let obstacles: Vec<Value> =
             self.moves().map(|(segment, mover)| json!({"segment": segment, "motion": mover})).collect();
         json!({
             "motion": {
                 "segments": segments.len(), "degree": self.degree(), "from": from, "to": to,
-                "tube": self.tube_of().unwrap_or_default(), "moving_obstacles": obstacles,
+                "tube": tube, "moving_obstacles": obstacles,
             },
             "tolerance": tolerance,
             "settings": {
@@ -116,7 +117,7 @@ impl<'c> Summary<'c> {
     }
 
     /// The tube by joint name, where one is not zero; `None` where segments have different ones.
-    fn tube_of(&self) -> Option<BTreeMap<String, f64>> {
+    fn tube_of(&self) -> Option<Vec<(String, f64)>> {
         let mut tubes = self.certificate.segments.iter().map(|s| &s.motion.tube);
         let first = tubes.next()?;
         tubes.all(|tube| tube == first).then(|| {

@@ -262,11 +262,7 @@ fn what_differs_of_robot_and_world_is_named() {
         ("size='0.1 0.1 0.1'", "size='0.1 0.1 0.11'", vec!["shapes of link 'tool' differ"]),
         ("axis xyz='1 0 0'", "axis xyz='1 0 0.1'", vec!["joint 'd' differs"]),
         ("xyz='0 -5 0'", "xyz='0 -5.1 0'", vec!["joint 'stands' differs"]),
-        (
-            "link name='carriage'",
-            "link name='wagon'",
-            vec!["link 'wagon' is missing", "there is no link 'carriage'"],
-        ),
+        ("'carriage'", "'wagon'", vec!["link 'wagon' is missing", "there is no link 'carriage'"]),
     ] {
         let robot = ROBOT.replace(was, is);
         case.write("robot.urdf", &robot);

@@ -101,12 +101,12 @@ fn nearest(
     random: &mut Random,
     way: impl Fn(&mut Random) -> Trajectory,
 ) -> (Certificate, Trajectory) {
-    let found = (0..40).filter_map(|_| {
+    let found = (0..300).filter_map(|_| {
         let way = way(random);
         Some((scene.certify(&way)?, way))
     });
     let size = |c: &Certificate| c.segments.iter().map(|s| s.proofs.len()).sum::<usize>();
-    found.filter(|(c, _)| size(c) < 400).max_by_key(|(c, _)| size(c)).expect("one of forty is free")
+    found.filter(|(c, _)| size(c) < 400).take(30).max_by_key(|(c, _)| size(c)).expect("one of them is free")
 }
 
 fn points(random: &mut Random, extent: f64, bent: bool) -> Vec<TrajectoryPoint> {
@@ -126,7 +126,7 @@ fn points(random: &mut Random, extent: f64, bent: bool) -> Vec<TrajectoryPoint> 
 
 fn way_of_arm(robot: &Arc<RobotModel>, random: &mut Random, bent: bool) -> Trajectory {
     let joints = ["j1", "j2"].map(str::to_owned);
-    let points = points(random, 1.2, bent);
+    let points = points(random, 0.9, bent);
     Trajectory::from_points(robot, &joints, &points, &robot.default_configuration()).unwrap()
 }
 
