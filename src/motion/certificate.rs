@@ -6,6 +6,8 @@
 //! `docs/derivations/motion-bound.md`. Hashes say which model, world and motion it is about, and a digest that nothing in it was
 //! altered by accident; what it claims is not to be trusted but checked.
 
+use std::io::{BufWriter, Write};
+
 use serde::{Deserialize, Serialize};
 
 use super::segment::SegmentText;
@@ -44,6 +46,24 @@ pub struct Certificate {
     pub segments: Vec<SegmentProof>,
     /// SHA-256 of all the rest.
     pub digest: String,
+}
+
+/// A certificate with an empty digest, without a copy of what may be large: the same fields in the same order.
+#[derive(Serialize)]
+struct Unsigned<'c> {
+    format: &'c str,
+    robot: &'c str,
+    model: &'c str,
+    world: &'c str,
+    motion: &'c str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parts: Option<&'c CertificateParts>,
+    joints: &'c [String],
+    pairs: &'c [[String; 2]],
+    segments: &'c [SegmentProof],
+    digest: &'static str,
 }
 
 /// A stretch of the motion and the proof that it is free.
@@ -152,7 +172,33 @@ impl Certificate {
     /// What [`Self::digest`] has to be.
     #[must_use]
     pub fn content_hash(&self) -> String {
-        sha256(&Self { digest: String::new(), ..self.clone() })
+        let Self {
+            format,
+            robot,
+            model,
+            world,
+            motion,
+            tolerance,
+            parts,
+            joints,
+            pairs,
+            segments,
+            digest: _,
+        } = self;
+        let (tolerance, parts) = (*tolerance, parts.as_ref());
+        sha256(&Unsigned {
+            format,
+            robot,
+            model,
+            world,
+            motion,
+            tolerance,
+            parts,
+            joints,
+            pairs,
+            segments,
+            digest: "",
+        })
     }
 
     /// The motion of one segment.
@@ -199,8 +245,47 @@ fn motion_hash(joints: &[String], segments: &[SegmentProof]) -> String {
 
 /// Of a thing's JSON; shortest forms of numbers make it the same everywhere.
 pub(crate) fn sha256(thing: &impl Serialize) -> String {
-    let text = serde_json::to_vec(thing).expect("numbers and texts have a JSON form");
     let mut print = Fingerprint::default();
-    print.bytes(&text);
+    let mut buffer = BufWriter::new(&mut print);
+    let written = serde_json::to_writer(&mut buffer, thing).is_ok() && buffer.flush().is_ok();
+    assert!(written, "numbers and texts have a JSON form");
+    drop(buffer);
     print.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::BodyPart;
+    use crate::robot::MeshFiles;
+
+    /// Anybody can compute the digest: SHA-256 of the compact JSON with an empty digest.
+    #[test]
+    fn digests_are_those_of_the_text() {
+        let urdf = include_str!("../../urdf/two_link/two_link.urdf");
+        let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+        let q = robot.default_configuration();
+        let motion = MotionSegment::straight(&robot, &q, &q).text();
+        let segments = vec![SegmentProof { motion, proofs: vec![Proof(0, 0.0, 1.0, 0.7, 1e-9)] }];
+        let old =
+            Certificate::new(&robot, ["m".into(), "w".into()], vec![["a".into(), "b".into()]], segments);
+        let part = BodyPart("a".into(), "0".into(), 0.0, 1.0);
+        let parts = CertificateParts {
+            links: vec![part.clone()],
+            joints: vec![],
+            obstacles: vec![],
+            attached_objects: vec![part],
+            meshes: "surface".into(),
+            pad_self: false,
+            check_self: true,
+            check_world: true,
+        };
+        for certificate in [old.clone(), old.with_parts(parts, 5e-4)] {
+            let text = certificate.to_json().replace(&certificate.digest, "");
+            let mut print = Fingerprint::default();
+            print.bytes(text.as_bytes());
+            assert_eq!(certificate.digest, print.finish());
+            assert_eq!(Certificate::from_json(&certificate.to_json()).unwrap(), certificate);
+        }
+    }
 }

@@ -9,6 +9,17 @@ use crate::math::Pose;
 #[derive(Default)]
 pub(crate) struct Fingerprint(Sha256);
 
+impl std::io::Write for Fingerprint {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.bytes(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
 impl Fingerprint {
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.count(text.len());
