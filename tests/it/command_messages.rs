@@ -81,7 +81,7 @@ fn states_are_read_as_ros_tools_write_them() {
             "header: {{}}\nname:\n- joint1\n- joint2\nposition:\n- 0.0\n- {q}\nvelocity: []\neffort: []\n---\n"
         )
     };
-    let echo = files.write("echo.yaml", &(message(0.0) + &message(3.1415)));
+    let echo = files.write("echo.yaml", &(message(0.0) + &message(3.0)));
     let answer = check(&["--states", &echo]);
     assert_eq!(answer.status.code(), Some(1), "{answer:?}");
     assert!(String::from_utf8_lossy(&answer.stdout).contains("1 of 2 states free"));

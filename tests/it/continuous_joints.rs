@@ -95,7 +95,9 @@ fn the_certificate_holds_the_way_that_was_proven() {
     let verified = folder.run(&["verify", "--urdf", "r.urdf", "--world", "w.yaml", "c.json"]);
     let words = String::from_utf8_lossy(&verified.stdout);
     assert!(
-        verified.status.success() && words.contains("from j=-3.28") && words.contains("to   j=-3\n"),
+        verified.status.success()
+            && words.contains("from        j=-3.28")
+            && words.contains("to          j=-3.0\n"),
         "{words}"
     );
     assert_eq!(folder.motion(&WAY).0["verdict"], "contact");
