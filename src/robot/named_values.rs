@@ -37,8 +37,8 @@ struct Follower {
     mimic: Mimic,
     /// The index of its value.
     value: usize,
-    /// The position of its leader.
-    position: usize,
+    /// The position of its leader; none where that is fixed, at 0.
+    position: Option<usize>,
 }
 
 /// A mimic joint is given a value that its leader does not give it.
@@ -109,8 +109,8 @@ impl RobotModel {
             joint: name.to_owned(),
         })?;
         let (kind, mimic) = (&self.joint(joint).kind, self.joint(joint).mimic);
-        if let Some((mimic, position)) = mimic.and_then(|m| Some((m, self.first_position(m.joint)?))) {
-            return Ok(Follower { joint, mimic, value, position });
+        if let Some(mimic) = mimic {
+            return Ok(Follower { joint, mimic, value, position: self.first_position(mimic.joint) });
         }
         let joint = name.to_owned();
         if *kind == JointKind::Fixed {
@@ -127,7 +127,8 @@ impl NamedJoints<'_> {
     /// the leader is; the others have to agree.
     fn find_leaders(&mut self) {
         for (i, follower) in self.followers.iter().enumerate() {
-            let source = &mut self.sources[follower.position];
+            let Some(position) = follower.position else { continue };
+            let source = &mut self.sources[position];
             let better = match *source {
                 Some(Source::Value(_)) => false,
                 Some(Source::Follower(other)) => {
@@ -176,7 +177,7 @@ impl NamedJoints<'_> {
         }
         let q = self.robot.configuration(&positions)?;
         for follower in &self.followers {
-            let of_leader = q.positions()[follower.position];
+            let of_leader = follower.position.map_or(0.0, |position| q.positions()[position]);
             let expected = follower.mimic.multiplier * of_leader + follower.mimic.offset;
             self.check_agreement("position", follower, values, (of_leader, expected), 1.0)?;
         }
@@ -205,7 +206,7 @@ impl NamedJoints<'_> {
         };
         let rates: Vec<Option<f64>> = self.sources.iter().map(rate).collect();
         for follower in &self.followers {
-            let of_leader = rates[follower.position].unwrap_or(0.0);
+            let of_leader = follower.position.and_then(|position| rates[position]).unwrap_or(0.0);
             let expected = follower.mimic.multiplier * of_leader;
             self.check_agreement(what, follower, values, (of_leader, expected), scale)?;
         }
@@ -236,11 +237,9 @@ impl NamedJoints<'_> {
             if value == 0.0 {
                 continue;
             }
-            if follower.mimic.multiplier == 0.0 {
-                return Err(ConfigurationError::ToleranceOfStanding { joint, value });
-            }
-            let of_leader = value / follower.mimic.multiplier.abs();
-            tolerances[follower.position] = tolerances[follower.position].greater(of_leader);
+            let moving = follower.position.filter(|_| follower.mimic.multiplier != 0.0);
+            let position = moving.ok_or(ConfigurationError::ToleranceOfStanding { joint, value })?;
+            tolerances[position] = tolerances[position].greater(value / follower.mimic.multiplier.abs());
         }
         Ok(tolerances)
     }
@@ -264,7 +263,7 @@ impl NamedJoints<'_> {
         if (given - expected).abs() * scale <= MIMIC_TOLERANCE {
             return Ok(());
         }
-        let from = match self.sources[follower.position] {
+        let from = match follower.position.and_then(|position| self.sources[position]) {
             Some(Source::Follower(i)) => {
                 let other = &self.followers[i];
                 (other.joint != follower.joint).then(|| (self.name(other), values[other.value]))

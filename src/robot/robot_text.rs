@@ -194,6 +194,8 @@ mod tests {
         assert!(warnings[0].contains("joint 'follow': mimics joint 's', which is fixed"), "{warnings:?}");
         let q = model.configuration_from_names([("follow", 0.5), ("t", 1.0)]).unwrap();
         assert_eq!(model.joint_position(&q, model.joint_by_name("follow").unwrap()), Some(0.5));
+        let error = model.configuration_from_names([("follow", 0.6)]).unwrap_err().to_string();
+        assert!(error.contains("'follow' is given position 0.6, but it mimics 's'"), "{error}");
         let mut poses = LinkPoses::new(&model);
         model.forward_kinematics(&q, &mut poses);
         let [slide, finger] = ["slide", "finger"].map(|link| model.link_by_name(link).unwrap());

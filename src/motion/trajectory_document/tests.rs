@@ -87,7 +87,7 @@ fn what_is_no_single_joint_trajectory_is_rejected_in_one_line() {
         (points("{sec: 1, nsecs: 0}"), &["seconds", "nsecs"]),
         (points("soon"), &["seconds"]),
         (points("-1.0"), &["time_from_start -1"]),
-        (points(".nan"), &["time_from_start NaN"]),
+        (points(".nan"), &["non-finite", "line 13"]),
         (
             format!("trajectory:\n{one}trajectory_start: {{joint_state: {{name: [x], position: [0]}}}}\n"),
             &["trajectory_start", "'x'"],
