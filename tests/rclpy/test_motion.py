@@ -218,7 +218,7 @@ def test_a_world_that_is_not_known_is_an_error(start):
         ({"goal": [0.0] * 500_000}, "goal has 500000"),
         ({"joint_tolerances": [0.1]}, "joint_tolerances has 1"),
         ({"joint_tolerances": [0.1, nan]}, "'joint2' is NaN"),
-        ({"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
+        ({"joints": ["x" * 1_000_000, "joint2"]}, "the name 'xxx"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

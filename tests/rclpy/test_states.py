@@ -133,7 +133,7 @@ def test_nearest_points_are_where_they_were_worked_out(cell, expected):
         ([(0, 0)] * 500_000, {}, "500000 states"),
         ([(0, 0)], {"timeout": -1.0}, "timeout is -1"),
         ([(0, 0)], {"distance_limit": nan}, "distance_limit is NaN"),
-        ([(0, 0)], {"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
+        ([(0, 0)], {"joints": ["x" * 1_000_000, "joint2"]}, "the name 'xxx"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -153,7 +153,7 @@ def test_a_bad_batch_is_refused_by_name(cell, states, terms, named):
         ((0,), {}, "positions has 1 numbers, but joint_names has 2"),
         ((0, nan), {}, "'joint2' has position NaN"),
         ([0.0] * 500_000, {}, "positions has 500000 numbers"),
-        ((0, 0), {"joints": ["x" * 1_000_000, "joint2"]}, "no joint 'xxx"),
+        ((0, 0), {"joints": ["x" * 1_000_000, "joint2"]}, "the name 'xxx"),
         ((0, 0), {"bodies": ["base", "x" * 1_000_000]}, "'xxx"),
         ((0, 0), {"bodies": ["base"] * 100_000 + ["table"]}, "'table'"),
         ((0, 0), {"bodies": ["base", "table"]}, "'table'"),
