@@ -11,7 +11,7 @@ pub fn parse<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, F
         text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty()).collect();
     let assignment = |word: &&'t str| {
         let (joint, value) = word.rsplit_once('=')?;
-        Some((joint, value.parse::<f64>().ok()?)).filter(|_| !joint.is_empty())
+        Some((joint, value.parse::<f64>().ok()?)).filter(|_| !joint.is_empty() && !joint.contains(';'))
     };
     (words.iter())
         .map(|word| {

@@ -31,8 +31,7 @@ fn from_csv(text: &str, robot: &RobotModel) -> Result<Vec<NamedState>, String> {
     let mut states = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| e.to_string())?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let of_line = |why: String| format!("line {line}: {why}");
+        let of_line = |why: String| format!("line {}: {why}", line_of(&record, text));
         if record.len() != joints.len() {
             let hint = separator_hint(&record, robot).unwrap_or_default();
             return Err(of_line(format!("{} values for {} joints{hint}", record.len(), joints.len())));
@@ -46,6 +45,14 @@ fn from_csv(text: &str, robot: &RobotModel) -> Result<Vec<NamedState>, String> {
         states.push(NamedState::of_joints(Arc::clone(&joints), values.collect::<Result<_, _>>()?)?);
     }
     Ok(states)
+}
+
+/// The line of a record, from 1. The reader's own count is that of the blank lines before it.
+fn line_of(record: &csv::StringRecord, text: &str) -> usize {
+    let byte = record.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
+    let (before, rest) = text.split_at_checked(byte).unwrap_or((text, ""));
+    let blank = &rest[..rest.len() - rest.trim_start_matches(['\r', '\n']).len()];
+    1 + before.matches('\n').count() + blank.matches('\n').count()
 }
 
 /// The first line must name joints, separated by commas.
