@@ -88,7 +88,7 @@ impl<'s> Room<'s> {
             if let Some(last) = &last {
                 // between two segments
                 for i in 0..=24 {
-                    let moment = last.towards(&start, f64::from(i) / 24.0);
+                    let moment = last.towards(&start, f64::from(i) / 24.0, &self.floating);
                     if let Some(found) = self.touching(&moment) {
                         return Some(format!("before segment {segment}: {found}"));
                     }
@@ -212,14 +212,21 @@ struct Moment {
 }
 
 impl Moment {
-    fn towards(&self, other: &Self, share: f64) -> Self {
+    /// A share of the straight way. A quaternion and its negative are one rotation: it goes from the nearer of the two.
+    fn towards(&self, other: &Self, share: f64, floating: &[usize]) -> Self {
+        let mut q = self.q.clone();
+        for first in floating {
+            let quaternion = first + 3..first + 7;
+            let product: f64 = quaternion.clone().map(|i| self.q[i] * other.q[i]).sum();
+            q[quaternion].iter_mut().for_each(|c| *c *= product.signum());
+        }
         let obstacles = self.obstacles.iter().zip(&other.obstacles).map(|(a, b)| {
             let turn = Rotation::from_scaled_axis((b.rotation * a.rotation.inverse()).scaled_axis() * share);
             let shift = a.translation.vector.lerp(&b.translation.vector, share);
             Pose::from_parts(shift.into(), turn * a.rotation)
         });
         Self {
-            q: self.q.iter().zip(&other.q).map(|(a, b)| a + share * (b - a)).collect(),
+            q: q.iter().zip(&other.q).map(|(a, b)| a + share * (b - a)).collect(),
             obstacles: obstacles.collect(),
         }
     }
