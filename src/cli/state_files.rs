@@ -7,7 +7,10 @@ use clearance::robot::RobotModel;
 use clearance::world::NamedState;
 
 /// What a file has to hold, for those that hold something else.
-const STATES: &str = r#"states are JSON {"joints": [...], "states": [[...], ...]}, the YAML of a sensor_msgs/JointState or moveit_msgs/RobotState, or CSV with a header of joint names in FILE.csv"#;
+const STATES: &str = concat!(
+    r#"states are JSON {"joints": [...], "states": [[...], ...]}, the YAML of a sensor_msgs/JointState or moveit_msgs/RobotState, "#,
+    "or CSV with a header of joint names in FILE.csv"
+);
 
 /// The states of a text; the extension of the file tells whether it is CSV.
 pub fn read(path: &Path, text: &str, robot: &RobotModel) -> Result<Vec<NamedState>, String> {

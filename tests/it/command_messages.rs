@@ -114,18 +114,17 @@ fn an_empty_document_behind_a_world_or_trajectory_is_nothing() {
         &check(&["--world", &files.write("e.yaml", "---\n"), "--state", ""]),
         &["e.yaml", "empty"],
     );
-    let points = "joint_names: [joint1]\npoints:\n- {positions: [0], time_from_start: {secs: 0, nsecs: 0}}\n- {positions: [1], time_from_start: 2.0}\n";
+    let points = "joint_names: [joint1]\npoints:\n- {positions: [0], time_from_start: {secs: 0, nsecs: 0}}\n\
+                  - {positions: [1], time_from_start: 2.0}\n";
     let way = |file: &str| clearance(&["motion", TWO_LINK[0], TWO_LINK[1], "--trajectory", file]);
     assert_eq!(way(&files.write("t.yaml", &format!("{points}---\n"))).status.code(), Some(0));
     assert_rejected(
         &way(&files.write("tt.yaml", &format!("{points}---\n{points}"))),
         &["2 documents", "line 5"],
     );
-    let base = format!(
-        "{}multi_dof_joint_trajectory: {{joint_names: [base], points: [{{}}]}}\n",
-        "joint_trajectory: {joint_names: [joint1], points: []}\n"
-    );
-    assert_rejected(&way(&files.write("base.yaml", &base)), &["'base'", "multi_dof_joint_trajectory"]);
+    let base = "joint_trajectory: {joint_names: [joint1], points: []}\n\
+                multi_dof_joint_trajectory: {joint_names: [base], points: [{}]}\n";
+    assert_rejected(&way(&files.write("base.yaml", base)), &["'base'", "multi_dof_joint_trajectory"]);
     let edges = files.write("e.json", "joints: [joint1]\nedges: [[[0], [1]]]\n---\n");
     assert_eq!(clearance(&["motion", TWO_LINK[0], TWO_LINK[1], "--edges", &edges]).status.code(), Some(0));
 }

@@ -116,8 +116,8 @@ impl<'d> Reader<'d> {
                         draft.joints.extend(self.chain(base, tip));
                     }
                 }
-                // resolved when all groups are known
-                "group" => {}
+                // groups are resolved when all are known; passive joints here say nothing about collisions
+                "group" | "passive_joint" => {}
                 other => {
                     let message = format!("<{}> is no part of a group; ignored", shortened(other));
                     self.warn(part, element.as_str(), message);

@@ -191,7 +191,8 @@ fn odd_named_states_are_told() {
         assert!(warnings[0].starts_with("r.srdf:3: group_state 's': "), "{warnings:?}");
         assert!(warnings[0].contains(words), "{warnings:?}");
     }
-    let twice = "<group name='g'><link name='a'/></group><group_state name='s' group='g'/>\n<group_state name='s' group='g'/><group_state group='g'/>";
+    let twice = "<group name='g'><link name='a'/></group><group_state name='s' group='g'/>\n\
+         <group_state name='s' group='g'/><group_state group='g'/>";
     let (_, warnings) = srdf(twice);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("twice") && warnings[1].contains("has no name"), "{warnings:?}");
