@@ -128,7 +128,7 @@ fn long_chain(links: usize) -> Arc<RobotModel> {
     Arc::new(RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap())
 }
 
-/// What is stored of a pair does not grow with the joints between its links.
+/// Storage of a pair does not grow with the joints between its links.
 #[test]
 fn pairs_of_long_chains_take_no_more_memory_than_others() {
     const PER_PAIR: u64 = 160;

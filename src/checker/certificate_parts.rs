@@ -1,4 +1,4 @@
-//! What a certificate says of the single parts of a robot and its world.
+//! Certificate parts: hashes of the links, joints, shapes, paddings and pairs of a robot and its world.
 
 use super::fingerprint::{add_kind, add_shape};
 use super::{MeshModel, Settings};

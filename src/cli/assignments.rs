@@ -22,7 +22,7 @@ pub fn parse<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, F
         .collect()
 }
 
-/// What was probably meant by a word that is no assignment.
+/// Hint for a word that is no assignment: how it was probably meant.
 fn hint(word: &str, words: &[&str]) -> String {
     if words.iter().any(|word| word.starts_with(['{', '['])) || std::path::Path::new(word).is_file() {
         return ": give states of a file with --states FILE".to_owned();

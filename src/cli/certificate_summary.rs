@@ -1,4 +1,4 @@
-//! What a verified certificate is about, in words.
+//! Summary of a certificate: its motion, tube, settings, moving obstacles and hashes, as text or JSON.
 
 use std::collections::BTreeMap;
 

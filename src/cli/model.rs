@@ -204,7 +204,7 @@ impl WorldArgs {
 /// What a file has to hold, for those that hold something else.
 const WORLDS: &str = " (a world is the YAML of a MoveIt planning scene, MoveIt's .scene text, an octomap in .bt or .ot, or a PCD or PLY)";
 
-/// What a file is by its extension, if it is no description of a robot.
+/// Kind of a file by its extension, if it is no description of a robot.
 fn other_kind(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     Some(match extension.as_str() {
@@ -216,7 +216,7 @@ fn other_kind(path: &Path) -> Option<&'static str> {
     })
 }
 
-/// What a world file is instead: a robot or a mesh.
+/// Kind of a file that was given as a world: a robot or a mesh.
 fn not_a_world(bytes: &[u8], path: &Path) -> Option<&'static str> {
     let is_mesh = ["stl", "dae", "obj", "glb", "gltf"];
     let extension = path.extension().unwrap_or_default();

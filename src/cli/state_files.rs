@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clearance::robot::RobotModel;
 use clearance::world::NamedState;
 
-/// What a file has to hold, for those that hold something else.
+/// The accepted formats, for the error about any other.
 const STATES: &str = concat!(
     r#"states are JSON {"joints": [...], "states": [[...], ...]}, the YAML of a sensor_msgs/JointState or moveit_msgs/RobotState, "#,
     "or CSV with a header of joint names in FILE.csv"

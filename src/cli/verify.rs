@@ -82,7 +82,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
 }
 
 impl VerifyArgs {
-    /// What the certificate has to be about.
+    /// The expected motion, tube and tolerance.
     fn expected(&self, robot: &RobotModel, world: &World) -> Result<Expected, Failure> {
         let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;
         if self.way.moves_obstacles() && !self.way.is_given() {
@@ -128,7 +128,7 @@ impl VerifyArgs {
     }
 }
 
-/// What the answer is about.
+/// The input that the answer describes.
 struct Told<'t> {
     robot: &'t RobotModel,
     settings: &'t Settings,

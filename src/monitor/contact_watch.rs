@@ -3,7 +3,7 @@
 use super::{Evidence, Time};
 use crate::checker::{CollisionChecker, ConstantContacts};
 
-/// What the states are called.
+/// Name of the states in the warning.
 const STATES: &str = "every joint state so far";
 
 /// Compares the colliding pairs of joint states, until one state without them comes.

@@ -34,7 +34,7 @@ pub struct Certificate {
     pub world: String,
     /// SHA-256 of joints and segments' motions.
     pub motion: String,
-    /// What keeps farther apart (m) the checker had to decide; a proof holds whatever it was.
+    /// Tolerance (m) of the check: pairs farther apart than this had to be decided. Proofs do not depend on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

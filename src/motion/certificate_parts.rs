@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the model hash and the world hash of a certificate were made of, part by part. A verifier computes its own and compares:
+/// Parts of the model hash and the world hash. A verifier computes its own and compares:
 /// nothing here is believed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -11,7 +11,7 @@ pub struct CertificateParts {
     pub joints: Vec<JointPart>,
     pub obstacles: Vec<BodyPart>,
     pub attached_objects: Vec<BodyPart>,
-    /// What a mesh is: `surface` or `solid`.
+    /// Mesh treatment: `surface` or `solid`.
     pub meshes: String,
     /// Whether padding counts between links, too.
     pub pad_self: bool,

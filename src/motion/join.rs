@@ -72,7 +72,7 @@ fn turn_alike(quaternions: &[usize], ends: &mut [[f64; 2]], starts: &[f64]) {
     }
 }
 
-/// What obstacles do in the gap, and whether all of them join exactly.
+/// Motion of the obstacles in the gap, and whether all of them join exactly.
 fn obstacles(
     before: &MotionSegment,
     after: &MotionSegment,

@@ -39,7 +39,7 @@ pub fn warnings_of(checker: &CollisionChecker, meshes: &[SolidMeshRemark]) -> im
     about_solids(meshes).into_iter().chain(nothing_to_check(checker))
 }
 
-/// What has to be known of meshes as solids; nothing where meshes are surfaces.
+/// Warnings about meshes as solids; none where meshes are surfaces.
 pub fn solid_meshes(checker: &CollisionChecker) -> Vec<SolidMeshRemark> {
     match checker.settings().mesh_model {
         MeshModel::Surface => Vec::new(),

@@ -80,7 +80,7 @@ pub struct ContinuousTurns {
     pub continuous_goals: Vec<f64>,
 }
 
-/// What is known about a straight way.
+/// Findings about one straight motion, which two responses share.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckMotionResponse {
     pub motion: MotionFindings,

@@ -25,7 +25,7 @@ const DEFAULT_LIMIT: u64 = 2048;
 
 const MIB: u64 = 1 << 20;
 
-/// Why the node ends, once the process takes too much memory.
+/// Message of the memory limit, once it was exceeded.
 pub type OutOfMemory = Arc<OnceLock<String>>;
 
 /// Watches the resident memory of this process.

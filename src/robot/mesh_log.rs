@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A mesh name, and the file that it led to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshUse {
-    /// What names without a scheme are relative to: a folder, or a mesh file that names a part of itself.
+    /// Base of names without a scheme: a folder, or the mesh file that names the part.
     pub folder: Option<PathBuf>,
     pub uri: String,
     /// By its real path.

@@ -19,7 +19,7 @@ pub struct RobotModel {
     pub(super) first_position: Vec<Option<usize>>,
     pub(super) position_names: Vec<String>,
     pub(super) srdf: Option<Srdf>,
-    /// What the names of links begin with, beyond their names in URDF and SRDF.
+    /// Prefix of link names, beyond their names in URDF and SRDF.
     pub(super) link_prefix: String,
     pub(super) warnings: Vec<Warning>,
 }

@@ -45,7 +45,7 @@ pub(super) fn check(text: &str) -> Result<(), Excess> {
     Ok(())
 }
 
-/// What ends a comment or a CDATA section.
+/// Terminator of a comment or a CDATA section.
 fn closing(mark: &str) -> &'static str {
     if mark == "<!--" { "-->" } else { "]]>" }
 }

@@ -1,4 +1,4 @@
-//! What differs between two robots, worlds or motions, in words.
+//! Differences between two robots, worlds or motions, as text.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt;

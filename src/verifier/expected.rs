@@ -13,7 +13,7 @@ use crate::motion::{Certificate, MotionSegment, MovingObstacle, SegmentText, Tra
 /// How much (rad, m, relative) numbers may differ that mean the same.
 const ROUNDING: f64 = 1e-9;
 
-/// What a certificate has to be about. What is not given may be anything.
+/// Expected motion, tube, tolerance and obstacle motion of a certificate. Fields without a value accept anything.
 #[derive(Clone, Debug, Default)]
 pub struct Expected {
     /// The motion with its tolerances (tube) and moving obstacles.

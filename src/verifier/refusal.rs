@@ -27,7 +27,7 @@ impl Verified {
     }
 }
 
-/// What differs, or what it may be where the document does not hold enough to say.
+/// The differing part, or the candidates where the document does not hold enough to tell.
 fn or(differences: &Differences, otherwise: &str) -> String {
     if differences.is_empty() { otherwise.to_owned() } else { differences.to_string() }
 }

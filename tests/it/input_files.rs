@@ -70,7 +70,7 @@ fn special_files_are_rejected_by_every_option() {
     }
 }
 
-/// What `<(command)` of a shell gives, and `/dev/stdin` behind a pipe.
+/// Pipes: `<(command)` of a shell, and `/dev/stdin`.
 #[cfg(target_os = "linux")]
 #[test]
 fn pipes_are_rejected_with_a_hint_and_redirected_files_are_read() {

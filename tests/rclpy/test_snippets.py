@@ -18,7 +18,7 @@ TIMEOUT = 100.0  # [s]
 POSE = {"joint1": 0.0, "joint2": 0.18, "joint3": 0.0, "joint4": -1.873, "joint5": 0.0, "joint6": 0.0, "joint7": 0.0}
 POSE |= {"finger_joint1": 0.0, "finger_joint2": 0.0}
 TIMES = re.compile(r"loaded in \S+ s")
-# What this cannot run, by its beginning, and why.
+# Snippets that cannot run here, by their beginning, and why.
 NOT_HERE = {
     "cargo run --release": "builds the release",
     "cargo test": "runs this",
@@ -27,7 +27,7 @@ NOT_HERE = {
     "cd ~/ws": "needs colcon and ROS's command line",
     "clearance replay run.mcap --save-test": "needs a recording that differs, as test_recording.py makes one",
 }
-# What the page shows, and the exit codes that go with it; others are 0.
+# Exit codes of commands by a word of the output that the page shows; others end with 0.
 EXIT_CODES = {"CONTACT": (1,), "WRONG": (0, 1)}
 
 

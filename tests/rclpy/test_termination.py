@@ -169,7 +169,7 @@ class SuspendedSubscriber(Load):
 
 
 class BlockedPipe(Load):
-    """What reads the node's output has stopped, and the pipe is full."""
+    """The reader of the node's output has stopped, and the pipe is full."""
 
     codes = (ENDED, FORCED, KILLED)
 

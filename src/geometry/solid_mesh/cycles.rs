@@ -72,7 +72,7 @@ impl Elimination<'_> {
         self.solve(pivot, &rest.map(|(patch, t)| (*patch, -t * times.signum())).collect())
     }
 
-    /// What a seam demands of free patches.
+    /// Constraint of one seam on the patches around it.
     fn reduced(&mut self, seam: &[(u32, i64)]) -> Option<Sum> {
         let mut sum = Sum::new();
         for &(patch, times) in seam {

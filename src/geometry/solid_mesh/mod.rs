@@ -1,4 +1,4 @@
-//! What a mesh encloses, however its faces are wound.
+//! Solid of a triangle mesh: the volume inside its closed surfaces, whatever the winding of their faces.
 //!
 //! A point is inside a mesh where any closed surface made of its faces winds around it (winding number: Jacobson, Kavan &
 //! Sorkine-Hornung 2013). Faces count once and may be turned over for that. So whatever is inside by the winding that the file
@@ -71,7 +71,7 @@ impl SolidMesh {
         &self.surfaces
     }
 
-    /// What a user has to know of the mesh as a solid.
+    /// Repairs and open parts of the mesh.
     #[must_use]
     pub fn remarks(&self) -> &SolidRemarks {
         &self.remarks

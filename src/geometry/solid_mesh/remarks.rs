@@ -1,4 +1,4 @@
-//! What of a mesh had to be repaired to make a solid of it, and what could not be.
+//! Remarks on a mesh as a solid: repaired faces, and parts that stay open.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::cycles::Cycle;
 use super::patches::Patches;
 use super::weld::WeldedFaces;
 
-/// What a user has to know of a mesh that is to be a solid; displayed as one line.
+/// Repairs and open parts of a mesh, displayed as one line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SolidRemarks {
     /// All faces of the mesh.

@@ -69,7 +69,7 @@ pub fn about_robot(robot: &RobotModel) -> Vec<Finding> {
     findings
 }
 
-/// What is wrong with meshes that are to be solid.
+/// Faults of meshes as solids.
 pub fn about_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
     if mesh_model == MeshModel::Surface {
         return Vec::new();

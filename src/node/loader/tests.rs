@@ -38,7 +38,7 @@ fn cloud() -> PointCloud2 {
     message
 }
 
-/// What a node has of its robot, without a network.
+/// Loader and monitor of a node, without a network.
 struct Cell {
     loader: Loader,
     monitor: Monitor,

@@ -53,7 +53,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// What is wrong with the name of a joint in a state of a group.
+    /// Fault of a joint name in a group state, if there is one.
     fn fault_of_joint(&self, name: &str, group: Option<&Group>) -> Option<String> {
         if name.is_empty() {
             return Some("a joint has no name".to_owned());
@@ -68,7 +68,7 @@ impl<'d> Reader<'d> {
         Some(format!("joint '{name}' is not in group '{}'", shortened(&group.name)))
     }
 
-    /// What is wrong with the value that a state gives a joint.
+    /// Fault of a joint value in a group state, if there is one.
     fn fault_of_value(&self, node: Node, name: &str) -> Option<String> {
         let count = self.position_count(name)?;
         let quoted = shortened(name);

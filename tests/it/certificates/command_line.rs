@@ -171,7 +171,7 @@ fn other_ends_tubes_and_tolerances_are_named() {
     case.rejected(&certificate, &["--trajectory", &way], &["1 segment(s), expected 2"]);
 }
 
-/// What is expected is proven, not what differs from it by rounding.
+/// The expected motion itself is proven, not one that differs from it by rounding.
 #[test]
 fn what_differs_by_rounding_is_proven_as_it_is_expected() {
     let case = Case::new();

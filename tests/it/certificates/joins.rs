@@ -119,7 +119,7 @@ fn obstacles_do_not_jump_through_a_gap() {
     assert_gap_is_found(&scene, segments, "an obstacle");
 }
 
-/// What rounding makes of the ends of polynomials is a gap, and it is free.
+/// Rounding at the ends of polynomials makes gaps, and these are free.
 #[test]
 fn trajectories_of_polynomials_are_certified() {
     let urdf = include_str!("../../../urdf/two_link/two_link.urdf");

@@ -436,7 +436,7 @@ fn altered(random: &mut Random, base: &Certificate) -> Certificate {
     certificate
 }
 
-/// What is the same motion: a little more than what the verifier takes for rounding.
+/// Tolerance for the same motion: a little more than the verifier takes for rounding.
 fn is_same_motion(a: &Certificate, b: &Certificate) -> Result<(), String> {
     if a.segments.len() != b.segments.len() {
         return Err("another number of segments".to_owned());
@@ -471,7 +471,7 @@ fn is_same_motion(a: &Certificate, b: &Certificate) -> Result<(), String> {
     Ok(())
 }
 
-/// What is wrong with the answers about one altered document; whether it was accepted as any motion, and as the expected one.
+/// Verifies one altered document: the fault of the answers, and whether it was accepted as any motion and as the expected one.
 fn answers(base: &Base, verifier: &Verifier, room: &Room, seed: u64) -> (Option<String>, [bool; 2]) {
     let mut random = Random::new(seed);
     let document = altered(&mut random, &base.certificate);

@@ -1,4 +1,4 @@
-//! What of a glTF document makes surfaces, as its JSON names it. Materials, textures, cameras and animations are passed over.
+//! Parts of a glTF document that make surfaces, named as in its JSON. Materials, textures, cameras and animations are skipped.
 
 use std::collections::BTreeMap;
 

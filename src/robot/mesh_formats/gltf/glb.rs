@@ -1,6 +1,6 @@
 //! GLB: a glTF document and its first buffer in one binary file.
 
-/// What a GLB begins with.
+/// Magic bytes of a GLB.
 pub const MAGIC: &[u8] = b"glTF";
 const HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
