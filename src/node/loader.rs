@@ -13,6 +13,7 @@ use super::checker_of_scene::{checker_of, solid_meshes, warnings_of};
 use super::link_volumes::LinkVolumes;
 use super::mailbox;
 use super::monitor_loop::Event;
+use super::order::Order;
 use super::outlook::{Outlook, Pass, Places};
 use super::parameters::Parameters;
 use super::scene::{CloudMessage, Monitored, Shared};
@@ -30,24 +31,6 @@ pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, St
 fn heeded(events: &mailbox::Sender<Event>) -> bool {
     let (said, is_said) = mailbox::bounded(1);
     events.send(Event::Say(said)).is_ok() && future::block_on(is_said.receive()).is_some()
-}
-
-/// What may change what is checked.
-pub enum Order {
-    /// A URDF came on `robot_description`.
-    Description(String),
-    /// An SRDF came on `robot_description_semantic`.
-    Semantic(String),
-    /// A parameter changed.
-    Parameters,
-    /// Something else of the robot is to be shown.
-    Display,
-    /// A message about the world.
-    Scene(Box<SceneOrder>),
-    /// Some topic has a new cloud.
-    Clouds,
-    /// The robot is elsewhere in what obstacles stand in.
-    Frames,
 }
 
 /// The robot in use, for those who want to move it.

@@ -52,6 +52,7 @@ mod motion;
 mod motion_requests;
 mod motion_services;
 mod names;
+mod order;
 mod outlook;
 mod parameter_files;
 mod parameter_services;

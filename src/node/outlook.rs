@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 
-use super::loader::Order;
 use super::monitor_loop::CurrentJudgement;
+use super::order::Order;
 use super::recording::{Happening, OrderStep, Original};
 use super::scene::{CloudMessage, Shared};
 use super::scene_keeper::Glimpse;

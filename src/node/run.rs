@@ -12,7 +12,7 @@ use super::arguments::RosArguments;
 use super::clock::RosClock;
 use super::enable_service::EnableService;
 use super::link_volumes::LinkVolumes;
-use super::loader::{Loader, Order, Surroundings};
+use super::loader::{Loader, Surroundings};
 use super::logging::{self, Line};
 use super::mailbox;
 use super::marker_topic;
@@ -24,6 +24,7 @@ use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMot
 use super::motion::{self, Motion};
 use super::motion_services::MotionServices;
 use super::names::{FullName, NameError, Names};
+use super::order::Order;
 use super::outlook::Outlook;
 use super::parameter_files;
 use super::parameter_services::{OnChange, ParameterServices, ParameterStore};

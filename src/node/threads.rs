@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use futures_lite::{Future, future};
 use smol::channel::{Receiver, Sender};
 
-use super::loader::Order;
 use super::mailbox;
 use super::monitor_loop::Event;
+use super::order::Order;
 
 /// Time that parts have to end after the first of them has ended or the node was told to end. A part that needs longer, such as the
 /// loader in the middle of a large model, is abandoned.

@@ -1,19 +1,18 @@
-"""`~/check_motion`, `~/check_trajectory` and `~/time_to_contact` against answers worked out by hand."""
+"""`~/check_motion` and `~/check_trajectory` against answers worked out by hand."""
 
 import json
 import re
-from math import cos, dist, inf, isnan, nan, pi, sin
+from math import cos, inf, isnan, nan, pi, sin
 
 import pytest
 from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckMotion, CheckTrajectory
-from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-from visualization_msgs.msg import Marker
 
 import two_link
-from cell import STALE_AFTER, Cell, Companions
+from cell import STALE_AFTER, Cell
 from motions import Motions
+from swept_volumes import capsules, colours, room
 
 NEAR = (0, 5 * pi / 6)  # folded, still free
 BEYOND = (0, 7 * pi / 6)  # the mirror image of it: free too, but between them the ball meets the cube
@@ -346,38 +345,8 @@ def test_a_long_certificate_arrives_whole_and_a_longer_one_is_left_out(cell):
     assert "certificate" in answer.message
 
 
-def xyz(vector):
-    return vector.x, vector.y, vector.z
-
-
-def capsules(markers, link):
-    """Ends and radius of a link's capsules in their order; each has its cylinder, if it is longer than a ball."""
-    assert all((marker.action, marker.header.frame_id) == (Marker.ADD, "base") for marker in markers)
-    shown = [marker for marker in markers if marker.ns == link]
-    cylinders = {marker.id: marker for marker in shown if marker.type == Marker.CYLINDER}
-    found = []
-    for balls in (marker for marker in shown if marker.type == Marker.SPHERE_LIST):
-        a, b = xyz(balls.points[0]), xyz(balls.points[-1])
-        if len(balls.points) > 1:
-            cylinder = cylinders.pop(balls.id - 1)
-            assert xyz(cylinder.pose.position) == pytest.approx([(p + q) / 2 for p, q in zip(a, b, strict=True)])
-            assert xyz(cylinder.scale) == pytest.approx((balls.scale.x, balls.scale.x, dist(a, b)))
-        found.append((a, b, balls.scale.x / 2))
-    assert not cylinders
-    return found
-
-
-def room(point, capsule):
-    """How far inside a capsule a point is."""
-    a, b, radius = capsule
-    axis = [q - p for p, q in zip(a, b, strict=True)]
-    along = sum(d * (x - p) for d, x, p in zip(axis, point, a, strict=True)) / (sum(d * d for d in axis) or 1)
-    along = min(max(along, 0), 1)
-    return radius - dist(point, [p + along * d for p, d in zip(a, axis, strict=True)])
-
-
 def assert_swept(capsules_of_tip, start, goal):
-    """What the tip is at any time, by forward kinematics, lies within its capsule of that time."""
+    """The tip at any time, by forward kinematics, lies within its capsule of that time."""
     count = len(capsules_of_tip)
     for i in range(1001):
         t = i / 1000
@@ -389,10 +358,6 @@ def assert_swept(capsules_of_tip, start, goal):
         assert held
         for capsule in held:
             assert min(room(elbow, capsule), room(ball, capsule)) >= 0.1 - 1e-6
-
-
-def colours(markers, link):
-    return [(marker.color.r, marker.color.g) for marker in markers if marker.ns == link and marker.color.a > 0]
 
 
 def test_the_volume_that_is_swept_over_is_shown(cell):
@@ -505,68 +470,3 @@ def test_a_node_that_checks_long_motions_still_ends(peer, start):
     futures = endless(clients, timeout=30.0)
     peer.wait_for(lambda: any(future.done() and future.result().reason_code == "busy" for future in futures), "busy")
     # The cell asks it to end, and sees that it does in time.
-
-
-def test_the_time_to_contact_of_a_robot_at_rest_is_the_horizon(start):
-    cell = start(parameters={"look_ahead_horizon": 0.2, "look_ahead_acceleration": 1.0})
-    spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
-    state = cell.moving({"joint1": 0, "joint2": 0}, (0, 0))
-
-    assert state.time_to_contact_known
-    assert state.time_to_contact == pytest.approx(0.2)
-    assert state.first_contact_pair.body_a == ""
-    # On the topic, which has no stamp, the age of the joint state is taken off.
-    data = spoken.ever(lambda message: message.data > 0, "a time").data
-    assert 0 < data <= 0.2
-
-
-@pytest.mark.parametrize("speed", [0.5, 2.0])
-def test_the_time_to_contact_is_no_longer_than_the_truth(start, speed):
-    cell = start(parameters={"look_ahead_horizon": 1.0, "look_ahead_acceleration": 0.01})
-    joint2 = two_link.FIRST_TOUCH - 0.2
-    state = cell.moving({"joint1": 0, "joint2": joint2}, (0, speed))
-
-    assert state.status == CollisionState.FREE
-    assert state.time_to_contact_known
-    truth = 0.2 / speed
-    assert 0.8 * truth < state.time_to_contact <= truth
-    assert {state.first_contact_pair.body_a, state.first_contact_pair.body_b} == {"base", "tip"}
-
-    away = cell.moving({"joint1": 0, "joint2": joint2}, (0, -speed))
-    assert away.time_to_contact == pytest.approx(1.0)
-
-
-def test_the_time_to_contact_of_a_collision_is_zero_and_without_velocities_it_is_not_known(start):
-    cell = start(parameters={"look_ahead_horizon": 0.2})
-    companions = Companions(cell, {"time_to_contact": Float64})
-    state = cell.moving({"joint1": 0, "joint2": pi}, (0, 0))
-    assert companions.of(state)["time_to_contact"] == 0
-    assert (state.time_to_contact_known, state.time_to_contact) == (True, 0)
-    assert {state.first_contact_pair.body_a, state.first_contact_pair.body_b} == {"base", "tip"}
-
-    for velocities in ((), (0,), (0, nan)):
-        state = cell.moving({"joint1": 0, "joint2": 0}, velocities)
-        assert state.status == CollisionState.FREE
-        assert (state.time_to_contact_known, state.time_to_contact) == (False, 0)
-        assert any("time to contact" in warning for warning in state.warnings)
-        assert companions.of(state)["time_to_contact"] == 0
-
-
-def test_the_look_ahead_is_off_unless_it_is_asked_for(cell):
-    cell.driver.velocities = (0, 0)
-    state = cell.judged(joint1=0, joint2=0)
-    cell.driver.velocities = ()
-
-    assert not state.time_to_contact_known
-    assert state.warnings == []
-
-
-def test_turning_the_look_ahead_off_says_zero_once_more(start):
-    cell = start(parameters={"look_ahead_horizon": 0.2, "look_ahead_acceleration": 1.0})
-    spoken = cell.peer.record(Float64, cell.node.private("time_to_contact"))
-    cell.moving({"joint1": 0, "joint2": 0}, (0, 0))
-    last = spoken.ever(lambda message: message.data > 0, "a time")
-    cell.parameters.succeed(look_ahead_horizon=0.0)
-    cell.states.wait_for(lambda state: not state.time_to_contact_known, "no time", after=cell.peer.now())
-    zero = spoken.wait_for(lambda message: message.data == 0, "a last zero", after=last)
-    assert spoken.after(zero) == []

@@ -15,9 +15,10 @@ use crate::checker::MeshModel;
 use crate::monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time, Trail};
 use crate::node::cdr;
 use crate::node::clearance_msgs::CollisionState;
-use crate::node::loader::{Loader, Order, Surroundings};
+use crate::node::loader::{Loader, Surroundings};
 use crate::node::messages::{collision_state, joint_state_input};
 use crate::node::monitor_loop::Event;
+use crate::node::order::Order;
 use crate::node::outlook::{Pass, places_of};
 use crate::node::parameters::Parameters;
 use crate::node::scene::{

@@ -23,10 +23,11 @@ use super::{
 use crate::checker::MeshModel;
 use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time, Trail};
-use crate::node::loader::{Loader, Order};
+use crate::node::loader::Loader;
 use crate::node::messages::{joint_state_input, stamp_message};
 use crate::node::monitor_loop::Event;
 use crate::node::names::Names;
+use crate::node::order::Order;
 use crate::node::outlook::{Pass, places_of};
 use crate::node::parameters::Parameters;
 use crate::node::scene::{CloudMessage, note_transforms, object_order};

@@ -22,12 +22,12 @@ use crate::monitor::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 use crate::monitor::{Now, Time, Trail};
 use crate::node::arrivals::Arrivals;
 use crate::node::clock::RosClock;
-use crate::node::loader::Order;
 use crate::node::messages::time_of;
 use crate::node::middleware::{
     Complaints, MessageKind, Middleware, MiddlewareError, Origin, Quality, Subscription,
 };
 use crate::node::names::Names;
+use crate::node::order::Order;
 use crate::node::parameter_services::ParameterStore;
 use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
 use crate::node::scene_keeper::CurrentScene;

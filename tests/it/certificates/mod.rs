@@ -1,5 +1,6 @@
 //! Certificates of motions: what the verifier accepts is free, and is the motion that was asked about.
 
+mod bases;
 mod brute_force;
 mod command_line;
 mod joins;
