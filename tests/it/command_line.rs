@@ -1,20 +1,14 @@
 //! The program from outside: exit codes, JSON, messages.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
+use crate::program::clearance;
+
 const ARM: [&str; 4] = ["--urdf", "urdf/demo_arm/demo_arm.urdf", "--srdf", "urdf/demo_arm/demo_arm.srdf"];
 const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
-
-fn clearance(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_clearance"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
 
 fn check(model: &[&str], arguments: &[&str]) -> Output {
     clearance(&[&["check"], model, arguments].concat())

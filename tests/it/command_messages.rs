@@ -1,19 +1,13 @@
 //! Messages of the program about what it was given: one line each, that says what to do.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use tempfile::TempDir;
 
-const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
+use crate::program::clearance;
 
-fn clearance(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_clearance"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
 
 fn check(arguments: &[&str]) -> Output {
     clearance(&[&["check"], &TWO_LINK[..], arguments].concat())

@@ -1,10 +1,11 @@
 //! Which way round continuous joints go in `clearance motion`.
 
 use std::f64::consts::TAU;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
+
+use crate::program::clearance_in;
 
 /// A bar of 1 m on a continuous joint; `k`, if any, mimics it.
 fn robot(mimic: &str) -> String {
@@ -34,11 +35,7 @@ impl Folder {
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(Path::new(env!("CARGO_BIN_EXE_clearance")))
-            .current_dir(self.0.path())
-            .args(arguments)
-            .output()
-            .unwrap()
+        clearance_in(self.0.path(), arguments)
     }
 
     /// The result of `clearance motion`, and what stderr says.

@@ -1,7 +1,6 @@
 //! `<disable_default_collisions>` of an SRDF: a default entry of the allowed collision matrix, as in `MoveIt`.
 
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
 use clearance::checker::{
@@ -14,6 +13,8 @@ use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::verifier::verify;
 use clearance::world::{AttachedObject, Obstacle, ObstacleShape, World};
 use proptest::prelude::*;
+
+use crate::program::clearance_in;
 
 const LINKS: [&str; 4] = ["a", "b", "c", "d"];
 
@@ -155,14 +156,7 @@ fn the_program_names_the_links_that_are_not_checked() {
         println!("skipped: {} is missing", folder.display());
         return;
     }
-    let check = |arguments: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_clearance"))
-            .current_dir(&folder)
-            .arg("check")
-            .args(arguments)
-            .output()
-            .unwrap()
-    };
+    let check = |arguments: &[&str]| clearance_in(&folder, &[&["check"], arguments].concat());
     let model = |urdf: &'static str| ["--urdf", urdf, "--srdf", "r.srdf", "--state", ""];
     let free = check(&[&model("r.urdf")[..], &["--world", "wm.yaml"]].concat());
     assert_eq!(free.status.code(), Some(0), "{free:?}");

@@ -21,6 +21,7 @@ mod mimic_joints;
 mod motions;
 mod moving;
 mod other_shapes;
+mod program;
 mod random;
 mod reference;
 #[cfg(feature = "ros")]

@@ -1,9 +1,11 @@
 //! Values given for mimic joints, from outside: they move the joints that they mimic, or have to agree with them.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
+use std::process::Output;
 
 use serde_json::Value;
+
+use crate::program::clearance_in;
 
 /// A ball, 1 m from its axis, that `arm` turns at half the angle of `drive`, an arm without geometry; `still` mimics with multiplier 0.
 const ROBOT: &str = "<robot name='r'><link name='base'/><link name='wheel'/><link name='flag'/><link name='ball'><collision>\
@@ -45,14 +47,8 @@ impl Folder {
 
     /// `clearance COMMAND` of this robot in this world.
     fn run(&self, command: &str, arguments: &[&str]) -> Output {
-        let given = ["--urdf", "r.urdf", "--world", "w.yaml", "--format", "json"];
-        Command::new(Path::new(env!("CARGO_BIN_EXE_clearance")))
-            .current_dir(self.0.path())
-            .arg(command)
-            .args(given)
-            .args(arguments)
-            .output()
-            .unwrap()
+        let given = [command, "--urdf", "r.urdf", "--world", "w.yaml", "--format", "json"];
+        clearance_in(self.0.path(), &[&given, arguments].concat())
     }
 
     fn result(&self, command: &str, arguments: &[&str]) -> Value {

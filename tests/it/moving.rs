@@ -1,10 +1,11 @@
 //! Obstacles that move, through the program: contacts against dense samples, proofs against the verifier.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
+
+use crate::program::clearance;
 
 const TWO_LINK: &str = "urdf/two_link/two_link.urdf";
 
@@ -43,12 +44,8 @@ impl Case {
     }
 
     fn run(&self, command: &str, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_clearance"))
-            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
-            .args([command, "--urdf", TWO_LINK, "--world", &self.path("world.yaml")])
-            .args(arguments)
-            .output()
-            .unwrap()
+        let given = [command, "--urdf", TWO_LINK, "--world", &self.path("world.yaml")];
+        clearance(&[&given, arguments].concat())
     }
 
     fn motion(&self, arguments: &[&str]) -> Output {

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
+
+use crate::program::clearance_in;
 
 /// Corners of a cube's faces, seen from outside against the clock.
 const QUADS: [[usize; 4]; 6] =
@@ -41,7 +43,7 @@ fn clearance(facets: &[[[f64; 3]; 3]], arguments: &[&str]) -> Output {
     std::fs::write(folder.path().join("r.urdf"), URDF).unwrap();
     write(&folder.path().join("large.stl"), facets);
     write(&folder.path().join("small.stl"), &cube(0.05, 0.0, false));
-    Command::new(env!("CARGO_BIN_EXE_clearance")).current_dir(folder.path()).args(arguments).output().unwrap()
+    clearance_in(folder.path(), arguments)
 }
 
 /// Whether the small cube touches, with the warnings.

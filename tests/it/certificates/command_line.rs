@@ -1,13 +1,13 @@
 //! `clearance verify`: the motion that was meant, where obstacles start, and what differs.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use clearance::motion::Certificate;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::resign;
+use crate::program::clearance;
 
 /// Two slides, along y and along x, and a block.
 const ROBOT: &str = "<robot name='slides'><link name='base'/>
@@ -51,12 +51,8 @@ impl Case {
     }
 
     fn run(&self, command: &str, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_clearance"))
-            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
-            .args([command, "--urdf", &self.path("robot.urdf"), "--world", &self.path("world.yaml")])
-            .args(arguments)
-            .output()
-            .unwrap()
+        let given = [command, "--urdf", &self.path("robot.urdf"), "--world", &self.path("world.yaml")];
+        clearance(&[&given, arguments].concat())
     }
 
     /// A certificate of a motion that is free.
