@@ -9,7 +9,7 @@
 //!
 //! Read the modules top to bottom; each uses only the ones above it. Two towers stand on `geometry`: the left one
 //! (`bounding_volume`, `bvh`, `query`) answers questions about two posed solids and has never heard of a robot; the
-//! right one (`robot`, `world`, `motion`) knows links, joints and obstacles and has never heard of a hierarchy. `checker` is
+//! right one (`robot`, `scene`, `motion`) knows links, joints and obstacles and has never heard of a hierarchy. `checker` is
 //! the bridge; `verifier` believes none of it and checks its proofs again; `monitor` decides what a node says; only `node`
 //! knows ROS.
 //!
@@ -32,7 +32,7 @@ pub mod bvh;
 pub mod query;
 
 pub mod robot;
-pub mod world;
+pub mod scene;
 
 pub mod motion;
 
@@ -47,7 +47,7 @@ pub mod node;
 
 pub use checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 pub use robot::{Configuration, MeshFiles, RobotModel};
-pub use world::World;
+pub use scene::World;
 
 #[cfg(test)]
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]

@@ -15,7 +15,7 @@ use crate::geometry::{ScaleError, Shape};
 use crate::math::{Extremes, MatrixPose, Pose};
 use crate::query::CollisionBody;
 use crate::robot::{Chain, Frame, LinkId, RobotModel, Seat, TravelRates, WaysToRoot};
-use crate::world::{AttachedObject, ObstacleShape, World};
+use crate::scene::{AttachedObject, ObstacleShape, World};
 
 /// A link or an attached object with geometry, in the frame of the body of the chain that it rides on.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::math::Pose;
 use crate::motion::{BodyPart, CertificateParts, Fingerprint, JointPart};
 use crate::robot::{JointId, RobotModel};
-use crate::world::World;
+use crate::scene::World;
 
 /// Digits of a part's hash: it names what differs, the hash of the whole decides.
 const DIGITS: usize = 16;

@@ -17,14 +17,15 @@ use super::report::Body;
 use super::settings::Settings;
 use super::stream::Stream;
 use super::within_reach::{PartOrder, WithinReach};
-use super::{AllowedCollisionMatrix, PairList, Workspace};
+use super::{PairList, Workspace};
 use crate::geometry::ScaleError;
 use crate::math::Extremes;
 use crate::motion::CertificateParts;
 use crate::query::Scratch;
 use crate::robot::{Chain, PlacedFrame, RobotModel, TravelRates, WaysToRoot};
+use crate::scene::AllowedCollisionMatrix;
+use crate::scene::World;
 use crate::simd::LANES;
-use crate::world::World;
 
 /// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
 ///

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::checker::{Question, Settings};
     use crate::robot::{MeshFiles, RobotModel, RobotText};
-    use crate::world::World;
+    use crate::scene::World;
 
     /// Links b and c overlap always; d meets them when its joint is at zero.
     fn checker(srdf: Option<&str>) -> CollisionChecker {

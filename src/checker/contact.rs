@@ -68,7 +68,7 @@ mod tests {
     use crate::geometry::{Primitive, Shape};
     use crate::math::Pose;
     use crate::robot::{MeshFiles, RobotModel};
-    use crate::world::{AttachedId, Obstacle, ObstacleId, World};
+    use crate::scene::{AttachedId, Obstacle, ObstacleId, World};
 
     const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
 

@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
-use super::{AllowedCollisionMatrix, Body, MeshModel, PairList, Settings};
+use super::{Body, MeshModel, PairList, Settings};
 use crate::geometry::{Cube, Plane, Primitive, Shape};
 use crate::math::{Pose, UnitVector};
 use crate::motion::Fingerprint;
 use crate::robot::{Joint, JointKind, RobotModel};
-use crate::world::World;
+use crate::scene::AllowedCollisionMatrix;
+use crate::scene::World;
 
 /// SHA-256 of all that decides how the robot moves, where it is solid, and what of it is checked: links, shapes, joints but their
 /// limits, paddings, what a mesh is, pairs of links. File names and the order of the URDF's attributes do not matter.

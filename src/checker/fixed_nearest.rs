@@ -64,8 +64,8 @@ mod tests {
     use crate::math::Point;
     use crate::query::Effort;
     use crate::robot::{MeshFiles, RobotModel};
+    use crate::scene::{Obstacle, World};
     use crate::testing::Random;
-    use crate::world::{Obstacle, World};
 
     /// A base with a mast that is fixed to it, and an arm that turns.
     const URDF: &str = "<robot name='r'>

@@ -329,8 +329,8 @@ mod tests {
     use crate::geometry::{Primitive, Shape, TriangleMesh};
     use crate::math::{Point, Pose};
     use crate::robot::{MeshFiles, RobotModel};
+    use crate::scene::{Obstacle, World};
     use crate::testing::Random;
-    use crate::world::{Obstacle, World};
 
     /// A ball of 0.5 m that slides along x, and another 5 m above it.
     const URDF: &str = "<robot name='r'><link name='root'/><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision>

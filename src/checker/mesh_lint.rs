@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::geometry::{Shape, TriangleMesh};
 use crate::robot::RobotModel;
-use crate::world::World;
+use crate::scene::World;
 
 /// A mesh with what a user has to know of it as a solid.
 #[derive(Clone, Debug, PartialEq, Eq)]

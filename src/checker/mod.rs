@@ -10,7 +10,6 @@
 //! | the same with a proof to show | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | until when can nothing touch? | [`CollisionChecker::look_ahead`] |
 
-mod allowed;
 mod asked;
 mod batch;
 mod bodies;
@@ -46,7 +45,6 @@ mod within_reach;
 mod workspace;
 mod world_hits;
 
-pub use allowed::{AllowedCollisionMatrix, MatrixError};
 pub use certificate_parts::{certificate_parts, mesh_model_name};
 pub use collision_checker::{CollisionChecker, SettingsError};
 pub use constant_contacts::ConstantContacts;

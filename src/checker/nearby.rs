@@ -9,9 +9,9 @@ use crate::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use crate::math::{Extremes, MatrixPose};
 use crate::query::{Piece, Scratch, Work};
 use crate::robot::{Configuration, Frame, Reach};
+use crate::scene::ObstacleId;
 use crate::simd::prelude::*;
 use crate::simd::{LANES, Level, Simd, dispatch, f32x8};
-use crate::world::ObstacleId;
 
 /// Scratch memory of a search.
 #[derive(Clone, Debug, Default)]

@@ -5,7 +5,7 @@ use super::pair::{Pair, PairInfo};
 use super::report::Body;
 use crate::math::MatrixPose;
 use crate::robot::{Between, Frame};
-use crate::world::ObstacleId;
+use crate::scene::ObstacleId;
 
 /// The bodies of a pair: indices of parts, or of a part and an obstacle's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,7 +18,7 @@ use crate::geometry::Shape;
 use crate::math::{MatrixPose, Point, Pose};
 use crate::query::{CollisionBody, Piece, PieceVolume};
 use crate::robot::Reach;
-use crate::world::{Obstacle, ObstacleId, World};
+use crate::scene::{Obstacle, ObstacleId, World};
 
 /// All obstacles of a world.
 #[derive(Clone, Debug, Default)]

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::AllowedCollisionMatrix;
 use super::report::Body;
 use crate::robot::{LinkId, RobotModel};
-use crate::world::{AttachedId, ObstacleId, World};
+use crate::scene::AllowedCollisionMatrix;
+use crate::scene::{AttachedId, ObstacleId, World};
 
 /// The pairs to check, and how many were left out and why.
 ///

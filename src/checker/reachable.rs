@@ -111,8 +111,8 @@ mod tests {
     use crate::checker::{CollisionChecker, Question, Settings};
     use crate::geometry::{Primitive, Shape};
     use crate::robot::{MeshFiles, RobotModel};
+    use crate::scene::{Obstacle, World};
     use crate::testing::Random;
-    use crate::world::{Obstacle, World};
 
     /// A mast that slides by 0.5 m and an arm on it, of which a gripper's finger follows another finger.
     const URDF: &str = "<robot name='r'><link name='base'/>

@@ -4,7 +4,7 @@ use crate::constants::CONTACT_DISTANCE;
 use crate::math::{Extremes, Point};
 use crate::query::Work;
 use crate::robot::LinkId;
-use crate::world::{AttachedId, ObstacleId};
+use crate::scene::{AttachedId, ObstacleId};
 
 /// How much to find out about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,9 @@
 
 use std::collections::HashMap;
 
+use crate::math::Extremes;
+use crate::scene::Scene;
+
 /// Choices that hold for every check of one [`CollisionChecker`](super::CollisionChecker).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -23,6 +26,20 @@ pub struct Settings {
     pub check_world: bool,
     /// What a mesh is.
     pub mesh_model: MeshModel,
+}
+
+impl Settings {
+    /// With what a scene says about links. A scene that pads less than `padding` takes nothing off it: MoveIt lists all links, most of
+    /// them with none.
+    #[must_use]
+    pub fn with_scene(mut self, scene: &Scene) -> Self {
+        let padded = scene.link_padding.iter().filter(|(_, padding)| **padding > 0.0);
+        let padding = self.padding;
+        self.link_padding.extend(padded.map(|(link, own)| (link.clone(), own.greater(padding))));
+        let scaled = scene.link_scale.iter().filter(|(_, scale)| **scale != 1.0);
+        self.link_scale.extend(scaled.map(|(link, scale)| (link.clone(), *scale)));
+        self
+    }
 }
 
 /// Whether what lies wholly inside a closed mesh touches it.

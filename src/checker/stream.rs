@@ -235,7 +235,7 @@ mod tests {
     use crate::checker::{CollisionChecker, Question, Settings};
     use crate::query::Effort;
     use crate::robot::{MeshFiles, RobotModel};
-    use crate::world::World;
+    use crate::scene::World;
 
     /// Two boxes, of which one slides past the other.
     const URDF: &str = "<robot name='r'>

@@ -52,7 +52,7 @@ mod tests {
     use crate::checker::Settings;
     use crate::geometry::{Primitive, Shape};
     use crate::robot::{MeshFiles, RobotModel};
-    use crate::world::{Obstacle, World};
+    use crate::scene::{Obstacle, World};
 
     /// The bar rides on the base through a fixed joint; the box lies askew in the frame of the bar.
     const URDF: &str = r#"<robot name="bars">
@@ -69,7 +69,7 @@ mod tests {
         let mut world = World::default();
         let tool = Shape::Primitive(Primitive::Sphere { radius: 0.3 });
         let tool = Obstacle::of_shape("tool", Pose::translation(0.0, 7.0, 0.0), tool);
-        let held = crate::world::AttachedObject::grasped(&tool, "hand", &Pose::identity(), vec![]);
+        let held = crate::scene::AttachedObject::grasped(&tool, "hand", &Pose::identity(), vec![]);
         world.attach(held).unwrap();
         let checker = CollisionChecker::new(robot, &world, Settings::default()).unwrap();
         let volumes: Vec<LinkVolume> = checker.link_volumes(0).collect();

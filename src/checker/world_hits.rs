@@ -140,12 +140,13 @@ mod tests {
     use std::fmt::Write;
     use std::sync::Arc;
 
-    use crate::checker::{AllowedCollisionMatrix, CollisionChecker, Question, Settings};
+    use crate::checker::{CollisionChecker, Question, Settings};
     use crate::geometry::{Primitive, Shape};
     use crate::math::Pose;
     use crate::robot::{MeshFiles, RobotModel};
+    use crate::scene::AllowedCollisionMatrix;
+    use crate::scene::{Obstacle, World};
     use crate::testing::Random;
-    use crate::world::{Obstacle, World};
 
     /// A chain of so many balls, each turned about another axis.
     fn chain(links: usize) -> Arc<RobotModel> {

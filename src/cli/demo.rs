@@ -4,14 +4,13 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 
-use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
 use clearance::node::{
     self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, ThreadPriority,
     Trajectory, View,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
-use clearance::world::PlanningScene;
+use clearance::scene::SceneLoader;
 use log::LevelFilter;
 
 use super::demo_table::{Latest, Table};
@@ -100,9 +99,8 @@ fn robot() -> Result<RobotModel, String> {
 fn surroundings() -> Surroundings {
     Box::new(|robot| {
         let file = "config/demo_world.yaml";
-        let scene =
-            PlanningScene::from_yaml(WORLD, file, robot, &MeshFiles::default()).map_err(|e| e.to_string())?;
-        Ok(PlanningSceneState::new(scene.world))
+        let loader = SceneLoader::from_yaml(WORLD, file, robot, &MeshFiles::default());
+        Ok(loader.map_err(|e| e.to_string())?.into_scene())
     })
 }
 

@@ -1,14 +1,13 @@
 //! The arguments that name a robot and a world, and what they load.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use clearance::checker::{AllowedCollisionMatrix, CollisionChecker, MeshModel, Settings};
+use clearance::checker::{CollisionChecker, MeshModel, Settings};
 use clearance::input_files::{self, WORLD_LIMIT};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::{PlanningScene, World, WorldFileKind};
+use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
 
 use super::failure::Failure;
 
@@ -78,17 +77,6 @@ pub enum UnknownSpace {
     Occupied,
 }
 
-/// Obstacles and what scene files say of links and allowed collisions.
-#[derive(Clone, Debug, Default)]
-pub struct LoadedWorld {
-    pub world: World,
-    pub allowed: Option<AllowedCollisionMatrix>,
-    /// Safety distances (m) of single links.
-    pub link_padding: HashMap<String, f64>,
-    /// Factors of single links.
-    pub link_scale: HashMap<String, f64>,
-}
-
 impl ModelArgs {
     /// Loads the robot; warnings are logged.
     pub fn load(&self) -> Result<RobotModel, Failure> {
@@ -145,7 +133,7 @@ impl ModelArgs {
 
 impl WorldArgs {
     /// Loads all files into one world; warnings are logged.
-    pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<LoadedWorld, Failure> {
+    pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<Scene, Failure> {
         self.load_with(robot, files, &|path| {
             input_files::read(path, WORLD_LIMIT).map_err(|error| error.to_string())
         })
@@ -157,9 +145,9 @@ impl WorldArgs {
         robot: &RobotModel,
         files: &MeshFiles,
         read: &dyn Fn(&Path) -> Result<Vec<u8>, String>,
-    ) -> Result<LoadedWorld, Failure> {
-        let mut scene = PlanningScene::default();
-        scene.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
+    ) -> Result<Scene, Failure> {
+        let mut loader = SceneLoader::default();
+        loader.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
         for path in self.world.iter().chain(&self.cloud) {
             let file = path.display();
             let bytes = read(path).map_err(Failure::Input)?;
@@ -176,28 +164,16 @@ impl WorldArgs {
                 return Err(Failure::Input(format!("{file}: --cloud takes PCD and PLY; give it as --world")));
             }
             let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
-            let had_matrix = scene.allowed.is_some();
             let is_named_otherwise = kind == WorldFileKind::Yaml && !is_yaml(path);
-            scene.read_file(&bytes, path, self.point_radius, robot, &files).map_err(|error| {
+            loader.read_file(&bytes, path, self.point_radius, robot, &files).map_err(|error| {
                 let hint = if is_named_otherwise { WORLDS } else { "" };
                 Failure::Input(format!("{error}{hint}"))
             })?;
-            for warning in scene.warnings.drain(..) {
+            for warning in loader.warnings.drain(..) {
                 log::warn!("{warning}");
             }
-            if scene.allowed.is_some() && !had_matrix {
-                log::warn!("{file}: its allowed_collision_matrix replaces the SRDF's disabled pairs");
-            }
         }
-        let allowed = (scene.allowed.as_ref()).map(AllowedCollisionMatrix::from_entries).transpose();
-        let allowed = allowed.map_err(|e| Failure::Input(format!("{}: {e}", self.files())))?;
-        let PlanningScene { world, link_padding, link_scale, .. } = scene;
-        Ok(LoadedWorld { world, allowed, link_padding, link_scale })
-    }
-
-    /// For messages about no file in particular.
-    fn files(&self) -> String {
-        self.world.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+        Ok(loader.into_scene())
     }
 }
 
@@ -244,25 +220,11 @@ fn is_yaml(path: &Path) -> bool {
     ["yaml", "yml", "json"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-impl LoadedWorld {
-    /// Adds what scene files say of links; the larger padding counts.
-    pub fn add_to(&self, settings: &mut Settings) {
-        settings.link_scale.extend(self.link_scale.clone());
-        for (link, &padding) in &self.link_padding {
-            settings.link_padding.insert(link.clone(), padding.max(settings.padding));
-        }
-    }
-}
-
 /// A checker from arguments; says what is wrong with meshes that are to be solid.
-pub fn checker(
-    robot: RobotModel,
-    loaded: &LoadedWorld,
-    mut settings: Settings,
-) -> Result<CollisionChecker, Failure> {
-    loaded.add_to(&mut settings);
-    warn_of_meshes(&robot, &loaded.world, &settings);
-    CollisionChecker::with_matrix(Arc::new(robot), &loaded.world, settings, loaded.allowed.as_ref())
+pub fn checker(robot: RobotModel, scene: &Scene, settings: Settings) -> Result<CollisionChecker, Failure> {
+    let settings = settings.with_scene(scene);
+    warn_of_meshes(&robot, &scene.world, &settings);
+    CollisionChecker::with_matrix(Arc::new(robot), &scene.world, settings, scene.matrix.as_ref())
         .map_err(Failure::input)
 }
 

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::monitor::scene::PlanningSceneState;
 use clearance::node::recording::Given;
 use clearance::node::{
     self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments,
@@ -14,7 +13,7 @@ use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
 
 use super::failure::Failure;
-use super::model::{LoadedWorld, ModelArgs, WorldArgs};
+use super::model::{ModelArgs, WorldArgs};
 use super::replay::GivenFiles;
 use super::view::ViewArgs;
 
@@ -113,19 +112,8 @@ impl NodeArgs {
 
     fn surroundings(&self, mesh_files: MeshFiles) -> Surroundings {
         let world = self.world.clone();
-        Box::new(move |robot| {
-            let loaded = world.load(robot, &mesh_files).map_err(|failure| failure.to_string())?;
-            Ok(scene_of(loaded))
-        })
+        Box::new(move |robot| world.load(robot, &mesh_files).map_err(|failure| failure.to_string()))
     }
-}
-
-/// What files say of the world, as the beginning of a scene.
-pub fn scene_of(loaded: LoadedWorld) -> PlanningSceneState {
-    let mut scene = PlanningSceneState::new(loaded.world);
-    scene.matrix = loaded.allowed;
-    (scene.link_padding, scene.link_scale) = (loaded.link_padding, loaded.link_scale);
-    scene
 }
 
 fn single(name: &str, value: Value) -> ParameterSource {

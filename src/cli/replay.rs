@@ -12,7 +12,6 @@ use serde_json::Value as Json;
 
 use super::failure::Failure;
 use super::model::{MeshArg, ModelArgs, UnknownSpace, WorldArgs};
-use super::node::scene_of;
 use super::run_args::{Format, internal, print_line};
 
 /// Answers before the one that differs that a test keeps: as few as show the same.
@@ -175,7 +174,7 @@ fn prepare(archive: Archive) -> Result<Prepared, String> {
         mesh_files,
         surroundings: Box::new(move |robot| {
             let read = |path: &Path| archive.file(path).map(|bytes| bytes.to_vec());
-            world.load_with(robot, &files, &read).map(scene_of).map_err(|failure| failure.to_string())
+            world.load_with(robot, &files, &read).map_err(|failure| failure.to_string())
         }),
         mesh_model: model.settings().mesh_model,
     })

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::robot::RobotModel;
-use clearance::world::NamedState;
+use clearance::scene::NamedState;
 
 /// The accepted formats, for the error about any other.
 const STATES: &str = concat!(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clearance::input_files::{self, STATES_LIMIT};
 use clearance::robot::{Configuration, ConfigurationError, JointKind, NamedJoints, RobotModel};
-use clearance::world::NamedState;
+use clearance::scene::NamedState;
 use clearance::yaml;
 use serde::Deserialize;
 

@@ -8,8 +8,8 @@ use clearance::checker::Settings;
 use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{Certificate, Trajectory};
 use clearance::robot::RobotModel;
+use clearance::scene::World;
 use clearance::verifier::{Expected, Refusal, Verified, Verifier};
-use clearance::world::World;
 use serde_json::json;
 
 use super::certificate_summary::{Summary, on_one_line};
@@ -60,15 +60,15 @@ pub struct VerifyArgs {
 /// Exit code 0: it is a proof; 1: it is none, and why.
 pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     let robot = args.model.load()?;
-    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
+    let scene = args.world.load(&robot, &args.model.mesh_files())?;
     let mut settings = args.model.settings();
     (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);
-    loaded.add_to(&mut settings);
-    warn_of_meshes(&robot, &loaded.world, &settings);
-    let expected = args.expected(&robot, &loaded.world)?;
+    let settings = settings.with_scene(&scene);
+    warn_of_meshes(&robot, &scene.world, &settings);
+    let expected = args.expected(&robot, &scene.world)?;
     let certificate = args.read()?;
     args.check_obstacles(&certificate)?;
-    let verifier = Verifier::new(&robot, &loaded.world, &settings, loaded.allowed.as_ref());
+    let verifier = Verifier::new(&robot, &scene.world, &settings, scene.matrix.as_ref());
     let verified = verifier.and_then(|verifier| verifier.verify_expected(&certificate, &expected));
     if verified.as_ref().is_ok_and(|v| v.pairs == 0) {
         log::warn!("there is no pair to check: every motion counts as free");

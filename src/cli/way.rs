@@ -6,7 +6,7 @@ use clap::Args;
 use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, shortest_way};
 use clearance::robot::{Configuration, RobotModel};
-use clearance::world::World;
+use clearance::scene::World;
 
 use super::failure::Failure;
 use super::states;

@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use super::Time;
-use super::scene::is_elsewhere;
 use crate::math::{Point, Pose, Vector};
+use crate::scene::is_elsewhere;
 
 /// Time (s) that a motion is measured over at least: `tf` comes in steps.
 const WINDOW: f64 = 0.1;

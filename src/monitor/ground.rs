@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::drift::{Drift, Track};
-use super::scene::{Grounds, Link, Lost, Told, TransformTree};
-use super::status::quoted;
 use super::world_source::{Sight, WorldSource};
 use super::{Now, Reason, Time};
 use crate::math::Pose;
+use crate::robot::quoted;
+use crate::scene::{Grounds, Link, Lost, Told, TransformTree};
 
 /// What `tf` told last of the frames that obstacles stand in.
 #[derive(Debug, Default)]

@@ -4,11 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::drift::Drift;
-use super::scene::Grounds;
 use super::{Now, Reason, Status, Time, WorldSource};
 use crate::checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance};
 use crate::math::Extremes;
 use crate::robot::{Configuration, LinkPoses};
+use crate::scene::Grounds;
 
 /// A checker, and which one it is.
 #[derive(Debug)]

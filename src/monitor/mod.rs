@@ -47,14 +47,13 @@ mod judgement;
 mod look_ahead;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
+mod now;
 mod pace;
 mod placement;
-pub mod scene;
 mod settings;
 mod speed;
 mod status;
 mod subject;
-mod time;
 mod tracker;
 mod trail;
 mod world_source;
@@ -62,15 +61,14 @@ mod world_source;
 #[cfg(test)]
 mod tests;
 
+pub use crate::scene::Time;
 pub use drift::Drift;
 pub use input::{JointStateInput, SourceId};
 pub use judgement::{Evidence, Expiry, Judgement, LeftOut, Revision};
 pub use monitor::{Monitor, Stopwatch};
+pub use now::Now;
 pub use settings::MonitorSettings;
 pub use speed::{SpeedDistances, SpeedSettings};
-#[cfg(feature = "ros")]
-pub(crate) use status::quoted_list;
 pub use status::{Reason, Status};
-pub use time::{Now, Time};
 pub use trail::Trail;
 pub use world_source::{Sight, WorldSource};

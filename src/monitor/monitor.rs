@@ -10,14 +10,14 @@ use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
 use super::pace::Pace;
 use super::placement::Placements;
-use super::scene::TransformTree;
 use super::speed::SpeedGovernor;
-use super::status::quoted_list;
 use super::subject::{Subject, Verdict};
 use super::tracker::Tracker;
 use super::{
     Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
+use crate::robot::quoted_list;
+use crate::scene::TransformTree;
 
 /// Time since any fixed moment; it is read before and after each check.
 pub type Stopwatch = fn() -> Duration;

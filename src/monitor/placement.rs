@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use super::scene::TransformTree;
 use super::{MonitorSettings, Now, Reason, Time};
 use crate::math::{Extremes, Pose};
 use crate::robot::{JointId, RobotModel};
+use crate::scene::TransformTree;
 
 /// How far (m, rad) a transform may leave the plane of a planar joint: that much of the base's place is not checked.
 const PLANE_SLACK: f64 = 1e-3;

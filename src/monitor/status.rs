@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::robot::{quoted, quoted_list};
+
 /// What is known about the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
@@ -303,30 +305,5 @@ impl fmt::Display for Reason {
                 quoted(b)
             ),
         }
-    }
-}
-
-/// Names listed at most; a message must not grow with hostile input.
-const LISTED: usize = 8;
-
-/// `'a', 'b' and 3 more`
-pub(crate) fn quoted_list(names: &[String]) -> String {
-    let mut text: Vec<String> = names.iter().take(LISTED).map(|n| quoted(n)).collect();
-    if names.len() > LISTED {
-        text.push(format!("{} more", names.len() - LISTED));
-    }
-    match text.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
-        None => String::new(),
-    }
-}
-
-/// A name from a message in quotes, shortened if nobody could mean it.
-pub(super) fn quoted(name: &str) -> String {
-    const LONGEST: usize = 80;
-    match name.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("'{}…'", &name[..end]),
-        None => format!("'{name}'"),
     }
 }

@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, HashMap};
 use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
 use super::placement::Placed;
-use super::status::{quoted, quoted_list};
 use super::{JointStateInput, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Extremes, without_whole_turns};
 use crate::robot::{Configuration, JointId, JointKind, RobotModel, check_name_length};
+use crate::robot::{quoted, quoted_list};
 
 /// How far a joint that follows others may be reported from where it should be without a word (rad; m of one that slides): gears have play.
 const MIMIC_SLACK: f64 = 0.02;

@@ -117,7 +117,7 @@ mod tests {
     use crate::checker::{CollisionChecker, Settings};
     use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, SourceId};
     use crate::robot::MeshFiles;
-    use crate::world::World;
+    use crate::scene::World;
 
     /// A joint that turns without end, and one that slides.
     const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='c'><collision><geometry><sphere radius='1'/></geometry></collision></link>

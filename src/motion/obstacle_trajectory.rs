@@ -3,7 +3,7 @@
 use super::trajectory::Part;
 use super::{MovingObstacle, Trajectory, TrajectoryError};
 use crate::math::{Point, Pose};
-use crate::world::World;
+use crate::scene::World;
 
 /// How an obstacle of the world moves on the clock of a [`Trajectory`] (s). A motion without times has a clock of its own: it begins
 /// at 0 and ends at 1.

@@ -6,7 +6,7 @@ use super::{ObstacleTrajectory, PosesError};
 use crate::constants::LARGEST_COORDINATE;
 use crate::geometry::Shape;
 use crate::math::{Point, Pose, pose_from_xyz_quaternion};
-use crate::world::{Obstacle, World};
+use crate::scene::{Obstacle, World};
 use crate::yaml;
 
 #[derive(Deserialize)]

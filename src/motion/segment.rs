@@ -6,7 +6,7 @@ use super::MovingObstacle;
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Extremes, Rotation, UnitVector, Vector};
 use crate::robot::{Configuration, ConfigurationError, Deviation, JointKind, RobotModel};
-use crate::world::World;
+use crate::scene::World;
 
 /// Numbers of a polynomial of degree five, the constant first.
 pub(crate) type Polynomial = [f64; 6];

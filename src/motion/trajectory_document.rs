@@ -6,7 +6,7 @@ use serde::de::IgnoredAny;
 use super::TrajectoryPoint;
 use super::trajectory_text::TrajectoryTextError;
 use crate::robot::{Configuration, RobotModel};
-use crate::world::{NamedState, RobotStateText};
+use crate::scene::{NamedState, RobotStateText};
 use crate::yaml;
 
 /// A `trajectory_msgs/JointTrajectory`, and the positions of joints that it does not name.

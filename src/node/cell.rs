@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use super::monitor_loop::CurrentJudgement;
 use super::refusal::{Refusal, bad};
 use crate::checker::CollisionChecker;
-use crate::monitor::{Judgement, Now, Reason, quoted_list};
+use crate::monitor::{Judgement, Now, Reason};
+use crate::robot::quoted_list;
 use crate::robot::{Configuration, NamedJoints, RobotModel};
 
 /// The robot, its surroundings, and where it is now.

@@ -4,28 +4,19 @@ use std::sync::Arc;
 
 use super::parameters::Parameters;
 use crate::checker::{CollisionChecker, MeshModel, Settings, SolidMeshRemark, solid_mesh_remarks};
-use crate::math::Extremes;
-use crate::monitor::scene::PlanningSceneState;
 use crate::robot::RobotModel;
+use crate::scene::Scene;
 
 /// A checker of a robot in a scene; what a known one of the same robot has in common with it is shared.
 pub fn checker_of(
     robot: &Arc<RobotModel>,
-    scene: &PlanningSceneState,
+    scene: &Scene,
     mesh_model: MeshModel,
     parameters: &Parameters,
     known: Option<&CollisionChecker>,
 ) -> Result<CollisionChecker, String> {
-    // a scene that pads less than the parameter takes nothing off it
-    let padded = |(link, padding): (&String, &f64)| (link.clone(), padding.greater(parameters.padding));
-    let settings = Settings {
-        padding: parameters.padding,
-        link_padding: scene.link_padding.iter().map(padded).collect(),
-        link_scale: scene.link_scale.clone(),
-        pad_self: parameters.pad_self,
-        mesh_model,
-        ..Settings::default()
-    };
+    let (padding, pad_self) = (parameters.padding, parameters.pad_self);
+    let settings = Settings { padding, pad_self, mesh_model, ..Settings::default() }.with_scene(scene);
     let matrix = scene.matrix.as_ref();
     let built = match known.filter(|known| Arc::ptr_eq(known.robot(), robot)) {
         Some(known) => known.with_world(&scene.world, settings, matrix),

@@ -20,12 +20,12 @@ use super::scene::{CloudMessage, Monitored, Shared};
 use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper};
 use super::scene_order::SceneOrder;
 use crate::checker::{MeshModel, SolidMeshRemark};
-use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Now, Revision};
 use crate::robot::{MeshFiles, RobotModel, RobotText};
+use crate::scene::{Scene, TransformTree};
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
-pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<PlanningSceneState, String> + Send>;
+pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<Scene, String> + Send>;
 
 /// Waits until the monitor has said what it makes of all that it was told; whether there is one.
 fn heeded(events: &mailbox::Sender<Event>) -> bool {

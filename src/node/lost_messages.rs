@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::recording::SceneDoor;
 use crate::monitor::Reason;
-use crate::monitor::scene::SceneUpdate;
+use crate::scene::SceneUpdate;
 
 type Counts = BTreeMap<&'static str, u64>;
 
@@ -80,7 +80,7 @@ fn add(counts: &mut Counts, topic: &'static str, count: u64) {
 mod tests {
     use super::*;
 
-    use crate::monitor::scene::SceneChange;
+    use crate::scene::SceneChange;
 
     fn told(lost: &LostMessages) -> Vec<String> {
         lost.told().map(|text| text.split(" messages").next().unwrap_or_default().to_owned()).collect()

@@ -16,7 +16,7 @@ use crate::geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use crate::math::{Extremes, Point, Pose, Vector};
 use crate::monitor::{Evidence, Judgement, Revision};
 use crate::robot::{LinkId, MeshSource};
-use crate::world::AttachedId;
+use crate::scene::AttachedId;
 
 const COLLIDING_LINKS: &str = "colliding_links";
 const WITNESS_LINES: &str = "witness_lines";

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::monitor::scene::{Gap, SceneRefusal, SceneUpdate, Subject};
+use crate::scene::{Gap, SceneRejection, SceneUpdate, Subject};
 
 /// Gaps remembered at most, so that a hostile network can not fill the memory.
 const MOST: usize = 1000;
@@ -21,7 +21,7 @@ pub struct MissingObjects {
 
 impl MissingObjects {
     /// Takes note of an update, if the message could be read as one, and of what was rejected of it.
-    pub fn heed(&mut self, source: &str, update: Option<&SceneUpdate>, refusals: &[SceneRefusal]) {
+    pub fn heed(&mut self, source: &str, update: Option<&SceneUpdate>, refusals: &[SceneRejection]) {
         if let Some(update) = update {
             for (gap, fault) in std::mem::take(&mut self.gaps).into_values() {
                 let is_rejected = refusals.iter().any(|refusal| is_about(refusal, &gap));
@@ -43,7 +43,7 @@ impl MissingObjects {
     /// Takes note of an update of which nothing came into force, and why.
     pub fn note_unused(&mut self, source: &str, update: &SceneUpdate, why: &str) {
         for gap in update.announced() {
-            let refusal = SceneRefusal::of(&gap.name, why);
+            let refusal = SceneRejection::of(&gap.name, why);
             self.note(gap, format!("{source}: {refusal}"));
         }
     }
@@ -75,7 +75,7 @@ impl MissingObjects {
     }
 }
 
-fn is_about(refusal: &SceneRefusal, gap: &Gap) -> bool {
+fn is_about(refusal: &SceneRejection, gap: &Gap) -> bool {
     let is_same = |other: &Gap| (other.subject, &other.name) == (gap.subject, &gap.name);
     refusal.gap.as_ref().is_some_and(is_same) || refusal.object.as_deref() == Some(&gap.name)
 }
@@ -83,9 +83,7 @@ fn is_about(refusal: &SceneRefusal, gap: &Gap) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::scene::{
-        AttachedChange, ObjectChange, OctomapPlacement, Operation, SceneChange, WorldChange,
-    };
+    use crate::scene::{AttachedChange, ObjectChange, OctomapPlacement, Operation, SceneChange, WorldChange};
 
     fn object(id: &str, operation: Operation) -> SceneUpdate {
         SceneUpdate::Object(Box::new(ObjectChange::named(id, operation)))
@@ -101,8 +99,8 @@ mod tests {
         SceneUpdate::Attached(Box::new(AttachedChange { link, object, touch_links }))
     }
 
-    fn no_link(id: &str) -> SceneRefusal {
-        SceneRefusal::of(id, "no link").of_attached().of_pose()
+    fn no_link(id: &str) -> SceneRejection {
+        SceneRejection::of(id, "no link").of_attached().of_pose()
     }
 
     fn told(missing: &MissingObjects) -> Vec<String> {
@@ -112,7 +110,7 @@ mod tests {
     #[test]
     fn an_object_is_missing_until_something_about_it_is_right() {
         let mut missing = MissingObjects::default();
-        missing.heed("topic", Some(&add("a")), &[SceneRefusal::of("a", "no shapes")]);
+        missing.heed("topic", Some(&add("a")), &[SceneRejection::of("a", "no shapes")]);
         missing.heed("topic", Some(&attach("held")), &[no_link("held")]);
         missing.heed("topic", Some(&add("b")), &[]);
         assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
@@ -127,10 +125,10 @@ mod tests {
     fn what_is_moved_still_lacks_its_shapes() {
         let mut missing = MissingObjects::default();
         let append = object("a", Operation::Append);
-        missing.heed("topic", Some(&append), &[SceneRefusal::of("a", "a mesh")]);
+        missing.heed("topic", Some(&append), &[SceneRejection::of("a", "a mesh")]);
         // neither does a rejected move make less of it
         let elsewhere = object("a", Operation::Move);
-        missing.heed("topic", Some(&elsewhere), &[SceneRefusal::of("a", "a frame").of_pose()]);
+        missing.heed("topic", Some(&elsewhere), &[SceneRejection::of("a", "a frame").of_pose()]);
         missing.heed("topic", Some(&elsewhere), &[]);
         assert_eq!(told(&missing).len(), 1);
         missing.heed("topic", Some(&object("a", Operation::Remove)), &[]);
@@ -140,8 +138,8 @@ mod tests {
     #[test]
     fn an_object_without_a_name_is_missing_until_all_are_removed() {
         let mut missing = MissingObjects::default();
-        let gap = Gap::new(Subject::Object, "", crate::monitor::scene::Extent::Shapes);
-        let unnamed = SceneRefusal { gap: Some(gap), ..SceneRefusal::new("id is empty") };
+        let gap = Gap::new(Subject::Object, "", crate::scene::Extent::Shapes);
+        let unnamed = SceneRejection { gap: Some(gap), ..SceneRejection::new("id is empty") };
         missing.heed("topic", Some(&add("")), &[unnamed]);
         missing.heed("topic", Some(&add("b")), &[]);
         assert_eq!(told(&missing), ["topic: id is empty"]);
@@ -174,7 +172,7 @@ mod tests {
             let world = WorldChange { objects: Vec::new(), octomap };
             SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..SceneChange::default() }))
         };
-        missing.heed("topic", None, &[SceneRefusal::of_octomap("broken")]);
+        missing.heed("topic", None, &[SceneRejection::of_octomap("broken")]);
         missing.heed("topic", Some(&with(None)), &[]);
         assert_eq!(told(&missing).len(), 1);
         missing.heed("topic", Some(&with(Some(octomap))), &[]);
@@ -185,7 +183,7 @@ mod tests {
     fn of_very_many_some_are_told_and_the_rest_counted() {
         let mut missing = MissingObjects::default();
         let refusals: Vec<_> =
-            (0..MOST + 7).map(|i| SceneRefusal::of(&format!("{i:05}"), "no shapes")).collect();
+            (0..MOST + 7).map(|i| SceneRejection::of(&format!("{i:05}"), "no shapes")).collect();
         missing.heed("topic", None, &refusals);
         let lines = told(&missing);
         assert_eq!((lines.len(), missing.gaps.len()), (TOLD + 1, MOST));

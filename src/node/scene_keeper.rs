@@ -21,11 +21,11 @@ use super::whole_scene::WholeScene;
 use crate::checker::MeshModel;
 use crate::math::Extremes;
 use crate::monitor::cloud::SelfFilter;
-use crate::monitor::scene::{
-    OCTOMAP, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate, Subject, TransformTree, Unfit,
-};
 use crate::monitor::{Evidence, Judgement, Now, Revision, Sight, WorldSource};
 use crate::robot::{LinkPoses, RobotModel};
+use crate::scene::{
+    OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate, Subject, TransformTree, Unfit,
+};
 use clouds::Cloud;
 
 /// Orders that wait for a robot at most; later ones are refused.
@@ -48,7 +48,7 @@ pub struct Glimpse {
 /// What is checked, and the scene that it was made of.
 pub struct SceneInForce {
     pub revision: Arc<Revision>,
-    pub scene: PlanningSceneState,
+    pub scene: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
     pub mesh_model: MeshModel,
     /// Those that it was built with.
@@ -61,7 +61,7 @@ pub type CurrentScene = Arc<Mutex<Option<Arc<SceneInForce>>>>;
 /// Keeps the scene; belongs to the loader's thread.
 #[derive(Default)]
 pub struct SceneKeeper {
-    pub state: PlanningSceneState,
+    pub state: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
     /// When the octomap was seen last, if one came since it was cleared.
     octomap_seen: Option<Sight>,
@@ -106,13 +106,13 @@ impl SceneKeeper {
     }
 
     /// The scene as it was: what was made of it last can not be checked.
-    pub fn go_back(&mut self, scene: &PlanningSceneState, fault: &str) {
+    pub fn go_back(&mut self, scene: &Scene, fault: &str) {
         self.stay_in(scene.clone());
         self.note_failure(fault);
     }
 
     /// The scene as it was, since another robot is refused.
-    pub fn stay_in(&mut self, scene: PlanningSceneState) {
+    pub fn stay_in(&mut self, scene: Scene) {
         self.state = scene;
         self.whole.go_back();
         self.lost.go_back();
@@ -226,7 +226,7 @@ impl SceneKeeper {
     }
 
     /// Takes what files hold in place of what they held for another robot; in the room it stays where it was.
-    pub fn begin_with(&mut self, mut state: PlanningSceneState, robot: &Arc<RobotModel>, glimpse: &Glimpse) {
+    pub fn begin_with(&mut self, mut state: Scene, robot: &Arc<RobotModel>, glimpse: &Glimpse) {
         let Glimpse { now, parameters, transforms, .. } = glimpse;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
         state.stand_as(&self.state, &context);
@@ -244,11 +244,12 @@ impl SceneKeeper {
     fn note_octomap(
         &mut self,
         octomap: Option<(OctomapWithPose, Sight)>,
-        refusals: &[SceneRefusal],
+        refusals: &[SceneRejection],
         update: Option<&SceneUpdate>,
     ) {
-        let is_rejected =
-            |refusal: &SceneRefusal| refusal.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap);
+        let is_rejected = |refusal: &SceneRejection| {
+            refusal.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap)
+        };
         if refusals.iter().any(is_rejected) {
             return;
         }
@@ -270,7 +271,7 @@ impl SceneKeeper {
         is_blind
     }
 
-    fn note_refusals(&mut self, source: &str, refusals: &[SceneRefusal], update: Option<&SceneUpdate>) {
+    fn note_refusals(&mut self, source: &str, refusals: &[SceneRejection], update: Option<&SceneUpdate>) {
         self.missing.heed(source, update, refusals);
         self.faults = refusals.iter().take(TOLD).map(|refusal| format!("{source}: {refusal}")).collect();
         if refusals.len() > TOLD {

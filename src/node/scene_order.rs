@@ -6,7 +6,7 @@ use smol::channel::Sender;
 use super::recording::{OrderStep, Original, SceneDoor};
 use super::scene::CLEAR_OCTOMAP;
 use crate::monitor::Sight;
-use crate::monitor::scene::{SceneRefusal, SceneUpdate};
+use crate::scene::{SceneRejection, SceneUpdate};
 
 /// Something to be done to the scene.
 pub struct SceneOrder {
@@ -14,7 +14,7 @@ pub struct SceneOrder {
     pub(super) source: &'static str,
     pub(super) update: Option<SceneUpdate>,
     /// What could not be understood of the message.
-    pub(super) refusals: Vec<SceneRefusal>,
+    pub(super) refusals: Vec<SceneRejection>,
     /// How many messages were lost right before it.
     pub(super) lost: u64,
     /// The octomap as it came, and when it was seen.
@@ -45,7 +45,7 @@ impl SceneOrder {
     }
 
     #[must_use]
-    pub fn refused(self, refusals: Vec<SceneRefusal>) -> Self {
+    pub fn refused(self, refusals: Vec<SceneRejection>) -> Self {
         Self { refusals, ..self }
     }
 

@@ -12,9 +12,10 @@ use super::clearance_srvs::{
 use super::messages::{body_type, distance_message};
 use super::refusal::{Refusal, bad, shortened};
 use crate::checker::{Body, CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
-use crate::monitor::{Judgement, quoted_list};
+use crate::monitor::Judgement;
 use crate::query::Effort;
 use crate::robot::Configuration;
+use crate::robot::quoted_list;
 
 /// States of one request at most: with distances they take a second, and others wait for their turn.
 const STATES: usize = 10_000;

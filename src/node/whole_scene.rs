@@ -2,7 +2,7 @@
 
 use super::parameters::Parameters;
 use crate::monitor::WorldSource;
-use crate::monitor::scene::SceneUpdate;
+use crate::scene::SceneUpdate;
 
 /// Who has to tell it, if nobody is asked.
 const ANYBODY: &str = "planning_scene, apply_planning_scene or planning_scene_world";
@@ -72,7 +72,7 @@ impl WholeScene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::scene::SceneChange;
+    use crate::scene::SceneChange;
 
     fn scene(is_diff: bool) -> SceneUpdate {
         SceneUpdate::Scene(Box::new(SceneChange { is_diff, ..SceneChange::default() }))

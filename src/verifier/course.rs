@@ -4,7 +4,7 @@ use super::Refusal;
 use crate::math::{Point, Vector};
 use crate::motion::MotionSegment;
 use crate::robot::{JointId, JointKind, RobotModel};
-use crate::world::World;
+use crate::scene::World;
 
 /// A segment as turns about lines and slides along them.
 #[derive(Debug)]

@@ -2,11 +2,12 @@
 
 use super::Refusal;
 use super::body::Body;
-use crate::checker::{self, AllowedCollisionMatrix, MeshModel, PairList, Settings};
+use crate::checker::{self, MeshModel, PairList, Settings};
 use crate::geometry::Shape;
 use crate::math::Pose;
 use crate::robot::{LinkId, RobotModel};
-use crate::world::{ObstacleId, World};
+use crate::scene::AllowedCollisionMatrix;
+use crate::scene::{ObstacleId, World};
 
 /// A pair of bodies that must stay apart.
 #[derive(Clone, Debug, PartialEq)]

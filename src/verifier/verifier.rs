@@ -9,14 +9,13 @@ use super::course::{Course, Rate, link_paths};
 use super::documents::{self, Subject};
 use super::moment::{Moment, Ride};
 use super::{Expected, Refusal, Verified, coverage, joins, subjects};
-use crate::checker::{
-    AllowedCollisionMatrix, Settings, certificate_parts, model_fingerprint, world_fingerprint,
-};
+use crate::checker::{Settings, certificate_parts, model_fingerprint, world_fingerprint};
 use crate::constants::CONTACT_DISTANCE;
 use crate::math::Extremes;
 use crate::motion::{Certificate, MotionSegment, Proof};
 use crate::robot::{LinkId, RobotModel};
-use crate::world::World;
+use crate::scene::AllowedCollisionMatrix;
+use crate::scene::World;
 
 /// How far (m) distances may be below what is claimed: where the search for nearest points of round solids stops.
 const CLAIM_SLACK: f64 = 1e-9;

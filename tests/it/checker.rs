@@ -7,7 +7,7 @@ use clearance::checker::{CollisionChecker, Question, Settings, SkipReason};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::robot::RobotModel;
-use clearance::world::{Obstacle, World};
+use clearance::scene::{Obstacle, World};
 
 fn load(urdf: &str, srdf: Option<&str>) -> Arc<RobotModel> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

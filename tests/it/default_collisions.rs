@@ -3,15 +3,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::{
-    AllowedCollisionMatrix, Body, CollisionChecker, MotionOptions, Settings, SkipReason,
-};
+use clearance::checker::{Body, CollisionChecker, MotionOptions, Settings, SkipReason};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::motion::{Certificate, MotionSegment};
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
+use clearance::scene::AllowedCollisionMatrix;
+use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World};
 use clearance::verifier::verify;
-use clearance::world::{AttachedObject, Obstacle, ObstacleShape, World};
 use proptest::prelude::*;
 
 use crate::program::clearance_in;

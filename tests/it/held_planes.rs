@@ -11,8 +11,8 @@ use clearance::geometry::{Plane, Primitive, Shape};
 use clearance::math::{Point, Pose, UnitVector, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, LinkPoses, RobotModel};
+use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World};
 use clearance::verifier::verify;
-use clearance::world::{AttachedObject, Obstacle, ObstacleShape, World};
 
 use crate::other_shapes;
 use crate::random::Random;

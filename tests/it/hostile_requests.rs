@@ -1,7 +1,7 @@
 //! Broken and odd inputs to a running checker: states and obstacles.
 
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::PlanningScene;
+use clearance::scene::SceneLoader;
 use serde_json::{Value, json};
 
 use crate::tally::{Tally, json as read, shared_folder};
@@ -11,7 +11,7 @@ fn answer(request: &Value, robot: &RobotModel) -> Result<String, String> {
     let mut said = vec![];
     if let Some(objects) = request.get("objects") {
         let scene = json!({ "world": { "collision_objects": scene_objects(objects) } });
-        let scene = PlanningScene::from_yaml(&scene.to_string(), "request", robot, &MeshFiles::default())
+        let scene = SceneLoader::from_yaml(&scene.to_string(), "request", robot, &MeshFiles::default())
             .map_err(|e| e.to_string())?;
         said.extend(scene.warnings.clone());
     }

@@ -8,7 +8,7 @@ use clearance::geometry::{PointCloud, Shape};
 use clearance::math::{Point, Pose, Vector};
 use clearance::query::{self, CollisionBody, Scratch};
 use clearance::robot::{Configuration, LinkPoses, RobotModel};
-use clearance::world::{Obstacle, World};
+use clearance::scene::{Obstacle, World};
 
 use crate::random::Random;
 use crate::worlds::{demo_arm, obstacle, state};

@@ -9,8 +9,8 @@ use clearance::checker::{
 use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::scene::{Obstacle, World};
 use clearance::verifier::Verifier;
-use clearance::world::{Obstacle, World};
 use rayon::prelude::*;
 use serde_json::Value;
 

@@ -2,7 +2,7 @@
 
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
-use clearance::world::{Obstacle, ObstacleShape, World};
+use clearance::scene::{Obstacle, ObstacleShape, World};
 
 use crate::random::Random;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clearance::checker::{CollisionChecker, Question, Settings};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::{PlanningScene, World};
+use clearance::scene::{SceneLoader, World};
 
 use crate::random::Random;
 use crate::tally::{json, shared_folder};
@@ -16,9 +16,9 @@ fn checker(urdf: &str, srdf: Option<&str>, world: Option<&str>) -> CollisionChec
     let robot = RobotModel::load(&root.join(urdf), srdf.as_deref(), &[]).unwrap();
     let scene = world.map(|w| {
         let text = std::fs::read_to_string(root.join(w)).unwrap();
-        PlanningScene::from_yaml(&text, w, &robot, &MeshFiles::default()).unwrap()
+        SceneLoader::from_yaml(&text, w, &robot, &MeshFiles::default()).unwrap()
     });
-    let world = scene.unwrap_or_default().world;
+    let world = scene.unwrap_or_default().scene.world;
     CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap()
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clearance::checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 use clearance::query::Work;
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
-use clearance::world::{PlanningScene, World};
+use clearance::scene::{SceneLoader, World};
 
 use crate::other_shapes;
 use crate::random::Random;
@@ -30,11 +30,11 @@ pub fn checkers() -> [CollisionChecker; 2] {
     };
     let arm = load("demo_arm");
     let text = std::fs::read_to_string(root.join("config/demo_world.yaml")).unwrap();
-    let scene = PlanningScene::from_yaml(&text, "demo_world", &arm, &MeshFiles::default()).unwrap();
+    let scene = SceneLoader::from_yaml(&text, "demo_world", &arm, &MeshFiles::default()).unwrap();
     let others = other_shapes::world(&mut Random::new(59), 1.2);
     let padded = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
     [
-        CollisionChecker::new(arm, &scene.world, padded).unwrap(),
+        CollisionChecker::new(arm, &scene.scene.world, padded).unwrap(),
         CollisionChecker::new(load("dual_arm"), &others, Settings::default()).unwrap(),
     ]
 }

@@ -13,8 +13,8 @@ use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::scene::{Obstacle, World};
 use clearance::verifier::{Refusal, verify};
-use clearance::world::{Obstacle, World};
 
 /// Where, with `joint1` at 0, folding `joint2` brings the ball of `two_link` to the cube (derived in its URDF).
 const FOLDED: f64 = 2.836_899_95;

@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::{AllowedCollisionMatrix, Body, CollisionChecker, Question, Settings};
+use clearance::checker::{Body, CollisionChecker, Question, Settings};
 use clearance::geometry::{PointCloud, Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::world::{Obstacle, PlanningScene, World};
+use clearance::scene::AllowedCollisionMatrix;
+use clearance::scene::{Obstacle, SceneLoader, World};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -263,13 +264,13 @@ fn native_scenes_agree_with_the_truth() {
         let problem = problems.iter().find(|p| p["id"] == id).unwrap();
         let path = scenes.join("native").join(native);
         let bytes = std::fs::read(&path).unwrap();
-        let mut read = PlanningScene::default();
+        let mut read = SceneLoader::default();
         read.read_file(&bytes, &path, None, &robot, &MeshFiles::default()).unwrap();
-        let names: Vec<_> = read.world.obstacles().map(|o| o.name.clone()).collect();
+        let names: Vec<_> = read.scene.world.obstacles().map(|o| o.name.clone()).collect();
         let wanted = problem["obstacles"].as_array().unwrap();
         assert!(wanted.iter().all(|o| names.contains(&o["name"].as_str().unwrap().to_owned())), "{names:?}");
         // the truth is about the SRDF's pairs
-        let checker = CollisionChecker::new(robot.clone(), &read.world, Settings::default()).unwrap();
+        let checker = CollisionChecker::new(robot.clone(), &read.scene.world, Settings::default()).unwrap();
         let mut workspace = checker.workspace();
         for sample in problem["path_samples"].as_array().unwrap() {
             let t = sample["t"].as_f64().unwrap();
@@ -290,13 +291,13 @@ fn a_native_scene_text_has_the_shapes_it_says() {
     };
     let robot = robot(&robots, "baxter", true);
     let path = scenes.join("baxter_pillar.scene");
-    let mut read = PlanningScene::default();
+    let mut read = SceneLoader::default();
     read.read_file(&std::fs::read(&path).unwrap(), &path, None, &robot, &MeshFiles::default()).unwrap();
-    let pillar = read.world.obstacle_by_name("pillar").unwrap();
+    let pillar = read.scene.world.obstacle_by_name("pillar").unwrap();
     let (pose, shape) = pillar.placed_shapes().next().unwrap();
     assert!(matches!(shape, Shape::Primitive(p) if *p == Primitive::cuboid([0.2, 0.2, 1.0]).unwrap()));
     assert_eq!(pose, Pose::translation(0.6, 0.15, 0.0));
-    assert_eq!((read.world.len(), pillar.shapes.len()), (1, 1));
+    assert_eq!((read.scene.world.len(), pillar.shapes.len()), (1, 1));
 }
 
 fn sample_disagreements(

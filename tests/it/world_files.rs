@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clearance::world::{Octomap, Space, read_cloud};
+use clearance::scene::{Octomap, Space, read_cloud};
 use serde_json::Value;
 
 use crate::tally::json;

@@ -4,15 +4,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::checker::{
-    AllowedCollisionMatrix, Body, CollisionChecker, CollisionReport, MotionOptions, MotionOrder,
-    MotionVerdict, Question, Settings, Workspace,
+    Body, CollisionChecker, CollisionReport, MotionOptions, MotionOrder, MotionVerdict, Question, Settings,
+    Workspace,
 };
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel};
+use clearance::scene::AllowedCollisionMatrix;
+use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World, WorldError};
 use clearance::verifier::verify;
-use clearance::world::{AttachedObject, Obstacle, ObstacleShape, World, WorldError};
 
 use crate::random::Random;
 

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use clearance::geometry::{PointCloud, Shape};
-use clearance::world::Obstacle;
+use clearance::scene::Obstacle;
 use clearance::{CollisionChecker, Configuration, World};
 use cpu_time::ProcessTime;
 

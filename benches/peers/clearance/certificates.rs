@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use clearance::checker::{AllowedCollisionMatrix, MotionOptions};
+use clearance::checker::MotionOptions;
 use clearance::motion::{Certificate, MotionSegment};
+use clearance::scene::AllowedCollisionMatrix;
 use clearance::verifier::Verifier;
 use clearance::{CollisionChecker, Settings, Workspace, World};
 use cpu_time::ProcessTime;

@@ -6,7 +6,7 @@ use clearance::checker::Body;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Point, Vector, pose_from_xyz_quaternion};
 use clearance::robot::LinkPoses;
-use clearance::world::Obstacle;
+use clearance::scene::Obstacle;
 use clearance::{CollisionChecker, Configuration, Question, World};
 
 use crate::Outcome;

@@ -5,9 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::{AllowedCollisionMatrix, MotionOrder};
+use clearance::checker::MotionOrder;
 use clearance::geometry::Shape;
 use clearance::robot::LinkId;
+use clearance::scene::AllowedCollisionMatrix;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, Workspace, World};
 use cpu_time::ProcessTime;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clearance::geometry::{Cube, PointCloud, Primitive, Shape, Voxels};
 use clearance::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
-use clearance::world::Obstacle;
+use clearance::scene::Obstacle;
 use clearance::{MeshFiles, World};
 use serde_json::Value;
 

@@ -12,11 +12,11 @@ use clap::Args;
 use clearance::bvh::AxisBox;
 use clearance::checker::{CollisionChecker, Question};
 use clearance::robot::Configuration;
-use clearance::world::World;
+use clearance::scene::World;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::model::{self, LoadedWorld, ModelArgs, WorldArgs};
+use super::model::{self, ModelArgs, WorldArgs};
 use super::run_args::{Format, internal, print_line};
 use super::timing;
 use hash_grid::HashGrid;
@@ -91,25 +91,23 @@ struct BroadPhaseAnswer {
 
 pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     let robot = args.model.load()?;
-    let loaded = args.world.load(&robot, &args.model.mesh_files())?;
-    let alone = model::checker(
-        robot,
-        &LoadedWorld { world: World::default(), ..loaded.clone() },
-        args.model.settings(),
-    )?;
+    let scene = args.world.load(&robot, &args.model.mesh_files())?;
+    let mut without_world = scene.clone();
+    without_world.world = World::default();
+    let alone = model::checker(robot, &without_world, args.model.settings())?;
     let mut random = fastrand::Rng::with_seed(args.seed);
     let states: Vec<_> = (0..args.states).map(|_| alone.robot().random_configuration(&mut random)).collect();
-    let worlds = if loaded.world.is_empty() {
+    let worlds = if scene.world.is_empty() {
         let region = region(&alone, &states);
         let worlds = args.obstacles.iter().map(|&count| scatter::boxes(count, &region, &mut random));
         worlds.collect::<Result<_, _>>()?
     } else {
-        vec![loaded.world]
+        vec![scene.world]
     };
     let mut answers = Vec::new();
     for world in &worlds {
         let checker = alone
-            .with_world(world, alone.settings().clone(), loaded.allowed.as_ref())
+            .with_world(world, alone.settings().clone(), scene.matrix.as_ref())
             .map_err(Failure::input)?;
         answers.push(world_answer(&checker, &states)?);
     }

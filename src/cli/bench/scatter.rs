@@ -3,7 +3,7 @@
 use clearance::bvh::AxisBox;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
-use clearance::world::{Obstacle, World};
+use clearance::scene::{Obstacle, World};
 
 use crate::cli::failure::Failure;
 use crate::cli::run_args::internal;

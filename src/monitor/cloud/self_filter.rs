@@ -8,7 +8,7 @@ use crate::geometry::{Primitive, Shape};
 use crate::math::{Point, Pose};
 use crate::query::{CollisionBody, Scratch, within_margin};
 use crate::robot::{LinkId, LinkPoses, RobotModel};
-use crate::world::{AttachedObject, World};
+use crate::scene::{AttachedObject, World};
 
 /// Points that one thread looks at together.
 const CHUNK: usize = 1024;

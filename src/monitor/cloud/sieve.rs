@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Plane, Primitive, Shape};
     use crate::robot::{MeshFiles, RobotModel};
-    use crate::world::{AttachedObject, ObstacleShape, World};
+    use crate::scene::{AttachedObject, ObstacleShape, World};
 
     const URDF: &str = r#"<robot name="ball">
       <link name="base"/>

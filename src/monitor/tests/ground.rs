@@ -2,29 +2,27 @@
 
 use super::*;
 use crate::math::Pose;
-use crate::monitor::scene::{
-    ObjectChange, Operation, PlanningSceneState, SceneContext, SceneUpdate, Transform, TransformTree,
-};
+use crate::scene::{ObjectChange, Operation, Scene, SceneContext, SceneUpdate, Transform, TransformTree};
 
 /// A room, the robot in it, and its monitor.
 struct Room {
     robot: Arc<RobotModel>,
     monitor: Monitor,
-    scene: PlanningSceneState,
+    scene: Scene,
     transforms: TransformTree,
 }
 
 impl Room {
     /// With one obstacle in `map`, seen from a root that was told of once.
     fn new() -> Self {
-        let (scene, transforms) = (PlanningSceneState::default(), TransformTree::default());
+        let (scene, transforms) = (Scene::default(), TransformTree::default());
         let mut room =
             Self { robot: Arc::clone(revision(1).checker.robot()), monitor: monitor(), scene, transforms };
         room.tell(0.0, 0.0);
         let pillar =
             ObjectChange { frame: "map".to_owned(), ..ObjectChange::named("pillar", Operation::Add) };
         let ball = crate::geometry::Shape::Primitive(crate::geometry::Primitive::sphere(0.1).unwrap());
-        let shapes = vec![crate::world::ObstacleShape { pose_os: Pose::identity(), shape: ball }];
+        let shapes = vec![crate::scene::ObstacleShape { pose_os: Pose::identity(), shape: ball }];
         room.change(ObjectChange { shapes, pose_fo: Pose::translation(9.0, 0.0, 0.0), ..pillar });
         room
     }
@@ -119,7 +117,7 @@ fn without_obstacles_nobody_has_to_know_where_the_root_is() {
     assert_eq!(code(&room.monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
     // whatever comes into the room then, stands in one that nobody has told of for long
     let ball = crate::geometry::Shape::Primitive(crate::geometry::Primitive::sphere(0.1).unwrap());
-    let shapes = vec![crate::world::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
+    let shapes = vec![crate::scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
     room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
     assert_eq!(code(&room.judged(9.2)), "stale_world");
     room.tell(0.0, 9.3);
@@ -207,7 +205,7 @@ fn what_stands_in_nothing_while_the_root_drives_is_not_known() {
     room.transforms = TransformTree::default();
     room.change(ObjectChange::named("pillar", Operation::Remove));
     let ball = crate::geometry::Shape::Primitive(crate::geometry::Primitive::sphere(0.1).unwrap());
-    let shapes = vec![crate::world::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
+    let shapes = vec![crate::scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
     room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
     assert!(room.monitor.heeds_transforms());
     assert_eq!(code(&room.judged(5.0)), "FREE", "tf says nothing of the root");

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::{Primitive, Shape};
 use crate::math::Pose;
-use crate::world::{AttachedObject, Obstacle};
+use crate::scene::{AttachedObject, Obstacle};
 
 /// The folding robot, with its ball as a shape of the link or held by it.
 fn folder(held: bool) -> Arc<Revision> {

@@ -20,7 +20,7 @@ use std::time::Duration;
 use super::*;
 use crate::checker::{CollisionChecker, Settings};
 use crate::robot::{MeshFiles, RobotModel};
-use crate::world::World;
+use crate::scene::World;
 
 /// Two arms of one metre that fold: apart at zero, the second on the base at pi; `follower` mimics the elbow.
 const URDF: &str = r#"<robot name="folder">

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::{Shape, TriangleMesh};
 use crate::math::{Point, Pose};
-use crate::world::{AttachedObject, Obstacle};
+use crate::scene::{AttachedObject, Obstacle};
 
 /// A square of waves: its distance from another one above it is much the same everywhere.
 fn waves() -> Shape {

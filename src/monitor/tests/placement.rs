@@ -1,7 +1,7 @@
 //! A base that tf places.
 
 use super::*;
-use crate::monitor::scene::{Transform, TransformTree};
+use crate::scene::{Transform, TransformTree};
 
 /// A base that drives in a plane, with an arm of one joint; or one that floats.
 fn base_on(kind: &str) -> Arc<Revision> {

@@ -5,7 +5,7 @@ use crate::geometry::{Primitive, Shape};
 use crate::math::{Rotation, Vector};
 use crate::motion::{MotionSegment, TrajectoryPoint};
 use crate::robot::{MeshFiles, RobotModel};
-use crate::world::Obstacle;
+use crate::scene::Obstacle;
 
 fn pose(xyz: [f64; 3], turn: [f64; 3]) -> Pose {
     Pose::from_parts(Vector::from(xyz).into(), Rotation::from_scaled_axis(Vector::from(turn)))

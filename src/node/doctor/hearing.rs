@@ -11,7 +11,6 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use smol::Timer;
 
-use crate::monitor::scene::TransformTree;
 use crate::monitor::{Now, SourceId, Time};
 use crate::node::clock::RosClock;
 use crate::node::environment::Environment;
@@ -22,6 +21,7 @@ use crate::node::names::Names;
 use crate::node::run::{NODE_NAME, NodeError};
 use crate::node::scene::note_transforms;
 use crate::node::thread_priority::ThreadPriority;
+use crate::scene::TransformTree;
 
 /// Everything that came in that time.
 #[derive(Default)]

@@ -6,12 +6,13 @@ use std::time::Duration;
 use super::finding::{Finding, good, note, wrong};
 use super::hearing::Heard;
 use crate::checker::{CollisionChecker, MeshModel, Settings, solid_mesh_remarks};
-use crate::monitor::{Judgement, Monitor, MonitorSettings, Revision, Status, Time, quoted_list};
+use crate::monitor::{Judgement, Monitor, MonitorSettings, Revision, Status, Time};
 use crate::node::environment::Environment;
 use crate::node::messages::joint_state_input;
 use crate::node::parameters::Parameters;
+use crate::robot::quoted_list;
 use crate::robot::{MeshFiles, RobotModel, RobotText};
-use crate::world::World;
+use crate::scene::World;
 
 /// The robot that is described on the topics.
 pub fn described(

@@ -81,7 +81,7 @@ fn now(milliseconds: u64) -> Now {
 #[test]
 fn a_robot_that_is_replaced_is_freed() {
     let parameters = Parameters { point_cloud_topics: vec!["points".to_owned()], ..Parameters::default() };
-    let surroundings: Surroundings = Box::new(|_| Ok(PlanningSceneState::default()));
+    let surroundings: Surroundings = Box::new(|_| Ok(Scene::default()));
     let mut cell = Cell {
         loader: Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface)),
         monitor: Monitor::new(parameters.monitor_settings(), || Duration::ZERO),

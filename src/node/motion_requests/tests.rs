@@ -14,7 +14,7 @@ use crate::math::Pose;
 use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
 use crate::node::refusal::LONGEST_MESSAGE;
 use crate::robot::MeshFiles;
-use crate::world::{Obstacle, World};
+use crate::scene::{Obstacle, World};
 
 const URDF: &str = include_str!("../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];

@@ -180,7 +180,7 @@ struct Run {
     loader: Loader,
     /// What the loader has told and the monitor has not heeded yet.
     told: VecDeque<Event>,
-    transforms: crate::monitor::scene::TransformTree,
+    transforms: crate::scene::TransformTree,
     judgement: Option<Judgement>,
     trail: Trail,
 }
@@ -201,7 +201,7 @@ impl Run {
             let glimpse = Glimpse::first(parameters, Now { ros: None, steady: Duration::ZERO });
             monitor.set_checker(loader.take_given(robot, &glimpse)?);
         }
-        let transforms = crate::monitor::scene::TransformTree::default();
+        let transforms = crate::scene::TransformTree::default();
         Ok(Self {
             monitor,
             loader,

@@ -21,7 +21,6 @@ use super::{
     recorded_path, replay, save_part,
 };
 use crate::checker::MeshModel;
-use crate::monitor::scene::{PlanningSceneState, TransformTree};
 use crate::monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time, Trail};
 use crate::node::loader::Loader;
 use crate::node::messages::{joint_state_input, stamp_message};
@@ -33,6 +32,7 @@ use crate::node::parameters::Parameters;
 use crate::node::scene::{CloudMessage, note_transforms, object_order};
 use crate::node::scene_keeper::Glimpse;
 use crate::robot::{MeshFiles, MeshLog, RobotModel, RobotText};
+use crate::scene::{Scene, TransformTree};
 use crate::testing::Random;
 
 /// A rod with a mesh for its tip, which turns about z.
@@ -272,7 +272,7 @@ fn cloud() -> PointCloud2 {
 }
 
 fn nothing_around() -> crate::node::Surroundings {
-    Box::new(|_| Ok(PlanningSceneState::default()))
+    Box::new(|_| Ok(Scene::default()))
 }
 
 /// Runs a recording again, with the robot that it holds.

@@ -8,7 +8,7 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 
 use crate::monitor::{Now, Time};
 use crate::node::messages::time_of;
-use crate::world::{ByteOrder, CloudPoints, Column, Columns, NumberKind};
+use crate::scene::{ByteOrder, CloudPoints, Column, Columns, NumberKind};
 
 /// The last cloud of each topic that nobody has looked at yet: one that comes takes the place of the one before.
 #[derive(Default)]

@@ -10,7 +10,7 @@ use super::telling::{Told, scene_message};
 use crate::node::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality};
 use crate::node::names::Names;
 use crate::node::scene_keeper::SceneInForce;
-use crate::world::{AttachedObject, Obstacle};
+use crate::scene::{AttachedObject, Obstacle};
 
 /// Bytes of a message at most: `RustDDS` loses those of more than about 250 kB.
 const LONGEST: usize = 200_000;

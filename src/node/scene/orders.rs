@@ -7,11 +7,11 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
 
 use super::octomaps::octomap_placement;
 use super::reading::{attached_change, object_change, scene_change, world_change};
-use crate::monitor::scene::SceneUpdate;
 use crate::monitor::{Now, Sight, Time};
 use crate::node::messages::time_of;
 use crate::node::recording::SceneDoor;
 use crate::node::scene_order::SceneOrder;
+use crate::scene::SceneUpdate;
 
 #[must_use]
 pub fn object_order(message: &CollisionObject) -> SceneOrder {

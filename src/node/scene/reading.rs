@@ -10,17 +10,16 @@ use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, Plane, SolidPrimitive};
 use super::octomaps::octomap_with_pose;
 use crate::geometry::Shape;
 use crate::math::{Pose, pose_from_xyz_quaternion};
-use crate::monitor::scene::{
-    AttachedChange, FixedFrame, ObjectChange, Operation, RobotStateChange, SceneChange, SceneRefusal,
-    WorldChange,
-};
 use crate::robot::check_name_length;
-use crate::world::{MatrixEntries, ObstacleShape, mesh, message_pose, plane, solid};
+use crate::scene::{
+    AttachedChange, FixedFrame, MatrixEntries, ObjectChange, ObstacleShape, Operation, RobotStateChange,
+    SceneChange, SceneRejection, WorldChange, mesh, message_pose, plane, solid,
+};
 
 /// What a message with several parts says, and which parts can not be understood.
 pub struct Read<T> {
     pub change: T,
-    pub refusals: Vec<SceneRefusal>,
+    pub refusals: Vec<SceneRejection>,
 }
 
 /// A pose; a quaternion of zeros is the identity.
@@ -38,19 +37,12 @@ pub fn transform_pose(message: &Transform) -> Result<Pose, String> {
 }
 
 /// A `moveit_msgs/CollisionObject`.
-pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRefusal> {
-    let refuse = |why: String| SceneRefusal::of(&message.id, why);
-    let operation = match message.operation {
-        CollisionObject::ADD => Operation::Add,
-        CollisionObject::REMOVE => Operation::Remove,
-        CollisionObject::APPEND => Operation::Append,
-        CollisionObject::MOVE => Operation::Move,
-        other => {
-            return Err(refuse(format!(
-                "operation is {other}, but must be ADD (0), REMOVE (1), APPEND (2) or MOVE (3)"
-            )));
-        }
-    };
+pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRejection> {
+    let refuse = |why: String| SceneRejection::of(&message.id, why);
+    let operation = Operation::from_number(message.operation.into()).ok_or_else(|| {
+        let given = message.operation;
+        refuse(format!("operation is {given}, but must be ADD (0), REMOVE (1), APPEND (2) or MOVE (3)"))
+    })?;
     let kind = [message.type_.db.clone(), message.type_.key.clone()];
     let mut change = ObjectChange { kind, ..ObjectChange::named(message.id.clone(), operation) };
     if operation == Operation::Remove {
@@ -136,10 +128,10 @@ fn subframes(message: &CollisionObject) -> Result<Vec<(String, Pose)>, String> {
 }
 
 /// A `moveit_msgs/AttachedCollisionObject`. Weight and the posture to let go are nothing to collide with.
-pub fn attached_change(message: &AttachedCollisionObject) -> Result<AttachedChange, SceneRefusal> {
+pub fn attached_change(message: &AttachedCollisionObject) -> Result<AttachedChange, SceneRejection> {
     Ok(AttachedChange {
         link: message.link_name.clone(),
-        object: object_change(&message.object).map_err(SceneRefusal::of_attached)?,
+        object: object_change(&message.object).map_err(SceneRejection::of_attached)?,
         touch_links: message.touch_links.clone(),
     })
 }
@@ -155,7 +147,7 @@ pub fn world_change(message: &PlanningSceneWorld, unknown_is_occupied: bool) -> 
 }
 
 /// What is right, and what is refused.
-fn sorted<T>(results: impl Iterator<Item = Result<T, SceneRefusal>>) -> (Vec<T>, Vec<SceneRefusal>) {
+fn sorted<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Vec<T>, Vec<SceneRejection>) {
     let (mut right, mut refusals) = (Vec::new(), Vec::new());
     for result in results {
         match result {
@@ -179,13 +171,16 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<
     let world = world_change(&message.world, unknown_is_occupied);
     let robot_state = robot_state_change(&message.robot_state);
     let (fixed_frames, mut refusals) = sorted(message.fixed_frame_transforms.iter().map(fixed_frame));
+    let unreadable = message.fixed_frame_transforms.iter().filter(|frame| fixed_frame(frame).is_err());
+    let unreadable_frames =
+        unreadable.flat_map(|f| [&f.child_frame_id, &f.header.frame_id]).cloned().collect();
     refusals.extend(robot_state.refusals);
     refusals.extend(world.refusals);
     let change = SceneChange {
         robot_model_name: message.robot_model_name.clone(),
         is_diff: message.is_diff,
-        names_frames: !message.fixed_frame_transforms.is_empty(),
         fixed_frames,
+        unreadable_frames,
         robot_state: robot_state.change,
         matrix: entries(&message.allowed_collision_matrix),
         link_padding: message.link_padding.iter().map(|l| (l.link_name.clone(), l.padding)).collect(),
@@ -196,12 +191,12 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<
     Read { change, refusals }
 }
 
-fn fixed_frame(message: &TransformStamped) -> Result<FixedFrame, SceneRefusal> {
+fn fixed_frame(message: &TransformStamped) -> Result<FixedFrame, SceneRejection> {
     (check_name_length(&message.child_frame_id))
-        .map_err(|why| SceneRefusal::new(format!("fixed_frame_transforms: {why}")))?;
+        .map_err(|why| SceneRejection::new(format!("fixed_frame_transforms: {why}")))?;
     let pose_pf = transform_pose(&message.transform).map_err(|why| {
         let frame = &message.child_frame_id;
-        SceneRefusal::new(format!("fixed_frame_transforms: frame '{frame}': {why}"))
+        SceneRejection::new(format!("fixed_frame_transforms: frame '{frame}': {why}"))
     })?;
     Ok(FixedFrame { name: message.child_frame_id.clone(), parent: message.header.frame_id.clone(), pose_pf })
 }

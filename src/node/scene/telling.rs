@@ -13,17 +13,17 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
-use crate::checker::AllowedCollisionMatrix as Matrix;
 use crate::geometry::{Primitive, Shape, TriangleMesh};
 use crate::math::Pose;
-use crate::monitor::scene::PlanningSceneState;
 use crate::robot::{Configuration, RobotModel};
-use crate::world::{AttachedObject, Obstacle, ObstacleShape};
+use crate::scene::AllowedCollisionMatrix as Matrix;
+use crate::scene::Scene;
+use crate::scene::{AttachedObject, Obstacle, ObstacleShape};
 
 /// What is told from.
 pub struct Told<'t> {
     pub robot: &'t RobotModel,
-    pub scene: &'t PlanningSceneState,
+    pub scene: &'t Scene,
     /// Padding (m) of links that the scene does not name.
     pub padding: f64,
     /// Where the robot is, if that is known.
@@ -142,14 +142,23 @@ impl Told<'_> {
     }
 
     fn fixed_frames(&self) -> Vec<TransformStamped> {
+        // as in MoveIt: the header names the frame, the child is the frame that it is placed in
+        let planning_frame = self.planning_frame();
         let stamped = |name: &str, pose: &Pose| TransformStamped {
-            header: Header { frame_id: self.root().to_owned(), ..Header::default() },
-            child_frame_id: name.to_owned(),
+            header: Header { frame_id: name.to_owned(), ..Header::default() },
+            child_frame_id: planning_frame.to_owned(),
             transform: transform_message(pose),
         };
-        let own = stamped(self.root(), &Pose::identity());
+        let own = stamped(planning_frame, &Pose::identity());
         let others = self.scene.fixed_frames.iter().map(|(name, pose)| stamped(name, pose));
         std::iter::once(own).chain(others).collect()
+    }
+
+    /// The frame that `MoveIt` plans in, if it is the root frame under another name; else the root link.
+    fn planning_frame(&self) -> &str {
+        let joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
+        let mut fixed = joints.filter(|j| j.child_link == self.robot.root() && j.kind == "fixed");
+        fixed.next().map_or(self.root(), |joint| &joint.parent_frame)
     }
 
     fn robot_state(&self, with_attached: bool) -> RobotState {

@@ -23,7 +23,6 @@ use super::{decode, monitored};
 use crate::checker::MeshModel;
 use crate::geometry::{Primitive, Shape};
 use crate::math::Pose;
-use crate::monitor::scene::{PlanningSceneState, SceneContext, SceneUpdate, TransformTree};
 use crate::monitor::{
     JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Sight, Time, WorldSource,
 };
@@ -31,7 +30,8 @@ use crate::node::checker_of_scene::checker_of;
 use crate::node::parameters::Parameters;
 use crate::node::scene_keeper::SceneInForce;
 use crate::robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
-use crate::world::{Obstacle, World};
+use crate::scene::{Obstacle, World};
+use crate::scene::{Scene, SceneContext, SceneUpdate, TransformTree};
 
 mod validity;
 
@@ -92,12 +92,12 @@ fn triangle() -> Mesh {
 }
 
 /// A scene after some messages, of the robot stretched out.
-fn scene(messages: &[PlanningScene]) -> PlanningSceneState {
+fn scene(messages: &[PlanningScene]) -> Scene {
     let (robot, transforms) = (robot(), TransformTree::default());
     let mut poses = LinkPoses::new(&robot);
     robot.forward_kinematics(&robot.configuration(&STRETCHED).unwrap(), &mut poses);
     let context = SceneContext::new(&robot, Some(&poses), &transforms, None, 1.0);
-    let mut scene = PlanningSceneState::default();
+    let mut scene = Scene::default();
     for message in messages {
         let read = scene_change(message, false);
         assert_eq!(read.refusals, []);
@@ -126,7 +126,7 @@ fn names_without_end_are_rejected() {
         framed,
     ] {
         let read = scene_change(&message, false);
-        let mut scene = PlanningSceneState::default();
+        let mut scene = Scene::default();
         let applied = scene.apply(&SceneUpdate::Scene(Box::new(read.change)), &context);
         let refusals: Vec<_> = read.refusals.iter().chain(&applied.refusals).collect();
         assert_eq!(refusals.len(), 1);
@@ -147,15 +147,11 @@ fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObje
     message
 }
 
-fn in_force(scene: PlanningSceneState, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
+fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
     in_force_of(&robot(), scene, sources)
 }
 
-fn in_force_of(
-    robot: &Arc<RobotModel>,
-    scene: PlanningSceneState,
-    sources: Vec<WorldSource>,
-) -> Arc<SceneInForce> {
+fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
     let parameters = Parameters::default();
     let checker = checker_of(robot, &scene, MeshModel::Surface, &parameters, None).unwrap();
     let revision = Arc::new(Revision { sources, ..Revision::new(checker, 1, 1) });
@@ -298,7 +294,7 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
         let applied = shared.apply(&SceneUpdate::Scene(Box::new(change)), &context);
         assert_eq!(applied.refusals, []);
     }
-    let names = |scene: &PlanningSceneState| {
+    let names = |scene: &Scene| {
         let mut names: Vec<String> = scene.world.obstacles().map(|o| o.name.clone()).collect();
         names.sort();
         (names, scene.world.attached().len())

@@ -12,17 +12,17 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use super::reading::{robot_state_change, transform_pose};
 use crate::checker::{Body, CollisionChecker, Contact, Question};
 use crate::math::{Point, Pose, Vector};
-use crate::monitor::scene::{
-    Applied, ObjectChange, Operation, PlanningSceneState, SceneContext, SceneRefusal, SceneUpdate,
-    TransformTree,
-};
-use crate::monitor::{Evidence, Judgement, Now, Reason, quoted_list};
+use crate::monitor::{Evidence, Judgement, Now, Reason};
 use crate::node::cell::undecided;
 use crate::node::checker_of_scene::checker_of;
 use crate::node::messages::{point_message, stamp_message};
 use crate::node::scene_keeper::SceneInForce;
+use crate::robot::quoted_list;
 use crate::robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
-use crate::world::AttachedId;
+use crate::scene::AttachedId;
+use crate::scene::{
+    Applied, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate, TransformTree,
+};
 
 /// Contacts told at most: the answer must not grow with the number of bodies.
 const CONTACTS_TOLD: usize = 200;
@@ -234,11 +234,11 @@ fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(
 /// is gone, and not put into the world.
 fn with_request(
     state: &RobotState,
-    scene: &PlanningSceneState,
+    scene: &Scene,
     poses: &LinkPoses,
     situation: &Situation,
-) -> Result<Option<PlanningSceneState>, String> {
-    let named = |refusal: &SceneRefusal| format!("robot_state.attached_collision_objects: {refusal}");
+) -> Result<Option<Scene>, String> {
+    let named = |refusal: &SceneRejection| format!("robot_state.attached_collision_objects: {refusal}");
     let mut read = robot_state_change(state);
     if let Some(refusal) = read.refusals.first() {
         return Err(named(refusal));

@@ -10,12 +10,12 @@ use super::{Glimpse, SceneKeeper};
 use crate::geometry::Shape;
 use crate::math::Pose;
 use crate::monitor::cloud::{SelfFilter, Sieve};
-use crate::monitor::scene::SceneContext;
 use crate::monitor::{Now, Sight, Time};
 use crate::node::parameters::Parameters;
 use crate::node::scene::{CloudMessage, CloudReport, decode};
 use crate::robot::RobotModel;
-use crate::world::Obstacle;
+use crate::scene::Obstacle;
+use crate::scene::SceneContext;
 
 /// The last cloud of one topic.
 #[derive(Default)]

@@ -12,7 +12,7 @@ use crate::monitor::{JointStateInput, Monitor, MonitorSettings, Now, Reason, Rev
 use crate::node::clearance_msgs::BodyPair;
 use crate::node::refusal::LONGEST_MESSAGE;
 use crate::robot::{MeshFiles, RobotModel};
-use crate::world::{Obstacle, World};
+use crate::scene::{Obstacle, World};
 
 const URDF: &str = include_str!("../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];

@@ -7,7 +7,7 @@ use crate::checker::{Body, MotionOptions, Settings};
 use crate::math::Point;
 use crate::motion::MotionSegment;
 use crate::robot::MeshFiles;
-use crate::world::World;
+use crate::scene::World;
 
 const URDF: &str = include_str!("../../../urdf/two_link/two_link.urdf");
 

@@ -10,7 +10,7 @@ use crate::geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use crate::math::{Extremes, Pose};
 use crate::monitor::Revision;
 use crate::robot::LinkPoses;
-use crate::world::ObstacleShape;
+use crate::scene::ObstacleShape;
 
 /// Triangles in one document at most; what has more is shown as the box around it.
 const TRIANGLES_SHOWN: usize = 1_000_000;

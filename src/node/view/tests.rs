@@ -17,7 +17,7 @@ use crate::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
 use crate::math::{Pose, Vector};
 use crate::monitor::{JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Time};
 use crate::robot::{MeshFiles, RobotModel};
-use crate::world::{AttachedObject, Obstacle, ObstacleShape, World};
+use crate::scene::{AttachedObject, Obstacle, ObstacleShape, World};
 
 /// A ball on an arm of one metre, that meets the box of the base at pi.
 const URDF: &str = r#"<robot name="folder">

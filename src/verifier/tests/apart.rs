@@ -5,11 +5,11 @@ use crate::checker::{CollisionChecker, Question, Settings};
 use crate::geometry::Shape;
 use crate::math::{MatrixPose, Point, Pose, Vector};
 use crate::robot::{MeshFiles, RobotModel};
+use crate::scene::{Obstacle, ObstacleShape, World};
 use crate::testing::Random;
 use crate::verifier::apart::Apart;
 use crate::verifier::body::Body;
 use crate::verifier::element::{Element, gap};
-use crate::world::{Obstacle, ObstacleShape, World};
 use std::sync::Arc;
 
 fn proven(a: &Body, b: &Body, pose_ab: &Pose, target: f64) -> bool {

@@ -6,11 +6,11 @@ use crate::geometry::{Primitive, Shape};
 use crate::math::{Point, Pose};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::robot::{LinkPoses, RobotModel};
+use crate::scene::{AttachedObject, Obstacle, ObstacleId, World};
 use crate::testing::Random;
 use crate::verifier::Verifier;
 use crate::verifier::course::Course;
 use crate::verifier::verifier::{Interval, Pass};
-use crate::world::{AttachedObject, Obstacle, ObstacleId, World};
 
 /// Where a body is at t, the robot anywhere in its tube.
 struct Scene<'s> {

@@ -2,14 +2,15 @@
 
 use super::prover::prove;
 use super::scenes;
-use crate::checker::{AllowedCollisionMatrix, CollisionChecker, MeshModel, Settings};
+use crate::checker::{CollisionChecker, MeshModel, Settings};
 use crate::geometry::{Primitive, Shape};
 use crate::math::{Point, Pose, Vector};
 use crate::motion::{Certificate, MotionSegment, MovingObstacle, Proof, Trajectory};
 use crate::robot::{MeshFiles, RobotModel};
+use crate::scene::AllowedCollisionMatrix;
+use crate::scene::{Obstacle, World};
 use crate::testing::Random;
 use crate::verifier::{Expected, Refusal, Verifier, verify};
-use crate::world::{Obstacle, World};
 use std::sync::Arc;
 
 const TWO_LINK: &str = include_str!("../../../urdf/two_link/two_link.urdf");

@@ -7,9 +7,9 @@ use crate::geometry::{Cube, Plane, PointCloud, Primitive, Shape, TriangleMesh, V
 use crate::math::{Point, Pose, Vector};
 use crate::motion::{MotionSegment, MovingObstacle};
 use crate::robot::{JointKind, MeshFiles, RobotModel};
+use crate::scene::{Obstacle, World};
 use crate::testing::Random;
 use crate::verifier::element::Element;
-use crate::world::{Obstacle, World};
 
 /// A tree of links with joints of all kinds, some of which follow others.
 pub fn robot(random: &mut Random, kinds: &[&str]) -> RobotModel {

@@ -9,7 +9,7 @@ use clearance::motion::{
     Certificate, MotionSegment, MovingObstacle, ObstacleTrajectory, Trajectory, TrajectoryPoint,
 };
 use clearance::robot::RobotModel;
-use clearance::world::{AttachedObject, World};
+use clearance::scene::{AttachedObject, World};
 
 use super::{Scene, obstacle, sheet, wall};
 use crate::random::Random;

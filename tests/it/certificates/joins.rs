@@ -4,8 +4,8 @@ use clearance::checker::{MotionOptions, MotionVerdict};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
+use clearance::scene::{AttachedObject, World};
 use clearance::verifier::Refusal;
-use clearance::world::{AttachedObject, World};
 
 use super::{Scene, obstacle, sheet, wall};
 use crate::random::Random;

@@ -13,8 +13,8 @@ use clearance::geometry::{Primitive, Shape, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, Trajectory};
 use clearance::robot::{MeshFiles, RobotModel};
+use clearance::scene::{Obstacle, World};
 use clearance::verifier::{Refusal, Verified, verify};
-use clearance::world::{Obstacle, World};
 
 /// A robot in a world.
 pub struct Scene {

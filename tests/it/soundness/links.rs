@@ -9,7 +9,7 @@ use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::query::{Scratch, distance};
 use clearance::robot::{LinkPoses, RobotModel};
-use clearance::world::{Obstacle, World};
+use clearance::scene::{Obstacle, World};
 use rayon::prelude::*;
 
 use super::laws::{Case, Scrutiny, judge};

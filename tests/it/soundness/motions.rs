@@ -14,7 +14,7 @@ use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, RobotModel};
-use clearance::world::{Obstacle, World};
+use clearance::scene::{Obstacle, World};
 use rayon::prelude::*;
 
 use super::share;

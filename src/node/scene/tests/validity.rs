@@ -54,7 +54,7 @@ fn states_are_valid_where_nothing_touches() {
 
 #[test]
 fn a_partial_state_overlays_the_current_one() {
-    let scene = in_force(PlanningSceneState::default(), vec![]);
+    let scene = in_force(Scene::default(), vec![]);
     assert!(!ask(&scene, &ON_BASE, &question(&[("joint1", 0.3)])).unwrap().valid);
     assert!(ask(&scene, &ON_BASE, &question(&[("joint2", 0.0)])).unwrap().valid);
     assert!(!ask(&scene, &ON_BASE, &question(&[])).unwrap().valid);
@@ -100,7 +100,7 @@ fn planar_joints_are_read_from_transforms() {
     let mut world = World::default();
     let pillar = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
     world.add(Obstacle::of_shape("pillar", Pose::translation(3.0, 2.0, 0.0), pillar)).unwrap();
-    let scene = in_force_of(&rover, PlanningSceneState::new(world), vec![]);
+    let scene = in_force_of(&rover, Scene::new(world), vec![]);
     let place = |name: &str, [x, y, z]: [f64; 3], turn: f64| {
         let mut request = question(&[("lift", 0.0)]);
         let given = &mut request.robot_state.multi_dof_joint_state;
@@ -158,7 +158,7 @@ fn a_group_is_judged_by_the_links_that_it_moves() {
 
 #[test]
 fn attached_objects_of_a_request_are_honoured() {
-    let free = in_force(PlanningSceneState::default(), vec![]);
+    let free = in_force(Scene::default(), vec![]);
     let mut with_part = whole(FOLDED);
     with_part.robot_state.attached_collision_objects.push(part());
     assert!(ask(&free, &STRETCHED, &whole(FOLDED)).unwrap().valid);
@@ -177,14 +177,14 @@ fn attached_objects_of_a_request_are_honoured() {
 
 #[test]
 fn what_is_not_looked_at_is_not_valid() {
-    let scene = in_force(PlanningSceneState::default(), vec![]);
+    let scene = in_force(Scene::default(), vec![]);
     let mut constrained = whole(STRETCHED);
     constrained.constraints.joint_constraints.push(JointConstraint::default());
     assert!(!ask(&scene, &STRETCHED, &constrained).unwrap().valid);
     let camera = |seen| WorldSource { name: "/camera".to_owned(), seen, ttl: 1.0 };
-    let unseen = in_force(PlanningSceneState::default(), vec![camera(None)]);
+    let unseen = in_force(Scene::default(), vec![camera(None)]);
     assert!(ask(&unseen, &STRETCHED, &whole(STRETCHED)).unwrap_err().contains("'/camera'"));
     let seen = Some(Sight { stamp: Time::from_nanoseconds(5), at: Duration::ZERO });
-    let seen = in_force(PlanningSceneState::default(), vec![camera(seen)]);
+    let seen = in_force(Scene::default(), vec![camera(seen)]);
     assert!(ask(&seen, &STRETCHED, &whole(STRETCHED)).unwrap().valid);
 }
