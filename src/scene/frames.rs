@@ -133,6 +133,12 @@ impl<'c> SceneContext<'c> {
         self.virtual_joints().next().map_or(self.root_name(), |joint| &joint.parent_frame)
     }
 
+    /// Whether a frame is the planning frame or the root link.
+    pub(super) fn is_planning_frame(&self, frame: &str) -> bool {
+        let frame = frame.trim_start_matches('/');
+        self.virtual_joint_from(frame).is_some() || frame == self.root_name()
+    }
+
     /// The virtual joint of the root link that has this parent frame.
     pub(super) fn virtual_joint_from(&self, frame: &str) -> Option<&'c VirtualJoint> {
         self.virtual_joints().find(|joint| joint.parent_frame == frame)

@@ -5,6 +5,7 @@ use super::{
     SceneRejection, Subject,
 };
 use crate::math::Pose;
+use crate::robot::quoted;
 
 impl Scene {
     pub(super) fn change_object(
@@ -35,7 +36,8 @@ impl Scene {
             return Err(SceneRejection::of(id, "id: the name belongs to what sensors see; take another one"));
         }
         if context.robot.link_by_name(id).is_some() {
-            return Err(SceneRejection::of(id, "id: the robot has a link of this name; take another one"));
+            let message = format!("id: the robot has a link {}; take another name", quoted(id));
+            return Err(SceneRejection::of(id, message));
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use super::{
     AllowedCollisionMatrix, Applied, Extent, FixedFrame, Gap, MatrixEntries, OCTOMAP, Operation,
     RobotStateChange, Scene, SceneChange, SceneContext, SceneRejection, Subject, WorldChange,
 };
+use crate::math::Pose;
 use crate::robot::quoted;
 
 /// More is a mistake.
@@ -112,12 +113,14 @@ impl Scene {
         let FixedFrame { name, parent, pose_pf } = frame;
         let name = name.trim_start_matches('/');
         let refuse = |why: String| frame.rejection(&why);
+        // MoveIt lists the planning frame in itself, and some of its tools leave out the name
+        let is_itself =
+            name == parent.trim_start_matches('/') || name.is_empty() && *pose_pf == Pose::identity();
+        if is_itself && context.is_planning_frame(parent) {
+            return Ok(());
+        }
         if name.is_empty() {
             return Err(refuse("its name is empty".to_owned()));
-        }
-        // MoveIt lists the planning frame in itself
-        if name == parent.trim_start_matches('/') {
-            return Ok(());
         }
         // where the robot's own links are, its joints say
         if context.robot.link_by_name(name).is_some() {
@@ -262,11 +265,7 @@ impl FixedFrame {
 
     /// The frame in its parent, whichever way round it was given.
     fn seen_from_parent(&self, context: &SceneContext) -> Cow<'_, Self> {
-        let is_planning_frame = |name: &str| {
-            let name = name.trim_start_matches('/');
-            context.virtual_joint_from(name).is_some() || name == context.root_name()
-        };
-        if !is_planning_frame(&self.name) {
+        if !context.is_planning_frame(&self.name) {
             return Cow::Borrowed(self);
         }
         Cow::Owned(Self { name: self.parent.clone(), parent: self.name.clone(), pose_pf: self.pose_pf })

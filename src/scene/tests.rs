@@ -464,7 +464,7 @@ fn sizes_of_links_and_fixed_frames_are_checked() {
     for (name, parent, named) in [
         ("f", "hand", "its parent 'hand' moves with the robot"),
         ("f", "nowhere", "unknown frame 'nowhere'"),
-        ("", "base", "its name is empty"),
+        ("", "flange", "its name is empty"),
     ] {
         let frame = FixedFrame { name: name.into(), parent: parent.into(), pose_pf: Pose::identity() };
         let change = SceneChange { fixed_frames: vec![frame], ..difference(vec![], vec![]) };

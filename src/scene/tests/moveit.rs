@@ -105,8 +105,14 @@ fn fixed_frames_are_given_as_moveit_gives_them() {
         pose_pf: at(0.0, 0.0, 2.0),
     };
     let mut cell = Cell::new();
-    let frames =
-        vec![frame("map", "map"), frame("map", "camera"), frame("base", "lidar"), frame("tf", "camera")];
+    let unnamed = FixedFrame { pose_pf: Pose::identity(), ..frame("map", "") };
+    let frames = vec![
+        unnamed,
+        frame("map", "map"),
+        frame("map", "camera"),
+        frame("base", "lidar"),
+        frame("tf", "camera"),
+    ];
     cell.scene(SceneChange { fixed_frames: frames, ..difference(vec![], vec![]) }).unwrap();
     for (name, z) in [("map", 0.0), ("camera", 2.0), ("lidar", 2.0), ("tf", 4.0)] {
         cell.object(add("probe", name, Pose::identity())).unwrap();
