@@ -38,11 +38,8 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     // rows of a table share their names
     let mut resolved: Option<(&Arc<[String]>, NamedJoints)> = None;
     let mut configurations = Vec::with_capacity(states.len());
-    for (i, NamedState { names, positions, remarks }) in states.iter().enumerate() {
+    for (i, NamedState { names, positions }) in states.iter().enumerate() {
         let of_state = |e: ConfigurationError| bad(&format!("state {i}: {e}"));
-        for remark in remarks {
-            log::warn!("{file}: state {i}: {remark}");
-        }
         let joints = match resolved.take().filter(|(of, _)| Arc::ptr_eq(of, names)) {
             Some((_, joints)) => joints,
             None => robot.named_joints(names.iter().map(String::as_str)).map_err(of_state)?,

@@ -30,6 +30,7 @@ mod robots;
 mod snapshots;
 mod solid_meshes;
 mod soundness;
+mod state_transforms;
 mod streams;
 mod tally;
 mod trajectories;

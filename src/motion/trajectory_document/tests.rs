@@ -107,3 +107,32 @@ fn what_is_no_single_joint_trajectory_is_rejected_in_one_line() {
         assert!(!message.contains('\n'), "{message}");
     }
 }
+
+/// A start is no proof about where the robot does not start.
+#[test]
+fn transforms_of_the_start_are_read_or_rejected_by_name() {
+    let text = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>
+        <joint name='drive' type='planar'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint>
+        <joint name='j' type='continuous'><parent link='b'/><child link='c'/></joint></robot>";
+    let robot = RobotModel::from_urdf(text, &MeshFiles::default()).unwrap();
+    let of_robot = indented(&format!("joint_trajectory:\n{}", indented(&points("2.5"), "  ")), "- ");
+    let read = |frame: &str, joint: &str, z: f64| {
+        let text = format!(
+            "trajectory:\n{of_robot}trajectory_start:\n  multi_dof_joint_state: {{header: {{frame_id: {frame}}}, joint_names: [{joint}], \
+             transforms: [{{translation: {{x: 5, z: {z:?}}}}}]}}\n"
+        );
+        Trajectory::from_yaml(&robot, &text, &robot.default_configuration()).map_err(|e| e.to_string())
+    };
+    let start = read("a", "drive", 0.0).unwrap();
+    assert_eq!(start.segments()[0].at(0.0).positions(), [5.0, 0.0, 0.0, 0.0]);
+    for (frame, joint, z, words) in [
+        ("a", "Drive", 0.0, ["'Drive'", "planar or floating are drive"]),
+        ("world", "world_joint", 0.0, ["'world_joint'", "no joint"]),
+        ("a", "j", 0.0, ["'j'", "neither planar nor floating"]),
+        ("map", "drive", 0.0, ["'map'", "must be 'a'"]),
+        ("a", "drive", 5e-4, ["'drive'", "leaves its plane"]),
+    ] {
+        let why = read(frame, joint, z).unwrap_err();
+        assert!(why.contains("trajectory_start") && words.iter().all(|word| why.contains(word)), "{why}");
+    }
+}

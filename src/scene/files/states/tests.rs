@@ -73,11 +73,6 @@ fn transforms_are_positions_of_joints_with_several() {
     assert_eq!((names.len(), &positions[..]), (4, &[3.0, 1.0, 2.0, 0.0][..]));
     assert!(state("roam", "{x: 1, w: 0}").unwrap_err().contains("leaves its plane"));
     assert!(state("j", "{w: 1}").unwrap_err().contains("'j' is neither planar nor floating"));
-    let base = NamedState::list_from_text(
-        "multi_dof_joint_state: {joint_names: [world], transforms: [{translation: {x: 1}}]}",
-        &robot(),
-    );
-    assert!(base.unwrap()[0].remarks[0].contains("'world'"));
 }
 
 #[test]
