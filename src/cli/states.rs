@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::input_files::{self, STATES_LIMIT};
-use clearance::robot::{Configuration, ConfigurationError, JointKind, NamedJoints, RobotModel};
+use clearance::robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 use clearance::scene::NamedState;
 use clearance::yaml;
 use serde::Deserialize;
@@ -56,22 +56,16 @@ pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Confi
     robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
 }
 
-/// A tolerance for each position: one number for all, or joints by name and zero for the rest. Mimic joints follow; a tolerance of one counts
-/// for its leader.
+/// A tolerance for each position: one number for all joints, or joints by name and zero for the rest. A tolerance of a mimic joint counts for
+/// its leader.
 pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
-    let names = robot.position_names();
-    if let Ok(all) = text.trim().parse::<f64>() {
-        let mut tube = vec![all; names.len()];
-        // a floating joint has none
-        for joint in robot.joint_ids().filter(|j| robot.joint(*j).kind == JointKind::Floating) {
-            if let Some(first) = robot.first_position(joint) {
-                tube[first..first + 7].fill(0.0);
-            }
-        }
-        return Ok(tube);
-    }
-    let (joints, values): (Vec<&str>, Vec<f64>) = assignments::parse("--tube", text)?.into_iter().unzip();
-    let tube = robot.named_joints(joints).and_then(|joints| joints.tolerances(&values));
+    let tube = if let Ok(all) = text.trim().parse::<f64>() {
+        robot.uniform_tolerances(all)
+    } else {
+        let named = assignments::parse("--tube", text)?;
+        let (joints, values): (Vec<&str>, Vec<f64>) = named.into_iter().unzip();
+        robot.named_joints(joints).and_then(|joints| joints.tolerances(&values))
+    };
     tube.map_err(|e| Failure::Input(format!("--tube: {e}")))
 }
 

@@ -61,7 +61,7 @@ pub enum SegmentError {
     FloatingPolynomial(String),
     #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
     Tube { joint: String, value: f64 },
-    #[error("floating joint '{0}' can have no tracking tolerance")]
+    #[error("floating joint '{0}' can have no tracking tolerance: give it 0, or leave it out")]
     FloatingTube(String),
     #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
     UnknownObstacle(String),

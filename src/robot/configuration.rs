@@ -37,9 +37,13 @@ pub enum ConfigurationError {
     #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
     Tolerance { joint: String, value: f64 },
     #[error(
-        "joint '{joint}' has tolerance {value}, but it mimics another with multiplier 0, so it never moves: give it 0"
+        "joint '{joint}' has tolerance {value}, but it never moves, since it mimics a fixed joint, or another with multiplier 0: give it 0"
     )]
     ToleranceOfStanding { joint: String, value: f64 },
+    #[error(
+        "one tolerance for every joint is not possible, because joint '{joint}' {why}: give tolerances by name (those that can have one: {others})"
+    )]
+    NoToleranceForAll { joint: String, why: &'static str, others: String },
 }
 
 impl Configuration {

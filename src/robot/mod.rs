@@ -25,6 +25,7 @@ mod sampling;
 mod source;
 mod srdf;
 mod tree;
+mod uniform_tolerance;
 mod urdf;
 mod urdf_door;
 mod warning;

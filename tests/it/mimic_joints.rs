@@ -194,6 +194,27 @@ fn a_tolerance_of_a_mimic_joint_counts_for_its_leader() {
     refused("finger=0.1", &["'finger'"]);
 }
 
+/// `arm` moves half as much as `drive`: `drive` gets twice the number.
+#[test]
+fn one_tolerance_for_every_joint_is_one_for_mimic_joints_too() {
+    let folder = Folder::new();
+    let way = ["--from", "drive=0", "--to", "drive=0.2", "--tube"];
+    folder.refused("motion", &[&way[..], &["0.1"]].concat(), &["--tube", "'still'", "multiplier 0", "drive"]);
+    folder.write("r.urdf", &ROBOT.replace("multiplier='0'", "multiplier='1'"));
+    let verdict = |tube: &str| folder.result("motion", &[&way[..], &[tube]].concat())["verdict"].clone();
+    assert_eq!([verdict("0.14"), verdict("0")], ["free"; 2]);
+    assert_ne!(verdict("0.21"), "free");
+    // a proof of less is none of more
+    for (tube, code) in [("0.1", 0), ("arm=0.1", 0), ("drive=0.2", 0), ("drive=0.1", 1), ("arm=0.05", 1)] {
+        let proven = folder.result("motion", &[&way[..], &[tube, "--certificate", "c.json"]].concat());
+        assert_eq!(proven["verdict"], "free", "{tube}");
+        for expected in [&way[4..], &way[..]] {
+            let verified = folder.run("verify", &[expected, &["0.1", "c.json"]].concat());
+            assert_eq!(verified.status.code(), Some(code), "{tube}: {verified:?}");
+        }
+    }
+}
+
 #[test]
 fn joints_given_twice_are_refused_wherever_they_are_given() {
     let folder = Folder::new();
