@@ -146,6 +146,9 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     if let Some(note) = long_turn_note(&robots_ways, robot) {
         log::warn!("{note}");
     }
+    if let Some(path) = &args.certificate {
+        remove_old_certificate(path)?;
+    }
     let reports = check_all(&checker, &ways, &options, args)?;
     if let Some(path) = &args.certificate {
         write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
@@ -245,6 +248,17 @@ fn time_passes(
             std::hint::black_box(checker.check_trajectory(way, &args.starting_now(options), &mut workspace));
         }
     })
+}
+
+/// Removes the file that a certificate is to replace: whatever keeps this proof from being written, no older one stands for it.
+fn remove_old_certificate(path: &Path) -> Result<(), Failure> {
+    // standard output is no file to remove, wherever it goes
+    let is_device = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
+    let Ok(file) = path.canonicalize() else { return Ok(()) };
+    if is_device || !file.is_file() {
+        return Ok(());
+    }
+    std::fs::remove_file(&file).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
 }
 
 /// The certificate of the only way, if it is free.

@@ -232,6 +232,66 @@ fn other_moving_obstacles_are_named() {
     let certificate = case.certify(&late);
     case.accepted(&certificate, &late);
     case.rejected(&certificate, &["--moving-obstacles"], &["'cart' starts 1 m", "where the world has it"]);
+    let told = case.accepted(&certificate, &late);
+    assert!(told.contains("'cart' in segment 0: starts [0.0, -1.0, 0.0] m"), "{told}");
+    // the same orientation in other numbers
+    let negated = case.forge(&certificate, |c| {
+        let (_, turn) = c.segments[0].motion.obstacles[0].start.as_mut().unwrap();
+        *turn = turn.map(|component| -component);
+    });
+    case.accepted(&negated, &late);
+    let turned = case.forge(&certificate, |c| {
+        c.segments[0].motion.obstacles[0].start.as_mut().unwrap().1 = [0.0, 0.0, 1.0, 0.0];
+    });
+    case.rejected(&turned, &late, &["'cart' moves otherwise: its orientation at the start is"]);
+}
+
+/// Whatever keeps a proof from being written, no older one stands for it.
+#[test]
+fn no_certificate_is_left_where_a_motion_is_not_proven() {
+    let case = Case::new();
+    for failing in [
+        &THROUGH[..],
+        &["--from", "", "--to", "d=0.39999"],
+        &[&SHORT[..], &["--tube", "0.3"]].concat(),
+        &[&SHORT[..], &["--deadline", "1e-9"]].concat(),
+    ] {
+        let certificate = case.certify(&SHORT);
+        let output = case.run("motion", &[failing, &["--certificate", &certificate]].concat());
+        assert!(!std::path::Path::new(&certificate).exists(), "{failing:?}: {output:?}");
+        assert!(output.status.code() < Some(2), "{failing:?}: {output:?}");
+        case.bad_input(&[&certificate], &["certificate.json"]);
+    }
+    // behind a link, too
+    let (target, link) = (case.certify(&SHORT), case.path("link.json"));
+    std::os::unix::fs::symlink(&target, &link).unwrap();
+    case.run("motion", &[&THROUGH[..], &["--certificate", &link]].concat());
+    assert!(!std::path::Path::new(&target).exists());
+    case.run("motion", &[&SHORT[..], &["--certificate", &link]].concat());
+    case.accepted(&target, &SHORT);
+}
+
+#[test]
+fn joints_that_can_have_no_tube_are_named() {
+    let case = Case::new();
+    case.write(
+        "robot.urdf",
+        &ROBOT.replace(
+            "</robot>",
+            "<link name='bird'/><joint name='fly' type='floating'><parent link='base'/><child link='bird'/></joint></robot>",
+        ),
+    );
+    let certificate = case.certify(&[&SHORT[..], &["--tube", "d=0.01 e=0.01"]].concat());
+    for arguments in
+        [&[&certificate, "--tube", "0.01"][..], &[&[&certificate[..], "--tube", "0.01"], &SHORT[..]].concat()]
+    {
+        case.bad_input(arguments, &["--tube", "'fly' is floating", "by name", "e, d"]);
+    }
+    case.bad_input(
+        &[&[&certificate[..], "--tube", "fly/trans_x=0.01"], &SHORT[..]].concat(),
+        &["'fly'", "give it 0"],
+    );
+    case.rejected(&certificate, &["--tube", "0"], &["tracking tolerance of 'e' is 0.01"]);
 }
 
 #[test]
@@ -333,6 +393,10 @@ fn half_a_question_is_bad_input() {
     let moving = case.write("moving.yaml", CART);
     let edges = case.write("edges.json", r#"{"joints": ["d"], "edges": [[[0], [1]], [[0], [0.5]]]}"#);
     case.bad_input(&[&certificate, "--moving", &moving], &["--moving", "expected motion", "--trajectory"]);
+    case.bad_input(
+        &[&certificate, "--continuous", "shortest"],
+        &["--continuous", "expected motion", "--trajectory"],
+    );
     case.bad_input(&[&certificate, "--edges", &edges], &["one way, but 2"]);
     case.bad_input(&[&certificate, "--from", ""], &["--to"]);
     case.bad_input(&[&certificate, "--from", "x=1", "--to", ""], &["'x'"]);
