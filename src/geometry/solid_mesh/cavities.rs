@@ -11,8 +11,14 @@ const CONTACT: f64 = 1e-4;
 /// More shells than this are not compared with each other.
 const MOST_SHELLS: usize = 64;
 
+/// Steps of the search for contact, as a multiple of the faces: long slivers beside each other take more, since the boxes of all overlap.
+const MOST_STEPS: usize = 512;
+
+/// Steps that two triangles cost; two boxes cost one.
+const TRIANGLE_STEPS: usize = 8;
+
 /// Whether shells bound one solid with cavities as they are wound: no two are in contact, what is wound outward is in no other,
-/// and what is wound inward is wholly inside exactly one.
+/// and what is wound inward is wholly inside exactly one. False, too, where that takes too long to find out.
 pub(super) fn are_cavities(vertices: &[Point], shells: &[ClosedSurface]) -> bool {
     if shells.len() > MOST_SHELLS {
         return false;
@@ -20,14 +26,18 @@ pub(super) fn are_cavities(vertices: &[Point], shells: &[ClosedSurface]) -> bool
     let sizes = shells.iter().map(|shell| (shell.bounds[1] - shell.bounds[0]).norm());
     let contact = CONTACT * sizes.fold(0.0, f64::greater);
     let trees: Vec<BoxTree> = shells.iter().map(|shell| BoxTree::new(vertices, shell)).collect();
-    let apart = |i: usize| (0..i).all(|j| !trees[i].is_near(&trees[j], contact));
-    (0..shells.len()).all(apart) && (0..shells.len()).all(|i| is_nested_as_wound(vertices, shells, i))
+    let faces: usize = shells.iter().map(|shell| shell.triangles.len()).sum();
+    let mut steps_left = MOST_STEPS * (faces + 64);
+    let mut are_apart =
+        |i: usize, j: usize| trees[i].is_near(&trees[j], contact, &mut steps_left) == Some(false);
+    (0..shells.len()).all(|i| (0..i).all(|j| are_apart(i, j)))
+        && (0..shells.len()).all(|i| is_nested_as_wound(vertices, shells, i))
 }
 
 fn is_nested_as_wound(vertices: &[Point], shells: &[ClosedSurface], own: usize) -> bool {
     let point = vertices[shells[own].triangles[0][0] as usize];
     let others = shells.iter().enumerate().filter(|(i, _)| *i != own);
-    let around: f64 = others.map(|(_, other)| other.winding_number(vertices, &point).round()).sum();
+    let around: f64 = others.map(|(_, other)| other.winding_number(vertices, &point, &mut 0).round()).sum();
     around == if shells[own].volume(vertices) < 0.0 { 1.0 } else { 0.0 }
 }
 
@@ -78,19 +88,21 @@ impl BoxTree {
         number
     }
 
-    /// Whether some triangle of one comes within a distance (m) of some triangle of the other.
-    fn is_near(&self, other: &Self, distance: f64) -> bool {
+    /// Whether some triangle of one comes within a distance (m) of some triangle of the other; `None` where that takes too many steps.
+    fn is_near(&self, other: &Self, distance: f64, steps_left: &mut usize) -> Option<bool> {
         let mut open = vec![(0, 0)];
         while let Some((i, j)) = open.pop() {
+            *steps_left = steps_left.checked_sub(1)?;
             let (a, b) = (&self.nodes[i], &other.nodes[j]);
             if (0..3).any(|k| a.low[k] - b.high[k] > distance || b.low[k] - a.high[k] > distance) {
                 continue;
             }
             match (a.content, b.content) {
                 (Content::Triangle(x), Content::Triangle(y)) => {
+                    *steps_left = steps_left.checked_sub(TRIANGLE_STEPS)?;
                     let [p, q] = self.triangles[x].nearest_points(&other.triangles[y]);
                     if nalgebra::distance(&p, &q) <= distance {
-                        return true;
+                        return Some(true);
                     }
                 }
                 (Content::Children(children), Content::Triangle(_)) => open.extend(children.map(|c| (c, j))),
@@ -100,6 +112,6 @@ impl BoxTree {
                 (_, Content::Children(children)) => open.extend(children.map(|c| (i, c))),
             }
         }
-        false
+        Some(false)
     }
 }
