@@ -134,7 +134,12 @@ impl TriangleMesh {
     /// Whether a point is inside the mesh as a solid; open parts have no inside.
     #[must_use]
     pub fn encloses(&self, point: &Point) -> bool {
-        self.solid().contains(&self.vertices, point)
+        self.solid().contains(&self.vertices, point, &mut 0)
+    }
+
+    /// Builds what [`Self::encloses`] needs, so that the first point costs no more than others.
+    pub fn prepare_solid(&self) {
+        self.solid().prepare(&self.vertices);
     }
 }
 

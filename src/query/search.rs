@@ -1,7 +1,7 @@
 //! One search through all pairs of parts of two bodies.
 
 use super::body::CollisionBody;
-use super::containment::{Interior, contained_grain};
+use super::containment::{DeadlinePassed, contained_point};
 use super::distance::Effort;
 use super::element::ElementNumber;
 use super::element_pair::Separation;
@@ -19,7 +19,7 @@ use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Entry, NodeRef, PlaneVisitor, Tree, TreePlane, Visitor, descend_from, descend_to_plane};
 use crate::constants::CONTACT_DISTANCE;
-use crate::math::{Extremes, MatrixPose, Pose};
+use crate::math::{Extremes, MatrixPose};
 use crate::simd::{Level, dispatch};
 
 /// What is looked for.
@@ -136,7 +136,7 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         work.volume_tests += 1;
         return Found { best: None, numbers: None, unseen: f64::INFINITY };
     }
-    let mut descent = Descent { level: *level, stack, starts, unseen: f64::INFINITY };
+    let mut descent = Descent::new(*level, stack, starts);
     let mut incumbent = Incumbent::new(goal, work);
     if a.has_solids() || b.has_solids() {
         solids::<B, SEPARATE>((a, b), pieces, pose_ab, &mut incumbent, &mut descent);
@@ -160,18 +160,13 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     if a.has_grains() || b.has_grains() {
         grains((a, b), pieces, pose_ab, &mut incumbent, &mut descent);
     }
-    if !incumbent.touches()
-        && let Some((a, b)) = a.interior.as_ref().zip(b.interior.as_ref())
-    {
-        let inside = Interior::contained_point(a, b, &Pose::from(pose_ab));
-        if let Some(point) = inside {
-            incumbent.touch_at(point);
+    if !incumbent.touches() {
+        match contained_point((a, b), pose_ab, &mut incumbent, &mut descent) {
+            Ok(Some(point)) => incumbent.touch_at(point),
+            Ok(None) => {}
+            // one may be inside the other
+            Err(DeadlinePassed) => descent.unseen = 0.0,
         }
-    }
-    if !incumbent.touches()
-        && let Some(point) = contained_grain((a, b), pose_ab, &mut descent)
-    {
-        incumbent.touch_at(point);
     }
     Found { best: incumbent.best, numbers: incumbent.numbers, unseen: descent.unseen }
 }
@@ -270,6 +265,12 @@ pub(super) struct Descent<'s> {
     /// Where to begin in the second tree.
     starts: &'s mut Vec<NodeRef>,
     unseen: f64,
+}
+
+impl<'s> Descent<'s> {
+    pub fn new(level: Level, stack: &'s mut Vec<Entry>, starts: &'s mut Vec<NodeRef>) -> Self {
+        Self { level, stack, starts, unseen: f64::INFINITY }
+    }
 }
 
 impl Descent<'_> {

@@ -14,8 +14,8 @@ const MOST_STEPS: usize = 256;
 const MOST_REPEATED: u64 = 8;
 
 /// A basis: every closed surface made of patches is a combination of these. Of meshes too tangled for it, only the closed surfaces
-/// that are single patches are found.
-pub(super) fn basis(patches: &Patches) -> Vec<Cycle> {
+/// that are single patches are found; answers with whether it is one.
+pub(super) fn basis(patches: &Patches) -> (Vec<Cycle>, bool) {
     let count = patches.faces.len();
     let open = patches.is_open.iter().map(|open| open.then(Sum::new));
     let mut elimination = Elimination {
@@ -27,14 +27,14 @@ pub(super) fn basis(patches: &Patches) -> Vec<Cycle> {
     if patches.seams.iter().all(|seam| elimination.add(seam).is_some()) {
         let cycles = elimination.cycles();
         if has_few_faces(patches, &cycles) {
-            return cycles;
+            return (cycles, false);
         }
     }
     let mut alone: Vec<bool> = patches.is_open.iter().map(|open| !open).collect();
     for (patch, _) in patches.seams.iter().flatten() {
         alone[*patch as usize] = false;
     }
-    (0..).zip(alone).filter(|(_, alone)| *alone).map(|(patch, _)| vec![(patch, 1)]).collect()
+    ((0..).zip(alone).filter(|(_, alone)| *alone).map(|(patch, _)| vec![(patch, 1)]).collect(), true)
 }
 
 fn has_few_faces(patches: &Patches, cycles: &[Cycle]) -> bool {

@@ -11,19 +11,23 @@
 
 mod cavities;
 mod cycles;
+mod inside_test;
 mod patches;
 mod remarks;
 mod weld;
+mod winding_tree;
 
-use std::f64::consts::PI;
+use std::sync::OnceLock;
 
-use crate::math::Point;
+use crate::math::{Point, Vector};
 use cavities::are_cavities;
 use cycles::{Cycle, basis};
+pub use inside_test::InsideTest;
 use patches::Patches;
 pub use remarks::SolidRemarks;
 use remarks::wound_inward;
 use weld::WeldedFaces;
+use winding_tree::WindingTree;
 
 /// The closed surfaces of a mesh.
 #[derive(Clone, Debug)]
@@ -38,16 +42,19 @@ pub struct ClosedSurface {
     triangles: Vec<[u32; 3]>,
     /// Smallest and largest corner of the box around them.
     bounds: [Point; 2],
+    /// Built when it is asked for first.
+    tree: OnceLock<WindingTree>,
 }
 
 impl SolidMesh {
     pub(super) fn new(vertices: &[Point], triangles: &[[u32; 3]]) -> Self {
         let welded = WeldedFaces::new(vertices, triangles);
         let patches = Patches::new(&welded);
-        let mut cycles = basis(&patches);
+        let (mut cycles, is_tangled) = basis(&patches);
         let surface = |cycle: &mut Cycle| ClosedSurface::outward(vertices, &welded, &patches, cycle);
         let mut surfaces: Vec<ClosedSurface> = cycles.iter_mut().map(surface).collect();
         let mut remarks = SolidRemarks::new(triangles.len(), &welded, &patches, &cycles);
+        remarks.is_tangled = is_tangled;
         let volumes: Vec<f64> = surfaces.iter().map(|surface| surface.volume(vertices)).collect();
         let inward = wound_inward(&welded, &patches, &cycles, &volumes);
         let inward_count = inward.iter().filter(|inward| **inward).count();
@@ -77,13 +84,21 @@ impl SolidMesh {
         &self.remarks
     }
 
-    /// Whether a point is inside; `vertices` are the mesh's.
-    pub(super) fn contains(&self, vertices: &[Point], point: &Point) -> bool {
-        let around = |surface: &&ClosedSurface| {
-            let [low, high] = surface.bounds;
-            (0..3).all(|i| (low[i]..=high[i]).contains(&point[i]))
-        };
-        self.surfaces.iter().filter(around).any(|surface| surface.winding_number(vertices, point).abs() > 0.5)
+    /// Whether a point is inside; `vertices` are the mesh's. `cost` counts triangles and boxes that are looked at.
+    pub(super) fn contains(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> bool {
+        self.surfaces.iter().any(|surface| surface.winding_number(vertices, point, cost).abs() > 0.5)
+    }
+
+    /// Whether a box is certainly clear of all closed surfaces.
+    fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], cost: &mut u64) -> bool {
+        self.surfaces.iter().all(|surface| surface.tree(vertices).is_clear(vertices, bounds, cost))
+    }
+
+    /// Builds what tests of points need, so that the first costs no more than others.
+    pub(super) fn prepare(&self, vertices: &[Point]) {
+        for surface in &self.surfaces {
+            surface.tree(vertices);
+        }
     }
 }
 
@@ -114,7 +129,7 @@ impl ClosedSurface {
         for p in triangles.iter().flatten().map(at) {
             bounds = [bounds[0].inf(&p), bounds[1].sup(&p)];
         }
-        Self { triangles, bounds }
+        Self { triangles, bounds, tree: OnceLock::new() }
     }
 
     /// The same, turned over if asked.
@@ -125,14 +140,14 @@ impl ClosedSurface {
                 t.swap(1, 2);
             }
         }
-        Self { triangles, bounds: self.bounds }
+        Self { triangles, bounds: self.bounds, tree: OnceLock::new() }
     }
 
     fn joined(surfaces: &[Self]) -> Self {
         let triangles = surfaces.iter().flat_map(|surface| surface.triangles.iter().copied()).collect();
         let bounds = surfaces.iter().map(|surface| surface.bounds);
         let bounds = bounds.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).expect("there are surfaces");
-        Self { triangles, bounds }
+        Self { triangles, bounds, tree: OnceLock::new() }
     }
 
     #[must_use]
@@ -156,16 +171,26 @@ impl ClosedSurface {
         self.triangles.iter().map(six_times).sum::<f64>() / 6.0
     }
 
-    /// How often the surface winds around a point: the sum of the triangles' solid angles over 4π (van Oosterom & Strackee 1983).
-    fn winding_number(&self, vertices: &[Point], point: &Point) -> f64 {
-        let half_angle = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| vertices[v as usize] - point);
-            let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
-            let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-            a.dot(&b.cross(&c)).atan2(below)
-        };
-        self.triangles.iter().map(half_angle).sum::<f64>() / (2.0 * PI)
+    fn tree(&self, vertices: &[Point]) -> &WindingTree {
+        self.tree.get_or_init(|| WindingTree::new(vertices, &self.triangles))
     }
+
+    /// How often the surface winds around a point: the sum of the triangles' solid angles over 4π.
+    fn winding_number(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> f64 {
+        let [low, high] = &self.bounds;
+        if (0..3).all(|i| (low[i]..=high[i]).contains(&point[i])) {
+            self.tree(vertices).winding_number(vertices, point, cost)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Half the solid angle that a triangle fills, by the vectors from a point to its corners (van Oosterom & Strackee 1983).
+fn half_angle([a, b, c]: [Vector; 3]) -> f64 {
+    let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+    let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+    a.dot(&b.cross(&c)).atan2(below)
 }
 
 #[cfg(test)]

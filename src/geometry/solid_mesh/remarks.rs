@@ -19,6 +19,8 @@ pub struct SolidRemarks {
     flipped: usize,
     /// Faces in no closed surface.
     open: usize,
+    /// Whether too many faces meet at edges to find all closed surfaces.
+    pub(super) is_tangled: bool,
     /// Closed shells.
     shells: usize,
     /// Shells wound against the largest, but no cavities.
@@ -95,15 +97,20 @@ pub(super) fn wound_inward(
 
 impl fmt::Display for SolidRemarks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { faces, double_sided, flipped, open, shells, inward_shells, cavities, repeated: _ } = self;
+        let Self { faces, double_sided, flipped, open, shells, inward_shells, cavities, .. } = self;
         let mut texts = Vec::new();
+        let open_because = if self.is_tangled {
+            "too tangled to find what it encloses (too many faces meet at its edges)"
+        } else {
+            "not closed"
+        };
         if *shells == 0 {
-            texts.push(
-                "not closed, so it stays a surface, and what is wholly inside touches nothing".to_owned(),
-            );
+            texts.push(format!(
+                "{open_because}, so it stays a surface, and what is wholly inside touches nothing"
+            ));
         } else if *open > 0 {
             texts.push(format!(
-                "not closed: {open} of {faces} faces bound no solid and stay a surface; the closed rest is solid"
+                "{open_because}: {open} of {faces} faces bound no solid and stay a surface; the closed rest is solid"
             ));
         }
         if *double_sided > 0 {

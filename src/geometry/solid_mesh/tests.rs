@@ -220,6 +220,124 @@ fn only_a_shell_wholly_inside_and_wound_inward_is_a_cavity() {
     }
 }
 
+/// Two pyramids on a common ring of many corners, with faces that all reach the tips.
+fn bicone(corners: u32, size: f64) -> Draft {
+    let ring = (0..corners).map(|i| {
+        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(corners);
+        Point::new(size * angle.cos(), size * angle.sin(), 0.0)
+    });
+    let tips = [size, -size].map(|z| Point::new(0.0, 0.0, z));
+    let faces = (0..corners).flat_map(|i| {
+        let next = (i + 1) % corners;
+        [[i, next, corners], [next, i, corners + 1]]
+    });
+    Draft { vertices: ring.chain(tips).collect(), faces: faces.collect() }
+}
+
+/// The search for contact ends after so many steps, not after so much time.
+#[test]
+fn shells_of_slivers_too_close_to_compare_are_solid_and_that_is_said() {
+    let few = bicone(12, 1.0).and(&bicone(12, 0.5).inward());
+    assert!(!few.encloses(CENTRE) && few.encloses([0.0, 0.0, 0.7]) && few.remarks().contains("are cavities"));
+    let many = bicone(2000, 1.0).and(&bicone(2000, 0.999).inward());
+    assert!(many.encloses(CENTRE));
+    assert_eq!(
+        many.remarks(),
+        "1 of 2 closed shells are wound the other way and are no cavities: they are solid, too"
+    );
+    // but what is not made of slivers is compared, also where the wall is thinner than edges are long
+    let fine = |radius: f64| {
+        let mut ball = Draft::cube(1.0).divided(4);
+        ball.vertices.iter_mut().for_each(|p| *p = Point::from(p.coords.normalize() * radius));
+        ball
+    };
+    let hollow = fine(1.0).and(&fine(0.97).moved(&Random::new(3).pose(0.0)).inward());
+    assert!(!hollow.encloses(CENTRE) && hollow.remarks().contains("are cavities"), "{}", hollow.remarks());
+}
+
+/// The tree of a surface makes no difference to what winds around a point, near the surface and far from it.
+#[test]
+fn winding_numbers_are_those_of_brute_force() {
+    let mut random = Random::new(7);
+    let mut inside = 0;
+    for round in 0..200 {
+        let shells: Vec<Draft> = (0..=random.below(3)).map(|_| random_shell(&mut random)).collect();
+        let mut draft = shells.iter().fold(Draft::default(), |all, shell| all.and(shell));
+        if random.below(2) == 0 {
+            draft = draft.unwelded();
+        }
+        let tree = super::WindingTree::new(&draft.vertices, &draft.faces);
+        let far = if random.below(4) == 0 { 1e3 } else { 1.0 };
+        for _ in 0..40 {
+            let p = if random.below(3) == 0 {
+                let corners =
+                    draft.faces[random.below(draft.faces.len())].map(|v| draft.vertices[v as usize].coords);
+                Point::from((corners[0] + corners[1] + corners[2]) / 3.0 + random.vector(1e-6))
+            } else {
+                Point::from(random.vector(1.2) * far)
+            };
+            let (found, expected) = (tree.winding_number(&draft.vertices, &p, &mut 0), winding(&draft, &p));
+            assert!((found - expected).abs() < 1e-6, "round {round}: {p}: {found} {expected}");
+            inside += usize::from(expected.abs() > 0.5);
+        }
+    }
+    assert!(inside > 500, "{inside}");
+}
+
+/// A cone over a boundary stands for faces only outside of their box: open surfaces show each of them.
+#[test]
+fn winding_numbers_of_open_surfaces_are_those_of_brute_force() {
+    let mut random = Random::new(9);
+    for round in 0..200 {
+        let mut draft = random_shell(&mut random);
+        for _ in 0..random.below(4) {
+            draft.faces.swap_remove(random.below(draft.faces.len()));
+        }
+        draft.faces.extend_from_within(..random.below(4));
+        let tree = super::WindingTree::new(&draft.vertices, &draft.faces);
+        for _ in 0..40 {
+            let p = Point::from(random.vector(1.5));
+            let (found, expected) = (tree.winding_number(&draft.vertices, &p, &mut 0), winding(&draft, &p));
+            assert!((found - expected).abs() < 1e-9, "round {round}: {p}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_winding_number_costs_a_small_part_of_the_faces() {
+    let ball = Draft::cube(0.5).divided(6);
+    let tree = super::WindingTree::new(&ball.vertices, &ball.faces);
+    let mut cost = 0;
+    assert!((tree.winding_number(&ball.vertices, &Point::from(CENTRE), &mut cost) - 1.0).abs() < 1e-9);
+    assert!(cost < ball.faces.len() as u64 / 10, "{cost} of {}", ball.faces.len());
+}
+
+/// Points asked one after the other, in whatever order, are inside where each by itself is; clusters cost next to nothing.
+#[test]
+fn points_that_share_an_answer_have_that_answer() {
+    let mut random = Random::new(11);
+    let mut inside = 0;
+    for round in 0..200 {
+        let shells: Vec<Draft> = (0..=random.below(3)).map(|_| random_shell(&mut random)).collect();
+        let mut draft = shells.iter().fold(Draft::default(), |all, shell| all.and(shell));
+        spoil(&mut draft, &mut random);
+        let mesh = draft.mesh();
+        let mut test = mesh.inside_test();
+        let mut at = Vector::zeros();
+        for _ in 0..100 {
+            at = if random.below(10) == 0 { random.vector(1.0) } else { at + random.vector(0.05) };
+            let p = Point::from(at);
+            assert_eq!(test.encloses(&p), mesh.encloses(&p), "round {round}: {p}");
+            inside += usize::from(mesh.encloses(&p));
+        }
+    }
+    assert!(inside > 1000, "{inside}");
+    let fine = Draft::cube(0.5).divided(5).mesh();
+    let mut test = fine.inside_test();
+    assert!((0..1000).all(|_| test.encloses(&Point::from(random.vector(0.4)))));
+    assert!(test.take_cost() < 50_000);
+}
+
 #[test]
 fn what_is_open_is_a_surface_and_that_is_said() {
     let mut lid_off = Draft::cube(0.5);
@@ -264,8 +382,11 @@ fn a_mesh_that_is_too_tangled_is_reported() {
             tangle.faces.extend((0..b).map(|c| [a, b, c]));
         }
     }
-    let mesh = tangle.mesh();
-    assert!(mesh.encloses(&Point::origin()) || mesh.solid().remarks().is_open());
+    let words = "too tangled to find what it encloses (too many faces meet at its edges)";
+    assert!(tangle.remarks().starts_with(&format!("{words}, so it stays a surface")), "{}", tangle.remarks());
+    let beside = tangle.and(&Draft::cube(0.5).shifted([5.0, 0.0, 0.0]));
+    assert!(beside.encloses([5.01, 0.02, 0.03]));
+    assert!(beside.remarks().starts_with(&format!("{words}: 9880 of 9892 faces")), "{}", beside.remarks());
 }
 
 /// Whatever was done to a union of closed shells, it encloses at least what the shells do, unless it is said that something is open.
