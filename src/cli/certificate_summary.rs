@@ -171,9 +171,15 @@ impl<'c> Summary<'c> {
             return vec!["obstacles   none moves".to_owned()];
         }
         let line = |(segment, mover): (usize, &MovingObstacle)| {
-            let MovingObstacle { name, linear, angular, centre, .. } = mover;
+            let MovingObstacle { name, linear, angular, centre, start } = mover;
+            let start = match start {
+                Some((xyz, turn)) => {
+                    format!("starts {xyz:?} m, {turn:?} (x, y, z, w) from its place in the world, ")
+                }
+                None => String::new(),
+            };
             format!(
-                "obstacles   '{}' in segment {segment}: shifts by {linear:?} m, turns by {angular:?} rad about {centre:?}",
+                "obstacles   '{}' in segment {segment}: {start}shifts by {linear:?} m, turns by {angular:?} rad about {centre:?}",
                 on_one_line(name)
             )
         };

@@ -90,6 +90,10 @@ impl VerifyArgs {
                 "--moving is about an expected motion: give --from and --to, --edges or --trajectory, too";
             return Err(Failure::Input(needed.to_owned()));
         }
+        if self.way.directs_joints() && !self.way.is_given() {
+            let needed = "--continuous is about an expected motion: give --from and --to, --edges or --trajectory, too";
+            return Err(Failure::Input(needed.to_owned()));
+        }
         let tube = self.way.tube(robot)?;
         let expected = Expected { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
         if !self.way.is_given() {

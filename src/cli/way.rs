@@ -21,7 +21,7 @@ pub struct WayArgs {
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "from")]
     to: Option<String>,
 
-    /// How far the robot may be from its way: one number (rad, m) for every joint, or "j1=0.01 j2=0.02"
+    /// How far the robot may be from its way: one number (rad, m) for every joint, mimic joints included, or "j1=0.01 j2=0.02"
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tube: Option<String>,
 
@@ -43,7 +43,8 @@ pub struct WayArgs {
 enum Continuous {
     /// Through all positions between the two
     AsGiven,
-    /// By half a turn at most, as joint_trajectory_controller goes from its current state: whole turns are taken off the start
+    /// By half a turn at most between all points of a motion: whole turns are taken off the earlier ones. joint_trajectory_controller does so
+    /// only from the current state to the first point, and goes through all positions from there on
     Shortest,
 }
 
@@ -77,6 +78,11 @@ impl WayArgs {
     /// Whether a file says how obstacles move.
     pub fn moves_obstacles(&self) -> bool {
         self.moving.is_some()
+    }
+
+    /// Whether continuous joints go another way than as given.
+    pub fn directs_joints(&self) -> bool {
+        self.continuous != Continuous::AsGiven
     }
 
     /// The tolerance (rad, m) of each position, if one is given.

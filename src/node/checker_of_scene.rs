@@ -53,7 +53,7 @@ fn about_solids(meshes: &[SolidMeshRemark]) -> Vec<String> {
         let more = if left > 0 { format!(" and {left} more") } else { String::new() };
         let named: Vec<&str> = surfaces.iter().take(TOLD).map(|remark| remark.mesh.as_str()).collect();
         warnings.push(format!(
-            "not solid, because not closed, and whatever is wholly inside touches nothing: {}{more}",
+            "not solid, because not closed or too tangled, and whatever is wholly inside touches nothing: {}{more}",
             named.join(", ")
         ));
     }
