@@ -239,7 +239,13 @@ impl NamedJoints<'_> {
             }
             let moving = follower.position.filter(|_| follower.mimic.multiplier != 0.0);
             let position = moving.ok_or(ConfigurationError::ToleranceOfStanding { joint, value })?;
-            tolerances[position] = tolerances[position].greater(value / follower.mimic.multiplier.abs());
+            let multiplier = follower.mimic.multiplier.abs();
+            let mut of_leader = value / multiplier;
+            // rounding makes it no smaller
+            if of_leader * multiplier < value {
+                of_leader = of_leader.next_up();
+            }
+            tolerances[position] = tolerances[position].greater(of_leader);
         }
         Ok(tolerances)
     }

@@ -90,7 +90,7 @@ mod tests {
             assert_eq!(robot.uniform_tolerances(0.01).unwrap()[at], value, "{name}");
         };
         by_name("lead", 0.04);
-        ["drive/x", "drive/y", "drive/theta"].map(|name| by_name(name, 0.01));
+        ["drive/x", "drive/y", "drive/theta"].iter().for_each(|name| by_name(name, 0.01));
     }
 
     #[test]

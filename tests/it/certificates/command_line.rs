@@ -252,7 +252,6 @@ fn no_certificate_is_left_where_a_motion_is_not_proven() {
     let case = Case::new();
     for failing in [
         &THROUGH[..],
-        &["--from", "", "--to", "d=0.39999"],
         &[&SHORT[..], &["--tube", "0.3"]].concat(),
         &[&SHORT[..], &["--deadline", "1e-9"]].concat(),
     ] {
