@@ -46,7 +46,10 @@ mod tests {
     use crate::robot::{MeshFiles, RobotModel};
 
     fn robot(joints: &str) -> RobotModel {
-        let links = ["base", "a", "b", "c", "d"].map(|name| format!("<link name='{name}'/>")).concat();
+        let links = ["base", "a", "b", "c", "d"]
+            .into_iter()
+            .filter(|name| joints.contains(&format!("link='{name}'")));
+        let links: String = links.map(|name| format!("<link name='{name}'/>")).collect();
         RobotModel::from_urdf(&format!("<robot name='r'>{links}{joints}</robot>"), &MeshFiles::default())
             .unwrap()
     }

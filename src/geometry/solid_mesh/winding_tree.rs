@@ -13,7 +13,7 @@ const LEAF_FACES: usize = 8;
 const MARGIN: f64 = 1e-3;
 
 /// Nodes that are looked at to find a box clear of faces, at most.
-const CLEARANCE_NODES: u32 = 64;
+const CLEARANCE_NODES: u32 = 512;
 
 /// Faces of a surface in a binary tree of boxes.
 #[derive(Clone, Debug)]
