@@ -49,7 +49,7 @@ mod tests {
         let links = ["base", "a", "b", "c", "d"]
             .into_iter()
             .filter(|name| joints.contains(&format!("link='{name}'")));
-        let links: String = links.map(|name| format!("<link name='{name}'/>")).collect();
+        let links = links.map(|name| format!("<link name='{name}'/>")).collect::<Vec<_>>().concat();
         RobotModel::from_urdf(&format!("<robot name='r'>{links}{joints}</robot>"), &MeshFiles::default())
             .unwrap()
     }
@@ -93,7 +93,9 @@ mod tests {
             assert_eq!(robot.uniform_tolerances(0.01).unwrap()[at], value, "{name}");
         };
         by_name("lead", 0.04);
-        ["drive/x", "drive/y", "drive/theta"].iter().for_each(|name| by_name(name, 0.01));
+        for name in ["drive/x", "drive/y", "drive/theta"] {
+            by_name(name, 0.01);
+        }
     }
 
     #[test]

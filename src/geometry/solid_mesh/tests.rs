@@ -262,7 +262,7 @@ fn winding_numbers_are_those_of_brute_force() {
     let mut inside = 0;
     for round in 0..200 {
         let shells: Vec<Draft> = (0..=random.below(3)).map(|_| random_shell(&mut random)).collect();
-        let mut draft = shells.iter().fold(Draft::default(), |all, shell| all.and(shell));
+        let mut draft = shells.iter().fold(Draft::default(), Draft::and);
         if random.below(2) == 0 {
             draft = draft.unwelded();
         }
@@ -319,7 +319,7 @@ fn points_that_share_an_answer_have_that_answer() {
     let mut inside = 0;
     for round in 0..200 {
         let shells: Vec<Draft> = (0..=random.below(3)).map(|_| random_shell(&mut random)).collect();
-        let mut draft = shells.iter().fold(Draft::default(), |all, shell| all.and(shell));
+        let mut draft = shells.iter().fold(Draft::default(), Draft::and);
         spoil(&mut draft, &mut random);
         let mesh = draft.mesh();
         let mut test = mesh.inside_test();
