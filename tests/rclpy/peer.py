@@ -1,7 +1,9 @@
 """The other side of the wire: an rclpy node whose callbacks run in a thread of their own."""
 
+import functools
 import threading
 import time
+from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -16,6 +18,37 @@ DEADLINE = 20.0  # [s] discovery between two middlewares on a loaded machine may
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
+class CallbacksEnded(RuntimeError):
+    """The thread of the callbacks has died: nothing that is waited for can come any more."""
+
+
+def _between_callbacks(method):
+    """The method of a node, called between callbacks."""
+
+    @functools.wraps(method)
+    def call(self, *args, **kwargs):
+        return self.between_callbacks(lambda: method(self, *args, **kwargs))
+
+    return call
+
+
+class PeerNode(Node):
+    """A node of which any thread may make and destroy parts.
+
+    An executor that waits for a part while another thread destroys it dies of `InvalidHandle`, and rclpy guards few of its steps
+    against that.
+    """
+
+    def __init__(self, *args, **kwargs):
+        self.between_callbacks = lambda make: make()  # no executor has it yet
+        super().__init__(*args, **kwargs)
+
+
+PARTS = ("publisher", "subscription", "client", "service", "timer", "guard_condition")
+for _name in [f"{act}_{part}" for act in ("create", "destroy") for part in PARTS] + ["add_waitable", "remove_waitable"]:
+    setattr(PeerNode, _name, _between_callbacks(getattr(Node, _name)))
+
+
 class Peer:
     """Publishes, records and calls; whoever waits here waits for a condition."""
 
@@ -24,28 +57,47 @@ class Peer:
         self.changed = threading.Condition()
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id)
-        self.node = Node("peer", context=self._context, enable_rosout=False)
+        self.node = PeerNode("peer", context=self._context, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._leaving = threading.Event()
+        self._fault = None  # what the thread died of
+        self._is_told = False
         self._thread = threading.Thread(target=self._spin, daemon=True)
+        self.node.between_callbacks = self.between_callbacks
         self._thread.start()
 
     def _spin(self):
-        with suppress(ExternalShutdownException):
-            while not self._leaving.is_set():
-                self._executor.spin_once(timeout_sec=0.1)
+        try:
+            with suppress(ExternalShutdownException):
+                while not self._leaving.is_set():
+                    self._executor.spin_once(timeout_sec=0.1)
+        except BaseException as fault:
+            self._fault = fault
+            self._wake()
+
+    def _wake(self, *_):
+        with self.changed:
+            self.changed.notify_all()
+
+    def _check(self):
+        if self._fault:
+            self._is_told = True
+            raise CallbacksEnded("the thread of the callbacks has died") from self._fault
 
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, kind, *_):
         # an executor that is shut down while it spins trips over its own destroyed handles
         self._leaving.set()
         self._thread.join()
+        self.node.between_callbacks = lambda make: make()
         self._executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self._context)
+        if kind is None and not self._is_told:
+            self._check()
 
     def now(self):
         return self.node.get_clock().now()
@@ -68,17 +120,31 @@ class Peer:
         end = time.monotonic() + deadline
         with self.changed:
             while not (value := condition()):
+                self._check()
                 remaining = end - time.monotonic()
                 assert remaining > 0, f"waited {deadline} s in vain for {what}"
                 self.changed.wait(min(remaining, 0.05))
             return value
 
     def between_callbacks(self, make):
-        """The value of `make()`, called where callbacks are, for what the executor must not meet half made."""
-        return self.result(self._executor.create_task(make), "a callback")
+        """The value of `make()`, called where callbacks are, for what the executor must not meet half made or half destroyed."""
+        if threading.current_thread() is self._thread:
+            return make()
+        made = Future()
+
+        def call():
+            # what is raised here is for the caller: it must not end the executor
+            try:
+                made.set_result(make())
+            except BaseException as fault:
+                made.set_exception(fault)
+
+        self._executor.create_task(call)
+        return self.result(made, "a callback")
 
     def result(self, future, what="an answer"):
         """The answer to an asynchronous call."""
+        future.add_done_callback(self._wake)
         self.wait_for(future.done, what)
         return future.result()
 
