@@ -120,6 +120,27 @@ class Companions:
             recorder.ever(lambda _: True, f"the first message of {name}")
 
     def of(self, state):
-        """The values published with a state that came after this was made, by topic."""
+        """The values published with a state that came after this was made, by topic.
+
+        Where one of them was lost on its way, those published with the next state that says the same.
+        """
+        while (said := self._with(state)) is None:
+            state = self._states.wait_for(repeats(state), "the same state once more", after=state)
+        return said
+
+    def _with(self, state):
         number = self._states.number(state)
-        return {name: recorder.numbered(number).data for name, recorder in self._recorders.items()}
+        messages = {name: recorder.numbered(number) for name, recorder in self._recorders.items()}
+        lost = None in messages.values()
+        return None if lost else {name: message.data for name, message in messages.items()}
+
+
+def repeats(state):
+    """Accepts states that say the same as this one."""
+
+    def said(state):
+        # by their text: NaN is unequal to itself
+        return repr((state.status, state.reason_code, state.nearest, state.distance_known, state.time_to_contact))
+
+    expected = said(state)
+    return lambda later: said(later) == expected

@@ -11,7 +11,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 
 DEADLINE = 20.0  # [s] discovery between two middlewares on a loaded machine may take several seconds
@@ -102,8 +102,8 @@ class Peer:
     def now(self):
         return self.node.get_clock().now()
 
-    def record(self, kind, topic, qos=10, only=lambda message: True):
-        return Recorder(self, kind, topic, qos, only)
+    def record(self, kind, topic, only=lambda message: True, durability=DurabilityPolicy.VOLATILE):
+        return Recorder(self, kind, topic, only, durability)
 
     def latch(self, message, topic):
         """Publishes once, for those who listen now and for those who come later."""
@@ -162,14 +162,18 @@ class Recorder:
     There is no way to wait for "the next message", which may be about an older input. A wait names the message or the
     moment that its result has to follow (`wait_for`, `more`, `event`), or is for something that no older input could
     bring about (`ever`).
+
+    What has arrived is never pushed out by what follows, however late its turn comes. What is lost on its way stays lost if the
+    publisher no longer has it when that is noticed.
     """
 
-    def __init__(self, peer, kind, topic, qos, only):
+    def __init__(self, peer, kind, topic, only, durability):
         self._peer = peer
         self._topic = topic
         self._only = only
         self._received = []
-        peer.node.create_subscription(kind, topic, self._receive, qos)
+        everything = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+        peer.node.create_subscription(kind, topic, self._receive, everything)
 
     def _receive(self, message, info):
         if not self._only(message):
@@ -203,12 +207,13 @@ class Recorder:
         return next(one.number for one in self._received if one.message is message)
 
     def numbered(self, number):
-        """The message at this place of the publisher's sequence."""
+        """The message at this place of the publisher's sequence; None if it was lost: those of one publisher arrive in their order."""
 
         def search():
-            return next((one.message for one in reversed(self._received) if one.number == number), None)
+            return next((one for one in self._received if one.number >= number), None)
 
-        return self._wait(search, f"message {number}")
+        first = self._wait(search, f"message {number}")
+        return first.message if first.number == number else None
 
     def wait_for(self, accept, what, after, deadline=DEADLINE):
         """The first accepted message that follows `after`: see the method of that name."""

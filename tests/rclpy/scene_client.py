@@ -162,7 +162,7 @@ class Complaints:
     def __init__(self, cell):
         self._cell = cell
         self._diagnostics = cell.peer.record(DiagnosticArray, "/diagnostics")
-        self._log = cell.peer.record(Log, "/rosout", QoSProfile(depth=1000))
+        self._log = cell.peer.record(Log, "/rosout")
         self.forget()
 
     def forget(self):

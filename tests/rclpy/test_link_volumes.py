@@ -1,15 +1,15 @@
 """`~/link_volumes`: boxes of the hierarchies at a chosen level, in the frames of the links."""
 
 import pytest
+from rclpy.qos import DurabilityPolicy
 from visualization_msgs.msg import Marker, MarkerArray
 
-from peer import LATCHED
 from scene import attached, ball, xyz
 from scene_client import SceneClient
 
 
 def record(cell):
-    return cell.peer.record(MarkerArray, cell.node.private("link_volumes"), LATCHED)
+    return cell.peer.record(MarkerArray, cell.node.private("link_volumes"), durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def boxes(array):

@@ -8,11 +8,11 @@ import re
 import pytest
 from clearance_msgs.msg import CollisionState
 from moveit_msgs.msg import CollisionObject, PlanningScene
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from move_group import MoveGroup
 from scene import ball, diff, fine_mesh, full, obstacle, pose, sphere
-from scene_client import KEPT, SceneClient, distances
+from scene_client import SceneClient, distances
 
 SERVICE = "/other/get_planning_scene"
 STRETCHED = {"joint1": 0, "joint2": 0}
@@ -59,7 +59,8 @@ def test_the_node_neither_asks_nor_hears_itself(start):
         ros_arguments=["-r", "planning_scene:=monitored_planning_scene"],
     )
     cell.driver.report(**STRETCHED)
-    own = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"), KEPT)
+    topic = cell.node.relative("monitored_planning_scene")
+    own = cell.peer.record(PlanningScene, topic, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     own.ever(lambda scene: not scene.is_diff, "the node's own scene")
     cell.peer.wait_for(lambda: "is the service of this node itself" in cell.node.output(), "a word about it")
     assert {state.reason_code for state in cell.states.more(10, after=cell.peer.now())} == {"stale_world"}

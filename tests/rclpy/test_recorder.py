@@ -1,8 +1,12 @@
 """The recorders of these tests: an answer about an older input is never taken for one about the newer, however late it arrives."""
 
 import pytest
+from clearance_msgs.msg import CollisionState
 from rclpy.time import Time
 from std_msgs.msg import Float64
+
+from cell import Companions
+
 
 @pytest.fixture
 def recorder(peer):
@@ -49,3 +53,35 @@ def test_a_wait_after_a_moment_fails_rather_than_take_an_older_message(recorder)
 def test_there_is_no_way_to_wait_for_the_next_message_or_to_read_the_last(recorder):
     assert not hasattr(recorder, "next")
     assert not hasattr(recorder, "messages")
+
+
+def test_a_message_that_was_lost_is_known_by_the_next_one(recorder):
+    arrive(recorder, 10, 20)
+    lost = len(recorder.all()) + 1
+    recorder._receive(Float64(data=40.0), {"publication_sequence_number": lost + 1, "source_timestamp": 40})
+    assert recorder.numbered(lost) is None
+    assert recorder.numbered(lost + 1).data == 40
+
+
+def test_a_burst_pushes_nothing_out_while_callbacks_wait_for_their_turn(peer):
+    recorder = peer.record(Float64, "/burst")
+    publisher = peer.node.create_publisher(Float64, "/burst", 1000)
+    peer.wait_for(lambda: publisher.get_subscription_count() == 1, "the recorder")
+    peer.between_callbacks(lambda: [publisher.publish(Float64(data=float(number))) for number in range(1000)])
+    peer.wait_for(lambda: len(recorder.all()) == 1000, "the whole burst")
+    assert data(recorder.all()) == list(range(1000))
+
+
+@pytest.mark.parametrize("lost", ["is_free", "distance", "speed_scale"])
+def test_values_of_which_one_was_lost_are_those_of_the_next_state_that_says_the_same(cell, lost):
+    companions = Companions(cell)
+    state = cell.falls_silent()
+    state = cell.states.more(1, after=state)[0]
+    recorder = companions._recorders[lost]
+    number = cell.states.number(state)
+    recorder.numbered(number)
+    recorder._received = [one for one in recorder._received if one.number != number]
+    said = companions.of(state)
+    assert (said["is_free"], said["distance"]) == (True, pytest.approx(0.7))
+    assert 0 <= said["speed_scale"] <= 1
+    assert state.status == CollisionState.FREE
