@@ -23,7 +23,7 @@ class States:
         return self._states.call_async(request)
 
     def check(self, states, **terms):
-        return self._peer.result(self.ask(states, **terms), "an answer of check_states")
+        return self.answer(self.ask(states, **terms))
 
     def ask_distances(self, state=(), joints=two_link.JOINTS, **terms):
         """Like `distances`, but gives the future of the answer."""
@@ -32,7 +32,11 @@ class States:
         return self._distances.call_async(request)
 
     def distances(self, state=(), **terms):
-        return self._peer.result(self.ask_distances(state, **terms), "an answer of get_distances")
+        return self.answer(self.ask_distances(state, **terms))
+
+    def answer(self, future):
+        """The answer to what was asked before."""
+        return self._peer.result(future, "an answer about states")
 
 
 def pair_of(answer, i):
