@@ -76,6 +76,37 @@ pub fn shortest_way(
     Ok((points, held))
 }
 
+/// A continuous joint, which may mimic another one: its position is `multiplier · q[index] + offset`.
+struct Turning<'r> {
+    name: &'r str,
+    index: usize,
+    multiplier: f64,
+    offset: f64,
+}
+
+impl Turning<'_> {
+    fn position(&self, q: &Configuration) -> f64 {
+        self.multiplier * q.positions()[self.index] + self.offset
+    }
+
+    /// Whether it turns so far in a straight segment that the other way is shorter, or about as short.
+    fn is_long(&self, segment: &MotionSegment) -> bool {
+        let turn = self.multiplier.abs() * segment.top_speed(self.index);
+        segment.is_straight() && turn > PI - HALF_TURN_DOUBT
+    }
+}
+
+/// All continuous joints, those that mimic another one too.
+fn turning(robot: &RobotModel) -> impl Iterator<Item = Turning<'_>> {
+    let joints = robot.joint_ids().map(|id| (id, robot.joint(id)));
+    let continuous = joints.filter(|(_, joint)| matches!(joint.kind, JointKind::Continuous(_)));
+    continuous.filter_map(|(id, joint)| {
+        let (leader, multiplier, offset) =
+            joint.mimic.map_or((id, 1.0, 0.0), |mimic| (mimic.joint, mimic.multiplier, mimic.offset));
+        Some(Turning { name: &joint.name, index: robot.first_position(leader)?, multiplier, offset })
+    })
+}
+
 /// Continuous joints with a position of their own.
 fn continuous(robot: &RobotModel) -> impl Iterator<Item = (JointId, usize)> {
     let is_continuous = |id: &JointId| matches!(robot.joint(*id).kind, JointKind::Continuous(_));
@@ -97,12 +128,12 @@ impl Trajectory {
             return Vec::new();
         };
         let (start, end) = (first.at(0.0), last.at(1.0));
-        let turns = |index: usize| self.segments().iter().any(|segment| segment.top_speed(index) > 0.0);
-        (continuous(robot).filter(|(_, index)| turns(*index)))
-            .map(|(id, index)| ContinuousTurn {
-                joint: robot.joint(id).name.clone(),
-                from: start.positions()[index],
-                to: end.positions()[index],
+        let moves = |index: usize| self.segments().iter().any(|segment| segment.top_speed(index) > 0.0);
+        (turning(robot).filter(|joint| joint.multiplier != 0.0 && moves(joint.index)))
+            .map(|joint| ContinuousTurn {
+                joint: joint.name.to_owned(),
+                from: joint.position(&start),
+                to: joint.position(&end),
             })
             .collect()
     }
@@ -110,29 +141,24 @@ impl Trajectory {
     /// A warning about straight segments in which a continuous joint turns by half a turn or more, of which a controller may make less.
     #[must_use]
     pub fn long_turn_note(&self, robot: &RobotModel) -> Option<String> {
-        let joints: Vec<(JointId, usize)> = continuous(robot).collect();
-        let long_in = |segment: &MotionSegment| joints.iter().find(|(_, index)| is_long(segment, *index));
+        let joints: Vec<Turning> = turning(robot).collect();
+        let long_in = |segment: &MotionSegment| joints.iter().find(|joint| joint.is_long(segment));
         let mut long = (self.segments().iter().enumerate())
             .filter_map(|(number, segment)| Some((number, segment, long_in(segment)?)));
-        let (number, segment, &(id, index)) = long.next()?;
+        let (number, segment, joint) = long.next()?;
         let which = if self.segments().len() > 1 { format!("segment {number}: ") } else { String::new() };
         let others = match long.count() {
             0 => String::new(),
             others => format!(", and so in {others} more segments"),
         };
-        let [from, to] = segment.ends().map(|end| end.positions()[index]);
-        let name = &robot.joint(id).name;
+        let [from, to] = segment.ends().map(|end| joint.position(&end));
+        let name = joint.name;
         let size =
             if (to - from).abs() > PI + HALF_TURN_DOUBT { "more than half a turn" } else { "half a turn" };
         Some(format!(
             "{which}continuous joint '{name}' turns by {size}, from {from} to {to}{others}: a controller that goes the shortest way may go the other way round"
         ))
     }
-}
-
-/// Whether a joint turns so far in a straight segment that the other way is shorter, or about as short.
-fn is_long(segment: &MotionSegment, index: usize) -> bool {
-    segment.is_straight() && segment.top_speed(index) > PI - HALF_TURN_DOUBT
 }
 
 #[cfg(test)]
@@ -230,6 +256,20 @@ mod tests {
         ]);
         let words = words.unwrap();
         assert!(words.starts_with("segment 1: ") && words.contains("in 1 more"), "{words}");
+    }
+
+    #[test]
+    fn continuous_joints_that_mimic_another_one_turn_as_well() {
+        let robot = robot("continuous", -2.0);
+        let [from, to] = [[0.0, 0.0], [2.0, 0.0]].map(|q| robot.configuration(&q).unwrap());
+        let way = Trajectory::of_segments(vec![MotionSegment::straight(&robot, &from, &to)]).unwrap();
+        let words = way.long_turn_note(&robot).unwrap();
+        assert!(words.contains("'k' turns by more than half a turn, from 0 to -4:"), "{words}");
+        let turns = way.continuous_turns(&robot);
+        assert_eq!(
+            turns.iter().map(|turn| (turn.joint.as_str(), turn.to)).collect::<Vec<_>>(),
+            [("wheel", 2.0), ("k", -4.0)]
+        );
     }
 
     proptest! {

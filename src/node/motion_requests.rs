@@ -246,8 +246,9 @@ fn verdict(
     let (trajectory, certificate) = (&trajectory, terms.certificate);
     let ends: Vec<Configuration> = trajectory.segments().iter().flat_map(MotionSegment::ends).collect();
     let limits = checker.robot().limits_note("way", [&ends]);
-    let mut notes: Vec<String> = limits.into_iter().chain(of_request).collect();
-    notes.extend(trajectory.long_turn_note(checker.robot()));
+    // a long message is cut at its end: what the proof is about comes first
+    let long_turn = trajectory.long_turn_note(checker.robot());
+    let mut notes: Vec<String> = long_turn.into_iter().chain(limits).chain(of_request).collect();
     let segments = trajectory.segments().len();
     let hopeless = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
     let (report, proof) = if certificate && !hopeless {
