@@ -106,6 +106,20 @@ pub(super) fn child<'d>(node: Node<'d, 'd>, name: &str) -> Option<Node<'d, 'd>> 
     children(node, name).next()
 }
 
+/// All text directly inside an element. Comments, processing instructions and CDATA sections do not end it.
+///
+/// # Errors
+/// When an element is among it: a clause that names that element.
+pub(super) fn text<'d>(node: Node<'d, 'd>) -> Result<Cow<'d, str>, String> {
+    if let Some(inner) = node.children().find(Node::is_element) {
+        return Err(format!("has an element <{}> in its text", shortened(inner.tag_name().name())));
+    }
+    let mut parts = node.children().filter_map(|part| part.text().filter(|_| part.is_text()));
+    let first = Cow::Borrowed(parts.next().unwrap_or_default());
+    // sections that a comment separates are one value in XML
+    Ok(parts.fold(first, |all, part| all + part))
+}
+
 /// What a text should be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Expected<'f> {
@@ -290,6 +304,34 @@ mod tests {
         let result = read_xml(text, expected, &mut warnings, |xml, _| xml.line(xml.root()));
         let warnings = warnings.iter().map(ToString::to_string).collect();
         (result.map_err(|f| f.to_string()), warnings)
+    }
+
+    #[test]
+    fn text_is_all_text_of_the_element() {
+        let of = |content: &str| {
+            let xml = format!("<a>{content}</a>");
+            read_xml(
+                &xml,
+                Expected { file: None, language: "an A", root: "a" },
+                &mut Vec::new(),
+                |xml, _| text(xml.root()).map(Cow::into_owned),
+            )
+            .unwrap()
+        };
+        for (content, expected) in [
+            ("", ""),
+            ("1 2", "1 2"),
+            ("1 <!-- c -->2<!-- d --> 3", "1 2 3"),
+            ("<!-- c -->1<?x y?> 2", "1 2"),
+            ("1<![CDATA[ 2 ]]>3<!-- c --><![CDATA[ 4]]>", "1 2 3 4"),
+            ("<!-- only -->", ""),
+            ("1 &#50;", "1 2"),
+        ] {
+            assert_eq!(of(content).as_deref(), Ok(expected), "{content}");
+        }
+        for content in ["1 <b/> 2", "<b>1</b>", "1<!-- c --><b/>"] {
+            assert_eq!(of(content), Err("has an element <b> in its text".to_owned()), "{content}");
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! The file's unit and the transforms of its nodes are applied. Its `up_axis` is not: RViz and `MoveIt` show the axes as
 //! they stand in the file, and a checker that turned them would check another robot than the one shown.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 use nalgebra::Matrix4;
@@ -17,7 +18,7 @@ use super::tally::Tally;
 use crate::geometry::TriangleMesh;
 use crate::math::Point;
 use crate::robot::numbers::{decimal, decimals, shortened};
-use crate::robot::xml::{Expected, Xml, child, children, read_xml};
+use crate::robot::xml::{Expected, Xml, child, children, read_xml, text};
 
 mod elements_by_id;
 mod geometry;
@@ -65,7 +66,7 @@ impl<'d> Collada<'d> {
 
     fn read(mut self) -> Result<ReadMesh, String> {
         let metres = self.unit()?;
-        self.note_up_axis();
+        self.note_up_axis()?;
         for shown in self.shown_geometries(Matrix4::new_scaling(metres))? {
             self.append(shown.geometry, &shown.to_file)?;
         }
@@ -81,8 +82,8 @@ impl<'d> Collada<'d> {
 
     /// Metres in one unit of the file.
     fn unit(&self) -> Result<f64, String> {
-        let asset = child(self.xml.root(), "asset");
-        let Some(unit) = asset.and_then(|a| child(a, "unit")) else {
+        let asset = self.only_child(self.xml.root(), "asset")?;
+        let Some(unit) = asset.map(|a| self.only_child(a, "unit")).transpose()?.flatten() else {
             return Ok(1.0);
         };
         match unit.attribute("meter").map(decimal) {
@@ -93,12 +94,27 @@ impl<'d> Collada<'d> {
         }
     }
 
-    fn note_up_axis(&mut self) {
+    fn note_up_axis(&mut self) -> Result<(), String> {
         let asset = child(self.xml.root(), "asset");
-        let up = asset.and_then(|a| child(a, "up_axis")).and_then(|u| u.text()).map(str::trim);
-        if let Some(up @ ("X_UP" | "Y_UP")) = up {
+        let Some(axis) = asset.map(|a| self.only_child(a, "up_axis")).transpose()?.flatten() else {
+            return Ok(());
+        };
+        if let up @ ("X_UP" | "Y_UP") = self.text(axis)?.trim() {
             self.remarks
                 .push(format!("says {up}; its axes are taken as they stand in the file, as RViz shows them"));
+        }
+        Ok(())
+    }
+
+    /// The child of that name, of which COLLADA allows one.
+    fn only_child(&self, node: Node<'d, 'd>, name: &str) -> Result<Option<Node<'d, 'd>>, String> {
+        let mut named = children(node, name);
+        let first = named.next();
+        match named.next() {
+            Some(second) => {
+                Err(self.at(second, format!("<{}> may have only one of it", node.tag_name().name())))
+            }
+            None => Ok(first),
         }
     }
 
@@ -123,8 +139,12 @@ impl<'d> Collada<'d> {
         format!("line {}: <{}>: {message}", self.xml.line(node), node.tag_name().name())
     }
 
-    fn numbers<const N: usize>(&self, node: Node) -> Result<[f64; N], String> {
-        decimals(node.text().unwrap_or_default()).map_err(|reason| self.at(node, reason))
+    fn text(&self, node: Node<'d, 'd>) -> Result<Cow<'d, str>, String> {
+        text(node).map_err(|reason| self.at(node, reason))
+    }
+
+    fn numbers<const N: usize>(&self, node: Node<'d, 'd>) -> Result<[f64; N], String> {
+        decimals(&self.text(node)?).map_err(|reason| self.at(node, reason))
     }
 }
 

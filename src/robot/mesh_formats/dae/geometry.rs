@@ -14,13 +14,7 @@ type Polygons = Vec<Vec<usize>>;
 impl<'d> Collada<'d> {
     /// Adds the triangles of `geometry`, moved by `to_file`.
     pub(super) fn append(&mut self, geometry: Node<'d, 'd>, to_file: &Matrix4<f64>) -> Result<(), String> {
-        let Some(mesh) = child(geometry, "mesh").or_else(|| child(geometry, "convex_mesh")) else {
-            if child(geometry, "spline").is_some() {
-                self.tally.add("splines are skipped", Some(self.xml.line(geometry)));
-                return Ok(());
-            }
-            return Err(self.at(geometry, "has no <mesh>"));
-        };
+        let Some(mesh) = self.surface(geometry)? else { return Ok(()) };
         if mesh.has_attribute("convex_hull_of") {
             return Err(self.at(mesh, "convex_hull_of is not read; write the triangles of the hull"));
         }
@@ -45,6 +39,26 @@ impl<'d> Collada<'d> {
             }
         }
         Ok(())
+    }
+
+    /// The mesh of a geometry; `None` when it is something else, which is counted.
+    fn surface(&mut self, geometry: Node<'d, 'd>) -> Result<Option<Node<'d, 'd>>, String> {
+        let meshes: Vec<Node> = (geometry.children().filter(Node::is_element))
+            .filter(|part| matches!(part.tag_name().name(), "mesh" | "convex_mesh"))
+            .collect();
+        for (kind, skipped) in
+            [("spline", "splines are skipped"), ("brep", "boundary representations (<brep>) are skipped")]
+        {
+            for part in children(geometry, kind) {
+                self.tally.add(skipped, Some(self.xml.line(part)));
+            }
+        }
+        match meshes[..] {
+            [mesh] => Ok(Some(mesh)),
+            [] if child(geometry, "spline").or_else(|| child(geometry, "brep")).is_some() => Ok(None),
+            [] => Err(self.at(geometry, "has no <mesh>")),
+            [_, second, ..] => Err(self.at(second, "<geometry> may have only one mesh")),
+        }
     }
 
     fn append_polygon(
@@ -80,16 +94,19 @@ impl<'d> Collada<'d> {
     /// The positions that `<vertices>` point at.
     fn positions(&mut self, vertices: Node<'d, 'd>) -> Result<Vec<Point>, String> {
         let position = |n: &Node| n.attribute("semantic") == Some("POSITION");
-        let Some(input) = children(vertices, "input").find(position) else {
-            return Err(self.at(vertices, "has no input POSITION"));
+        let inputs: Vec<Node> = children(vertices, "input").filter(position).take(2).collect();
+        let input = match inputs[..] {
+            [input] => input,
+            [] => return Err(self.at(vertices, "has no input POSITION")),
+            _ => return Err(self.at(inputs[1], "<vertices> may have only one input POSITION")),
         };
         let source = self.referenced(input, "source", &["source"])?;
-        let accessor = child(source, "technique_common").and_then(|t| child(t, "accessor"));
-        let Some(accessor) = accessor else {
+        let technique = self.only_child(source, "technique_common")?;
+        let Some(accessor) = technique.map(|t| self.only_child(t, "accessor")).transpose()?.flatten() else {
             return Err(self.at(source, "has no accessor"));
         };
         let array = self.referenced(accessor, "source", &["float_array", "int_array"])?;
-        let numbers: Vec<f64> = (array.text().unwrap_or_default().split_whitespace())
+        let numbers: Vec<f64> = (self.text(array)?.split_whitespace())
             .map(decimal)
             .collect::<Result<_, _>>()
             .map_err(|reason| self.at(array, reason))?;
@@ -128,6 +145,9 @@ impl<'d> Collada<'d> {
             let offset = self.whole(input, "offset", Some(0))?;
             stride = stride.max(offset.saturating_add(1));
             if input.attribute("semantic") == Some("VERTEX") {
+                if vertex_input.is_some() {
+                    return Err(self.at(input, format!("<{kind}> may have only one input VERTEX")));
+                }
                 vertex_input = Some((input, offset));
             }
         }
@@ -167,11 +187,14 @@ impl<'d> Collada<'d> {
     /// The numbers of each `<p>`. A polygon with holes (`<ph>`) is taken by its outline: filled, it hides no contact.
     fn index_lists(&mut self, primitive: Node<'d, 'd>) -> Result<Vec<Vec<usize>>, String> {
         let mut lists = Vec::new();
-        for part in primitive.children().filter(Node::is_element) {
+        for part in primitive.children() {
+            if part.is_text() && part.text().is_some_and(|text| !text.trim().is_empty()) {
+                return Err(self.at(primitive, "has text outside of <p> and <vcount>"));
+            }
             match part.tag_name().name() {
                 "p" => lists.push(self.indices(part)?),
                 "ph" => {
-                    let Some(outline) = child(part, "p") else {
+                    let Some(outline) = self.only_child(part, "p")? else {
                         return Err(self.at(part, "has no <p>"));
                     };
                     lists.push(self.indices(outline)?);
@@ -192,7 +215,7 @@ impl<'d> Collada<'d> {
     }
 
     fn counted_polygons(&self, primitive: Node<'d, 'd>, corners: &[usize]) -> Result<Polygons, String> {
-        let counts = match child(primitive, "vcount") {
+        let counts = match self.only_child(primitive, "vcount")? {
             Some(vcount) => self.indices(vcount)?,
             None => Vec::new(),
         };
@@ -223,8 +246,8 @@ impl<'d> Collada<'d> {
         }
     }
 
-    fn indices(&self, node: Node) -> Result<Vec<usize>, String> {
-        (node.text().unwrap_or_default().split_whitespace())
+    fn indices(&self, node: Node<'d, 'd>) -> Result<Vec<usize>, String> {
+        (self.text(node)?.split_whitespace())
             .map(|word| word.parse().map_err(|_| self.at(node, "holds something that is no index")))
             .collect()
     }

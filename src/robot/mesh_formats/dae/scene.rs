@@ -3,7 +3,7 @@
 use nalgebra::{Matrix4, Unit, Vector3};
 use roxmltree::Node;
 
-use super::{Collada, child, children};
+use super::{Collada, children};
 
 /// Nodes in nodes: more is a loop of `instance_node`.
 const MOST_LEVELS: usize = 100;
@@ -60,7 +60,8 @@ impl<'d> Collada<'d> {
 
     /// The scene that the file instances, or its only one.
     fn visual_scene(&self) -> Result<Option<Node<'d, 'd>>, String> {
-        let instance = child(self.xml.root(), "scene").and_then(|s| child(s, "instance_visual_scene"));
+        let scene = self.only_child(self.xml.root(), "scene")?;
+        let instance = scene.map(|s| self.only_child(s, "instance_visual_scene")).transpose()?.flatten();
         if let Some(instance) = instance {
             return self.referenced(instance, "url", &["visual_scene"]).map(Some);
         }

@@ -26,7 +26,7 @@ impl<'d> Collada<'d> {
                 "the mesh is morphed: it is taken without"
             };
             self.remarks.push(self.at(controller, what));
-            if let Some(matrix) = child(deformer, "bind_shape_matrix") {
+            if let Some(matrix) = self.only_child(deformer, "bind_shape_matrix")? {
                 to_mesh *= Matrix4::from_row_slice(&self.numbers::<16>(matrix)?);
             }
             let source = self.referenced(deformer, "source", &["geometry", "controller"])?;

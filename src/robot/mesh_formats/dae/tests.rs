@@ -30,6 +30,10 @@ fn extent(read: &ReadMesh) -> Vector {
     hi - lo
 }
 
+fn surface(read: &ReadMesh) -> (&[Point], &[[u32; 3]]) {
+    (read.mesh.vertices(), read.mesh.triangles())
+}
+
 fn fault(text: &str) -> String {
     read(text).unwrap_err()
 }
@@ -88,6 +92,62 @@ fn a_lying_count_is_told() {
     let read = read(&file("", &lie, NODE)).unwrap();
     assert_eq!(read.mesh.triangles().len(), 2);
     assert!(read.remarks[0].contains("1000000"), "{:?}", read.remarks);
+}
+
+/// What stands between the words of a text changes nothing, but an element has no place there.
+#[test]
+fn text_goes_on_behind_comments_instructions_and_sections() {
+    let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
+    let primitive = format!("<polylist count='2'>{input}<vcount>3 3</vcount><p>0 1 2 0 2 3</p></polylist>");
+    let node = "<node><matrix>2 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1</matrix><translate>1 2 3</translate><scale>1 2 1</scale>\
+                <rotate>0 0 1 90</rotate><instance_geometry url='#g'/></node>";
+    let good = file("<up_axis> Y_UP </up_axis>", &primitive, node);
+    let expected = read(&good).unwrap();
+    for name in ["float_array", "vcount", "p", "matrix", "translate", "scale", "rotate", "up_axis"] {
+        let tag = good.find(&format!("<{name}>")).or_else(|| good.find(&format!("<{name} "))).unwrap();
+        let start = tag + good[tag..].find('>').unwrap() + 1;
+        let end = start + good[start..].find('<').unwrap();
+        let places = (start..=end).filter(|&at| at == start || at == end || &good[at..=at] == " ");
+        for at in places {
+            let with = |what: &str| format!("{}{what}{}", &good[..at], &good[at..]);
+            for what in ["<!-- 7 -->", "<?x 7?>", "<![CDATA[ ]]>"] {
+                let found = read(&with(what)).unwrap_or_else(|e| panic!("{name} with {what}: {e}"));
+                assert_eq!(surface(&found), surface(&expected), "{name} with {what}");
+                assert_eq!(found.remarks, expected.remarks, "{name} with {what}");
+            }
+            let message = fault(&with("<extra/>"));
+            assert!(message.contains(&format!("<{name}>: has an element <extra>")), "{message}");
+        }
+    }
+    let stray = fault(&good.replace("</p>", "</p> 1 2 3 "));
+    assert!(stray.contains("text outside of <p>"), "{stray}");
+}
+
+/// Of what COLLADA allows once, a second one is an error, not left out.
+#[test]
+fn what_may_stand_once_is_rejected_twice() {
+    let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
+    let primitive = format!("<polylist count='2'>{input}<vcount>3 3</vcount><p>0 1 2 0 2 3</p></polylist>");
+    let good = file("<unit meter='1'/>", &primitive, NODE);
+    for element in [
+        input,
+        "<vcount>3 3</vcount>",
+        "<unit meter='1'/>",
+        r##"<input semantic="POSITION" source="#s"/>"##,
+        r##"<accessor source="#a" count="4" stride="3"/>"##,
+        r##"<scene><instance_visual_scene url="#vs"/></scene>"##,
+        r##"<instance_visual_scene url="#vs"/>"##,
+    ] {
+        assert!(good.contains(element), "{element}");
+        let message = fault(&good.replace(element, &element.repeat(2)));
+        assert!(message.contains("only one"), "{element}: {message}");
+    }
+    for second in ["<mesh/>", "<convex_mesh/>"] {
+        let message = fault(&good.replace("</mesh>", &format!("</mesh>{second}")));
+        assert!(message.contains("only one mesh"), "{message}");
+    }
+    let both = read(&good.replace("<mesh>", "<brep/><mesh>")).unwrap();
+    assert!(both.remarks[0].contains("<brep>"), "{:?}", both.remarks);
 }
 
 #[test]
