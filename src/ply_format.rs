@@ -7,6 +7,9 @@ pub use number_kind::{ByteOrder, NumberKind};
 
 use words::{next_line, quoted, words};
 
+/// Longest padding (bytes) behind the last record of a binary file.
+const LONGEST_PADDING: usize = 3;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Storage {
     Ascii,
@@ -224,6 +227,37 @@ impl<'d> Numbers<'d> {
             }
         }
         Ok(point)
+    }
+
+    /// What is left, as a clause; `None` when all has been read.
+    pub fn left(&mut self) -> Option<String> {
+        match self {
+            Self::Ascii(words) => {
+                let first = words.next()?;
+                let count = 1 + words.count();
+                Some(format!(
+                    "{count} more word{} after the last record that its header announces, the first is {}",
+                    if count == 1 { " follows" } else { "s follow" },
+                    quoted(first)
+                ))
+            }
+            Self::Binary { rest: [], .. } => None,
+            Self::Binary { rest, .. } => Some(format!(
+                "{} more byte{} after the last record that its header announces",
+                rest.len(),
+                if rest.len() == 1 { " follows" } else { "s follow" }
+            )),
+        }
+    }
+
+    /// Whether a line break or a few zeros at most are left of binary data: programs pad files so.
+    pub fn is_padding_left(&self) -> bool {
+        match self {
+            Self::Ascii(_) => false,
+            Self::Binary { rest, .. } => {
+                rest.len() <= LONGEST_PADDING && rest.iter().all(|b| matches!(b, 0 | b'\n' | b'\r'))
+            }
+        }
     }
 
     pub fn skip_property(&mut self, property: &Property) -> Result<(), PlyError> {

@@ -1,11 +1,16 @@
-//! PLY: vertices with x, y and z, and faces or triangle strips that index them. All other elements and properties, such as
-//! colours and normals, are left out. Coordinates are metres, as RViz takes them.
+//! PLY: vertices with x, y and z, and faces or triangle strips that index them. Other properties, such as colours and
+//! normals, are left out; so are other elements, with a remark, unless they index vertices. Coordinates are metres, as RViz
+//! takes them.
 
 use super::tally::{TOO_FEW_CORNERS, Tally};
 use super::{ReadMesh, polygon};
 use crate::geometry::TriangleMesh;
 use crate::math::Point;
-use crate::ply_format::{Element, Numbers, PlyError, PlyFile};
+use crate::ply_format::words::quoted;
+use crate::ply_format::{Element, Numbers, PlyError, PlyFile, Property};
+
+/// Names of elements that are surfaces, in lower case and without a plural's s; of these, face and tristrips are read.
+const SURFACES: [&str; 8] = ["face", "tristrip", "trifan", "triangle", "quad", "polygon", "patch", "range_grid"];
 
 /// Most triangles: strips and polygons have one for each index at most.
 const MOST_TRIANGLES: usize = 20_000_000;
@@ -23,13 +28,26 @@ struct Lists {
 pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
     let PlyFile { elements, mut numbers } = PlyFile::open(bytes).map_err(bad)?;
     let (mut vertices, mut faces, mut strips) = (None, Lists::default(), Lists::default());
+    let mut remarks = Vec::new();
     for element in &elements {
         match element.name.as_str() {
-            "vertex" if vertices.is_none() => vertices = Some(positions(element, &mut numbers).map_err(bad)?),
+            "vertex" if vertices.is_some() => {
+                return Err("bad PLY: the header has more than one element vertex".to_owned());
+            }
+            "vertex" => vertices = Some(positions(element, &mut numbers).map_err(bad)?),
             "face" => faces.read(element, &mut numbers).map_err(bad)?,
             "tristrips" => strips.read(element, &mut numbers).map_err(bad)?,
-            _ => numbers.skip(element).map_err(bad)?,
+            _ => {
+                remarks.extend(skipped(element)?);
+                numbers.skip(element).map_err(bad)?;
+            }
         }
+    }
+    let is_padding = numbers.is_padding_left();
+    match numbers.left() {
+        Some(left) if is_padding => remarks.push(left),
+        Some(left) => return Err(format!("bad PLY: {left}: the header is wrong, or two files were joined")),
+        None => {}
     }
     let vertices = vertices.ok_or("bad PLY: the header has no element vertex")?;
     let mut triangles = Vec::new();
@@ -46,7 +64,30 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
         return Err("the file has no faces: it is a point cloud, or lacks its surface".to_owned());
     }
     let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| e.to_string())?;
-    Ok(ReadMesh { mesh, remarks: tally.remarks().collect() })
+    remarks.extend(tally.remarks());
+    Ok(ReadMesh { mesh, remarks })
+}
+
+/// The remark on an element that is not read, if it has any record.
+fn skipped(element: &Element) -> Result<Option<String>, String> {
+    let Element { name, count, properties } = element;
+    if *count == 0 {
+        return Ok(None);
+    }
+    let name = quoted(name);
+    let plain = element.name.to_ascii_lowercase();
+    let is_surface = SURFACES.contains(&plain.trim_end_matches('s')) || properties.iter().any(is_indices);
+    if is_surface {
+        return Err(format!(
+            "bad PLY: the surface in element {name} ({count} records) is not read; write it as element face"
+        ));
+    }
+    Ok(Some(format!("element {name} ({count} records) is not read")))
+}
+
+/// Whether a property lists vertices.
+fn is_indices(property: &Property) -> bool {
+    property.list.is_some() && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
 }
 
 #[allow(clippy::needless_pass_by_value)] // for map_err
@@ -61,8 +102,11 @@ fn positions(element: &Element, numbers: &mut Numbers) -> Result<Vec<Point>, Ply
 
 impl Lists {
     fn read(&mut self, element: &Element, numbers: &mut Numbers) -> Result<(), PlyError> {
-        let is_indices = |name: &str| matches!(name, "vertex_indices" | "vertex_index");
-        let place = element.properties.iter().position(|p| is_indices(&p.name) && p.list.is_some());
+        let place = element.properties.iter().position(is_indices);
+        if element.properties.iter().filter(|p| is_indices(p)).count() > 1 {
+            let name = quoted(&element.name);
+            return Err(PlyError(format!("element {name} has more than one list of vertices")));
+        }
         let Some(place) = place.filter(|_| element.count > 0) else {
             let missing = format!("element {} has no list vertex_indices", element.name);
             return if element.count == 0 { numbers.skip(element) } else { Err(PlyError(missing)) };
@@ -210,6 +254,49 @@ mod tests {
         let read = read(format!("{text}{SQUARE}0\n1 2\n2 0 1\n3 0 1 2").as_bytes()).unwrap();
         assert_eq!(read.mesh.triangles().len(), 1);
         assert!(read.remarks[0].starts_with("3 polygons of fewer"), "{:?}", read.remarks);
+    }
+
+    #[test]
+    fn data_that_the_header_does_not_announce_is_rejected() {
+        let ascii = format!("{HEAD}{SQUARE}4 0 1 2 3\n");
+        assert!(fault(&format!("{ascii}3 0 1 2\n")).contains("4 more words follow"));
+        assert!(fault(&format!("{ascii}x")).contains("1 more word follows"));
+        assert!(fault(&format!("{ascii}{ascii}")).contains("the first is 'ply'"));
+        assert!(read(format!("{ascii}\n \n").as_bytes()).unwrap().remarks.is_empty());
+        for order in ["binary_little_endian", "binary_big_endian"] {
+            let whole = binary(order, 4, 4);
+            let with = |more: &[u8]| read(&[&whole[..], more].concat());
+            assert!(with(&[0; 17]).unwrap_err().contains("17 more bytes follow"));
+            assert!(with(b"x").unwrap_err().contains("1 more byte follows"));
+            assert!(with(b"\r\n").unwrap().remarks[0].contains("2 more bytes follow"));
+        }
+    }
+
+    #[test]
+    fn surfaces_that_are_not_read_are_rejected() {
+        let list = "property list uchar int ";
+        for (element, words) in [
+            (format!("element polygon 1\n{list}vertices\n"), "'polygon'"),
+            (format!("element Face 1\n{list}v\n"), "'Face'"),
+            (format!("element patches 1\n{list}vertex_index\n"), "'patches'"),
+            (format!("{list}vertex_index\n"), "more than one list"),
+            (format!("{list}vertex_indices\n"), "more than one list"),
+        ] {
+            let head = HEAD.replace("end_header", &format!("{}end_header", element));
+            let message = fault(&format!("{head}{SQUARE}4 0 1 2 3 3 0 1 2"));
+            assert!(message.contains(words), "{message}");
+        }
+        let twice = HEAD.replace("element face", "element vertex 1\nproperty float x\nelement face");
+        assert!(fault(&format!("{twice}{SQUARE}7 4 0 1 2 3")).contains("more than one element vertex"));
+        let other = HEAD.replace("end_header", "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header");
+        let found = read_text(&format!("{other}{SQUARE}4 0 1 2 3 0 1"));
+        assert_eq!(found.remarks, ["element 'edge' (1 records) is not read"]);
+        let none = HEAD.replace("end_header", &format!("element polygon 0\n{list}vertices\nend_header"));
+        assert!(read_text(&format!("{none}{SQUARE}4 0 1 2 3")).remarks.is_empty());
+    }
+
+    fn read_text(text: &str) -> ReadMesh {
+        read(text.as_bytes()).unwrap()
     }
 
     #[test]

@@ -8,21 +8,29 @@ use crate::ply_format::PlyFile;
 pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     let PlyFile { elements, mut numbers } = PlyFile::open(bytes)?;
     let mut cloud = CloudPoints::default();
-    for element in &elements {
-        if element.name != "vertex" {
-            numbers.skip(element)?;
-            continue;
-        }
-        let xyz = element.coordinates()?;
-        for i in 0..element.count {
-            cloud.push(numbers.point(element, xyz, i)?)?;
-        }
-        if elements.iter().any(|e| e.name == "face" && e.count > 0) {
-            cloud.remarks.push("its faces are not used: only its vertices are points".to_owned());
-        }
-        return Ok(cloud);
+    let Some(at) = elements.iter().position(|element| element.name == "vertex") else {
+        return Err(CloudError("the header has no element vertex".to_owned()));
+    };
+    let (before, vertices, after) = (&elements[..at], &elements[at], &elements[at + 1..]);
+    if after.iter().any(|element| element.name == "vertex") {
+        return Err(CloudError("the header has more than one element vertex".to_owned()));
     }
-    Err(CloudError("the header has no element vertex".to_owned()))
+    for element in before {
+        numbers.skip(element)?;
+    }
+    let xyz = vertices.coordinates()?;
+    for i in 0..vertices.count {
+        cloud.push(numbers.point(vertices, xyz, i)?)?;
+    }
+    if elements.iter().any(|e| e.name == "face" && e.count > 0) {
+        cloud.remarks.push("its faces are not used: only its vertices are points".to_owned());
+    }
+    // its vertices are whole: what follows them decides nothing
+    match after.iter().try_for_each(|element| numbers.skip(element)) {
+        Ok(()) => cloud.remarks.extend(numbers.left()),
+        Err(error) => cloud.remarks.push(format!("what follows its vertices is cut: {error}")),
+    }
+    Ok(cloud)
 }
 
 #[cfg(test)]

@@ -125,3 +125,30 @@ fn faults_are_named() {
     let endless = format!("{head}element nothing {}\nelement vertex 0\n{xyz}end_header\n", usize::MAX);
     assert_eq!(read_cloud(endless.as_bytes()).unwrap().points.len(), 0);
 }
+
+#[test]
+fn what_the_header_does_not_announce_is_told() {
+    let xyz = "property float x\nproperty float y\nproperty float z\n";
+    let head = |format: &str, more: &str| {
+        format!("ply\nformat {format} 1.0\nelement vertex 1\n{xyz}{more}end_header\n")
+    };
+    let remarks = |bytes: &[u8]| {
+        let cloud = read_cloud(bytes).unwrap();
+        assert_eq!(cloud.points.len(), 1);
+        cloud.remarks.concat()
+    };
+    let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+    let ascii = |more: &str, data: &str| remarks(format!("{}{data}", head("ascii", more)).as_bytes());
+    assert_eq!(ascii("", "1 2 3\n\n"), "");
+    assert!(ascii("", "1 2 3\n4 5 6\n").starts_with("3 more words follow"));
+    assert!(ascii("", "1 2 3 x\n").starts_with("1 more word follows"));
+    assert!(ascii(faces, "1 2 3\n3 0 0 0\n0 0 0\n").contains("3 more words follow"));
+    assert!(ascii(faces, "1 2 3\n3 0 0\n").contains("is cut"));
+    for format in ["binary_little_endian", "binary_big_endian"] {
+        let bytes = [head(format, "").into_bytes(), vec![0; 24]].concat();
+        assert!(remarks(&bytes).starts_with("12 more bytes follow"));
+        assert_eq!(remarks(&bytes[..bytes.len() - 12]), "");
+    }
+    let two = format!("ply\nformat ascii 1.0\nelement vertex 1\n{xyz}element vertex 1\n{xyz}end_header\n1 2 3 4 5 6");
+    assert!(read_cloud(two.as_bytes()).unwrap_err().to_string().contains("more than one element vertex"));
+}
