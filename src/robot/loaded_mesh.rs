@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::mesh_files::{Found, MeshFileError, MeshFiles};
-use super::mesh_formats;
+use super::mesh_formats::{self, memory};
 use super::numbers::shortened;
 use crate::constants::{SUSPICIOUS_DISTANCE, SUSPICIOUS_EXTENT};
 use crate::geometry::TriangleMesh;
@@ -66,12 +66,14 @@ type MeshKey = ((PathBuf, PathBuf), [u64; 3]);
 /// Meshes of one robot or world: a file that is used several times with one scale is read once.
 pub(crate) struct MeshCache<'f> {
     files: &'f MeshFiles,
+    /// Estimated memory (bytes) of all meshes with the hierarchies that will be built.
+    memory: usize,
     loaded: HashMap<MeshKey, Arc<TriangleMesh>>,
 }
 
 impl<'f> MeshCache<'f> {
     pub fn new(files: &'f MeshFiles) -> Self {
-        Self { files, loaded: HashMap::new() }
+        Self { files, memory: 0, loaded: HashMap::new() }
     }
 
     /// As [`MeshFiles::load`]; what is odd about a mesh is told at its first use only.
@@ -86,9 +88,18 @@ impl<'f> MeshCache<'f> {
             let remark = format!("mesh '{}': Gazebo's model:// is taken as package://", shortened(uri));
             loaded.remarks.push(remark);
         }
+        self.memory = self.memory.saturating_add(memory_of(&loaded.mesh));
+        memory::check(self.memory).map_err(|e| MeshFileError::Unusable {
+            file: found.path().to_owned(),
+            reason: format!("the meshes up to this one {e}"),
+        })?;
         self.loaded.insert(key, loaded.mesh.clone());
         Ok(loaded)
     }
+}
+
+fn memory_of(mesh: &TriangleMesh) -> usize {
+    memory::of_mesh(mesh.vertices().len(), mesh.triangles().len())
 }
 
 /// What about the size and place of a mesh is probably not meant.

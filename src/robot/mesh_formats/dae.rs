@@ -8,18 +8,21 @@
 //! they stand in the file, and a checker that turned them would check another robot than the one shown.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::cell::Cell;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 use nalgebra::Matrix4;
-use roxmltree::Node;
+use roxmltree::{Node, NodeId};
 
 use super::ReadMesh;
+use super::mesh_builder::MeshBuilder;
+use super::polygon::Triangulator;
 use super::tally::Tally;
-use crate::geometry::TriangleMesh;
-use crate::math::Point;
 use crate::robot::numbers::{decimal, decimals, shortened};
 use crate::robot::xml::{Expected, Xml, child, children, read_xml, text};
 
+mod accessor;
 mod elements_by_id;
 mod geometry;
 mod scene;
@@ -27,8 +30,8 @@ mod skin;
 
 use elements_by_id::ElementsById;
 
-/// Most triangles of a file, instances counted: a file of nested instances can ask for any number.
-const MOST_TRIANGLES: usize = 20_000_000;
+/// Most text (bytes) that is read, references counted: elements may be referenced over and over.
+const MOST_TEXT: usize = 256 << 20;
 
 /// # Errors
 /// When the file is no COLLADA, contradicts itself, or shows no triangles; with the line.
@@ -46,8 +49,11 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
 struct Collada<'d> {
     xml: &'d Xml<'d>,
     ids: ElementsById<'d>,
-    vertices: Vec<Point>,
-    triangles: Vec<[u32; 3]>,
+    /// Of the geometries that have been read, in their own coordinates.
+    surfaces: HashMap<NodeId, Rc<MeshBuilder>>,
+    shown: MeshBuilder,
+    triangulator: Triangulator,
+    text_left: Cell<usize>,
     remarks: Vec<String>,
     tally: Tally,
 }
@@ -57,8 +63,10 @@ impl<'d> Collada<'d> {
         Self {
             xml,
             ids: ElementsById::new(xml.root()),
-            vertices: Vec::new(),
-            triangles: Vec::new(),
+            surfaces: HashMap::new(),
+            shown: MeshBuilder::default(),
+            triangulator: Triangulator::default(),
+            text_left: Cell::new(MOST_TEXT),
             remarks: Vec::new(),
             tally: Tally::default(),
         }
@@ -68,12 +76,13 @@ impl<'d> Collada<'d> {
         let metres = self.unit()?;
         self.note_up_axis()?;
         for shown in self.shown_geometries(Matrix4::new_scaling(metres))? {
-            self.append(shown.geometry, &shown.to_file)?;
+            let surface = self.surface(shown.geometry)?;
+            self.shown.append(&surface, &shown.to_file)?;
         }
-        if self.triangles.is_empty() {
+        if self.shown.triangles.is_empty() {
             return Err("the scene shows no triangles".to_owned());
         }
-        let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|e| e.to_string())?;
+        let mesh = self.shown.finish()?;
         self.remarks.extend(self.tally.remarks());
         let mut told = HashSet::new();
         self.remarks.retain(|remark| told.insert(remark.clone()));
@@ -140,7 +149,22 @@ impl<'d> Collada<'d> {
     }
 
     fn text(&self, node: Node<'d, 'd>) -> Result<Cow<'d, str>, String> {
-        text(node).map_err(|reason| self.at(node, reason))
+        let text = text(node).map_err(|reason| self.at(node, reason))?;
+        let left = self.text_left.get().checked_sub(text.len());
+        let left = left.ok_or_else(|| {
+            self.at(node, format!("elements are referenced so often that more than {MOST_TEXT} bytes are read"))
+        })?;
+        self.text_left.set(left);
+        Ok(text)
+    }
+
+    /// A transform that keeps parallel lines parallel.
+    fn affine(&self, node: Node<'d, 'd>) -> Result<Matrix4<f64>, String> {
+        let matrix = Matrix4::from_row_slice(&self.numbers::<16>(node)?);
+        if matrix.row(3) != Matrix4::identity().row(3) {
+            return Err(self.at(node, "the last row of the matrix is not 0 0 0 1"));
+        }
+        Ok(matrix)
     }
 
     fn numbers<const N: usize>(&self, node: Node<'d, 'd>) -> Result<[f64; N], String> {

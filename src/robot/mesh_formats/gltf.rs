@@ -10,12 +10,13 @@
 //! strides and sparse elements that lie.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion};
 
+use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder};
 use super::tally::{TOO_FEW_CORNERS, Tally};
-use super::{Parts, ReadMesh};
-use crate::geometry::TriangleMesh;
+use super::{Parts, ReadMesh, memory};
 use crate::math::Point;
 use crate::robot::numbers::shortened;
 
@@ -31,15 +32,17 @@ use glb::Glb;
 
 pub(super) use glb::MAGIC;
 
-/// Most triangles of a file, instances counted: a file of nested instances can ask for any number.
-const MOST_TRIANGLES: usize = 20_000_000;
-
 /// Most nodes that are visited, instances counted, and levels of them: more is a loop.
 const MOST_NODES: usize = 100_000;
 const MOST_LEVELS: usize = 100;
 
-/// Most elements that are looked at, of all instances together.
-const MOST_ELEMENTS: usize = 200_000_000;
+/// Most elements that are looked at, of all instances together: the corners of as many triangles as are read, and as many
+/// again. A primitive costs as much as a few elements, though it has none.
+const MOST_ELEMENTS: usize = 6 * MOST_TRIANGLES;
+const PRIMITIVE_COST: usize = 16;
+
+/// Memory (bytes) of a value of the JSON at most, by its commas and brackets.
+const VALUE_BYTES: usize = 512;
 
 /// Required extensions that leave positions and faces as they are; more begin with one of the prefixes.
 const HARMLESS: [&str; 6] = [
@@ -70,17 +73,33 @@ pub(super) fn read_binary(bytes: &[u8], parts: Parts) -> Result<ReadMesh, String
 }
 
 fn read(json: &[u8], buffer: Option<&[u8]>, parts: Parts) -> Result<ReadMesh, String> {
+    memory::check(values(json).saturating_mul(VALUE_BYTES)).map_err(|e| bad(&format!("its values {e}")))?;
     let document: Document = serde_json::from_slice(json).map_err(|e| bad(&shortened(&e.to_string())))?;
     check_version(&document)?;
     let surface = Surface {
         document: &document,
         buffers: Buffers::new(&document, buffer, parts),
-        vertices: Vec::new(),
-        triangles: Vec::new(),
+        builder: MeshBuilder::default(),
+        accessors: HashMap::new(),
         elements: 0,
         tally: Tally::default(),
     };
     surface.read().map_err(|reason| bad(&reason))
+}
+
+/// Values of a JSON at most; strings, which may hold buffers, count as one.
+fn values(json: &[u8]) -> usize {
+    let (mut count, mut in_string, mut is_escaped) = (0, false, false);
+    for &byte in json {
+        match byte {
+            _ if is_escaped => is_escaped = false,
+            b'\\' if in_string => is_escaped = true,
+            b'"' => in_string = !in_string,
+            b'{' | b'[' | b',' if !in_string => count += 1,
+            _ => {}
+        }
+    }
+    count
 }
 
 fn bad(reason: &str) -> String {
@@ -104,12 +123,20 @@ fn check_version(document: &Document) -> Result<(), String> {
     }
 }
 
+/// What the elements of an accessor are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Use {
+    Positions,
+    Indices,
+}
+
 /// The triangles as they are gathered.
 struct Surface<'d> {
     document: &'d Document,
     buffers: Buffers<'d>,
-    vertices: Vec<Point>,
-    triangles: Vec<[u32; 3]>,
+    builder: MeshBuilder,
+    /// Positions and indices that have been checked, by their accessor; those with elements that stand elsewhere take time.
+    accessors: HashMap<(Use, usize), Rc<Elements>>,
     /// Looked at so far.
     elements: usize,
     tally: Tally,
@@ -126,7 +153,7 @@ impl Surface<'_> {
                 self.append(primitive, &to_file).map_err(named)?;
             }
         }
-        if self.triangles.is_empty() {
+        if self.builder.triangles.is_empty() {
             return Err("the scene shows no triangles".to_owned());
         }
         let mut remarks: Vec<String> = self.tally.remarks().collect();
@@ -138,8 +165,7 @@ impl Surface<'_> {
             let (count, shown) = (self.document.scenes.len(), self.document.scene.unwrap_or_default());
             remarks.push(format!("it has {count} scenes, of which scene {shown} is read"));
         }
-        let mesh = TriangleMesh::new(self.vertices, self.triangles).map_err(|e| e.to_string())?;
-        Ok(ReadMesh { mesh, remarks })
+        Ok(ReadMesh { mesh: self.builder.finish()?, remarks })
     }
 
     /// The meshes of the scene, each with the transform from its coordinates to the file's.
@@ -187,6 +213,7 @@ impl Surface<'_> {
     }
 
     fn append(&mut self, primitive: &Primitive, to_file: &Matrix4<f64>) -> Result<(), String> {
+        self.charge(PRIMITIVE_COST)?;
         let mode = primitive.mode.unwrap_or(4);
         match mode {
             4..=6 => {}
@@ -207,16 +234,36 @@ impl Surface<'_> {
         let Some(&positions) = primitive.attributes.get("POSITION") else {
             return Err("has no attribute POSITION".to_owned());
         };
-        let positions = Elements::positions(self.document, positions, &mut self.buffers)?;
-        let indices = primitive.indices;
-        let indices = indices.map(|i| Elements::indices(self.document, i, &mut self.buffers)).transpose()?;
+        let positions = self.accessor(Use::Positions, positions)?;
+        let indices = primitive.indices.map(|i| self.accessor(Use::Indices, i)).transpose()?;
         let count = indices.as_ref().map_or(positions.count, |indices| indices.count);
-        let replaced = indices.iter().chain([&positions]).map(Elements::replaced_count).sum::<usize>();
-        self.elements = self.elements.saturating_add(count).saturating_add(replaced);
-        if self.elements > MOST_ELEMENTS {
-            return Err(format!("the scene shows more than {MOST_ELEMENTS} elements"));
+        self.charge(count)?;
+        self.append_triangles(mode, count, (&positions, indices.as_deref()), to_file)
+    }
+
+    /// Checks an accessor, once.
+    fn accessor(&mut self, of: Use, index: usize) -> Result<Rc<Elements>, String> {
+        if let Some(known) = self.accessors.get(&(of, index)) {
+            return Ok(Rc::clone(known));
         }
-        self.append_triangles(mode, count, (&positions, indices.as_ref()), to_file)
+        let sparse = self.document.accessors.get(index).and_then(|accessor| accessor.sparse.as_ref());
+        self.charge(sparse.map_or(0, |sparse| sparse.count))?;
+        let elements = match of {
+            Use::Positions => Elements::positions(self.document, index, &mut self.buffers)?,
+            Use::Indices => Elements::indices(self.document, index, &mut self.buffers)?,
+        };
+        let elements = Rc::new(elements);
+        self.accessors.insert((of, index), Rc::clone(&elements));
+        Ok(elements)
+    }
+
+    /// Counts elements that are looked at.
+    fn charge(&mut self, elements: usize) -> Result<(), String> {
+        self.elements = self.elements.saturating_add(elements);
+        if self.elements > MOST_ELEMENTS {
+            return Err(format!("the scene shows more than {MOST_ELEMENTS} elements, instances counted"));
+        }
+        Ok(())
     }
 
     fn append_triangles(
@@ -236,10 +283,8 @@ impl Surface<'_> {
         let is_mirrored = to_file.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         let mut known = HashMap::new();
         let triangles = if mode == 4 { count / 3 } else { count - 2 };
+        self.builder.reserve(positions.count.min(count), triangles)?;
         for i in 0..triangles {
-            if self.triangles.len() >= MOST_TRIANGLES {
-                return Err(format!("the scene shows more than {MOST_TRIANGLES} triangles"));
-            }
             let mut corners = [0; 3];
             for (corner, place) in corners.iter_mut().zip(places(mode, i)) {
                 let vertex = match indices {
@@ -249,7 +294,7 @@ impl Surface<'_> {
                 *corner = self.vertex(vertex, positions, to_file, &mut known)?;
             }
             let [a, b, c] = corners;
-            self.triangles.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
+            self.builder.push(if is_mirrored { [a, c, b] } else { [a, b, c] })?;
         }
         Ok(())
     }
@@ -260,17 +305,16 @@ impl Surface<'_> {
         vertex: usize,
         positions: &Elements,
         to_file: &Matrix4<f64>,
-        known: &mut HashMap<usize, u32>,
-    ) -> Result<u32, String> {
+        known: &mut HashMap<usize, usize>,
+    ) -> Result<usize, String> {
         if let Some(&number) = known.get(&vertex) {
             return Ok(number);
         }
         let position = positions.get(vertex, &self.buffers).ok_or_else(|| {
             format!("a triangle names vertex {vertex}, but there are {}, counted from 0", positions.count)
         })?;
-        let number =
-            u32::try_from(self.vertices.len()).map_err(|_| "more vertices than 32-bit indices can name")?;
-        self.vertices.push(to_file.transform_point(&Point::from(position)));
+        let number = self.builder.vertices.len();
+        self.builder.vertices.push(to_file.transform_point(&Point::from(position)));
         known.insert(vertex, number);
         Ok(number)
     }

@@ -2,6 +2,8 @@
 
 mod dae;
 mod gltf;
+pub(super) mod memory;
+mod mesh_builder;
 mod obj;
 mod ply;
 mod polygon;
@@ -27,6 +29,9 @@ impl From<TriangleMesh> for ReadMesh {
 /// Reads a file that a mesh file names as a part of itself, by that name.
 pub(super) type Parts<'f> = &'f mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
+/// Memory of a text that is read, as multiples of its size.
+const COPIES: usize = 3;
+
 const FORMATS: &str = "STL, OBJ, DAE, PLY, glTF and GLB";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +51,7 @@ enum Format {
 /// Why the file holds no mesh, without quoting what it holds instead.
 pub(super) fn read(bytes: Vec<u8>, extension: &str, parts: Parts) -> Result<ReadMesh, String> {
     let format = recognise(&bytes, extension)?;
+    memory::check(bytes.len().saturating_mul(COPIES)).map_err(|e| format!("its {} bytes {e}", bytes.len()))?;
     let mut read = match format {
         Format::BinaryStl => stl::read_binary(bytes),
         Format::AsciiStl => stl::read_ascii(&text(&bytes)),

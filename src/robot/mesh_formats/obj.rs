@@ -6,14 +6,15 @@
 
 use std::io::{BufRead, Read};
 
+use super::ReadMesh;
+use super::mesh_builder::MeshBuilder;
+use super::polygon::Triangulator;
 use super::tally::{TOO_FEW_CORNERS, Tally};
-use super::{ReadMesh, polygon};
-use crate::geometry::{MeshError, TriangleMesh};
 use crate::math::Point;
 use crate::robot::numbers::decimal;
 
 /// Statements that OBJ knows and that have no part in the surface.
-const OTHER_STATEMENTS: [&str; 25] = [
+const OTHER_STATEMENTS: [&str; 31] = [
     "vt",
     "vn",
     "vp",
@@ -25,26 +26,52 @@ const OTHER_STATEMENTS: [&str; 25] = [
     "mtllib",
     "usemap",
     "maplib",
-    "l",
-    "p",
     "cstype",
     "deg",
     "bmat",
     "step",
-    "curv",
-    "curv2",
-    "surf",
+    "res",
     "parm",
     "trim",
+    "hole",
+    "scrv",
+    "sp",
     "end",
+    "con",
+    "ctech",
+    "stech",
+    "bevel",
+    "c_interp",
+    "d_interp",
     "lod",
     "shadow_obj",
+    "trace_obj",
+];
+
+/// Statements without surface, each with what is counted.
+const WITHOUT_SURFACE: [(&str, &str); 5] = [
+    ("l", "lines (l) are skipped"),
+    ("p", "points (p) are skipped"),
+    ("curv", "curves (curv) are skipped"),
+    ("curv2", "curves (curv2) are skipped"),
+    ("cdc", "curves (cdc) are skipped"),
+];
+
+/// Statements that would add a surface which is not read, each with what to do.
+const NOT_READ: [(&str, &str); 6] = [
+    ("surf", "free-form surfaces are not read; save the surface as polygons"),
+    ("bzp", "Bezier patches are not read; save the surface as polygons"),
+    ("bsp", "B-spline patches are not read; save the surface as polygons"),
+    ("cdp", "Cardinal patches are not read; save the surface as polygons"),
+    ("call", "other files are not included; write their statements into this one"),
+    ("csh", "commands are not run; write what they print into this file"),
 ];
 
 /// # Errors
 /// When a vertex or face is not written as OBJ asks, with its line; when there is no face.
 pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
-    let surface = Surface::new(text);
+    let surface = Surface::new(text)?;
+    MeshBuilder::default().reserve(surface.vertices, surface.triangles)?;
     let options = tobj::LoadOptions {
         single_index: false,
         triangulate: false,
@@ -60,24 +87,26 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
         }
         Err(error) => return Err(format!("bad OBJ at line {}: {error}", lines.count)),
     };
-    let mut vertices = Vec::new();
-    let mut triangles = Vec::new();
+    let mut built = MeshBuilder::default();
     let mut tally = Tally::default();
+    let mut triangulator = Triangulator::default();
     for model in &models {
-        let first = vertices.len();
-        vertices.extend(model.mesh.positions.chunks_exact(3).map(|p| Point::new(p[0], p[1], p[2])));
-        append_faces(&model.mesh, &vertices[first..], first, (&mut triangles, &mut tally))?;
+        let first = built.vertices.len();
+        let positions = model.mesh.positions.chunks_exact(3).map(|p| Point::new(p[0], p[1], p[2]));
+        built.reserve(positions.len(), 0)?;
+        built.vertices.extend(positions);
+        append_faces(&model.mesh, first, &mut built, (&mut triangulator, &mut tally))?;
     }
     // tobj keeps only the vertices that faces name
-    if let (Some(line), true) = (surface.unreadable.first(), vertices.iter().any(|v| v.x.is_nan())) {
+    if let (Some(line), true) = (surface.unreadable.first(), built.vertices.iter().any(|v| v.x.is_nan())) {
         return Err(format!(
             "bad OBJ: a face names a vertex that cannot be read; the first such is at line {line}"
         ));
     }
-    let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| match e {
-        MeshError::NoTriangles => "the file has no faces".to_owned(),
-        other => other.to_string(),
-    })?;
+    if built.triangles.is_empty() {
+        return Err("the file has no faces".to_owned());
+    }
+    let mesh = built.finish()?;
     Ok(ReadMesh { mesh, remarks: surface.remarks().into_iter().chain(tally.remarks()).collect() })
 }
 
@@ -89,49 +118,72 @@ struct Surface {
     unreadable: Vec<usize>,
     /// Lines that OBJ does not know.
     unknown: Vec<usize>,
+    skipped: Tally,
+    vertices: usize,
+    /// What the faces will have at most.
+    triangles: usize,
 }
 
 impl Surface {
-    fn new(text: &str) -> Self {
+    fn new(text: &str) -> Result<Self, String> {
         let mut surface = Self::default();
-        let mut in_face = false;
-        for (line, number) in text.lines().zip(1..) {
+        let mut lines = text.lines().map(without_comment).zip(1..);
+        while let Some(((mut line, mut continues), number)) = lines.next() {
+            // a path may end in a backslash, too
+            if !(continues && is_geometry(line)) {
+                surface.add(line.split_whitespace(), number)?;
+                surface.text.push('\n');
+                continue;
+            }
             // a backslash at a line's end joins the next line to it
-            let (line, continues) = match line.trim_end().strip_suffix('\\') {
-                Some(line) => (line, true),
-                None => (line, false),
-            };
-            in_face = surface.add(line, number, in_face) && continues;
-            surface.text.push(if in_face { ' ' } else { '\n' });
+            let mut words: Vec<&str> = Vec::new();
+            let mut count = 1;
+            loop {
+                words.extend(line.split_whitespace());
+                let Some((next, _)) = continues.then(|| lines.next()).flatten() else { break };
+                (line, continues) = next;
+                count += 1;
+            }
+            surface.add(words.into_iter(), number)?;
+            surface.text.extend(std::iter::repeat_n('\n', count));
         }
-        surface
+        Ok(surface)
     }
 
-    /// Adds a line; `true` when it belongs to a face.
-    fn add(&mut self, line: &str, number: usize, in_face: bool) -> bool {
-        let mut words = line.split_whitespace();
-        if in_face {
-            self.add_corners(words);
-            return true;
-        }
-        match words.next() {
-            Some("v") => self.add_position(words, number),
-            Some("f") => {
-                self.text.push('f');
-                self.add_corners(words);
-                return true;
+    /// Adds a statement that begins at a line.
+    fn add<'t>(&mut self, mut words: impl Iterator<Item = &'t str>, number: usize) -> Result<(), String> {
+        let Some(word) = words.next() else { return Ok(()) };
+        match word {
+            "v" => self.add_position(words, number),
+            // fo is the form that f had once
+            "f" | "fo" => self.add_corners(words),
+            _ => {
+                if let Some((_, what)) = WITHOUT_SURFACE.iter().find(|(name, _)| *name == word) {
+                    self.skipped.add(what, u32::try_from(number).ok());
+                } else if let Some((_, why)) = NOT_READ.iter().find(|(name, _)| *name == word) {
+                    return Err(format!("bad OBJ at line {number}: {word}: {why}"));
+                } else if !OTHER_STATEMENTS.contains(&word) {
+                    self.add_unknown(word, number)?;
+                }
             }
-            Some(word) if !word.starts_with('#') && !OTHER_STATEMENTS.contains(&word) => {
-                self.unknown.push(number);
-            }
-            _ => {}
         }
-        false
+        Ok(())
+    }
+
+    /// Statements of geometry in upper case are none, but a vertex or face too few would be another surface.
+    fn add_unknown(&mut self, word: &str, number: usize) -> Result<(), String> {
+        let lower = word.to_ascii_lowercase();
+        if lower != word && (is_geometry(&lower) || NOT_READ.iter().any(|(name, _)| *name == lower)) {
+            return Err(format!("bad OBJ at line {number}: '{word}' is no OBJ statement; write '{lower}'"));
+        }
+        self.unknown.push(number);
+        Ok(())
     }
 
     /// `v x y z`, `v x y z w` (homogeneous), `v x y z r g b` and `v x y z r g b a` (colours, dropped).
     fn add_position<'t>(&mut self, words: impl Iterator<Item = &'t str>, line: usize) {
-        let mut words: Vec<&str> = words.take_while(|w| !w.starts_with('#')).collect();
+        self.vertices += 1;
+        let mut words: Vec<&str> = words.collect();
         if words.len() != 4 {
             words.truncate(3);
         }
@@ -145,13 +197,17 @@ impl Surface {
 
     /// `1/2/3` names position 1, texture coordinate 2, normal 3.
     fn add_corners<'t>(&mut self, words: impl Iterator<Item = &'t str>) {
-        for corner in words.take_while(|w| !w.starts_with('#')) {
+        self.text.push('f');
+        let mut corners = 0_usize;
+        for corner in words {
+            corners += 1;
             let position = corner.split('/').next().unwrap_or_default();
             // an empty position would vanish and change the polygon: let tobj refuse it
             let position = if position.is_empty() { "?" } else { position };
             self.text.push(' ');
             self.text.push_str(position);
         }
+        self.triangles += corners.saturating_sub(2);
     }
 
     fn remarks(&self) -> Vec<String> {
@@ -165,15 +221,35 @@ impl Surface {
         ]
         .into_iter()
         .flatten()
+        .chain(self.skipped.remarks())
         .collect()
     }
 }
 
+/// A line without its comment, and whether a backslash joins the next line to it.
+fn without_comment(line: &str) -> (&str, bool) {
+    let is_start = |at: &usize| *at == 0 || line[..*at].ends_with(char::is_whitespace);
+    let comment = line.match_indices('#').map(|(at, _)| at).find(is_start);
+    let line = comment.map_or(line, |at| &line[..at]);
+    match line.trim_end().strip_suffix('\\') {
+        Some(joined) if comment.is_none() => (joined, true),
+        _ => (line, false),
+    }
+}
+
+/// Whether a line's statement is part of the geometry.
+fn is_geometry(line: &str) -> bool {
+    let word = line.split_whitespace().next().unwrap_or_default();
+    let is_named = |list: &[(&str, &str)]| list.iter().any(|(name, _)| *name == word);
+    matches!(word, "v" | "f" | "fo") || is_named(&WITHOUT_SURFACE) || is_named(&NOT_READ)
+}
+
+/// Adds the faces of a model, whose vertices are those of `built` from `first`.
 fn append_faces(
     mesh: &tobj::Mesh,
-    vertices: &[Point],
     first: usize,
-    (triangles, tally): (&mut Vec<[u32; 3]>, &mut Tally),
+    built: &mut MeshBuilder,
+    (triangulator, tally): (&mut Triangulator, &mut Tally),
 ) -> Result<(), String> {
     // tobj leaves the arities out when all are 3
     let arities: Vec<usize> = if mesh.face_arities.is_empty() {
@@ -192,15 +268,10 @@ fn append_faces(
             continue;
         }
         let points: Option<Vec<Point>> =
-            (corners.iter()).map(|&c| vertices.get(c as usize).copied()).collect();
+            (corners.iter()).map(|&c| built.vertices.get(first + c as usize).copied()).collect();
         let points = points.ok_or("bad OBJ: a face names a vertex that the file does not have")?;
-        for triple in polygon::triangulate(&points)? {
-            let global = |k: usize| u32::try_from(first + corners[k] as usize);
-            let [a, b, c] = triple.map(global);
-            match (a, b, c) {
-                (Ok(a), Ok(b), Ok(c)) => triangles.push([a, b, c]),
-                _ => return Err("more vertices than 32-bit indices can name".to_owned()),
-            }
+        for triple in triangulator.triangulate(&points)? {
+            built.push(triple.map(|k| first + corners[k] as usize))?;
         }
     }
     Ok(())
@@ -254,6 +325,49 @@ mod tests {
         assert_eq!(triangles(&format!("{SQUARE}f 1 2 3 4")), 2);
         assert_eq!(triangles(&format!("{SQUARE}f 1/1/1 2/1/1 3//1\nf -1 -2 -4\nl 1 2\np 1")), 2);
         assert_eq!(triangles(&format!("{SQUARE}f 1 2 \\\n 3 4\nf 1 2 3")), 3);
+    }
+
+    #[test]
+    fn statements_without_surface_are_counted() {
+        for (statement, what) in
+            [("l 1 2", "lines"), ("p 1", "points"), ("curv 0 1 1 2", "curves"), ("curv2 1 2", "curves")]
+        {
+            let text = format!("{SQUARE}{statement}\nf 1 2 3\n{statement} \\\n 3 4\n");
+            let read = read(&text).unwrap();
+            assert_eq!(read.mesh.triangles().len(), 1);
+            assert!(read.remarks[0].starts_with(&format!("2 {what}")), "{:?}", read.remarks);
+            assert!(read.remarks[0].ends_with("the first at line 9"), "{:?}", read.remarks);
+            assert_eq!(read.remarks.len(), 1);
+        }
+    }
+
+    #[test]
+    fn surfaces_that_are_not_read_are_rejected() {
+        for statement in ["surf 0 1 0 1 1 2 3 4", "bzp 1 2 3 4", "bsp 1 2 3 4", "cdp 1 2 3 4", "call b.obj", "csh ls"] {
+            let message = read(&format!("{SQUARE}f 1 2 3\n{statement}\n")).unwrap_err();
+            let word = statement.split(' ').next().unwrap();
+            assert!(message.contains("line 10") && message.contains(word), "{message}");
+        }
+        for statement in ["F 2 3 4", "V 0 0 0", "FO 2 3 4", "SURF", "Call b.obj", "L 1 2"] {
+            let message = read(&format!("{SQUARE}f 1 2 3\n{statement}\n")).unwrap_err();
+            assert!(message.contains("line 10") && message.contains("is no OBJ statement; write"), "{message}");
+        }
+        assert_eq!(triangles(&format!("{SQUARE}f 1 2 3\nfo 1 3 4\n")), 2);
+    }
+
+    #[test]
+    fn lines_are_joined_but_comments_and_paths_are_not() {
+        for text in [
+            "v 0 0 \\\n 0\nv 1 0 0\nv 1 1 0\nf 1 2 \\\n3",
+            "# a comment \\\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3 # end \\\nl 1 2",
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nmtllib C:\\\nf 1 2 3\\",
+            "v 0 0 0 # x\nv 1 0 0 # x\nv 1 1 0 #\nf 1 2 3 #x",
+        ] {
+            let read = read(text).unwrap_or_else(|e| panic!("{e}: {text}"));
+            assert_eq!(read.mesh.triangles().len(), 1, "{text}");
+            assert_eq!(read.mesh.vertices().len(), 3, "{text}");
+        }
+        assert!(read("v 0 0 \\\n 0\nv 1 0 0\nv 1 1 0\nf 1 2 \\\n x").unwrap_err().contains("line 5"));
     }
 
     #[test]

@@ -2,9 +2,10 @@
 //! normals, are left out; so are other elements, with a remark, unless they index vertices. Coordinates are metres, as RViz
 //! takes them.
 
+use super::ReadMesh;
+use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder};
+use super::polygon::Triangulator;
 use super::tally::{TOO_FEW_CORNERS, Tally};
-use super::{ReadMesh, polygon};
-use crate::geometry::TriangleMesh;
 use crate::math::Point;
 use crate::ply_format::words::quoted;
 use crate::ply_format::{Element, Numbers, PlyError, PlyFile, Property};
@@ -12,15 +13,17 @@ use crate::ply_format::{Element, Numbers, PlyError, PlyFile, Property};
 /// Names of elements that are surfaces, in lower case and without a plural's s; of these, face and tristrips are read.
 const SURFACES: [&str; 8] = ["face", "tristrip", "trifan", "triangle", "quad", "polygon", "patch", "range_grid"];
 
-/// Most triangles: strips and polygons have one for each index at most.
-const MOST_TRIANGLES: usize = 20_000_000;
+/// Most indices of faces, and of strips: three for each triangle, and as many again.
+const MOST_INDICES: usize = 6 * MOST_TRIANGLES;
 
 /// Lists of vertex numbers, one behind the other; -1 in a strip begins another one.
 #[derive(Default)]
 struct Lists {
-    indices: Vec<i64>,
+    indices: Vec<i32>,
     /// Where each list ends in `indices`.
     ends: Vec<usize>,
+    /// Lists of fewer than three indices, which are left out.
+    short: usize,
 }
 
 /// # Errors
@@ -34,7 +37,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
             "vertex" if vertices.is_some() => {
                 return Err("bad PLY: the header has more than one element vertex".to_owned());
             }
-            "vertex" => vertices = Some(positions(element, &mut numbers).map_err(bad)?),
+            "vertex" => vertices = Some(positions(element, &mut numbers)?),
             "face" => faces.read(element, &mut numbers).map_err(bad)?,
             "tristrips" => strips.read(element, &mut numbers).map_err(bad)?,
             _ => {
@@ -49,21 +52,24 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
         Some(left) => return Err(format!("bad PLY: {left}: the header is wrong, or two files were joined")),
         None => {}
     }
-    let vertices = vertices.ok_or("bad PLY: the header has no element vertex")?;
-    let mut triangles = Vec::new();
-    let mut tally = Tally::default();
+    let mut surface = vertices.ok_or("bad PLY: the header has no element vertex")?;
+    let mut triangulator = Triangulator::default();
     for face in faces.lists() {
-        append_polygon(&corners(face, vertices.len())?, &vertices, &mut triangles, &mut tally)?;
+        append_polygon(&corners(face, surface.vertices.len())?, &mut surface, &mut triangulator)?;
     }
     for strip in strips.lists() {
         for part in strip.split(|&index| index == -1) {
-            append_strip(&corners(part, vertices.len())?, &mut triangles)?;
+            append_strip(&corners(part, surface.vertices.len())?, &mut surface)?;
         }
     }
-    if triangles.is_empty() {
+    if surface.triangles.is_empty() {
         return Err("the file has no faces: it is a point cloud, or lacks its surface".to_owned());
     }
-    let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| e.to_string())?;
+    let mesh = surface.finish()?;
+    let mut tally = Tally::default();
+    for _ in 0..faces.short + strips.short {
+        tally.add(TOO_FEW_CORNERS, None);
+    }
     remarks.extend(tally.remarks());
     Ok(ReadMesh { mesh, remarks })
 }
@@ -95,9 +101,14 @@ fn bad(error: PlyError) -> String {
     format!("bad PLY: {error}")
 }
 
-fn positions(element: &Element, numbers: &mut Numbers) -> Result<Vec<Point>, PlyError> {
-    let xyz = element.coordinates()?;
-    (0..element.count).map(|i| numbers.point(element, xyz, i).map(Point::from)).collect()
+fn positions(element: &Element, numbers: &mut Numbers) -> Result<MeshBuilder, String> {
+    let xyz = element.coordinates().map_err(bad)?;
+    let mut surface = MeshBuilder::default();
+    surface.reserve(element.count, 0)?;
+    for i in 0..element.count {
+        surface.vertices.push(numbers.point(element, xyz, i).map_err(bad)?.into());
+    }
+    Ok(surface)
 }
 
 impl Lists {
@@ -118,11 +129,12 @@ impl Lists {
                 match property.list {
                     Some(length) if p == place => {
                         let length = numbers.length(length).map_err(named)?;
+                        self.reserve(length).map_err(named)?;
                         for _ in 0..length {
                             self.indices
                                 .push(index(numbers.next(property.kind).map_err(named)?).map_err(named)?);
                         }
-                        self.ends.push(self.indices.len());
+                        self.end_list(length);
                     }
                     _ => numbers.skip_property(property).map_err(named)?,
                 }
@@ -131,58 +143,62 @@ impl Lists {
         Ok(())
     }
 
-    fn lists(&self) -> impl Iterator<Item = &[i64]> {
+    fn reserve(&mut self, length: usize) -> Result<(), PlyError> {
+        if self.indices.len().saturating_add(length) > MOST_INDICES {
+            return Err(PlyError(format!("the file names more than {MOST_INDICES} vertices")));
+        }
+        let no_memory = |_| PlyError("there is no memory for its indices".to_owned());
+        // a list may claim any length: what is there of it decides
+        self.indices.try_reserve(length.min(1 << 20)).map_err(no_memory)?;
+        self.ends.try_reserve(1).map_err(no_memory)
+    }
+
+    /// Ends a list of so many indices, which are the last; a short one is left out and counted.
+    fn end_list(&mut self, length: usize) {
+        if length < 3 {
+            self.short += 1;
+            self.indices.truncate(self.indices.len() - length);
+        } else {
+            self.ends.push(self.indices.len());
+        }
+    }
+
+    fn lists(&self) -> impl Iterator<Item = &[i32]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.indices[start..end])
     }
 }
 
-#[allow(clippy::cast_possible_truncation)] // checked to be a whole number of 53 bits at most
-fn index(number: f64) -> Result<i64, PlyError> {
-    let is_whole = number.fract() == 0.0 && number.abs() < 2f64.powi(53);
-    if is_whole { Ok(number as i64) } else { Err(PlyError(format!("{number} is no vertex number"))) }
+/// -1 and below are no vertices, but an end in strips.
+#[allow(clippy::cast_possible_truncation)] // checked to be a whole number of 32 bits
+fn index(number: f64) -> Result<i32, PlyError> {
+    let is_whole = number.fract() == 0.0 && number.abs() <= f64::from(i32::MAX);
+    if is_whole { Ok(number as i32) } else { Err(PlyError(format!("{number} is no vertex number"))) }
 }
 
-fn corners(indices: &[i64], vertices: usize) -> Result<Vec<usize>, String> {
-    let corner = |&index: &i64| usize::try_from(index).ok().filter(|&i| i < vertices).ok_or(index);
-    (indices.iter().map(corner).collect::<Result<_, _>>()).map_err(|index: i64| {
+fn corners(indices: &[i32], vertices: usize) -> Result<Vec<usize>, String> {
+    let corner = |&index: &i32| usize::try_from(index).ok().filter(|&i| i < vertices).ok_or(index);
+    (indices.iter().map(corner).collect::<Result<_, _>>()).map_err(|index: i32| {
         format!("bad PLY: a face names vertex {index}, but there are {vertices}, counted from 0")
     })
 }
 
 fn append_polygon(
     corners: &[usize],
-    vertices: &[Point],
-    triangles: &mut Vec<[u32; 3]>,
-    tally: &mut Tally,
+    surface: &mut MeshBuilder,
+    triangulator: &mut Triangulator,
 ) -> Result<(), String> {
-    if corners.len() < 3 {
-        tally.add(TOO_FEW_CORNERS, None);
-        return Ok(());
-    }
-    let points: Vec<Point> = corners.iter().map(|&corner| vertices[corner]).collect();
-    for triple in polygon::triangulate(&points)? {
-        push(triple.map(|k| corners[k]), triangles)?;
+    let points: Vec<Point> = corners.iter().map(|&corner| surface.vertices[corner]).collect();
+    for triple in triangulator.triangulate(&points)? {
+        surface.push(triple.map(|k| corners[k]))?;
     }
     Ok(())
 }
 
 /// Every second triangle of a strip is wound the other way.
-fn append_strip(corners: &[usize], triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
+fn append_strip(corners: &[usize], surface: &mut MeshBuilder) -> Result<(), String> {
     for (i, t) in corners.windows(3).enumerate() {
-        push(if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] }, triangles)?;
-    }
-    Ok(())
-}
-
-fn push(corners: [usize; 3], triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
-    if triangles.len() >= MOST_TRIANGLES {
-        return Err(format!("the file has more than {MOST_TRIANGLES} triangles"));
-    }
-    let [a, b, c] = corners.map(u32::try_from);
-    match (a, b, c) {
-        (Ok(a), Ok(b), Ok(c)) => triangles.push([a, b, c]),
-        _ => return Err("more vertices than 32-bit indices can name".to_owned()),
+        surface.push(if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })?;
     }
     Ok(())
 }

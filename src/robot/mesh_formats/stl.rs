@@ -7,8 +7,10 @@ use std::borrow::Cow;
 use std::io::Cursor;
 
 use super::ReadMesh;
+use super::mesh_builder::MeshBuilder;
 use crate::geometry::TriangleMesh;
 use crate::math::Point;
+use crate::robot::numbers::shortened;
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
@@ -39,16 +41,22 @@ fn expected_length(count: usize) -> usize {
 /// When the length does not fit the triangle count: a cut file, or no STL at all.
 pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     let Some(count) = triangle_count(&bytes) else {
-        return Err(format!("{} bytes are too few for an STL, which has a header of {HEADER}", bytes.len()));
+        let (has, hint) = (bytes.len(), text_hint(&bytes));
+        return Err(format!("{has} bytes are too few for an STL, which has a header of {HEADER}{hint}"));
     };
     let expected = expected_length(count);
     // a few bytes of padding are met in the wild; a whole triangle is none
     if bytes.len() < expected || bytes.len() >= expected + TRIANGLE {
+        let hint = text_hint(&bytes);
+        if !hint.is_empty() {
+            return Err(format!("it is no binary STL{hint}"));
+        }
         return Err(format!(
             "the header says {count} triangles, which are {expected} bytes, but the file has {}: it is cut, or no STL",
             bytes.len()
         ));
     }
+    MeshBuilder::default().reserve(0, count)?;
     let surplus = bytes.len() - expected;
     // a header that begins with "solid " would pass for ASCII
     bytes[..80].fill(0);
@@ -59,52 +67,103 @@ pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     Ok(read)
 }
 
-/// # Errors
-/// When a solid is not written as STL asks; all solids of the file count.
-pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
-    indexed(one_plain_solid(text).as_bytes())
+/// What a text that was given as an STL looks like; nothing for binary data.
+fn text_hint(bytes: &[u8]) -> &'static str {
+    let head = &bytes[..bytes.len().min(512)];
+    if head.is_empty() || !head.iter().all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace()) {
+        ""
+    } else if looks_ascii(head) {
+        "; it looks like an ASCII STL that lacks its first line, 'solid NAME'"
+    } else {
+        "; it looks like text, but an ASCII STL begins with 'solid'"
+    }
 }
 
-/// The facets of all solids as one solid in lower case, a statement a line. Statements may be in any case and stand on any
-/// line, their words apart by any blanks, and their ends written in one word or two (`endloop`, `end loop`). Normals, which
-/// are not used, become zero, since degenerate facets are often published with the normal `nan nan nan`.
-fn one_plain_solid(text: &str) -> String {
+/// # Errors
+/// When a solid is not written as STL asks, with its line; all solids of the file count.
+pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
     let mut solid = String::with_capacity(text.len());
     solid.push_str("solid all\n");
+    let mut facets = 0;
+    let open = statements(text, |_, statement| {
+        facets += usize::from(statement.starts_with("facet"));
+        solid.push_str(statement);
+        solid.push('\n');
+    });
+    MeshBuilder::default().reserve(0, facets)?;
+    // without its end the file is cut
+    if !open {
+        solid.push_str("endsolid all\n");
+    }
+    indexed(solid.as_bytes()).map_err(|error| fault(text).unwrap_or(error))
+}
+
+/// The first statement that does not stand where STL has it, since `stl_io` names no line.
+fn fault(text: &str) -> Option<String> {
+    const FACET: [&str; 7] = ["facet", "outer loop", "vertex x y z", "vertex x y z", "vertex x y z", "endloop", "endfacet"];
+    let (mut place, mut fault) = (0, None);
+    let open = statements(text, |line, statement| {
+        let words: Vec<&str> = statement.split(' ').collect();
+        let is_number = |word: &&str| word.parse::<f32>().is_ok_and(f32::is_finite);
+        let fits = match (FACET[place], &words[..]) {
+            ("vertex x y z", ["vertex", xyz @ ..]) => xyz.len() == 3 && xyz.iter().all(is_number),
+            ("facet", ["facet", ..]) => true,
+            (expected, _) => statement == expected,
+        };
+        place = (place + 1) % FACET.len();
+        if !fits && fault.is_none() {
+            let expected = FACET[(place + FACET.len() - 1) % FACET.len()];
+            let found = shortened(statement);
+            fault = Some(format!("bad STL at line {line}: '{found}' stands where '{expected}' should, with finite numbers"));
+        }
+    });
+    let cut = || (open || place != 0).then(|| "bad STL: the file is cut, its last solid has no end".to_owned());
+    fault.or_else(cut)
+}
+
+/// Calls `emit` with each statement but those that begin and end solids, and its line; whether a solid is left open.
+///
+/// Statements become lower case, with their words one blank apart. They may stand on any line, and their ends be written in
+/// one word or two (`endloop`, `end loop`). Normals, which are not used, become zero, since degenerate facets are often
+/// published with the normal `nan nan nan`.
+fn statements(text: &str, mut emit: impl FnMut(usize, &str)) -> bool {
     let mut open = false;
-    for line in text.split(['\n', '\r']) {
-        let line = line.to_ascii_lowercase();
-        let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let mut rest = &words[..];
-        while let Some((statement, others)) = first_statement(rest) {
-            let arguments = others.iter().position(|word| is_keyword(word)).unwrap_or(others.len());
-            rest = &others[arguments..];
-            match &*statement {
-                // up to the next facet, the rest of the line is a name
-                "solid" | "endsolid" => {
-                    let begins = |pair: &[&str]| pair == ["facet", "normal"];
-                    let facet = others.windows(2).position(begins);
-                    open = statement == "solid" || facet.is_some();
-                    rest = facet.map_or(&[][..], |at| &others[at..]);
-                }
-                "facet" => solid.push_str("facet normal 0 0 0\n"),
-                // also what is no statement: stl_io rejects it
-                other => {
-                    solid.push_str(other);
-                    for argument in &others[..arguments] {
-                        solid.push(' ');
-                        solid.push_str(argument);
+    let mut plain = String::new();
+    // lines end in CR alone in old files
+    let ends_in_cr = !text.contains('\n');
+    for (line, number) in text.split('\n').zip(1..) {
+        for (line, further) in line.split('\r').zip(0..) {
+            let number = if ends_in_cr { number + further } else { number };
+            let line = line.to_ascii_lowercase();
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            let mut rest = &words[..];
+            while let Some((statement, others)) = first_statement(rest) {
+                let arguments = others.iter().position(|word| is_keyword(word)).unwrap_or(others.len());
+                rest = &others[arguments..];
+                match &*statement {
+                    // up to the next facet, the rest of the line is a name
+                    "solid" | "endsolid" => {
+                        let begins = |pair: &[&str]| pair == ["facet", "normal"];
+                        let facet = others.windows(2).position(begins);
+                        open = statement == "solid" || facet.is_some();
+                        rest = facet.map_or(&[][..], |at| &others[at..]);
                     }
-                    solid.push('\n');
+                    "facet" => emit(number, "facet normal 0 0 0"),
+                    // also what is no statement: stl_io rejects it
+                    other => {
+                        plain.clear();
+                        plain.push_str(other);
+                        for argument in &others[..arguments] {
+                            plain.push(' ');
+                            plain.push_str(argument);
+                        }
+                        emit(number, &plain);
+                    }
                 }
             }
         }
     }
-    // without its end the file is cut, and stl_io says so
-    if !open {
-        solid.push_str("endsolid all\n");
-    }
-    solid
+    open
 }
 
 /// The word that begins a statement, `end loop` as `endloop`, and the words behind it.
@@ -206,6 +265,41 @@ mod tests {
             format!("solid a\n{}", FACET.replace("endfacet", "end solid")),
         ] {
             assert!(read_ascii(&text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn ascii_faults_name_the_line() {
+        let of = |text: &str| read_ascii(text).unwrap_err();
+        let facets = format!("solid a\n{FACET}{FACET}endsolid a\n");
+        for (from, to, line) in [
+            ("1e0", "1,5", 6),
+            ("vertex 1 0 0", "vertex 1 0", 5),
+            ("vertex 1 0 0", "vertex 1 0 nan", 5),
+            ("outer loop", "outer", 3),
+            ("endloop", "end hoop", 7),
+            ("endfacet", "endfacet x", 8),
+        ] {
+            let text = facets.replacen(from, to, 1);
+            for text in [text.clone(), text.replace('\n', "\r\n"), text.replace('\n', "\r")] {
+                let message = of(&text);
+                assert!(message.starts_with(&format!("bad STL at line {line}: ")), "{message}: {text:?}");
+            }
+        }
+        assert!(of(&facets.replace("endsolid a\n", "")).contains("cut"));
+        assert!(of(&facets.replacen("endfacet", "", 1)).contains("line 9"));
+    }
+
+    #[test]
+    fn a_text_that_is_no_stl_is_told_apart_from_a_cut_binary() {
+        let facets = FACET.repeat(3);
+        assert!(read_binary(facets.clone().into_bytes()).unwrap_err().contains("lacks its first line, 'solid NAME'"));
+        assert!(read_binary(b"v 0 0 0\n".repeat(30)).unwrap_err().contains("looks like text"));
+        assert!(read_binary(b"hello".to_vec()).unwrap_err().contains("looks like text"));
+        assert!(read_binary(binary(b"x", 9, 2)).unwrap_err().contains("9 triangles"));
+        for text in [format!("; made by hand\n{facets}"), facets] {
+            let message = super::super::read(text.into_bytes(), "stl", &mut |_: &str| Err(String::new())).unwrap_err();
+            assert!(message.contains("looks like") && !message.contains("triangles"), "{message}");
         }
     }
 

@@ -1,131 +1,110 @@
 //! The triangles of one COLLADA geometry.
 
-use nalgebra::Matrix4;
-use roxmltree::Node;
+use std::collections::HashMap;
+use std::rc::Rc;
 
-use super::{Collada, MOST_TRIANGLES, child, children, decimal};
-use crate::math::Point;
-use crate::robot::mesh_formats::polygon;
+use roxmltree::{Node, NodeId};
+
+use super::{Collada, child, children};
+use crate::robot::mesh_formats::memory;
+use crate::robot::mesh_formats::mesh_builder::MeshBuilder;
 use crate::robot::mesh_formats::tally::TOO_FEW_CORNERS;
 
 /// Polygons by the places of their corners in the positions.
 type Polygons = Vec<Vec<usize>>;
 
+/// Memory (bytes) of indices and polygons by the bytes of their text, at most.
+const INDEX_BYTES: usize = 32;
+
+/// Elements of a mesh that are no primitives.
+const NO_PRIMITIVES: [&str; 4] = ["source", "vertices", "extra", "asset"];
+
 impl<'d> Collada<'d> {
-    /// Adds the triangles of `geometry`, moved by `to_file`.
-    pub(super) fn append(&mut self, geometry: Node<'d, 'd>, to_file: &Matrix4<f64>) -> Result<(), String> {
-        let Some(mesh) = self.surface(geometry)? else { return Ok(()) };
-        if mesh.has_attribute("convex_hull_of") {
-            return Err(self.at(mesh, "convex_hull_of is not read; write the triangles of the hull"));
+    /// The triangles of a geometry, in its own coordinates. They are read once, however often it is instanced.
+    pub(super) fn surface(&mut self, geometry: Node<'d, 'd>) -> Result<Rc<MeshBuilder>, String> {
+        if let Some(known) = self.surfaces.get(&geometry.id()) {
+            return Ok(Rc::clone(known));
         }
-        let mirrored = to_file.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
-        // a file instances few vertex lists, nearly always one for each geometry
-        let mut known: Option<(Node, usize, Vec<Point>)> = None;
-        for primitive in mesh.children().filter(Node::is_element) {
-            let Some((vertices, polygons)) = self.polygons(primitive)? else {
-                continue;
-            };
-            if known.as_ref().is_none_or(|(node, _, _)| *node != vertices) {
-                let positions = self.positions(vertices)?;
-                let first = self.vertices.len();
-                self.vertices.extend(positions.iter().map(|p| to_file.transform_point(p)));
-                known = Some((vertices, first, positions));
+        let mut surface = MeshBuilder::default();
+        if let Some(mesh) = self.mesh_of(geometry)? {
+            if mesh.has_attribute("convex_hull_of") {
+                return Err(self.at(mesh, "convex_hull_of is not read; write the triangles of the hull"));
             }
-            let Some((_, first, positions)) = &known else {
-                continue;
-            };
-            for polygon in polygons {
-                self.append_polygon(primitive, &polygon, positions, *first, mirrored)?;
+            // by <vertices> element: where its positions are in the surface
+            let mut known = HashMap::new();
+            for primitive in mesh.children().filter(Node::is_element) {
+                if let Some((vertices, polygons)) = self.polygons(primitive)? {
+                    let range = self.positions_once(vertices, &mut known, &mut surface)?;
+                    for polygon in polygons {
+                        self.append_polygon(primitive, &polygon, range, &mut surface)?;
+                    }
+                }
             }
         }
-        Ok(())
+        let surface = Rc::new(surface);
+        self.surfaces.insert(geometry.id(), Rc::clone(&surface));
+        Ok(surface)
     }
 
-    /// The mesh of a geometry; `None` when it is something else, which is counted.
-    fn surface(&mut self, geometry: Node<'d, 'd>) -> Result<Option<Node<'d, 'd>>, String> {
-        let meshes: Vec<Node> = (geometry.children().filter(Node::is_element))
-            .filter(|part| matches!(part.tag_name().name(), "mesh" | "convex_mesh"))
-            .collect();
-        for (kind, skipped) in
-            [("spline", "splines are skipped"), ("brep", "boundary representations (<brep>) are skipped")]
-        {
-            for part in children(geometry, kind) {
-                self.tally.add(skipped, Some(self.xml.line(part)));
-            }
+    /// The mesh of a geometry; `None` when it has only curves, which are counted.
+    fn mesh_of(&mut self, geometry: Node<'d, 'd>) -> Result<Option<Node<'d, 'd>>, String> {
+        if let Some(brep) = child(geometry, "brep") {
+            return Err(self.at(brep, "boundary representations are not read; save the surface as triangles"));
         }
-        match meshes[..] {
-            [mesh] => Ok(Some(mesh)),
-            [] if child(geometry, "spline").or_else(|| child(geometry, "brep")).is_some() => Ok(None),
-            [] => Err(self.at(geometry, "has no <mesh>")),
-            [_, second, ..] => Err(self.at(second, "<geometry> may have only one mesh")),
+        let splines = children(geometry, "spline").count();
+        for _ in 0..splines {
+            self.tally.add("splines are skipped", Some(self.xml.line(geometry)));
         }
+        let is_mesh = |part: &Node| matches!(part.tag_name().name(), "mesh" | "convex_mesh");
+        let mut meshes = geometry.children().filter(is_mesh);
+        match (meshes.next(), meshes.next()) {
+            (Some(_), Some(second)) => Err(self.at(second, "<geometry> may have only one mesh")),
+            (Some(mesh), None) => Ok(Some(mesh)),
+            (None, _) if splines > 0 => Ok(None),
+            (None, _) => Err(self.at(geometry, "has no <mesh>")),
+        }
+    }
+
+    /// Where the positions of a `<vertices>` begin in the surface, and how many there are.
+    fn positions_once(
+        &mut self,
+        vertices: Node<'d, 'd>,
+        known: &mut HashMap<NodeId, (usize, usize)>,
+        surface: &mut MeshBuilder,
+    ) -> Result<(usize, usize), String> {
+        if let Some(range) = known.get(&vertices.id()) {
+            return Ok(*range);
+        }
+        let positions = self.positions(vertices)?;
+        let range = (surface.vertices.len(), positions.len());
+        surface.reserve(positions.len(), 0)?;
+        surface.vertices.extend(positions);
+        known.insert(vertices.id(), range);
+        Ok(range)
     }
 
     fn append_polygon(
         &mut self,
         primitive: Node,
         polygon: &[usize],
-        positions: &[Point],
-        first: usize,
-        mirrored: bool,
+        (first, count): (usize, usize),
+        surface: &mut MeshBuilder,
     ) -> Result<(), String> {
-        let corner = |&index: &usize| {
-            (positions.get(index).copied()).ok_or_else(|| {
-                let count = positions.len();
-                self.at(primitive, format!("names vertex {index}, but there are {count}"))
-            })
-        };
-        let corners: Vec<Point> = polygon.iter().map(corner).collect::<Result<_, _>>()?;
-        if corners.len() < 3 {
+        if let Some(index) = polygon.iter().find(|&&index| index >= count) {
+            return Err(self.at(primitive, format!("names vertex {index}, but there are {count}")));
+        }
+        if polygon.len() < 3 {
             self.tally.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
             return Ok(());
         }
-        let triangles = polygon::triangulate(&corners).map_err(|reason| self.at(primitive, reason))?;
-        if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
-            return Err(format!("the scene shows more than {MOST_TRIANGLES} triangles"));
-        }
+        let corners: Vec<_> = polygon.iter().map(|&index| surface.vertices[first + index]).collect();
+        let triangles = self.triangulator.triangulate(&corners);
+        let triangles = triangles.map_err(|reason| self.at(primitive, reason))?;
+        surface.reserve(0, triangles.len())?;
         for triple in triangles {
-            let [a, b, c] = triple.map(|k| u32::try_from(first + polygon[k]).unwrap_or(u32::MAX));
-            self.triangles.push(if mirrored { [a, c, b] } else { [a, b, c] });
+            surface.push(triple.map(|k| first + polygon[k]))?;
         }
         Ok(())
-    }
-
-    /// The positions that `<vertices>` point at.
-    fn positions(&mut self, vertices: Node<'d, 'd>) -> Result<Vec<Point>, String> {
-        let position = |n: &Node| n.attribute("semantic") == Some("POSITION");
-        let inputs: Vec<Node> = children(vertices, "input").filter(position).take(2).collect();
-        let input = match inputs[..] {
-            [input] => input,
-            [] => return Err(self.at(vertices, "has no input POSITION")),
-            _ => return Err(self.at(inputs[1], "<vertices> may have only one input POSITION")),
-        };
-        let source = self.referenced(input, "source", &["source"])?;
-        let technique = self.only_child(source, "technique_common")?;
-        let Some(accessor) = technique.map(|t| self.only_child(t, "accessor")).transpose()?.flatten() else {
-            return Err(self.at(source, "has no accessor"));
-        };
-        let array = self.referenced(accessor, "source", &["float_array", "int_array"])?;
-        let numbers: Vec<f64> = (self.text(array)?.split_whitespace())
-            .map(decimal)
-            .collect::<Result<_, _>>()
-            .map_err(|reason| self.at(array, reason))?;
-        let count = self.whole(accessor, "count", None)?;
-        let stride = self.whole(accessor, "stride", Some(1))?;
-        let offset = self.whole(accessor, "offset", Some(0))?;
-        if stride < 3 {
-            return Err(self.at(accessor, format!("positions have 3 numbers, but the stride is {stride}")));
-        }
-        let positions: Vec<Point> = (numbers.get(offset..).unwrap_or_default())
-            .chunks(stride)
-            .take(count)
-            .filter_map(|p| Some(Point::new(*p.first()?, *p.get(1)?, *p.get(2)?)))
-            .collect();
-        if positions.len() != count {
-            return Err(self
-                .at(accessor, format!("the count is {count}, but {} positions are there", positions.len())));
-        }
-        Ok(positions)
     }
 
     /// The polygons of a primitive element and the `<vertices>` they index; `None` for lines and other elements.
@@ -137,7 +116,11 @@ impl<'d> Collada<'d> {
                 self.tally.add("lists of lines are skipped", Some(self.xml.line(primitive)));
                 return Ok(None);
             }
-            _ => return Ok(None),
+            _ if NO_PRIMITIVES.contains(&kind) => return Ok(None),
+            _ => {
+                self.tally.add("unknown elements of a mesh are skipped", Some(self.xml.line(primitive)));
+                return Ok(None);
+            }
         }
         let mut stride = 1;
         let mut vertex_input = None;
@@ -152,7 +135,10 @@ impl<'d> Collada<'d> {
             }
         }
         let lists = self.index_lists(primitive)?;
+        // fans and strips count lists, not triangles
+        let counts_lists = matches!(kind, "trifans" | "tristrips");
         if lists.iter().all(Vec::is_empty) && child(primitive, "vcount").is_none() && kind != "polygons" {
+            self.compare_count(primitive, if counts_lists { lists.len() } else { 0 });
             return Ok(None);
         }
         let Some((input, offset)) = vertex_input else {
@@ -165,6 +151,7 @@ impl<'d> Collada<'d> {
             Ok(list.iter().skip(offset).step_by(stride).copied().collect())
         };
         let lists = lists.iter().map(corners).collect::<Result<Vec<_>, _>>()?;
+        let list_count = lists.len();
         let polygons = match kind {
             "triangles" => self.equal_polygons(primitive, &lists.concat())?,
             "polylist" => self.counted_polygons(primitive, &lists.concat())?,
@@ -177,7 +164,7 @@ impl<'d> Collada<'d> {
             }
             _ => lists,
         };
-        self.compare_count(primitive, kind, polygons.len());
+        self.compare_count(primitive, if counts_lists { list_count } else { polygons.len() });
         if polygons.is_empty() {
             return Ok(None);
         }
@@ -236,31 +223,20 @@ impl<'d> Collada<'d> {
     }
 
     /// The attribute `count` binds nobody, but a wrong one is told.
-    fn compare_count(&mut self, primitive: Node, kind: &str, polygons: usize) {
+    fn compare_count(&mut self, primitive: Node, there: usize) {
         let said = primitive.attribute("count").and_then(|c| c.trim().parse::<usize>().ok());
-        // fans and strips count lists, not triangles
-        if !matches!(kind, "trifans" | "tristrips") && said.is_some_and(|said| said != polygons) {
-            let said = said.unwrap_or_default();
-            let remark = self.at(primitive, format!("the count is {said}, but {polygons} are there"));
+        if let Some(said) = said.filter(|&said| said != there) {
+            let remark = self.at(primitive, format!("the count is {said}, but {there} are there"));
             self.remarks.push(remark);
         }
     }
 
     fn indices(&self, node: Node<'d, 'd>) -> Result<Vec<usize>, String> {
-        (self.text(node)?.split_whitespace())
+        let text = self.text(node)?;
+        memory::check(text.len().saturating_mul(INDEX_BYTES)).map_err(|e| self.at(node, format!("its indices {e}")))?;
+        (text.split_whitespace())
             .map(|word| word.parse().map_err(|_| self.at(node, "holds something that is no index")))
             .collect()
-    }
-
-    /// A whole number from an attribute.
-    fn whole(&self, node: Node, attribute: &str, missing: Option<usize>) -> Result<usize, String> {
-        match (node.attribute(attribute).map(str::trim), missing) {
-            (Some(text), _) => text
-                .parse()
-                .map_err(|_| self.at(node, format!("the attribute {attribute} is no whole number"))),
-            (None, Some(value)) => Ok(value),
-            (None, None) => Err(self.at(node, format!("has no attribute {attribute}"))),
-        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Which geometries a COLLADA scene shows, and where.
 
+use std::collections::HashMap;
+
 use nalgebra::{Matrix4, Unit, Vector3};
 use roxmltree::Node;
 
@@ -8,8 +10,9 @@ use super::{Collada, children};
 /// Nodes in nodes: more is a loop of `instance_node`.
 const MOST_LEVELS: usize = 100;
 
-/// Most nodes that are visited, instances counted.
+/// Most nodes that are visited, and most elements in them, instances counted.
 const MOST_NODES: usize = 100_000;
+const MOST_PARTS: usize = 10_000_000;
 
 /// A geometry where the scene shows it.
 pub(super) struct Shown<'d> {
@@ -28,7 +31,8 @@ impl<'d> Collada<'d> {
             .unwrap_or_default();
         // the stack gives back the last first; the file's order is easier to follow
         pending.reverse();
-        let mut visited = 0;
+        let (mut visited, mut parts) = (0, 0);
+        let mut bind_poses = HashMap::new();
         while let Some((node, to_file, level)) = pending.pop() {
             visited += 1;
             if level > MOST_LEVELS || visited > MOST_NODES {
@@ -36,7 +40,11 @@ impl<'d> Collada<'d> {
             }
             let to_file = to_file * self.node_transform(node)?;
             let first = pending.len();
-            for part in node.children().filter(Node::is_element) {
+            for part in node.children() {
+                parts += 1;
+                if parts > MOST_PARTS {
+                    return Err(self.at(node, "nodes with many elements are instanced too often"));
+                }
                 match part.tag_name().name() {
                     "node" => pending.push((part, to_file, level + 1)),
                     "instance_node" => {
@@ -47,7 +55,12 @@ impl<'d> Collada<'d> {
                     }
                     "instance_controller" => {
                         let controller = self.referenced(part, "url", &["controller"])?;
-                        let (geometry, to_node) = self.bind_pose(controller)?;
+                        let bound = match bind_poses.get(&controller.id()) {
+                            Some(known) => *known,
+                            None => self.bind_pose(controller)?,
+                        };
+                        bind_poses.insert(controller.id(), bound);
+                        let (geometry, to_node) = bound;
                         shown.push(Shown { geometry, to_file: to_file * to_node });
                     }
                     _ => {}
@@ -76,7 +89,7 @@ impl<'d> Collada<'d> {
         let mut product = Matrix4::identity();
         for part in node.children().filter(Node::is_element) {
             product *= match part.tag_name().name() {
-                "matrix" => Matrix4::from_row_slice(&self.numbers::<16>(part)?),
+                "matrix" => self.affine(part)?,
                 "translate" => Matrix4::new_translation(&self.numbers::<3>(part)?.into()),
                 "scale" => Matrix4::new_nonuniform_scaling(&self.numbers::<3>(part)?.into()),
                 "rotate" => {

@@ -27,7 +27,7 @@ impl<'d> Collada<'d> {
             };
             self.remarks.push(self.at(controller, what));
             if let Some(matrix) = self.only_child(deformer, "bind_shape_matrix")? {
-                to_mesh *= Matrix4::from_row_slice(&self.numbers::<16>(matrix)?);
+                to_mesh *= self.affine(matrix)?;
             }
             let source = self.referenced(deformer, "source", &["geometry", "controller"])?;
             if source.tag_name().name() == "geometry" {

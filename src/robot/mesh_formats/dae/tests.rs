@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::math::Vector;
+use crate::math::{Point, Vector};
 
 /// A square in the plane z = 0 with side 1, centred; `asset`, `primitive` and `node` as given.
 fn file(asset: &str, primitive: &str, node: &str) -> String {
@@ -146,8 +146,90 @@ fn what_may_stand_once_is_rejected_twice() {
         let message = fault(&good.replace("</mesh>", &format!("</mesh>{second}")));
         assert!(message.contains("only one mesh"), "{message}");
     }
-    let both = read(&good.replace("<mesh>", "<brep/><mesh>")).unwrap();
-    assert!(both.remarks[0].contains("<brep>"), "{:?}", both.remarks);
+    assert!(fault(&good.replace("<mesh>", "<brep/><mesh>")).contains("boundary representations"));
+}
+
+/// What a position's numbers mean is said by the names of the accessor's params.
+#[test]
+fn params_name_the_coordinates() {
+    let with = |params: &str, numbers: &str, stride: usize| {
+        let good = file("", TRIANGLES, NODE);
+        let good = good.replace("-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0", numbers);
+        let accessor = format!("stride=\"{stride}\">{params}</accessor>");
+        read(&good.replace("stride=\"3\"/>", &accessor))
+    };
+    let p = |name: &str| format!("<param name='{name}' type='float'/>");
+    let (x, y, z, none, other) = (p("X"), p("Y"), p("Z"), "<param type='float'/>".to_owned(), p("W"));
+    let xyz = "0 0 3 1 0 3 1 2 3 0 2 3";
+    let skipped = "9 0 0 3 8 1 0 3 7 1 2 3 6 0 2 3";
+    for (params, numbers, stride) in [
+        (vec![], xyz, 3),
+        (vec![&x, &y, &z], xyz, 3),
+        (vec![&p("x"), &p("y"), &p("z")], xyz, 3),
+        (vec![&p("A"), &p("B"), &p("C")], xyz, 3),
+        (vec![&none, &x, &y, &z], skipped, 4),
+        (vec![&p(""), &p("A"), &p("B"), &p("C")], skipped, 4),
+        (vec![&other, &x, &y, &z], skipped, 4),
+        (vec![&z, &y, &x], "3 0 0 3 0 1 3 2 1 3 2 0", 3),
+        (vec![&x, &none, &y, &none, &z], "0 9 0 9 3 1 9 0 9 3 1 9 2 9 3 0 9 2 9 3", 5),
+        (vec![&x, &y, &z, &other], "0 0 3 9 1 0 3 9 1 2 3 9 0 2 3 9", 4),
+    ] {
+        let params = params.into_iter().cloned().collect::<Vec<_>>().concat();
+        let read = with(&params, numbers, stride).unwrap_or_else(|e| panic!("{params}: {e}"));
+        assert_eq!(read.mesh.bounds(), (Point::new(0.0, 0.0, 3.0), Point::new(1.0, 2.0, 3.0)), "{params}");
+        assert!(read.mesh.triangle(0).normal().z > 0.0);
+    }
+    for (params, words) in [
+        (vec![&x, &y], "2 of its params"),
+        (vec![&none, &none, &none], "0 of its params"),
+        (vec![&x, &x, &y, &z], "X, Y and Z once"),
+        (vec![&x, &y, &other], "X, Y and Z once"),
+        (vec![&none, &none, &x, &y, &z], "the stride is 4"),
+        (vec![&"<param name='X' type='float3'/>".to_owned()], "more than one number"),
+    ] {
+        let params = params.into_iter().cloned().collect::<Vec<_>>().concat();
+        let message = with(&params, skipped, 4).unwrap_err();
+        assert!(message.contains(words), "{params}: {message}");
+    }
+}
+
+/// Nothing of a primitive vanishes without a remark.
+#[test]
+fn primitives_without_indices_are_told() {
+    for (primitive, words) in [
+        (format!("{TRIANGLES}<triangles count='12'><input semantic='VERTEX' source='#v' offset='0'/></triangles>"), "12"),
+        (format!("{TRIANGLES}<triangles count='12'><p/></triangles>"), "12"),
+        (format!("{TRIANGLES}<polylist count='7'/>"), "7"),
+        (format!("{TRIANGLES}<tristrips count='7'/>"), "7"),
+    ] {
+        let read = read(&file("", &primitive, NODE)).unwrap();
+        let remark = format!("the count is {words}, but 0 are there");
+        assert!(read.remarks.iter().any(|r| r.contains(&remark)), "{:?}", read.remarks);
+    }
+    let unknown = read(&file("", &format!("{TRIANGLES}<trimesh/>"), NODE)).unwrap();
+    assert!(unknown.remarks[0].contains("1 unknown elements of a mesh"), "{:?}", unknown.remarks);
+}
+
+#[test]
+fn projective_matrices_are_rejected() {
+    for row in ["0 0 0 2", "1 1 0 1", "0 0 0 0", "0 0 1e-9 1"] {
+        let node = format!("<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 {row}</matrix><instance_geometry url='#g'/></node>");
+        let message = fault(&file("", TRIANGLES, &node));
+        assert!(message.contains("<matrix>: the last row"), "{message}");
+    }
+}
+
+/// A geometry is read once, however often it is instanced, and what cannot be held is rejected before it is allocated.
+#[test]
+fn instances_without_number_end() {
+    let good = file("", TRIANGLES, &NODE.repeat(1000));
+    assert_eq!(read(&good).unwrap().mesh.triangles().len(), 2000);
+    let lists = "<p>0 1 2</p>".repeat(1000);
+    let many = format!("<triangles><input semantic='VERTEX' source='#v' offset='0'/>{lists}</triangles>");
+    assert!(fault(&file("", &many, &NODE.repeat(20_001))).contains("triangles, instances counted"));
+    let extras = format!("<node id='n'>{}</node>", "<extra/>".repeat(1001));
+    let nodes = extras + &"<instance_node url='#n'/>".repeat(10_000);
+    assert!(fault(&file("", TRIANGLES, &format!("<node>{nodes}</node>"))).contains("instanced too often"));
 }
 
 #[test]

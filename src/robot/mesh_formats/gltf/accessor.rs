@@ -1,6 +1,6 @@
 //! Elements of a glTF accessor, read one at a time from its buffer, so that nothing is allocated for what is not used.
 
-use std::collections::HashMap;
+use std::cmp::Ordering;
 
 use super::buffers::Buffers;
 use super::document::{Accessor, Document, Sparse};
@@ -37,8 +37,16 @@ pub struct Elements {
     width: usize,
     /// `None` for zeros.
     place: Option<Strided>,
-    /// Elements that stand elsewhere, by their number.
-    sparse: HashMap<usize, [f64; 3]>,
+    sparse: Option<Replaced>,
+}
+
+/// Elements that stand elsewhere: their numbers, which increase, and their values.
+#[derive(Debug)]
+struct Replaced {
+    count: usize,
+    kind: Component,
+    numbers: Strided,
+    values: Strided,
 }
 
 impl Component {
@@ -134,10 +142,10 @@ impl Elements {
             None => None,
         };
         let normalized = accessor.normalized;
-        let mut elements = Self { count, component, normalized, width, place, sparse: HashMap::new() };
+        let mut elements = Self { count, component, normalized, width, place, sparse: None };
         if let Some(sparse) = &accessor.sparse {
-            elements.sparse =
-                elements.replaced(document, sparse, buffers).map_err(|e| format!("sparse: {e}"))?;
+            let replaced = elements.replaced(document, sparse, buffers).map_err(|e| format!("sparse: {e}"))?;
+            elements.sparse = Some(replaced);
         }
         Ok(elements)
     }
@@ -147,31 +155,32 @@ impl Elements {
         document: &Document,
         sparse: &Sparse,
         buffers: &mut Buffers,
-    ) -> Result<HashMap<usize, [f64; 3]>, String> {
+    ) -> Result<Replaced, String> {
+        let (count, of) = (sparse.count, self.count);
+        if count > of {
+            return Err(format!("replaces {count} elements, but there are {of}"));
+        }
         let kind = Component::from_number(sparse.indices.component_type.unwrap_or_default())?;
-        let (component, size) = (self.component, self.width * self.component.size());
-        let indices = (sparse.indices.byte_offset, sparse.count, kind.size());
-        let indices = Strided::open(document, sparse.indices.buffer_view, indices, buffers)?;
-        let values = (sparse.values.byte_offset, sparse.count, size);
+        if !matches!(kind, Component::U8 | Component::U16 | Component::U32) {
+            return Err("its indices are unsigned integers of 8, 16 or 32 bits".to_owned());
+        }
+        let numbers = (sparse.indices.byte_offset, count, kind.size());
+        let numbers = Strided::open(document, sparse.indices.buffer_view, numbers, buffers)?;
+        let values = (sparse.values.byte_offset, count, self.width * self.component.size());
         let values = Strided::open(document, sparse.values.buffer_view, values, buffers)?;
-        let mut replaced = HashMap::new();
-        for i in 0..sparse.count {
-            let cut = || format!("ends in element {i}");
-            let index = indices.number(buffers, i, 0, kind, false).ok_or_else(cut)?;
-            let index = whole(index).filter(|&index| index < self.count);
-            let index = index.ok_or_else(|| format!("element {i} replaces one that is not there"))?;
-            let mut value = [0.0; 3];
-            for (k, value) in value.iter_mut().enumerate().take(self.width) {
-                *value = values.number(buffers, i, k, component, self.normalized).ok_or_else(cut)?;
+        let replaced = Replaced { count, kind, numbers, values };
+        let mut before = None;
+        for i in 0..count {
+            let number = replaced.number(buffers, i).ok_or_else(|| format!("ends in element {i}"))?;
+            if number >= of {
+                return Err(format!("element {i} replaces one that is not there"));
             }
-            replaced.insert(index, value);
+            if before.is_some_and(|before| before >= number) {
+                return Err(format!("its indices do not increase at element {i}, as glTF demands"));
+            }
+            before = Some(number);
         }
         Ok(replaced)
-    }
-
-    /// How many elements stand elsewhere.
-    pub fn replaced_count(&self) -> usize {
-        self.sparse.len()
     }
 
     /// Element number `index`, padded with zeros; `None` beyond the last.
@@ -179,13 +188,15 @@ impl Elements {
         if index >= self.count {
             return None;
         }
-        if let Some(value) = self.sparse.get(&index) {
-            return Some(*value);
-        }
+        let elsewhere = self.sparse.as_ref().and_then(|replaced| replaced.find(buffers, index));
+        let (place, at) = match elsewhere {
+            Some((values, at)) => (Some(values), at),
+            None => (self.place.as_ref(), index),
+        };
         let mut element = [0.0; 3];
-        if let Some(place) = &self.place {
+        if let Some(place) = place {
             for (k, number) in element.iter_mut().enumerate().take(self.width) {
-                *number = place.number(buffers, index, k, self.component, self.normalized)?;
+                *number = place.number(buffers, at, k, self.component, self.normalized)?;
             }
         }
         Some(element)
@@ -194,6 +205,27 @@ impl Elements {
     /// A vertex number.
     pub fn index(&self, index: usize, buffers: &Buffers) -> Option<usize> {
         whole(self.get(index, buffers)?[0])
+    }
+}
+
+impl Replaced {
+    /// The number of the element that is replaced by value `i`.
+    fn number(&self, buffers: &Buffers, i: usize) -> Option<usize> {
+        whole(self.numbers.number(buffers, i, 0, self.kind, false)?)
+    }
+
+    /// Where the value of element `index` stands, if it is replaced.
+    fn find(&self, buffers: &Buffers, index: usize) -> Option<(&Strided, usize)> {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low.midpoint(high);
+            match self.number(buffers, middle)?.cmp(&index) {
+                Ordering::Less => low = middle + 1,
+                Ordering::Greater => high = middle,
+                Ordering::Equal => return Some((&self.values, middle)),
+            }
+        }
+        None
     }
 }
 

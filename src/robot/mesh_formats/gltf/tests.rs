@@ -302,6 +302,67 @@ fn instances_without_end_end() {
     assert!(fault(&laughing).contains("without end"));
 }
 
+/// A document whose positions are replaced by sparse ones with these indices.
+fn sparse(count: usize, indices: &[u8]) -> Value {
+    let mut bytes = buffer();
+    bytes.extend(indices);
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let values = bytes.len();
+    bytes.extend((0..3 * indices.len()).flat_map(|i| f32::from(u16::try_from(i % 7).unwrap()).to_le_bytes()));
+    let mut document = with("/buffers/0", json!({"byteLength": bytes.len(), "uri": data_uri(&bytes)}));
+    let views = document["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 0, "byteOffset": 60, "byteLength": indices.len()}));
+    views.push(json!({"buffer": 0, "byteOffset": values, "byteLength": 12 * indices.len()}));
+    document["accessors"][0]["sparse"] = json!({
+        "count": count,
+        "indices": {"bufferView": 2, "componentType": 5121},
+        "values": {"bufferView": 3}
+    });
+    document
+}
+
+/// Replaced elements cost what they are, whether they are used or not, and are looked at once for all instances.
+#[test]
+fn replaced_elements_are_few_and_in_order() {
+    let read = of(&sparse(3, &[0, 1, 3])).unwrap();
+    let corners = read.mesh.vertices();
+    assert_eq!(corners[1], Point::new(3.0, 4.0, 5.0));
+    assert_eq!(corners[2], Point::new(1.0, 1.0, 0.0));
+    assert_eq!(corners[3], Point::new(6.0, 0.0, 1.0));
+    for (indices, words) in [
+        (&[0, 0][..], "do not increase"),
+        (&[2, 1], "do not increase"),
+        (&[0, 4], "not there"),
+        (&[0; 200], "replaces 200 elements, but there are 4"),
+    ] {
+        let message = fault(&sparse(indices.len(), indices));
+        assert!(message.contains(words), "{message}");
+    }
+    let mut signed = sparse(2, &[0, 1]);
+    signed["accessors"][0]["sparse"]["indices"]["componentType"] = json!(5120);
+    assert!(fault(&signed).contains("unsigned"));
+    let mut instances = sparse(4, &[0, 1, 2, 3]);
+    instances["nodes"] = json!([{"children": (1..=20_000).collect::<Vec<_>>()}]);
+    instances["nodes"].as_array_mut().unwrap().extend(vec![json!({"mesh": 0}); 20_000]);
+    assert_eq!(of(&instances).unwrap().mesh.triangles().len(), 40_000);
+}
+
+/// Primitives without elements cost something, too.
+#[test]
+fn instances_of_many_primitives_end() {
+    let mut many = document();
+    many["meshes"][0]["primitives"] = json!(vec![json!({"attributes": {}, "mode": 1}); 10_000]);
+    many["nodes"] = json!([{"children": (1..=1000).collect::<Vec<_>>()}]);
+    many["nodes"].as_array_mut().unwrap().extend(vec![json!({"mesh": 0}); 1000]);
+    assert!(fault(&many).contains("elements, instances counted"));
+}
+
+#[test]
+fn values_of_json_are_counted_without_strings() {
+    assert_eq!(values(br#"{"a": [1, 2], "b\"[,{": "[[[\\"}"#), 4);
+    assert_eq!(values(b"\"[,"), 0);
+}
+
 proptest! {
     #[test]
     fn mutations_never_panic(
