@@ -18,6 +18,7 @@ mod model;
 mod name_length;
 mod named_values;
 mod numbers;
+mod pair_limit;
 mod prefix;
 mod quoted;
 mod robot_text;

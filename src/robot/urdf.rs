@@ -9,7 +9,7 @@ use super::missing_meshes::MissingMeshes;
 use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
 use super::tree::{Tree, TreeError};
 use super::urdf_door::{CollisionNotes, JointNotes, LinkNotes, SoundUrdf};
-use super::{Fault, JointId, LinkId, Place, Warning, mimic};
+use super::{Fault, JointId, LinkId, Place, Warning, mimic, pair_limit};
 use crate::geometry::{Primitive, PrimitiveError, Shape};
 use crate::math::{Pose, Rotation, UnitVector, Vector, pose_from_xyz_rpy};
 
@@ -36,6 +36,7 @@ pub(super) fn build(
     let tree = Tree::new(robot.links.len(), &joints).map_err(|e| tree_fault(e, &sound, &joints))?;
     let SoundUrdf { links: notes, mut warnings, .. } = sound;
     let links = links(robot, &notes, &tree, files, &mut warnings)?;
+    pair_limit::check(&links)?;
     let (first_position, position_names) = positions(&joints);
     Ok(RobotModel {
         name: robot.name.clone(),
