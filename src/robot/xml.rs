@@ -310,12 +310,9 @@ mod tests {
     fn text_is_all_text_of_the_element() {
         let of = |content: &str| {
             let xml = format!("<a>{content}</a>");
-            read_xml(
-                &xml,
-                Expected { file: None, language: "an A", root: "a" },
-                &mut Vec::new(),
-                |xml, _| text(xml.root()).map(Cow::into_owned),
-            )
+            read_xml(&xml, Expected { file: None, language: "an A", root: "a" }, &mut Vec::new(), |xml, _| {
+                text(xml.root()).map(Cow::into_owned)
+            })
             .unwrap()
         };
         for (content, expected) in [

@@ -152,7 +152,10 @@ impl<'d> Collada<'d> {
         let text = text(node).map_err(|reason| self.at(node, reason))?;
         let left = self.text_left.get().checked_sub(text.len());
         let left = left.ok_or_else(|| {
-            self.at(node, format!("elements are referenced so often that more than {MOST_TEXT} bytes are read"))
+            self.at(
+                node,
+                format!("elements are referenced so often that more than {MOST_TEXT} bytes are read"),
+            )
         })?;
         self.text_left.set(left);
         Ok(text)

@@ -51,7 +51,8 @@ enum Format {
 /// Why the file holds no mesh, without quoting what it holds instead.
 pub(super) fn read(bytes: Vec<u8>, extension: &str, parts: Parts) -> Result<ReadMesh, String> {
     let format = recognise(&bytes, extension)?;
-    memory::check(bytes.len().saturating_mul(COPIES)).map_err(|e| format!("its {} bytes {e}", bytes.len()))?;
+    memory::check(bytes.len().saturating_mul(COPIES))
+        .map_err(|e| format!("its {} bytes {e}", bytes.len()))?;
     let mut read = match format {
         Format::BinaryStl => stl::read_binary(bytes),
         Format::AsciiStl => stl::read_ascii(&text(&bytes)),

@@ -343,14 +343,19 @@ mod tests {
 
     #[test]
     fn surfaces_that_are_not_read_are_rejected() {
-        for statement in ["surf 0 1 0 1 1 2 3 4", "bzp 1 2 3 4", "bsp 1 2 3 4", "cdp 1 2 3 4", "call b.obj", "csh ls"] {
+        for statement in
+            ["surf 0 1 0 1 1 2 3 4", "bzp 1 2 3 4", "bsp 1 2 3 4", "cdp 1 2 3 4", "call b.obj", "csh ls"]
+        {
             let message = read(&format!("{SQUARE}f 1 2 3\n{statement}\n")).unwrap_err();
             let word = statement.split(' ').next().unwrap();
             assert!(message.contains("line 10") && message.contains(word), "{message}");
         }
         for statement in ["F 2 3 4", "V 0 0 0", "FO 2 3 4", "SURF", "Call b.obj", "L 1 2"] {
             let message = read(&format!("{SQUARE}f 1 2 3\n{statement}\n")).unwrap_err();
-            assert!(message.contains("line 10") && message.contains("is no OBJ statement; write"), "{message}");
+            assert!(
+                message.contains("line 10") && message.contains("is no OBJ statement; write"),
+                "{message}"
+            );
         }
         assert_eq!(triangles(&format!("{SQUARE}f 1 2 3\nfo 1 3 4\n")), 2);
     }

@@ -11,7 +11,8 @@ use crate::ply_format::words::quoted;
 use crate::ply_format::{Element, Numbers, PlyError, PlyFile, Property};
 
 /// Names of elements that are surfaces, in lower case and without a plural's s; of these, face and tristrips are read.
-const SURFACES: [&str; 8] = ["face", "tristrip", "trifan", "triangle", "quad", "polygon", "patch", "range_grid"];
+const SURFACES: [&str; 8] =
+    ["face", "tristrip", "trifan", "triangle", "quad", "polygon", "patch", "range_grid"];
 
 /// Most indices of faces, and of strips: three for each triangle, and as many again.
 const MOST_INDICES: usize = 6 * MOST_TRIANGLES;
@@ -304,7 +305,8 @@ mod tests {
         }
         let twice = HEAD.replace("element face", "element vertex 1\nproperty float x\nelement face");
         assert!(fault(&format!("{twice}{SQUARE}7 4 0 1 2 3")).contains("more than one element vertex"));
-        let other = HEAD.replace("end_header", "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header");
+        let other = HEAD
+            .replace("end_header", "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header");
         let found = read_text(&format!("{other}{SQUARE}4 0 1 2 3 0 1"));
         assert_eq!(found.remarks, ["element 'edge' (1 records) is not read"]);
         let none = HEAD.replace("end_header", &format!("element polygon 0\n{list}vertices\nend_header"));

@@ -82,8 +82,7 @@ impl Triangulator {
         }
         let low = [0, 1].map(|k| a[k].lesser(b[k]).lesser(c[k]));
         let high = [0, 1].map(|k| a[k].greater(b[k]).greater(c[k]));
-        let is_near =
-            |p: &[f64; 2]| p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1];
+        let is_near = |p: &[f64; 2]| p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1];
         let is_inside = |p: [f64; 2]| {
             p != a && p != b && p != c && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
         };

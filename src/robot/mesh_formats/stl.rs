@@ -100,7 +100,8 @@ pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
 
 /// The first statement that does not stand where STL has it, since `stl_io` names no line.
 fn fault(text: &str) -> Option<String> {
-    const FACET: [&str; 7] = ["facet", "outer loop", "vertex x y z", "vertex x y z", "vertex x y z", "endloop", "endfacet"];
+    const FACET: [&str; 7] =
+        ["facet", "outer loop", "vertex x y z", "vertex x y z", "vertex x y z", "endloop", "endfacet"];
     let (mut place, mut fault) = (0, None);
     let open = statements(text, |line, statement| {
         let words: Vec<&str> = statement.split(' ').collect();
@@ -114,10 +115,13 @@ fn fault(text: &str) -> Option<String> {
         if !fits && fault.is_none() {
             let expected = FACET[(place + FACET.len() - 1) % FACET.len()];
             let found = shortened(statement);
-            fault = Some(format!("bad STL at line {line}: '{found}' stands where '{expected}' should, with finite numbers"));
+            fault = Some(format!(
+                "bad STL at line {line}: '{found}' stands where '{expected}' should, with finite numbers"
+            ));
         }
     });
-    let cut = || (open || place != 0).then(|| "bad STL: the file is cut, its last solid has no end".to_owned());
+    let cut =
+        || (open || place != 0).then(|| "bad STL: the file is cut, its last solid has no end".to_owned());
     fault.or_else(cut)
 }
 
@@ -293,12 +297,17 @@ mod tests {
     #[test]
     fn a_text_that_is_no_stl_is_told_apart_from_a_cut_binary() {
         let facets = FACET.repeat(3);
-        assert!(read_binary(facets.clone().into_bytes()).unwrap_err().contains("lacks its first line, 'solid NAME'"));
+        assert!(
+            read_binary(facets.clone().into_bytes())
+                .unwrap_err()
+                .contains("lacks its first line, 'solid NAME'")
+        );
         assert!(read_binary(b"v 0 0 0\n".repeat(30)).unwrap_err().contains("looks like text"));
         assert!(read_binary(b"hello".to_vec()).unwrap_err().contains("looks like text"));
         assert!(read_binary(binary(b"x", 9, 2)).unwrap_err().contains("9 triangles"));
         for text in [format!("; made by hand\n{facets}"), facets] {
-            let message = super::super::read(text.into_bytes(), "stl", &mut |_: &str| Err(String::new())).unwrap_err();
+            let message =
+                super::super::read(text.into_bytes(), "stl", &mut |_: &str| Err(String::new())).unwrap_err();
             assert!(message.contains("looks like") && !message.contains("triangles"), "{message}");
         }
     }

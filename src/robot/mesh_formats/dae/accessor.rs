@@ -31,7 +31,8 @@ impl<'d> Collada<'d> {
         let [x, y, z] = self.coordinates(accessor)?;
         let least = 1 + x.max(y).max(z);
         if stride < least {
-            let message = format!("positions have {least} numbers with its params, but the stride is {stride}");
+            let message =
+                format!("positions have {least} numbers with its params, but the stride is {stride}");
             return Err(self.at(accessor, message));
         }
         let positions: Vec<Point> = (numbers.get(offset..).unwrap_or_default())
@@ -53,11 +54,15 @@ impl<'d> Collada<'d> {
         if params.is_empty() {
             return Ok([0, 1, 2]);
         }
-        let is_wide = |param: &&Node| param.attribute("type").is_some_and(|t| t.ends_with(|c: char| c.is_ascii_digit()));
+        let is_wide = |param: &&Node| {
+            param.attribute("type").is_some_and(|t| t.ends_with(|c: char| c.is_ascii_digit()))
+        };
         if let Some(wide) = params.iter().find(is_wide) {
             return Err(self.at(*wide, "its type has more than one number, which is not read"));
         }
-        let name = |param: &Node| param.attribute("name").map(str::trim).filter(|n| !n.is_empty()).map(str::to_uppercase);
+        let name = |param: &Node| {
+            param.attribute("name").map(str::trim).filter(|n| !n.is_empty()).map(str::to_uppercase)
+        };
         let named: Vec<(usize, String)> =
             params.iter().enumerate().filter_map(|(place, param)| Some((place, name(param)?))).collect();
         let places = ["X", "Y", "Z"].map(|axis| {
@@ -68,7 +73,10 @@ impl<'d> Collada<'d> {
             ([(Some(x), None), (Some(y), None), (Some(z), None)], _) => Ok([x, y, z]),
             ([(None, _), (None, _), (None, _)], [(a, _), (b, _), (c, _), ..]) => Ok([*a, *b, *c]),
             _ => {
-                let message = format!("positions need params named X, Y and Z once, but {} of its params have names", named.len());
+                let message = format!(
+                    "positions need params named X, Y and Z once, but {} of its params have names",
+                    named.len()
+                );
                 Err(self.at(accessor, message))
             }
         }

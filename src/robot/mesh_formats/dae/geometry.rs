@@ -233,7 +233,8 @@ impl<'d> Collada<'d> {
 
     fn indices(&self, node: Node<'d, 'd>) -> Result<Vec<usize>, String> {
         let text = self.text(node)?;
-        memory::check(text.len().saturating_mul(INDEX_BYTES)).map_err(|e| self.at(node, format!("its indices {e}")))?;
+        memory::check(text.len().saturating_mul(INDEX_BYTES))
+            .map_err(|e| self.at(node, format!("its indices {e}")))?;
         (text.split_whitespace())
             .map(|word| word.parse().map_err(|_| self.at(node, "holds something that is no index")))
             .collect()

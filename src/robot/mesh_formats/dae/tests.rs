@@ -197,7 +197,12 @@ fn params_name_the_coordinates() {
 #[test]
 fn primitives_without_indices_are_told() {
     for (primitive, words) in [
-        (format!("{TRIANGLES}<triangles count='12'><input semantic='VERTEX' source='#v' offset='0'/></triangles>"), "12"),
+        (
+            format!(
+                "{TRIANGLES}<triangles count='12'><input semantic='VERTEX' source='#v' offset='0'/></triangles>"
+            ),
+            "12",
+        ),
         (format!("{TRIANGLES}<triangles count='12'><p/></triangles>"), "12"),
         (format!("{TRIANGLES}<polylist count='7'/>"), "7"),
         (format!("{TRIANGLES}<tristrips count='7'/>"), "7"),
@@ -213,7 +218,9 @@ fn primitives_without_indices_are_told() {
 #[test]
 fn projective_matrices_are_rejected() {
     for row in ["0 0 0 2", "1 1 0 1", "0 0 0 0", "0 0 1e-9 1"] {
-        let node = format!("<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 {row}</matrix><instance_geometry url='#g'/></node>");
+        let node = format!(
+            "<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 {row}</matrix><instance_geometry url='#g'/></node>"
+        );
         let message = fault(&file("", TRIANGLES, &node));
         assert!(message.contains("<matrix>: the last row"), "{message}");
     }

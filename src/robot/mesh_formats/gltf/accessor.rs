@@ -144,7 +144,8 @@ impl Elements {
         let normalized = accessor.normalized;
         let mut elements = Self { count, component, normalized, width, place, sparse: None };
         if let Some(sparse) = &accessor.sparse {
-            let replaced = elements.replaced(document, sparse, buffers).map_err(|e| format!("sparse: {e}"))?;
+            let replaced =
+                elements.replaced(document, sparse, buffers).map_err(|e| format!("sparse: {e}"))?;
             elements.sparse = Some(replaced);
         }
         Ok(elements)

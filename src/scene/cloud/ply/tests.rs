@@ -149,6 +149,8 @@ fn what_the_header_does_not_announce_is_told() {
         assert!(remarks(&bytes).starts_with("12 more bytes follow"));
         assert_eq!(remarks(&bytes[..bytes.len() - 12]), "");
     }
-    let two = format!("ply\nformat ascii 1.0\nelement vertex 1\n{xyz}element vertex 1\n{xyz}end_header\n1 2 3 4 5 6");
+    let two = format!(
+        "ply\nformat ascii 1.0\nelement vertex 1\n{xyz}element vertex 1\n{xyz}end_header\n1 2 3 4 5 6"
+    );
     assert!(read_cloud(two.as_bytes()).unwrap_err().to_string().contains("more than one element vertex"));
 }
