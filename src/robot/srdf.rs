@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use roxmltree::Node;
 
 use super::name_length::check_name_length;
-use super::xml::{Expected, Xml, children, read_xml};
+use super::xml::{Expected, Xml, is_foreign, own_children, read_xml};
 use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
 mod collision_rules;
@@ -142,7 +142,7 @@ impl<'d> Reader<'d> {
 
     fn check_root(&mut self, root: Node<'d, 'd>) -> Result<String, Fault> {
         self.xml.reject_xacro()?;
-        if let Some(link) = children(root, "link").next() {
+        if let Some(link) = own_children(root, "link").next() {
             let message = "the text is a URDF (it has <link>), not an SRDF: give it with --urdf";
             return Err(self.xml.fault(link, "", message));
         }
@@ -167,7 +167,7 @@ impl<'d> Reader<'d> {
     }
 
     fn read_virtual_joints(&mut self, root: Node<'d, 'd>) {
-        for node in children(root, "virtual_joint") {
+        for node in own_children(root, "virtual_joint") {
             let text = |name| node.attribute(name).unwrap_or_default().trim().to_owned();
             let element = format!("virtual_joint '{}'", text("name"));
             if !VIRTUAL_KINDS.contains(&text("type").as_str()) {
@@ -187,7 +187,7 @@ impl<'d> Reader<'d> {
     }
 
     fn passive_joints(&mut self, root: Node<'d, 'd>) -> Vec<JointId> {
-        let nodes: Vec<Node> = children(root, "passive_joint").collect();
+        let nodes: Vec<Node> = own_children(root, "passive_joint").collect();
         nodes.into_iter().filter_map(|n| self.joint(n, "name", "passive_joint")).collect()
     }
 
@@ -201,13 +201,31 @@ impl<'d> Reader<'d> {
             "enable_collisions",
             "disable_default_collisions",
         ];
-        let unknown: BTreeSet<&str> = (root.children().filter(Node::is_element))
+        self.note_foreign_elements(root, &READ);
+        let unknown: BTreeSet<&str> = (root.children().filter(|n| n.is_element() && !is_foreign(*n)))
             .map(|n| n.tag_name().name())
             .filter(|name| !READ.contains(name) && !IGNORED.contains(name))
             .collect();
         if !unknown.is_empty() {
             let names: Vec<String> = unknown.iter().map(|n| format!("<{n}>")).collect();
             self.warn(root, "", format!("not SRDF, ignored: {}", names.join(", ")));
+        }
+    }
+
+    /// A warning for each name that would be read if it had no XML namespace of its own.
+    fn note_foreign_elements(&mut self, root: Node<'d, 'd>, read: &[&str]) {
+        const READ_IN_GROUPS: [&str; 3] = ["joint", "link", "chain"];
+        let is_told = |n: &Node| {
+            let name = n.tag_name().name();
+            n.is_element() && is_foreign(*n) && (read.contains(&name) || READ_IN_GROUPS.contains(&name))
+        };
+        let mut seen = BTreeSet::new();
+        for node in root.descendants().filter(is_told) {
+            let name = node.tag_name().name();
+            if seen.insert(name) {
+                let message = "has another XML namespace than <robot>; ignored: write it without prefix";
+                self.warn(node, format!("<{name}>"), message);
+            }
         }
     }
 

@@ -10,12 +10,13 @@ use roxmltree::Node;
 
 use super::name_length::check_name_length;
 use super::numbers::shortened;
-use super::xml::{Expected, Xml, children, read_xml};
+use super::xml::{Expected, Xml, own_children, read_xml};
 use super::{Fault, ModelError, Place, Warning};
 use crate::math::Rotation;
 
 mod joint;
 mod link;
+mod unread;
 mod writer;
 
 use writer::Writer;
@@ -127,6 +128,7 @@ impl<'d> Door<'d> {
             self.check_joint(&name, joint, &known);
         }
         self.writer.close("robot");
+        self.warn_of_unread(root);
         if links.is_empty() && self.faults.is_empty() {
             let of_srdf = |n: &Node| n.is_element() && SRDF_ELEMENTS.contains(&n.tag_name().name());
             let message = match root.children().find(of_srdf) {
@@ -186,7 +188,7 @@ impl<'d> Door<'d> {
     fn named(&mut self, root: Node<'d, 'd>, kind: &str) -> Vec<(String, Node<'d, 'd>)> {
         let mut first_lines: HashMap<&str, u32> = HashMap::new();
         let mut named = Vec::new();
-        for node in children(root, kind) {
+        for node in own_children(root, kind) {
             let line = self.xml.line(node);
             match node.attribute("name").map(str::trim) {
                 None | Some("") => self.fault(node, "", format!("a {kind} has no name")),
@@ -219,7 +221,7 @@ impl<'d> Door<'d> {
 
     /// The first child of that name; further ones are told and ignored.
     fn only_child(&mut self, node: Node<'d, 'd>, name: &str, element: &str) -> Option<Node<'d, 'd>> {
-        let mut all = children(node, name);
+        let mut all = own_children(node, name);
         let first = all.next();
         if let Some(second) = all.next() {
             self.warn(second, element, format!("a second <{name}> is ignored"));

@@ -93,7 +93,26 @@ impl<'d> Xml<'d> {
     }
 }
 
-/// Child elements that bear a plain (not prefixed) name.
+/// Whether an element has another XML namespace than the outermost one.
+pub(super) fn is_foreign(node: Node) -> bool {
+    node.tag_name().namespace() != node.document().root_element().tag_name().namespace()
+}
+
+/// The text of an element beside its child elements, if there is one.
+pub(super) fn only_text<'d>(node: Node<'d, 'd>) -> Option<&'d str> {
+    let texts = node.children().filter(Node::is_text).filter_map(|text| text.text());
+    texts.map(str::trim).find(|text| !text.is_empty())
+}
+
+/// Child elements of that name in the namespace of the outermost element.
+pub(super) fn own_children<'d, 'n>(
+    node: Node<'d, 'd>,
+    name: &'n str,
+) -> impl Iterator<Item = Node<'d, 'd>> + use<'d, 'n> {
+    children(node, name).filter(|child| !is_foreign(*child))
+}
+
+/// Child elements of that name, of any namespace.
 pub(super) fn children<'d, 'n>(
     node: Node<'d, 'd>,
     name: &'n str,

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use roxmltree::Node;
 
 use super::{DisabledPair, Reader};
-use crate::robot::xml::children;
+use crate::robot::xml::own_children;
 use crate::robot::{Fault, LinkId};
 
 /// Content of the three elements; no pair is in both lists.
@@ -23,7 +23,7 @@ impl<'d> Reader<'d> {
     /// An element that names no link: which pair is meant can not be known.
     pub(super) fn collision_rules(&mut self, root: Node<'d, 'd>) -> Result<CollisionRules, Fault> {
         let mut unchecked_by_default = BTreeSet::new();
-        for node in children(root, "disable_default_collisions") {
+        for node in own_children(root, "disable_default_collisions") {
             self.require(node, "link")?;
             if let Some(link) = self.link(node, "link", "disable_default_collisions")
                 && unchecked_by_default.insert(link)
@@ -37,11 +37,11 @@ impl<'d> Reader<'d> {
             }
         }
         let mut enabled = BTreeSet::new();
-        for node in children(root, "enable_collisions") {
+        for node in own_children(root, "enable_collisions") {
             enabled.extend(self.pair(node)?);
         }
         let mut disabled = BTreeMap::new();
-        for node in children(root, "disable_collisions") {
+        for node in own_children(root, "disable_collisions") {
             if let Some(pair) = self.pair(node)? {
                 enabled.remove(&pair);
                 disabled.insert(pair, node.attribute("reason").unwrap_or_default().to_owned());

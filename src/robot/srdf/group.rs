@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::{Group, Reader};
 use crate::robot::numbers::shortened;
-use crate::robot::xml::children;
+use crate::robot::xml::{is_foreign, own_children};
 use crate::robot::{JointId, LinkId};
 
 /// Most groups that a warning names.
@@ -68,7 +68,7 @@ impl<'d> Reader<'d> {
     fn drafts(&mut self, root: Node<'d, 'd>) -> Vec<Draft<'d>> {
         let mut index_of: HashMap<&str, usize> = HashMap::new();
         let mut drafts = Vec::new();
-        for node in children(root, "group") {
+        for node in own_children(root, "group") {
             let name = node.attribute("name").unwrap_or_default();
             if name.is_empty() || index_of.contains_key(name) {
                 let message =
@@ -83,7 +83,7 @@ impl<'d> Reader<'d> {
             drafts.push(self.draft(name, node));
         }
         for draft in &mut drafts {
-            for sub in children(draft.node, "group") {
+            for sub in own_children(draft.node, "group") {
                 let name = sub.attribute("name").unwrap_or_default();
                 if let Some(&index) = index_of.get(name) {
                     draft.subgroups.push(index);
@@ -100,7 +100,7 @@ impl<'d> Reader<'d> {
         let element = format!("group '{name}'");
         let mut draft =
             Draft { name, node, joints: BTreeSet::new(), links: BTreeSet::new(), subgroups: Vec::new() };
-        for part in node.children().filter(Node::is_element) {
+        for part in node.children().filter(|n| n.is_element() && !is_foreign(*n)) {
             match part.tag_name().name() {
                 "joint" => draft.joints.extend(self.joint(part, "name", &element)),
                 "link" => {

@@ -7,7 +7,7 @@ use roxmltree::Node;
 use super::{Group, Reader};
 use crate::robot::JointKind;
 use crate::robot::numbers::{decimal, shortened};
-use crate::robot::xml::children;
+use crate::robot::xml::own_children;
 
 /// Most remarks about named states; a text that is wrong throughout has thousands.
 const MOST_REMARKS: usize = 20;
@@ -19,7 +19,7 @@ impl<'d> Reader<'d> {
     pub(super) fn check_group_states(&mut self, root: Node<'d, 'd>, groups: &[Group]) {
         let mut remarks: Vec<(Node, String, String)> = Vec::new();
         let mut seen = HashSet::new();
-        for state in children(root, "group_state") {
+        for state in own_children(root, "group_state") {
             let text = |name| state.attribute(name).unwrap_or_default().trim();
             let (name, group) = (text("name"), text("group"));
             let element = format!("group_state '{}'", shortened(name));
@@ -36,7 +36,7 @@ impl<'d> Reader<'d> {
                 remark(state, format!("there is no group '{}'", shortened(group)));
             }
             let mut joints = HashSet::new();
-            for joint in children(state, "joint") {
+            for joint in own_children(state, "joint") {
                 let name = joint.attribute("name").unwrap_or_default().trim();
                 let fault = self.fault_of_joint(name, members).or_else(|| self.fault_of_value(joint, name));
                 let twice = (!name.is_empty() && !joints.insert(name))

@@ -52,6 +52,19 @@ fn disabled_pairs_overrule_enabled_ones_and_defaults_stay_defaults() {
 }
 
 #[test]
+fn foreign_namespaces_are_no_srdf() {
+    let (srdf, told) = srdf(
+        "<x:disable_collisions xmlns:x='urn:x' link1='a' link2='c'/>\n<x:other xmlns:x='urn:x'/>
+        <group name='g'><joint name='ab'/><x:joint xmlns:x='urn:x' name='bc'/></group>
+        <y:disable_default_collisions xmlns:y='urn:y' link='a'/>",
+    );
+    assert!(srdf.disabled_pairs.is_empty() && srdf.unchecked_by_default.is_empty());
+    assert_eq!(srdf.groups[0].joints, [JointId(0)]);
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert!(told[0].starts_with("r.srdf:2: <disable_collisions>: has another XML namespace"), "{told:?}");
+}
+
+#[test]
 fn unknown_links_are_told_once_with_their_first_line() {
     let (srdf, warnings) = srdf(
         "<disable_collisions link1='a' link2='x'/>\n<disable_collisions link1='x' link2='b'/>\n\

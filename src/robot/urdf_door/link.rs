@@ -7,24 +7,16 @@ use super::{CollisionNotes, Door, LinkNotes, is_unexpanded};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::Rotation;
 use crate::robot::numbers::{decimals, shortened};
-use crate::robot::xml::children;
+use crate::robot::xml::{is_foreign, own_children};
 
-const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
+pub(super) const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
 
 impl<'d> Door<'d> {
     pub(super) fn check_link(&mut self, name: &str, link: Node<'d, 'd>) {
         self.writer.open("link", &[("name", name)]);
         let mut notes =
             LinkNotes { place: self.xml.place(link, format!("link '{name}'")), collisions: Vec::new() };
-        for child in link.children().filter(Node::is_element) {
-            let given = child.tag_name().name();
-            if given != "collision" && is_nearly(given, "collision") {
-                let message =
-                    format!("element '{}' is not read: did you mean 'collision'?", shortened(given));
-                self.warn(child, format!("link '{name}'"), message);
-            }
-        }
-        for (collision, number) in children(link, "collision").zip(1..) {
+        for (collision, number) in own_children(link, "collision").zip(1..) {
             let element = match collision.attribute("name").unwrap_or_default() {
                 "" => format!("link '{name}' collision {number}"),
                 own => format!("link '{name}' collision '{}'", shortened(own)),
@@ -40,7 +32,7 @@ impl<'d> Door<'d> {
             notes.collisions.push(CollisionNotes { place, rotation });
         }
         self.writer.close("link");
-        if notes.collisions.is_empty() && children(link, "visual").next().is_some() {
+        if notes.collisions.is_empty() && own_children(link, "visual").next().is_some() {
             self.without_collision.push((name.to_owned(), link));
         }
         self.sound.links.push(notes);
@@ -82,7 +74,7 @@ impl<'d> Door<'d> {
         };
         let known = |n: &Node| SHAPES.contains(&n.tag_name().name());
         let (shapes, others): (Vec<Node>, Vec<Node>) =
-            geometry.children().filter(Node::is_element).partition(known);
+            geometry.children().filter(|n| n.is_element() && !is_foreign(*n)).partition(known);
         match (&shapes[..], others.first()) {
             ([shape], _) => {
                 self.writer.open("geometry", &[]);
@@ -92,6 +84,13 @@ impl<'d> Door<'d> {
             ([_, second, ..], _) => {
                 let message = "<geometry> has more than one shape; write one <collision> for each";
                 self.fault(*second, element, message);
+            }
+            ([], None) if geometry.children().any(|n| n.is_element()) => {
+                let message = format!(
+                    "<geometry> has elements of another XML namespace only, but must have one of {}",
+                    SHAPES.join(", ")
+                );
+                self.fault(geometry, element, message);
             }
             ([], None) => self.fault(geometry, element, "<geometry> is empty"),
             ([], Some(other)) => {
@@ -194,12 +193,4 @@ impl<'d> Door<'d> {
             }
         }
     }
-}
-
-/// Whether a name is another one but for a letter or two that are missing, too many or wrong: what both begin and end with is nearly all of it.
-fn is_nearly(name: &str, other: &str) -> bool {
-    let alike = |(a, b): &(char, char)| a.eq_ignore_ascii_case(b);
-    let front = name.chars().zip(other.chars()).take_while(alike).count();
-    let back = name.chars().rev().zip(other.chars().rev()).take_while(alike).count();
-    front + back + 2 >= other.len() && name.len().abs_diff(other.len()) <= 2
 }

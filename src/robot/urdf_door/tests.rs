@@ -46,12 +46,153 @@ fn warned(text: &str, words: &[&str]) -> RobotModel {
     model
 }
 
-#[test]
-fn a_misspelled_collision_is_told() {
-    warned(
-        &urdf("<colision><geometry><sphere radius='1'/></geometry></colision>", "fixed", ""),
-        &["colision", "did you mean"],
+/// Warnings of a robot whose second link and whose joint hold these texts.
+fn warnings_of(in_link: &str, joint_attributes: &str, in_joint: &str, in_robot: &str) -> Vec<String> {
+    let text = format!(
+        "<robot name='r' version='1.1' xmlns:q='urn:q'><link name='a'/><link name='b'>{in_link}</link>
+         <link name='m'/><joint name='lead' type='continuous'><parent link='a'/><child link='m'/></joint>
+         <joint name='j' type='revolute' {joint_attributes}><parent link='a'/><child link='b'/>{LIMIT}{in_joint}</joint>{in_robot}</robot>"
     );
+    accepted(&text).warnings().iter().map(ToString::to_string).collect()
+}
+
+const BALL: &str = "<geometry><sphere radius='1'/></geometry>";
+
+#[test]
+fn misspelt_elements_and_attributes_are_told_with_what_was_meant() {
+    let ball = |more: &str| format!("<collision>{more}{BALL}</collision>");
+    let shape = |text: &str| format!("<collision><geometry>{text}</geometry></collision>");
+    let in_link = [
+        (format!("<colision>{BALL}</colision>"), "'colision' is not read: did you mean 'collision'"),
+        (format!("<Collision>{BALL}</Collision>"), "did you mean 'collision'"),
+        (format!("<collsions>{BALL}</collsions>"), "did you mean 'collision'"),
+        (ball("<orgin xyz='3 0 0'/>"), "link 'b': element 'orgin' is not read: did you mean 'origin'"),
+        (ball("<origin xzy='3 0 0'/>"), "attribute 'xzy' of <origin> is not read: did you mean 'xyz'"),
+        (ball("<origin XYZ='3 0 0'/>"), "did you mean 'xyz'"),
+        (ball("<origin xyz='3 0 0' rpv='0 0 1'/>"), "did you mean 'rpy'"),
+        (ball("<origin quat_xyz='0 0 0 1'/>"), "did you mean 'quat_xyzw'"),
+        (ball("<origin pos='3 0 0'/>"), "'pos' of <origin> is not read; it has xyz, rpy, quat_xyzw"),
+        (ball("<origin><xyz>3 0 0</xyz></origin>"), "'xyz' is not read: write xyz="),
+        (ball("<origin>3 0 0</origin>"), "text '3 0 0' in <origin>"),
+        (ball("<pose>3 0 0 0 0 0</pose>"), "'pose' in <collision> is not read"),
+        (ball("").replace("<collision>", "<collision xyz='3 0 0'>"), "'xyz' of <collision>"),
+        (shape("<sphere radius='1' scale='2'/>"), "'scale' of <sphere>"),
+        (shape("<sphere radius='1'/><spere radius='9'/>"), "did you mean 'sphere'"),
+        (format!("<parts><collision>{BALL}</collision></parts>"), "<collision> in it: put that into <link>"),
+        (BALL.to_owned(), "'geometry' does not belong into <link>"),
+    ];
+    for (text, words) in in_link {
+        let told = warnings_of(&text, "", "", "");
+        assert!(told.len() == 1 && told[0].contains(words), "{text}: {told:?}");
+    }
+    let in_joint = [
+        ("<orgin xyz='3 0 0'/>", "joint 'j': element 'orgin' is not read: did you mean 'origin'"),
+        ("<axs xyz='0 0 1'/>", "did you mean 'axis'"),
+        ("<axis xzy='0 0 1'/>", "did you mean 'xyz'"),
+        ("<axis><xyz>0 0 1</xyz></axis>", "write xyz="),
+        ("<mimc joint='lead'/>", "did you mean 'mimic'"),
+        ("<mimic joint='lead' mutliplier='2'/>", "did you mean 'multiplier'"),
+        ("<mimic joint='lead' ofset='2'/>", "did you mean 'offset'"),
+        ("<limits lower='0'/>", "did you mean 'limit'"),
+        ("<damper/>", "'damper' in <joint> is not read; it has origin"),
+        ("<mesh filename='x'/>", "'mesh' does not belong into <joint>"),
+    ];
+    for (text, words) in in_joint {
+        let told = warnings_of("", "", text, "");
+        assert!(told.len() == 1 && told[0].contains(words), "{text}: {told:?}");
+    }
+    let told = warnings_of("", "tpye='fixed'", "", "");
+    assert!(told.len() == 1 && told[0].contains("did you mean 'type'"), "{told:?}");
+}
+
+#[test]
+fn misspelt_limits_and_scales_are_told() {
+    let limit = revolute("").replace("lower=", "lowr=");
+    warned(&limit, &["'lowr' of <limit>", "did you mean 'lower'"]);
+    let mesh = collision("<mesh filename='package://p/t.stl' scal='2 2 2'/>");
+    let meshes: [(&str, &[u8]); 1] = [(
+        "p/t.stl",
+        b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid",
+    )];
+    let model = RobotModel::from_urdf(&mesh, &MeshFiles::embedded(Box::leak(Box::new(meshes)))).unwrap();
+    let told: Vec<String> = model.warnings().iter().map(ToString::to_string).collect();
+    assert!(
+        told.iter().any(|w| w.contains("'scal' of <mesh> is not read: did you mean 'scale'")),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn links_and_joints_that_stand_in_other_elements_are_told() {
+    for (text, words) in [
+        ("<lnik name='c'/>", "did you mean 'link'"),
+        ("<Joint name='c'/>", "did you mean 'joint'"),
+        ("<model><link name='c'/></model>", "the <link> in it: put that into <robot>"),
+        ("<a><b><joint name='c'/></b></a>", "the <joint> in it"),
+        ("<collision><geometry/></collision>", "'collision' does not belong into <robot>"),
+        ("<include filename='hand.urdf'/>", "the file that it names"),
+    ] {
+        let told = warnings_of("", "", "", text);
+        assert!(told.len() == 1 && told[0].contains(words), "{text}: {told:?}");
+    }
+}
+
+#[test]
+fn known_extensions_get_no_warning() {
+    let in_link = format!(
+        "<inertial><mass value='1'/><origin xzy='0'/></inertial><gravity/><contact><lateral_friction value='1'/></contact>
+         <visual><orgin/><collision/>{BALL}</visual><sensor><origin/></sensor><self_collision_checking/><q:surface/>
+         <collision name='c' group='x'>{BALL}<q:proximity_properties><q:hydro/></q:proximity_properties><verbose value='x'/></collision>"
+    );
+    let in_joint = "<dynamics damping='1' K='2'/><safety_controller k_velocity='1'/><calibration rising='0'/><q:actuator/>
+         <hardwareInterface>x</hardwareInterface><axis xyz='0 0 1' q:note='x'/>";
+    let in_robot = "<gazebo reference='b'><collision/><plugin><link>b</link><joint/></plugin></gazebo><transmission name='t'>
+         <joint name='j'/></transmission><ros2_control><joint name='j'/></ros2_control><material name='m'/>
+         <sensor name='s'><parent link='b'/><origin xyz='0 0 0'/></sensor><mujoco><compiler/></mujoco><q:hint><q:x/></q:hint><lane/>";
+    assert_eq!(warnings_of(&in_link, "q:index='1'", in_joint, in_robot), [""; 0]);
+}
+
+#[test]
+fn foreign_namespaces_are_no_urdf() {
+    let collisions = |text: &str| {
+        let model = accepted(text);
+        let count = model.links().iter().map(|link| link.collisions.len()).sum::<usize>();
+        (count, model.warnings().iter().map(ToString::to_string).collect::<Vec<_>>())
+    };
+    let (count, told) = collisions(&format!(
+        "<robot name='r' xmlns:q='urn:q'><link name='a'><q:collision>{BALL}</q:collision><collision><q:origin xyz='9 9 9'/>{BALL}</collision>
+         </link></robot>"
+    ));
+    assert_eq!(count, 1);
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(told.iter().all(|w| w.contains("another XML namespace than <robot>")), "{told:?}");
+    // the namespace of the outermost element is URDF's, whatever it is
+    for (head, prefix) in
+        [("<robot xmlns='urn:r' name='r'>", ""), ("<q:robot xmlns:q='urn:q' name='r'>", "q:")]
+    {
+        let plain =
+            "<link name='a'><collision><geometry><sphere radius='1'/></geometry></collision></link></robot>";
+        let text = plain
+            .replace("</", "\0")
+            .replace('<', &format!("<{prefix}"))
+            .replace('\0', &format!("</{prefix}"));
+        assert_eq!(collisions(&format!("{head}{text}")), (1, vec![]));
+    }
+    let (_, told) = collisions(
+        "<robot name='r' xmlns:q='urn:q'><link name='a'><collision><origin q:xyz='3 0 0'/>
+        <geometry><sphere radius='1'/></geometry></collision></link></robot>",
+    );
+    assert!(told.len() == 1 && told[0].contains("'xyz' of <origin> has a namespace of its own"), "{told:?}");
+    refused(&collision("<q:sphere radius='1'/>"), &["another XML namespace only", "one of box"]);
+}
+
+#[test]
+fn names_that_are_not_read_do_not_flood() {
+    let many: String = (0..100).map(|i| format!("<foo{i}/><bar/>")).collect();
+    let told = warnings_of("", "", &many, "");
+    assert_eq!(told.len(), 21, "{told:?}");
+    assert!(told.iter().any(|w| w.contains("'bar'") && w.contains("99 more places")), "{told:?}");
+    assert!(told.iter().any(|w| w.contains("81 more names")), "{told:?}");
 }
 
 #[test]
