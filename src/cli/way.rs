@@ -4,12 +4,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clearance::input_files::{self, STATES_LIMIT};
-use clearance::motion::{ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, shortest_way};
+use clearance::motion::{
+    ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, TrajectoryTextError, shortest_way,
+};
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::World;
 
 use super::failure::Failure;
 use super::states;
+
+/// What a file of a trajectory has to hold, for those that hold something else.
+const TRAJECTORY: &str =
+    "the YAML or JSON of a trajectory_msgs/JointTrajectory or moveit_msgs/RobotTrajectory";
 
 /// Motions, how far the robot may be off, and what moves meanwhile.
 #[derive(Args)]
@@ -155,9 +161,13 @@ fn trajectory(
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-    let way = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
-    way.map_err(|e| {
-        let expected = "the YAML or JSON of a trajectory_msgs/JointTrajectory or moveit_msgs/RobotTrajectory";
-        bad(&format!("{e} (a trajectory is {expected})"))
-    })
+    let read = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
+    let (way, remarks) = read.map_err(|e| match e {
+        TrajectoryTextError::Text(_) => bad(&format!("{e} (a trajectory is {TRAJECTORY})")),
+        TrajectoryTextError::Trajectory(_) | TrajectoryTextError::Start(_) => bad(&e),
+    })?;
+    for remark in remarks {
+        log::warn!("{file}: {remark}");
+    }
+    Ok(way)
 }

@@ -20,6 +20,7 @@ mod obstacle_trajectory_text;
 mod segment;
 mod trajectory;
 mod trajectory_document;
+mod trajectory_start;
 mod trajectory_text;
 
 pub(crate) use certificate::shown;
@@ -34,4 +35,5 @@ pub use obstacle_trajectory_text::ObstacleTextError;
 pub(crate) use segment::floating;
 pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};
+pub use trajectory_start::{START_TOLERANCE, StartMismatch};
 pub use trajectory_text::TrajectoryTextError;

@@ -155,6 +155,16 @@ impl Trajectory {
         Ok(Self { segments, times: self.times, parts: self.parts })
     }
 
+    /// A remark where the first point comes later than the start of the trajectory.
+    #[must_use]
+    pub fn late_start_note(&self) -> Option<String> {
+        let first = *self.times.first().filter(|time| **time > 0.0)?;
+        Some(format!(
+            "the first point is at {first} s: how the robot gets there from where it stands is not checked; \
+             add that as a point with time_from_start 0"
+        ))
+    }
+
     /// When segments begin and end; a single one without times goes from 0 to 1.
     pub(super) fn clock(&self) -> Result<Vec<f64>, TrajectoryError> {
         match (self.times.as_slice(), self.segments.len()) {

@@ -4,6 +4,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::TrajectoryPoint;
+use super::trajectory_start::TrajectoryStart;
 use super::trajectory_text::TrajectoryTextError;
 use crate::robot::{Configuration, RobotModel};
 use crate::scene::{NamedState, RobotStateText};
@@ -14,6 +15,9 @@ pub(super) struct TrajectoryDocument {
     pub joint_names: Vec<String>,
     pub points: Vec<TrajectoryPoint>,
     pub rest: Configuration,
+    pub start: Option<TrajectoryStart>,
+    /// Parts of the text that say nothing about the motion.
+    pub remarks: Vec<String>,
 }
 
 /// The fields of the three messages.
@@ -123,7 +127,9 @@ impl TrajectoryDocument {
     /// whose start tells the joints that the trajectory does not name; other joints stay as in `rest`.
     pub fn read(text: &str, robot: &RobotModel, rest: &Configuration) -> Result<Self, TrajectoryTextError> {
         let file: FileText = yaml::from_text(text).map_err(TrajectoryTextError::Text)?;
-        let rest = start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
+        let (start, remarks) =
+            start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
+        let rest = start.as_ref().map_or(rest, TrajectoryStart::configuration).clone();
         let JointTrajectoryText { joint_names, points, .. } =
             only_trajectory(FileText { trajectory_start: None, ..file })
                 .map_err(TrajectoryTextError::Text)?;
@@ -133,21 +139,25 @@ impl TrajectoryDocument {
             accelerations: p.accelerations,
             time_from_start: p.time_from_start.seconds(),
         });
-        Ok(Self { joint_names, points: points.collect(), rest })
+        Ok(Self { joint_names, points: points.collect(), rest, start, remarks })
     }
 }
 
-/// The configuration that a `trajectory_start` tells.
+/// The start that a `trajectory_start` tells, if it names any joint, and what of it says nothing.
 fn start(
     text: Option<RobotStateText>,
     robot: &RobotModel,
     rest: &Configuration,
-) -> Result<Configuration, String> {
-    let Some(text) = text else { return Ok(rest.clone()) };
+) -> Result<(Option<TrajectoryStart>, Vec<String>), String> {
+    let Some(text) = text else { return Ok((None, Vec::new())) };
     let fault = |why: String| format!("trajectory_start: {why}");
-    let state = NamedState::of_robot(text, robot).map_err(fault)?;
-    let named = state.names.iter().map(String::as_str).zip(state.positions.iter().copied());
-    robot.configuration_over(rest, named).map_err(|error| fault(error.to_string()))
+    let NamedState { names, positions, remarks } = NamedState::of_robot(text, robot).map_err(fault)?;
+    let remarks = remarks.into_iter().map(fault).collect();
+    if names.is_empty() {
+        return Ok((None, remarks));
+    }
+    let start = TrajectoryStart::new(robot, rest, &names, &positions);
+    Ok((Some(start.map_err(|error| fault(error.to_string()))?), remarks))
 }
 
 fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {

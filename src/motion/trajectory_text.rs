@@ -1,7 +1,7 @@
 //! Reads trajectories: the YAML or JSON of ROS's messages.
 
 use super::trajectory_document::TrajectoryDocument;
-use super::{ContinuousDirection, Trajectory, TrajectoryError};
+use super::{ContinuousDirection, MotionSegment, StartMismatch, Trajectory, TrajectoryError};
 use crate::robot::{Configuration, RobotModel};
 
 /// Why a text is no trajectory.
@@ -12,6 +12,8 @@ pub enum TrajectoryTextError {
     Text(String),
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
+    #[error(transparent)]
+    Start(#[from] StartMismatch),
 }
 
 impl Trajectory {
@@ -22,17 +24,23 @@ impl Trajectory {
         text: &str,
         rest: &Configuration,
     ) -> Result<Self, TrajectoryTextError> {
-        Self::from_yaml_going(robot, text, rest, ContinuousDirection::AsGiven)
+        Ok(Self::from_yaml_going(robot, text, rest, ContinuousDirection::AsGiven)?.0)
     }
 
-    /// The same where continuous joints go from point to point as `direction` says.
+    /// The same where continuous joints go from point to point as `direction` says, with remarks about the text.
     pub fn from_yaml_going(
         robot: &RobotModel,
         text: &str,
         rest: &Configuration,
         direction: ContinuousDirection,
-    ) -> Result<Self, TrajectoryTextError> {
-        let TrajectoryDocument { joint_names, points, rest } = TrajectoryDocument::read(text, robot, rest)?;
-        Ok(Self::from_points_going(robot, &joint_names, &points, &rest, direction)?)
+    ) -> Result<(Self, Vec<String>), TrajectoryTextError> {
+        let TrajectoryDocument { joint_names, points, rest, start, mut remarks } =
+            TrajectoryDocument::read(text, robot, rest)?;
+        let way = Self::from_points_going(robot, &joint_names, &points, &rest, direction)?;
+        match (start, way.segments().first().map(MotionSegment::ends)) {
+            (Some(start), Some([first, _])) => start.check(robot, &first, direction)?,
+            _ => remarks.extend(way.late_start_note()),
+        }
+        Ok((way, remarks))
     }
 }

@@ -199,7 +199,8 @@ impl Cell<'_> {
         let trajectory = Trajectory::from_points_going(self.robot(), joints, &points, &rest, direction)
             .map_err(|error| bad(format!("trajectory: {error}")))?;
         let trajectory = self.loosened(trajectory, joints, &request.terms.joint_tolerances)?;
-        Ok(Way { trajectory, notes: Vec::from_iter(note) })
+        let notes = note.into_iter().chain(trajectory.late_start_note()).collect();
+        Ok(Way { trajectory, notes })
     }
 
     /// With tolerances (rad, m), one for each of `joints`; none leaves the way exact.

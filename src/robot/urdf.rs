@@ -7,6 +7,7 @@ use super::loaded_mesh::MeshCache;
 use super::mesh_files::{MeshFileError, MeshFiles};
 use super::missing_meshes::MissingMeshes;
 use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
+use super::numbers::shortened;
 use super::tree::{Tree, TreeError};
 use super::urdf_door::{CollisionNotes, JointNotes, LinkNotes, SoundUrdf};
 use super::{Fault, JointId, LinkId, Place, Warning, mimic, pair_limit};
@@ -33,6 +34,7 @@ pub(super) fn build(
         .map_err(|e| Fault { place: place(&sound, e.joint), message: e.message })?;
     let remarks = remarks.into_iter().map(|r| Warning { place: place(&sound, r.joint), message: r.message });
     sound.warnings.extend(remarks.collect::<Vec<_>>());
+    check_position_names(&joints, &sound)?;
     let tree = Tree::new(robot.links.len(), &joints).map_err(|e| tree_fault(e, &sound, &joints))?;
     let SoundUrdf { links: notes, mut warnings, .. } = sound;
     let links = links(robot, &notes, &tree, files, &mut warnings)?;
@@ -55,6 +57,26 @@ pub(super) fn build(
 fn place(sound: &SoundUrdf, joint: JointId) -> Place {
     let notes = sound.joints.get(joint.index());
     notes.map(|n| n.place.clone()).unwrap_or_default()
+}
+
+/// A joint of several positions names them after itself: no other joint may have such a name.
+fn check_position_names(joints: &[Joint], sound: &SoundUrdf) -> Result<(), ModelError> {
+    let by_name: HashMap<&str, usize> =
+        joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+    let mut faults = Vec::new();
+    for joint in joints {
+        for suffix in joint.kind.position_suffixes().iter().filter(|suffix| !suffix.is_empty()) {
+            let name = format!("{}{suffix}", joint.name);
+            if let Some(notes) = by_name.get(name.as_str()).and_then(|other| sound.joints.get(*other)) {
+                let owner = shortened(&joint.name);
+                let message = format!(
+                    "a position of joint '{owner}' has the same name, so that states could not tell them apart: rename one of the joints"
+                );
+                faults.push(Fault { place: notes.place.clone(), message });
+            }
+        }
+    }
+    ModelError::unless_sound((), faults)
 }
 
 /// Where each joint's positions begin, and what the positions are called.

@@ -1,4 +1,4 @@
-use crate::motion::Trajectory;
+use crate::motion::{ContinuousDirection, Trajectory};
 use crate::robot::{MeshFiles, RobotModel};
 
 fn robot() -> RobotModel {
@@ -64,6 +64,96 @@ fn the_start_tells_joints_that_the_trajectory_does_not_name() {
     );
     let trajectory = read(&text).unwrap();
     assert_eq!(trajectory.segments()[0].at(1.0).positions(), [1.0, 0.75]);
+}
+
+/// A `DisplayTrajectory` of [`points`] from 0, with this start.
+fn displayed(start: &str) -> String {
+    let of_robot = format!("joint_trajectory:\n{}", indented(&points("2.5"), "  "));
+    format!("trajectory:\n{}trajectory_start: {{joint_state: {start}}}\n", indented(&of_robot, "- "))
+}
+
+#[test]
+fn a_start_that_is_not_the_first_point_is_rejected() {
+    for (start, words) in [
+        ("{name: [j], position: [4.0]}", &["trajectory_start", "'j' at 4", "first point has it at 0"][..]),
+        ("{name: [k, j], position: [0.5, 0.00001]}", &["'j' at 0.00001"]),
+        // a whole turn is a motion where joints go as given
+        ("{name: [j], position: [6.283185307179586]}", &["'j' at 6.28"]),
+    ] {
+        let message = read(&displayed(start)).unwrap_err();
+        for word in words {
+            assert!(message.contains(word), "{start}: {message}");
+        }
+    }
+    for start in [
+        "{name: [j], position: [0.0]}",
+        "{name: [j], position: [0.0000000001]}",
+        "{name: [k], position: [3.0]}",
+        "{}",
+    ] {
+        assert!(read(&displayed(start)).is_ok(), "{start}");
+    }
+    let robot = robot();
+    let turned = displayed("{name: [j], position: [6.283185307179586]}");
+    let rest = robot.default_configuration();
+    assert!(Trajectory::from_yaml_going(&robot, &turned, &rest, ContinuousDirection::Shortest).is_ok());
+    let plain = points("1.0") + "trajectory_start: {joint_state: {name: [j], position: [0.5]}}\n";
+    assert!(read(&plain).unwrap_err().contains("'j' at 0.5"));
+}
+
+#[test]
+fn starts_of_floating_joints_are_compared_as_rotations() {
+    let robot = RobotModel::from_urdf(
+        "<robot name='r'><link name='a'/><link name='b'/><joint name='f' type='floating'><parent link='a'/><child link='b'/></joint></robot>",
+        &MeshFiles::default(),
+    )
+    .unwrap();
+    let text = |rotation: &str| {
+        let names: Vec<String> = ["trans_x", "trans_y", "trans_z", "rot_x", "rot_y", "rot_z", "rot_w"]
+            .map(|n| format!("f/{n}"))
+            .into();
+        let names = names.join(", ");
+        format!(
+            "joint_names: [{names}]\npoints: [{{positions: [0, 0, 0, 0, 0, 0, 1]}}, {{positions: [1, 0, 0, 0, 0, 0, 1], time_from_start: 1}}]\n\
+             trajectory_start: {{multi_dof_joint_state: {{joint_names: [f], transforms: [{{rotation: {rotation}}}]}}}}\n"
+        )
+    };
+    let read =
+        |rotation: &str| Trajectory::from_yaml(&robot, &text(rotation), &robot.default_configuration());
+    assert!(read("{x: 0, y: 0, z: 0, w: -1}").is_ok());
+    assert!(read("{x: 0.6, y: 0, z: 0, w: 0.8}").unwrap_err().to_string().contains("'f/rot_x' at 0.6"));
+}
+
+#[test]
+fn a_first_point_that_comes_later_is_remarked() {
+    let robot = robot();
+    let remarks = |text: &str| {
+        let read = Trajectory::from_yaml_going(
+            &robot,
+            text,
+            &robot.default_configuration(),
+            ContinuousDirection::AsGiven,
+        );
+        read.unwrap_or_else(|e| panic!("{e}")).1
+    };
+    let late = points("2.5").replacen(
+        "time_from_start: {sec: 0, nanosec: 0}",
+        "time_from_start: {sec: 1, nanosec: 500000000}",
+        1,
+    );
+    let told = remarks(&late);
+    assert!(told.len() == 1 && told[0].contains("first point is at 1.5 s"), "{told:?}");
+    assert_eq!(remarks(&points("2.5")), [""; 0]);
+    let with_start = late + "trajectory_start: {joint_state: {name: [j], position: [0.0]}}\n";
+    assert_eq!(remarks(&with_start), [""; 0]);
+    let elsewhere = "{}, multi_dof_joint_state: {joint_names: [odom], transforms: [{translation: {x: 1.0}}]}";
+    let told = remarks(&displayed(elsewhere));
+    assert!(
+        told.len() == 1
+            && told[0].contains("trajectory_start: multi_dof_joint_state")
+            && told[0].contains("'odom'"),
+        "{told:?}"
+    );
 }
 
 #[test]

@@ -187,6 +187,26 @@ fn foreign_namespaces_are_no_urdf() {
 }
 
 #[test]
+fn joints_do_not_share_names_of_positions() {
+    for (kind, name) in
+        [("floating", "f/trans_x"), ("floating", "f/rot_w"), ("planar", "f/theta"), ("planar", "f/x")]
+    {
+        for other in ["prismatic", "fixed", "floating"] {
+            let limit = if other == "prismatic" { LIMIT } else { "" };
+            let text = format!(
+                "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>
+                 <joint name='{name}' type='{other}'><parent link='a'/><child link='b'/>{limit}</joint>
+                 <joint name='f' type='{kind}'><parent link='a'/><child link='c'/></joint></robot>"
+            );
+            refused(&text, &[":2: ", &format!("joint '{name}'"), "position of joint 'f'", "rename"]);
+            accepted(&text.replace(&format!("'{name}'"), "'f/other'"));
+        }
+    }
+    // a joint of one position is its position
+    accepted(&urdf("", "continuous", "").replace("'j'", "'j/x'"));
+}
+
+#[test]
 fn names_that_are_not_read_do_not_flood() {
     let many: String = (0..100).map(|i| format!("<foo{i}/><bar/>")).collect();
     let told = warnings_of("", "", &many, "");
