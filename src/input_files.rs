@@ -2,9 +2,11 @@
 //!
 //! Guarantees: opening never blocks; only regular files are opened (no FIFO, device, socket or directory); no more than
 //! the limit is read, whatever the size in the file's metadata is (`/proc` files have size 0, other files grow).
+//!
+//! Results are written here too, to new or regular files only, without blocking.
 
 use std::fs::{File, FileType, Metadata};
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// URDF, SRDF and parameter files (bytes).
@@ -65,6 +67,29 @@ pub fn open(path: &Path) -> Result<File, InputFileError> {
     open_regular(path).map(|(file, _)| file).map_err(fault)
 }
 
+/// Writes a file, in place of the one that is there.
+///
+/// # Errors
+/// When there is something else than a regular file, or the file can not be written.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
+    let fault = |reason| InputFileError { file: path.to_owned(), reason };
+    let unwritable = |error: io::Error| fault(format!("cannot be written: {error}"));
+    check_target(path)?;
+    let mut file = create_without_blocking(path).map_err(unwritable)?;
+    only_regular(&file.metadata().map_err(unwritable)?, OUTPUT_HINT).map_err(fault)?;
+    // not before it is known to be regular
+    file.set_len(0).and_then(|()| file.write_all(bytes)).map_err(unwritable)
+}
+
+/// Whether a file may be written there: nothing is, or a regular file.
+///
+/// # Errors
+/// What is there, if it is something else.
+pub fn check_target(path: &Path) -> Result<(), InputFileError> {
+    let fault = |reason| InputFileError { file: path.to_owned(), reason };
+    path.metadata().map_or(Ok(()), |metadata| only_regular(&metadata, OUTPUT_HINT).map_err(fault))
+}
+
 /// Names in a folder, in no order; none when it cannot be listed.
 #[must_use]
 pub fn names_in(folder: &Path) -> Vec<String> {
@@ -91,10 +116,10 @@ fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
 
 /// Looked at before it is opened, since opening some devices has effects, and again once it is open.
 fn open_regular(path: &Path) -> Result<(File, Metadata), String> {
-    only_regular(&path.metadata().map_err(unreadable)?)?;
+    only_regular(&path.metadata().map_err(unreadable)?, INPUT_HINT)?;
     let file = open_without_blocking(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
-    only_regular(&metadata)?;
+    only_regular(&metadata, INPUT_HINT)?;
     Ok((file, metadata))
 }
 
@@ -109,17 +134,34 @@ fn open_without_blocking(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
+#[cfg(unix)]
+fn create_without_blocking(path: &Path) -> io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create(true).truncate(false);
+    options.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY).open(path)
+}
+
+#[cfg(not(unix))]
+fn create_without_blocking(path: &Path) -> io::Result<File> {
+    std::fs::OpenOptions::new().write(true).create(true).truncate(false).open(path)
+}
+
 #[allow(clippy::needless_pass_by_value)] // for map_err
 fn unreadable(error: io::Error) -> String {
     format!("cannot be read: {error}")
 }
 
-fn only_regular(metadata: &Metadata) -> Result<(), String> {
+const INPUT_HINT: &str = "; write its data to a file and give that";
+const OUTPUT_HINT: &str = "; give a file, and read that";
+
+/// `hint` says what to do instead of using a pipe.
+fn only_regular(metadata: &Metadata, hint: &str) -> Result<(), String> {
     if metadata.is_file() {
         return Ok(());
     }
     let kind = kind_of(metadata.file_type());
-    let hint = if kind.contains("pipe") { "; write its data to a file and give that" } else { "" };
+    let hint = if kind.contains("pipe") { hint } else { "" };
     Err(format!("is {kind}, not a regular file{hint}"))
 }
 

@@ -22,6 +22,7 @@ pub mod constants;
 pub mod input_files;
 pub mod math;
 pub mod ply_format;
+pub mod readable_text;
 pub mod simd;
 pub mod yaml;
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use clearance::checker::{MeshModel, Settings, mesh_model_name};
 use clearance::motion::{Certificate, MovingObstacle, SegmentText};
+use clearance::readable_text;
 use clearance::robot::RobotModel;
 use serde_json::{Value, json};
 
@@ -198,6 +199,5 @@ fn degree(text: &SegmentText) -> usize {
 
 /// A text out of a document as a message shows it: short, and nothing in it that a terminal obeys.
 pub fn on_one_line(text: &str) -> String {
-    let safe = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
-    text.chars().take(LONGEST).map(safe).collect()
+    readable_text::on_one_line(&text.chars().take(LONGEST).collect::<String>()).into_owned()
 }

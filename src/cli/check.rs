@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use clearance::checker::{Body, CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
+use clearance::readable_text::on_one_line;
 use clearance::robot::Configuration;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -307,7 +308,7 @@ fn text(answer: &Answer) -> String {
             t.us_min, t.passes, t.us_median
         ));
     }
-    lines.join("\n")
+    lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
 }
 
 fn state_lines(index: usize, result: &StateAnswer) -> Vec<String> {

@@ -3,14 +3,18 @@
 use std::borrow::Cow;
 use std::process::ExitCode;
 
+use clearance::readable_text::on_one_line;
+
 /// Longest line (characters) of a message.
 const LONGEST_LINE: usize = 4000;
 
 /// A failure and the exit code it means.
 #[derive(Debug)]
 pub enum Failure {
-    /// Something the user gave is wrong: exit code 2.
+    /// Something the user gave is wrong: exit code 2. One line.
     Input(String),
+    /// The same with a line for each fault.
+    Faults(Vec<String>),
     /// Something here is wrong: exit code 3.
     Internal(String),
     /// The process took more memory than it may: exit code 5.
@@ -24,7 +28,7 @@ impl Failure {
 
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Input(_) => ExitCode::from(2),
+            Self::Input(_) | Self::Faults(_) => ExitCode::from(2),
             Self::Internal(_) => ExitCode::from(3),
             Self::OutOfMemory(_) => ExitCode::from(5),
         }
@@ -34,23 +38,23 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Input(message) | Self::OutOfMemory(message) => f.write_str(&bounded(message)),
-            Self::Internal(message) => write!(f, "internal error: {}", bounded(message)),
+            Self::Input(message) | Self::OutOfMemory(message) => f.write_str(&line(message)),
+            Self::Faults(messages) => {
+                let lines: Vec<_> = messages.iter().map(|message| line(message)).collect();
+                f.write_str(&lines.join("\n"))
+            }
+            Self::Internal(message) => write!(f, "internal error: {}", line(message)),
         }
     }
 }
 
-/// The message with each line cut: what inputs hold must not flood a terminal.
-fn bounded(message: &str) -> Cow<'_, str> {
-    let is_long = |line: &str| line.len() > LONGEST_LINE;
-    if !message.split('\n').any(is_long) {
-        return Cow::Borrowed(message);
+/// The message on one line that has an end: what inputs hold must not flood a terminal, or be obeyed by it.
+fn line(message: &str) -> Cow<'_, str> {
+    let message = on_one_line(message);
+    match message.char_indices().nth(LONGEST_LINE) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &message[..end])),
+        None => message,
     }
-    let cut = |line: &str| match line.char_indices().nth(LONGEST_LINE) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line.to_owned(),
-    };
-    Cow::Owned(message.split('\n').map(cut).collect::<Vec<_>>().join("\n"))
 }
 
 #[cfg(test)]
@@ -59,9 +63,20 @@ mod tests {
 
     #[test]
     fn lines_without_end_are_cut() {
-        let message = Failure::Input(format!("a\n{}\nb", "ü".repeat(1_000_000))).to_string();
+        let long = "ü".repeat(1_000_000);
+        let message = Failure::Faults(vec!["a".to_owned(), long.clone(), "b".to_owned()]).to_string();
         assert!(message.starts_with("a\nüü") && message.ends_with("ü…\nb"));
         assert!(message.len() < 10_000);
+        assert!(Failure::Input(long).to_string().len() < 10_000);
         assert_eq!(Failure::Input("short".to_owned()).to_string(), "short");
+    }
+
+    #[test]
+    fn a_message_of_one_line_stays_one_line() {
+        let raw = || "object 'a\nb\u{1b}[31m\u{202e}'".to_owned();
+        let expected = r"object 'a\nb\u{1b}[31m\u{202e}'";
+        assert_eq!(Failure::Input(raw()).to_string(), expected);
+        assert_eq!(Failure::OutOfMemory(raw()).to_string(), expected);
+        assert_eq!(Failure::Faults(vec![raw(), raw()]).to_string(), format!("{expected}\n{expected}"));
     }
 }

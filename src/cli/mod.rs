@@ -34,6 +34,7 @@ use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
+use clearance::readable_text::on_one_line;
 use log::LevelFilter;
 
 use failure::Failure;
@@ -147,5 +148,30 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn log_to_stderr(level: LevelFilter) {
-    env_logger::Builder::new().filter_level(level).format_timestamp(None).format_target(false).init();
+    let logger =
+        env_logger::Builder::new().filter_level(level).format_timestamp(None).format_target(false).build();
+    let most = logger.filter();
+    if log::set_boxed_logger(Box::new(Readable(logger))).is_ok() {
+        log::set_max_level(most);
+    }
+}
+
+/// Log lines with nothing in them that a terminal obeys: names in inputs may hold anything.
+struct Readable(env_logger::Logger);
+
+impl log::Log for Readable {
+    fn enabled(&self, metadata: &log::Metadata) -> bool {
+        self.0.enabled(metadata)
+    }
+
+    fn log(&self, record: &log::Record) {
+        if self.0.matches(record) {
+            let text = record.args().to_string();
+            self.0.log(&record.to_builder().args(format_args!("{}", on_one_line(&text))).build());
+        }
+    }
+
+    fn flush(&self) {
+        self.0.flush();
+    }
 }

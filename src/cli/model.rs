@@ -92,16 +92,17 @@ impl ModelArgs {
         let urdf =
             (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
         RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(|error| {
-            let mut message = error.to_string();
+            let mut faults: Vec<String> = error.faults.iter().map(ToString::to_string).collect();
+            let Some(message) = faults.first_mut() else { return Failure::Input(error.to_string()) };
             for (path, option) in [(Some(urdf), "--urdf"), (self.srdf.as_deref(), "--srdf")] {
                 let Some(path) = path else { continue };
                 if let Some(kind) = other_kind(path)
                     && message.starts_with(&path.display().to_string())
                 {
-                    message = format!("{message} ({kind} is no file for {option})");
+                    *message = format!("{message} ({kind} is no file for {option})");
                 }
             }
-            Failure::Input(message)
+            Failure::Faults(faults)
         })
     }
 

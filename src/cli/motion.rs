@@ -8,7 +8,9 @@ use clap::Args;
 use clearance::checker::{
     Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
 };
+use clearance::input_files;
 use clearance::motion::{Certificate, ContinuousTurn, MotionSegment, Trajectory};
+use clearance::readable_text::on_one_line;
 use clearance::robot::{Configuration, RobotModel};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -134,6 +136,10 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     if args.certificate.is_some() && ways.len() != 1 {
         let count = ways.len();
         return Err(Failure::Input(format!("--certificate is for one way, but {count} are given")));
+    }
+    if let Some(path) = &args.certificate {
+        // before the work that it would be the result of
+        input_files::check_target(path).map_err(Failure::input)?;
     }
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every motion counts as free");
@@ -275,7 +281,7 @@ fn write_certificate(
         return Ok(());
     };
     let text = Certificate::to_json(&certificate) + "\n";
-    std::fs::write(path, text).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
+    input_files::write(path, text.as_bytes()).map_err(Failure::input)
 }
 
 fn swept_volumes(checker: &CollisionChecker, way: &Trajectory, intervals: usize) -> Vec<SweptVolumeAnswer> {
@@ -386,5 +392,5 @@ fn text(answer: &Answer) -> String {
             t.us_min, t.passes, t.us_median
         ));
     }
-    lines.join("\n")
+    lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
 }

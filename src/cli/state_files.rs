@@ -61,11 +61,23 @@ fn line_of(record: &csv::StringRecord, text: &str) -> usize {
 /// The first line must name joints, separated by commas.
 fn check_header(header: &csv::StringRecord, robot: &RobotModel) -> Result<(), String> {
     let is_number = |field: &str| field.parse::<f64>().is_ok() && !is_name(field, robot);
+    if header.iter().any(|field| field == "%time" || field.starts_with("field.")) {
+        return Err("line 1 is that of `rostopic echo -p`: save the message without -p, as YAML".to_owned());
+    }
     if let Some(hint) = separator_hint(header, robot) {
         return Err(format!("line 1{hint}"));
     }
     if header.iter().all(is_number) {
         return Err(format!("line 1 has numbers only: {}", header_of(robot)));
+    }
+    // a name may be missing, but none is a number
+    if let Some(number) = header.iter().find(|field| is_number(field)) {
+        return Err(format!(
+            "line 1 has the number {} where joints are named: {} (`ros2 topic echo --csv` and `rostopic echo -p` write none that names joints: \
+             save the message as YAML)",
+            number,
+            header_of(robot)
+        ));
     }
     if let Some(column) = header.iter().position(str::is_empty) {
         return Err(format!("line 1: column {} has no name: {}", column + 1, header_of(robot)));
@@ -141,6 +153,18 @@ mod tests {
             ("j1,j 2\n0.5,\n", &["line 2: '' is not a number"]),
             ("j1,j 2\n\n0.5,x\n", &["line 3: 'x' is not a number"]),
             ("j1,,j 2\n0,0,0\n", &["column 2 has no name"]),
+            // `ros2 topic echo --csv`
+            (
+                "1700,25,base,j1,j 2,0.5,1.0,,\n1701,25,base,j1,j 2,0.6,1.0,,\n",
+                &["line 1", "1700", "header", "--csv", "YAML"],
+            ),
+            ("1700,25,,j1,0.5\n", &["line 1", "--csv"]),
+            // `rostopic echo -p`
+            (
+                "%time,field.header.seq,field.name0,field.position0\n1,2,j1,0.5\n",
+                &["rostopic echo -p", "without -p"],
+            ),
+            ("1700000,3,1700000,base,j1,0.5\n", &["rostopic echo -p", "header"]),
         ] {
             let message = read_csv(text).unwrap_err();
             for word in words {

@@ -38,6 +38,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     // rows of a table share their names
     let mut resolved: Option<(&Arc<[String]>, NamedJoints)> = None;
     let mut configurations = Vec::with_capacity(states.len());
+    let mut given = vec![0; rest.positions().len()];
     for (i, NamedState { names, positions }) in states.iter().enumerate() {
         let of_state = |e: ConfigurationError| bad(&format!("state {i}: {e}"));
         let joints = match resolved.take().filter(|(of, _)| Arc::ptr_eq(of, names)) {
@@ -45,9 +46,42 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
             None => robot.named_joints(names.iter().map(String::as_str)).map_err(of_state)?,
         };
         configurations.push(joints.configuration(&rest, positions).map_err(of_state)?);
+        (0..given.len())
+            .filter(|position| joints.decides(*position))
+            .for_each(|position| given[position] += 1);
         resolved = Some((names, joints));
     }
+    if let Some(note) = partial_states_note(robot, &given, &rest, states.len()) {
+        log::warn!("{file}: {note}");
+    }
     Ok(configurations)
+}
+
+/// A warning about joints that some states give and others do not; `given` counts, by position, the states that do.
+fn partial_states_note(
+    robot: &RobotModel,
+    given: &[usize],
+    rest: &Configuration,
+    states: usize,
+) -> Option<String> {
+    const MOST: usize = 8;
+    let partly: Vec<usize> = (0..given.len()).filter(|i| given[*i] > 0 && given[*i] < states).collect();
+    if partly.is_empty() {
+        return None;
+    }
+    let of_joint = |&i: &usize| {
+        let (name, lacking) = (&robot.position_names()[i], states - given[i]);
+        format!("'{name}' ({lacking} of {states}, {} there)", rest.positions()[i])
+    };
+    let mut joints: Vec<String> = partly.iter().take(MOST).map(of_joint).collect();
+    if partly.len() > MOST {
+        joints.push(format!("and {} more", partly.len() - MOST));
+    }
+    Some(format!(
+        "the states name different joints; each is checked by itself, without what others give. Joints that are missing in some states: {}; \
+         write all joints into every state",
+        joints.join(", ")
+    ))
 }
 
 /// One state from text such as `"j1=0.1 j2=-1.2"`; blanks or commas between the joints.
@@ -97,4 +131,36 @@ fn read_edges(text: &str) -> Result<EdgesText, String> {
         let is_json = text.trim_start().starts_with('{');
         yaml::from_text(text).map_err(|why| if is_json { error.to_string() } else { why })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use clearance::robot::MeshFiles;
+
+    use super::*;
+
+    fn note(given: &[usize], states: usize) -> Option<String> {
+        let joint = |name: &str| {
+            format!(
+                "<link name='of_{name}'/><joint name='{name}' type='continuous'><parent link='base'/><child link='of_{name}'/></joint>"
+            )
+        };
+        let joints: String = (0..given.len()).map(|i| joint(&format!("j{i}"))).collect();
+        let urdf = format!("<robot name='r'><link name='base'/>{joints}</robot>");
+        let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
+        partial_states_note(&robot, given, &robot.default_configuration(), states)
+    }
+
+    #[test]
+    fn joints_that_only_some_states_give_are_named() {
+        let told = note(&[2, 1, 0], 2).unwrap();
+        assert!(
+            told.contains("'j1' (1 of 2, 0 there)") && !told.contains("j0") && !told.contains("j2"),
+            "{told}"
+        );
+        assert!(note(&[1; 30], 2).unwrap().contains("and 22 more"));
+        for given in [&[2, 2][..], &[2, 0], &[0, 0]] {
+            assert_eq!(note(given, 2), None, "{given:?}");
+        }
+    }
 }

@@ -43,6 +43,35 @@ fn what_is_missing_is_named() {
     assert!(read(&long, 1).unwrap_err().to_string().len() < 500);
 }
 
+#[test]
+fn files_are_written_in_place_of_the_old_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("f");
+    for text in ["a long text", "short", ""] {
+        write(&file, text.as_bytes()).unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+    }
+    let nowhere = folder.path().join("none").join("f");
+    assert!(write(&nowhere, b"x").unwrap_err().reason.starts_with("cannot be written: "));
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_to_special_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let fifo = folder.path().join("fifo");
+    assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+    let link = folder.path().join("link");
+    std::os::unix::fs::symlink(&fifo, &link).unwrap();
+    for path in [folder.path(), &fifo, &link, Path::new("/dev/null"), Path::new("/dev/full")] {
+        for error in [write(path, b"x").unwrap_err(), check_target(path).unwrap_err()] {
+            assert!(error.reason.contains("not a regular file"), "{error}");
+        }
+    }
+    assert!(write(&fifo, b"x").unwrap_err().reason.contains("give a file"));
+    assert_eq!(check_target(&folder.path().join("new")), Ok(()));
+}
+
 #[cfg(unix)]
 #[test]
 fn special_files_are_named_and_never_block() {

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::segment::SegmentText;
 use super::{CertificateParts, Fingerprint, MotionSegment, SegmentError};
+use crate::readable_text::on_one_line;
 use crate::robot::{ConfigurationError, RobotModel};
 
 /// [`Certificate::format`] of a certificate with parts and tolerance.
@@ -231,8 +232,8 @@ const LONGEST_SHOWN: usize = 100;
 /// A text out of a document as messages show it: short, and nothing in it that a terminal obeys.
 #[must_use]
 pub(crate) fn shown(text: &str) -> String {
-    let safe = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
-    let mut short: String = text.chars().take(LONGEST_SHOWN).map(safe).collect();
+    let mut short: String = text.chars().take(LONGEST_SHOWN).collect();
+    short = on_one_line(&short).into_owned();
     if text.chars().nth(LONGEST_SHOWN).is_some() {
         short.push('…');
     }

@@ -1,7 +1,8 @@
 //! Trajectories as they stand in files: which of ROS's messages it is, and what of it is a joint trajectory.
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
 use super::TrajectoryPoint;
 use super::trajectory_start::TrajectoryStart;
@@ -35,8 +36,69 @@ struct FileText {
     // moveit_msgs/DisplayTrajectory
     #[serde(rename = "model_id")]
     _model_id: Option<IgnoredAny>,
-    trajectory: Option<Vec<RobotTrajectoryText>>,
+    trajectory: Option<GivenTrajectory>,
     trajectory_start: Option<RobotStateText>,
+    // goals of control_msgs/FollowJointTrajectory and moveit_msgs/ExecuteTrajectory
+    multi_dof_trajectory: Option<MultiDofTrajectoryText>,
+    #[serde(default)]
+    path_tolerance: Vec<IgnoredAny>,
+    #[serde(default)]
+    component_path_tolerance: Vec<IgnoredAny>,
+    #[serde(rename = "goal_tolerance")]
+    _goal_tolerance: Option<IgnoredAny>,
+    #[serde(rename = "component_goal_tolerance")]
+    _component_goal_tolerance: Option<IgnoredAny>,
+    #[serde(rename = "goal_time_tolerance")]
+    _goal_time_tolerance: Option<IgnoredAny>,
+    #[serde(rename = "controller_names")]
+    _controller_names: Option<IgnoredAny>,
+    // an action's goal of ROS 1
+    #[serde(rename = "goal_id")]
+    _goal_id: Option<IgnoredAny>,
+    goal: Option<Box<FileText>>,
+}
+
+/// `trajectory`: those of a `DisplayTrajectory`, or that of a goal.
+enum GivenTrajectory {
+    List(Vec<RobotTrajectoryText>),
+    One(Box<GoalTrajectoryText>),
+}
+
+/// A `JointTrajectory` or a `RobotTrajectory`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GoalTrajectoryText {
+    #[serde(rename = "header")]
+    _header: Option<IgnoredAny>,
+    joint_names: Option<Vec<String>>,
+    points: Option<Vec<PointText>>,
+    joint_trajectory: Option<JointTrajectoryText>,
+    multi_dof_joint_trajectory: Option<MultiDofTrajectoryText>,
+}
+
+impl<'de> Deserialize<'de> for GivenTrajectory {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OneOrList)
+    }
+}
+
+struct OneOrList;
+
+impl<'de> Visitor<'de> for OneOrList {
+    type Value = GivenTrajectory;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("a trajectory or a list of trajectories")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list)).map(GivenTrajectory::List)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, one: A) -> Result<Self::Value, A::Error> {
+        let one = GoalTrajectoryText::deserialize(MapAccessDeserializer::new(one))?;
+        Ok(GivenTrajectory::One(Box::new(one)))
+    }
 }
 
 #[derive(Deserialize)]
@@ -93,6 +155,7 @@ enum DurationText {
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Ros2Duration {
+    #[serde(default)]
     sec: i32,
     #[serde(default)]
     nanosec: u32,
@@ -101,6 +164,7 @@ struct Ros2Duration {
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Ros1Duration {
+    #[serde(default)]
     secs: i32,
     #[serde(default)]
     nsecs: i32,
@@ -126,9 +190,16 @@ impl TrajectoryDocument {
     /// Reads a `trajectory_msgs/JointTrajectory`, a `moveit_msgs/RobotTrajectory` or a `moveit_msgs/DisplayTrajectory` of one trajectory,
     /// whose start tells the joints that the trajectory does not name; other joints stay as in `rest`.
     pub fn read(text: &str, robot: &RobotModel, rest: &Configuration) -> Result<Self, TrajectoryTextError> {
-        let file: FileText = yaml::from_text(text).map_err(TrajectoryTextError::Text)?;
-        let (start, remarks) =
+        let (text, mut remarks) = yaml::without_remarks_of_echo(text);
+        let file = yaml::from_text(&text).and_then(inner).map_err(TrajectoryTextError::Text)?;
+        if !(file.path_tolerance.is_empty() && file.component_path_tolerance.is_empty()) {
+            let remark =
+                "path_tolerance is not read: the robot may be off its way only as far as --tube tells";
+            remarks.push(remark.to_owned());
+        }
+        let (start, remarks_of_start) =
             start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
+        remarks.extend(remarks_of_start);
         let rest = start.as_ref().map_or(rest, TrajectoryStart::configuration).clone();
         let JointTrajectoryText { joint_names, points, .. } =
             only_trajectory(FileText { trajectory_start: None, ..file })
@@ -160,21 +231,33 @@ fn start(
     Ok((Some(start.map_err(|error| fault(error.to_string()))?), remarks))
 }
 
+/// The goal that an action's message holds, or the file itself.
+fn inner(file: FileText) -> Result<FileText, String> {
+    let FileText { joint_names, points, joint_trajectory, trajectory, goal, .. } = &file;
+    let holds_more =
+        joint_names.is_some() || points.is_some() || joint_trajectory.is_some() || trajectory.is_some();
+    match (goal, holds_more) {
+        (None, _) => Ok(file),
+        (Some(_), true) => {
+            Err("goal excludes joint_names, points, joint_trajectory and trajectory".to_owned())
+        }
+        (Some(goal), false) if goal.goal.is_some() => Err("goal holds another goal".to_owned()),
+        (Some(_), false) => file.goal.map(|goal| *goal).ok_or_else(|| "goal is missing".to_owned()),
+    }
+}
+
 fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {
     let is_plain = file.joint_names.is_some() || file.points.is_some();
     let is_of_robot = file.joint_trajectory.is_some() || file.multi_dof_joint_trajectory.is_some();
     match (is_plain, is_of_robot, file.trajectory) {
-        (true, false, None) => Ok(JointTrajectoryText {
-            _header: None,
-            joint_names: file.joint_names.ok_or("joint_names is missing")?,
-            points: file.points.ok_or("points is missing")?,
-        }),
-        (false, true, None) => of_robot(
-            file.joint_trajectory.ok_or("joint_trajectory is missing")?,
-            file.multi_dof_joint_trajectory,
-        ),
-        (false, false, Some(mut all)) => match (all.pop(), all.len()) {
-            (Some(only), 0) => of_robot(only.joint_trajectory, only.multi_dof_joint_trajectory),
+        (true, false, None) => plain(file.joint_names, file.points),
+        (false, true, None) => of_robot(file.joint_trajectory, file.multi_dof_joint_trajectory),
+        (false, false, Some(GivenTrajectory::One(goal))) => {
+            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
+            of_goal(*goal).map_err(|why| format!("trajectory: {why}"))
+        }
+        (false, false, Some(GivenTrajectory::List(mut all))) => match (all.pop(), all.len()) {
+            (Some(only), 0) => of_robot(Some(only.joint_trajectory), only.multi_dof_joint_trajectory),
             (None, _) => Err("trajectory is empty".to_owned()),
             (Some(_), others) => {
                 let count = others + 1;
@@ -190,17 +273,45 @@ fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {
     }
 }
 
+fn of_goal(goal: GoalTrajectoryText) -> Result<JointTrajectoryText, String> {
+    let is_plain = goal.joint_names.is_some() || goal.points.is_some();
+    let is_of_robot = goal.joint_trajectory.is_some() || goal.multi_dof_joint_trajectory.is_some();
+    match (is_plain, is_of_robot) {
+        (true, false) => plain(goal.joint_names, goal.points),
+        (false, true) => of_robot(goal.joint_trajectory, goal.multi_dof_joint_trajectory),
+        (false, false) => Err("it has no joint_names and points, or joint_trajectory".to_owned()),
+        (true, true) => Err("joint_names and points, and joint_trajectory exclude each other".to_owned()),
+    }
+}
+
+fn plain(
+    joint_names: Option<Vec<String>>,
+    points: Option<Vec<PointText>>,
+) -> Result<JointTrajectoryText, String> {
+    Ok(JointTrajectoryText {
+        _header: None,
+        joint_names: joint_names.ok_or("joint_names is missing")?,
+        points: points.ok_or("points is missing")?,
+    })
+}
+
 fn of_robot(
-    joints: JointTrajectoryText,
+    joints: Option<JointTrajectoryText>,
     multi_dof: Option<MultiDofTrajectoryText>,
 ) -> Result<JointTrajectoryText, String> {
+    let joints = joints.ok_or("joint_trajectory is missing")?;
+    reject_multi_dof("multi_dof_joint_trajectory", multi_dof)?;
+    Ok(joints)
+}
+
+fn reject_multi_dof(field: &str, multi_dof: Option<MultiDofTrajectoryText>) -> Result<(), String> {
     let MultiDofTrajectoryText { joint_names, points, .. } = multi_dof.unwrap_or_default();
     if joint_names.is_empty() && points.is_empty() {
-        return Ok(joints);
+        return Ok(());
     }
     let names = joint_names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
     Err(format!(
-        "multi_dof_joint_trajectory ({names}) is not read: name the positions of these joints in joint_trajectory, \
+        "{field} ({names}) is not read: name the positions of these joints in joint_trajectory, \
          such as JOINT/x, JOINT/y and JOINT/theta"
     ))
 }

@@ -6,6 +6,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 
 use super::mailbox::{self, Receiver, Sender};
 use super::middleware;
+use crate::readable_text;
 
 /// Lines that wait for the network at most; later ones stand on stderr alone.
 const WAITING: usize = 1000;
@@ -64,7 +65,8 @@ impl Log for Both {
     }
 
     fn log(&self, record: &Record) {
-        self.stderr.log(record);
+        let text = readable_text::lines(&record.args().to_string()).into_owned();
+        self.stderr.log(&record.to_builder().args(format_args!("{text}")).build());
         middleware::heed(record);
         // what others log is about the network itself: telling it there could go on for ever
         if record.level() > Level::Info || !record.target().starts_with(env!("CARGO_CRATE_NAME")) {
@@ -73,7 +75,7 @@ impl Log for Both {
         if let Some(teller) = &*TELLER.lock().unwrap_or_else(PoisonError::into_inner) {
             let _ = teller.send(Line {
                 level: record.level(),
-                text: record.args().to_string(),
+                text,
                 file: record.file_static().unwrap_or_default(),
                 line: record.line().unwrap_or_default(),
             });

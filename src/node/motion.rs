@@ -56,7 +56,7 @@ impl Span {
 impl Trajectory {
     /// Reads YAML or JSON.
     pub fn from_yaml(text: &str) -> Result<Self, String> {
-        let trajectory: Self = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+        let trajectory: Self = serde_saphyr::from_str(text).map_err(|error| crate::yaml::in_words(&error))?;
         let width = trajectory.joint_names.len();
         if let Some(point) = trajectory.points.iter().position(|p| p.positions.len() != width) {
             return Err(format!("point {point} has not one position for each of {width} joints"));

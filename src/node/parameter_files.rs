@@ -63,7 +63,7 @@ fn apply_text(
 ) -> Result<(), String> {
     let text = yaml::only_document(text).map_err(|error| error.to_string())?;
     // here `yes` and `on` are booleans, as in other nodes
-    let document: Yaml = serde_saphyr::from_str(&text).map_err(|error| error.to_string())?;
+    let document: Yaml = serde_saphyr::from_str(&text).map_err(|error| crate::yaml::in_words(&error))?;
     let Yaml::Object(document) = document else {
         return Err("it must map node names to ros__parameters".to_owned());
     };

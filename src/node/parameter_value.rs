@@ -124,7 +124,7 @@ pub fn from_yaml(text: &str) -> Result<Value, String> {
     if let Some(special) = special_number(text.trim()) {
         return Ok(Value::Double(special));
     }
-    let yaml: Yaml = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+    let yaml: Yaml = serde_saphyr::from_str(text).map_err(|error| crate::yaml::in_words(&error))?;
     Ok(from_node(&yaml))
 }
 

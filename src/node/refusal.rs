@@ -1,6 +1,7 @@
 //! Why a request is not answered, as services say it.
 
 use crate::monitor::Reason;
+use crate::readable_text::on_one_line;
 
 /// Bytes of a message at most: it must not grow with hostile input.
 pub const LONGEST_MESSAGE: usize = 480;
@@ -51,7 +52,7 @@ impl Refusal {
     /// What is wrong, as a message.
     #[must_use]
     pub fn message(&self) -> String {
-        shortened(self.to_string())
+        shortened(on_one_line(&self.to_string()).into_owned())
     }
 }
 

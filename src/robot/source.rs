@@ -1,5 +1,7 @@
 //! Where in a text something stands, so that every fault can name its element, file and line.
 
+use crate::readable_text::on_one_line;
+
 /// A place in an input: file, line, and the element concerned. Any part may be unknown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
@@ -33,7 +35,7 @@ impl std::fmt::Display for Place {
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}{}", self.place, self.message)
+        f.write_str(&on_one_line(&format!("{}{}", self.place, self.message)))
     }
 }
 

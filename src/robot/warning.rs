@@ -1,6 +1,7 @@
 //! Odd but usable input, said out loud.
 
 use super::Place;
+use crate::readable_text::on_one_line;
 
 /// Something in a URDF, SRDF or mesh that was accepted and should be looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,6 +12,6 @@ pub struct Warning {
 
 impl std::fmt::Display for Warning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}{}", self.place, self.message)
+        f.write_str(&on_one_line(&format!("{}{}", self.place, self.message)))
     }
 }

@@ -56,6 +56,57 @@ fn one_trajectory_in_every_message() {
 }
 
 #[test]
+fn parts_of_a_time_that_are_left_out_are_zero() {
+    for (time, seconds) in [
+        ("{nanosec: 500000000}", 0.5),
+        ("{nsecs: 500000000}", 0.5),
+        ("{sec: 5}", 5.0),
+        ("{secs: 5}", 5.0),
+        ("{sec: 1, nanosec: 0}", 1.0),
+    ] {
+        assert_eq!(read(&points(time)).unwrap().time(0, 1.0), Some(seconds), "{time}");
+    }
+    assert!(read(&points("{sec: 1, nsecs: 0}")).is_err());
+}
+
+#[test]
+fn goals_of_actions_are_trajectories() {
+    let expected = read(&points("2.5")).unwrap();
+    let plain = indented(&points("2.5"), "  ");
+    let of_robot = indented(&format!("joint_trajectory:\n{}{EMPTY}", indented(&points("2.5"), "  ")), "  ");
+    let follow = format!(
+        "trajectory:\n{plain}multi_dof_trajectory: {{joint_names: [], points: []}}\npath_tolerance: []\ncomponent_path_tolerance: []\n\
+         goal_tolerance: [{{name: j, position: 0.1}}]\ngoal_time_tolerance: {{sec: 1, nanosec: 0}}\n"
+    );
+    let of_ros1 = format!("header: {{}}\ngoal_id: {{id: x}}\ngoal:\n{}", indented(&follow, "  "));
+    let execute = format!("trajectory:\n{of_robot}controller_names: []\n");
+    for text in [follow.clone(), of_ros1.clone(), execute] {
+        assert_eq!(read(&text).as_ref(), Ok(&expected), "{text}");
+    }
+    for (text, words) in [
+        (follow.replace("trajectory: {joint_names: []", "trajectory: {joint_names: [base]"), "'base'"),
+        (follow.replace("- j", "- x"), "'x'"),
+        (of_ros1 + "joint_names: [j]\n", "goal excludes"),
+        ("trajectory: {joint_names: [j]}\n".to_owned(), "trajectory: points is missing"),
+        ("trajectory: {}\n".to_owned(), "no joint_names"),
+        ("trajectory: 3\n".to_owned(), "a trajectory or a list of trajectories"),
+        ("goal: {goal: {}}\n".to_owned(), "another goal"),
+    ] {
+        let message = read(&text).unwrap_err();
+        assert!(message.contains(words) && !message.contains('\n'), "{text}: {message}");
+    }
+    let robot = robot();
+    let loose = follow.replace("\npath_tolerance: []", "\npath_tolerance: [{name: j, position: 0.5}]");
+    let read = Trajectory::from_yaml_going(
+        &robot,
+        &loose,
+        &robot.default_configuration(),
+        ContinuousDirection::AsGiven,
+    );
+    assert!(read.unwrap().1[0].contains("path_tolerance is not read"));
+}
+
+#[test]
 fn the_start_tells_joints_that_the_trajectory_does_not_name() {
     let of_robot = format!("joint_trajectory:\n{}", indented(&points("2.5"), "  "));
     let text = format!(

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::readable_text::on_one_line;
+
 /// One thing that was looked at.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
@@ -38,11 +40,7 @@ pub fn bounded(findings: Vec<Finding>) -> Vec<Finding> {
     const MOST: usize = 20;
     const LONGEST: usize = 1000;
     let readable = |text: &str| {
-        let mut readable: String = text
-            .chars()
-            .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
-            .take(LONGEST)
-            .collect();
+        let mut readable = on_one_line(&text.chars().take(LONGEST).collect::<String>()).into_owned();
         if text.chars().nth(LONGEST).is_some() {
             readable.push('…');
         }

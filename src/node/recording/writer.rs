@@ -218,6 +218,7 @@ fn follow(
 
 /// A file that was not there before.
 fn create(path: &Path) -> io::Result<(File, PathBuf)> {
+    input_files::check_target(path).map_err(|error| io::Error::other(error.reason))?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map_or_else(|| "mcap".into(), |extension| extension.to_string_lossy());
     for number in 0..TRIES {

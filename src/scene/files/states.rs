@@ -40,9 +40,13 @@ impl NamedState {
     /// # Errors
     /// One line with the place in the text, or the number of the state.
     pub fn list_from_text(text: &str, robot: &RobotModel) -> Result<Vec<Self>, String> {
+        let (text, remarks) = yaml::without_remarks_of_echo(text);
         let mut states = Vec::new();
-        for element in elements(text)? {
+        for element in elements(&text)? {
             element.read_into(&mut states, robot).map_err(|why| format!("state {}: {why}", states.len()))?;
+        }
+        if let Some(first) = states.first_mut() {
+            first.remarks.extend(remarks);
         }
         Ok(states)
     }

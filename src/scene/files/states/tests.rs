@@ -99,3 +99,21 @@ fn faults_name_the_state_or_the_line() {
         assert!(!message.contains('\n'), "{message}");
     }
 }
+
+#[test]
+fn what_echo_leaves_out_or_adds_is_told() {
+    let cut = echo(0.5).replace("- 0.5\n", "- 0.5\n- '...'\n");
+    let message = read(&(echo(0.25) + &cut)).unwrap_err();
+    assert!(message.contains("line 22") && message.contains("--full-length"), "{message}");
+    let message = read("name: [j, '...']\nposition: [0.5, '...']\n").unwrap_err();
+    assert!(message.contains("line 1") && message.contains("--full-length"), "{message}");
+    let lost = "A message was lost!!!\n\ttotal count change:1\n\ttotal count: 3---\n";
+    let warning = "WARNING: topic [/joint_states] does not appear to be published yet\n";
+    let states =
+        NamedState::list_from_text(&[warning, &echo(0.5), lost, &echo(0.25)].concat(), &robot()).unwrap();
+    assert_eq!(states.len(), 2);
+    assert_eq!(states[0].remarks.len(), 2, "{:?}", states[0].remarks);
+    assert!(states[0].remarks[1].contains("a message was lost"), "{:?}", states[0].remarks);
+    let message = read(&(echo(0.5) + "name: [j]\nposition:\n- 0.")).unwrap_err();
+    assert!(message.contains("is cut"), "{message}");
+}
