@@ -5,7 +5,8 @@
 use std::borrow::Cow;
 
 use serde::de::DeserializeOwned;
-use serde_saphyr::{BudgetBreach, DefaultMessageFormatter, MessageFormatter};
+use serde_saphyr::budget::BudgetBreach;
+use serde_saphyr::{DefaultMessageFormatter, MessageFormatter};
 
 /// A document that holds something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -167,7 +167,9 @@ impl log::Log for Readable {
     fn log(&self, record: &log::Record) {
         if self.0.matches(record) {
             let text = record.args().to_string();
-            self.0.log(&record.to_builder().args(format_args!("{}", on_one_line(&text))).build());
+            let text = on_one_line(&text);
+            let metadata = record.metadata().clone();
+            self.0.log(&log::Record::builder().metadata(metadata).args(format_args!("{text}")).build());
         }
     }
 

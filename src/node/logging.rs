@@ -55,6 +55,13 @@ pub fn listen() -> Receiver<Line> {
     lines
 }
 
+/// The same record with another text.
+fn with_text<'r>(record: &Record<'r>, text: std::fmt::Arguments<'r>) -> Record<'r> {
+    let mut copy = Record::builder();
+    copy.metadata(record.metadata().clone()).args(text);
+    copy.module_path(record.module_path()).file(record.file()).line(record.line()).build()
+}
+
 struct Both {
     stderr: env_logger::Logger,
 }
@@ -66,7 +73,7 @@ impl Log for Both {
 
     fn log(&self, record: &Record) {
         let text = readable_text::lines(&record.args().to_string()).into_owned();
-        self.stderr.log(&record.to_builder().args(format_args!("{text}")).build());
+        self.stderr.log(&with_text(record, format_args!("{text}")));
         middleware::heed(record);
         // what others log is about the network itself: telling it there could go on for ever
         if record.level() > Level::Info || !record.target().starts_with(env!("CARGO_CRATE_NAME")) {
