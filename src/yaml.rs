@@ -5,8 +5,14 @@
 use std::borrow::Cow;
 
 use serde::de::DeserializeOwned;
-use serde_saphyr::budget::BudgetBreach;
-use serde_saphyr::{DefaultMessageFormatter, MessageFormatter};
+
+mod echo;
+mod plain_words;
+
+pub use echo::without_remarks_of_echo;
+pub use plain_words::in_words;
+
+use echo::{cut_number, line_of_cut};
 
 /// A document that holds something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,140 +115,6 @@ fn limits() -> serde_saphyr::Options {
             max_total_scalar_bytes: 16 * MOST_NODES,
         },
     }
-}
-
-/// The message of a YAML error for somebody who has the text and not the program.
-#[must_use]
-pub fn in_words(error: &serde_saphyr::Error) -> String {
-    error.render_with_formatter(&PlainWords)
-}
-
-/// The parser's messages, but for those that are about its own settings.
-struct PlainWords;
-
-impl MessageFormatter for PlainWords {
-    fn format_message<'e>(&self, error: &'e serde_saphyr::Error) -> Cow<'e, str> {
-        use serde_saphyr::Error;
-        match error {
-            Error::Budget { breach, .. } => Cow::Owned(breach_in_words(breach)),
-            Error::AliasReplayCounterOverflow { .. }
-            | Error::AliasReplayLimitExceeded { .. }
-            | Error::AliasExpansionLimitExceeded { .. }
-            | Error::AliasReplayStackDepthExceeded { .. } => {
-                Cow::Borrowed("its aliases (*name) expand to more than is read")
-            }
-            Error::DuplicateMappingKey { key: Some(key), .. } => {
-                Cow::Owned(format!("the key '{key}' is there twice"))
-            }
-            Error::DuplicateMappingKey { .. } => Cow::Borrowed("a key is there twice"),
-            Error::MergeKeyNotAllowed { .. } => Cow::Borrowed("merge keys (<<) are not read"),
-            Error::NonFiniteFloat { value, .. } => {
-                Cow::Owned(format!("the non-finite number '{value}' is not read"))
-            }
-            Error::NullIntoString { .. } => Cow::Borrowed("a text is missing: write it in quotes"),
-            Error::BinaryNotUtf8 { .. } | Error::TaggedScalarCannotDeserializeIntoString { .. } => {
-                Cow::Borrowed("a text may have no YAML tag (!)")
-            }
-            other => DefaultMessageFormatter.format_message(other),
-        }
-    }
-}
-
-fn breach_in_words(breach: &BudgetBreach) -> String {
-    match breach {
-        BudgetBreach::Events { .. } | BudgetBreach::Nodes { .. } => {
-            format!("it has more than the limit of {MOST_NODES} numbers, words and lists: give it in parts")
-        }
-        BudgetBreach::ScalarBytes { .. } | BudgetBreach::InputBytes { .. } => {
-            "its text is longer than what is read: give it in parts".to_owned()
-        }
-        BudgetBreach::Depth { .. } => "its lists and mappings are nested deeper than what is read".to_owned(),
-        BudgetBreach::Aliases { .. }
-        | BudgetBreach::Anchors { .. }
-        | BudgetBreach::AliasAnchorRatio { .. }
-        | BudgetBreach::RecordedAnchorEvents { .. }
-        | BudgetBreach::RecordedAnchorBytes { .. } => {
-            "it has more anchors (&name) and aliases (*name) than what is read: write their values".to_owned()
-        }
-        BudgetBreach::SequenceUnbalanced => "a list or mapping has no end: the text is cut".to_owned(),
-        _ => "it has more than what is read".to_owned(),
-    }
-}
-
-/// The line, from 1, of the mark that `ros2 topic echo` puts where it leaves out the rest of a list.
-#[must_use]
-pub fn line_of_cut(document: &str) -> Option<usize> {
-    let is_item = |(at, mark): (usize, &str)| {
-        let (before, after) = (&document[..at], &document[at + mark.len()..]);
-        let begins = before.trim_end_matches(' ').ends_with(['-', ',', '[', '\n']);
-        let ends = after.trim_start_matches(' ');
-        begins && (ends.is_empty() || ends.starts_with([',', ']', '\n', '\r']))
-    };
-    let marks = document.match_indices("'...'").chain(document.match_indices("\"...\""));
-    let first = marks.filter(|mark| is_item(*mark)).map(|(at, _)| at).min()?;
-    Some(document[..first].matches('\n').count() + 1)
-}
-
-/// Without the lines that `ros2 topic echo` prints between messages, and a remark about each kind. Lines keep their numbers.
-#[must_use]
-pub fn without_remarks_of_echo(text: &str) -> (Cow<'_, str>, Vec<String>) {
-    if !(text.contains(LOST) || text.contains(UNPUBLISHED)) {
-        return (Cow::Borrowed(text), Vec::new());
-    }
-    let (mut kept, mut remarks) = (String::with_capacity(text.len()), Vec::new());
-    let mut is_about_lost = false;
-    for (line, number) in text.split_inclusive('\n').zip(1..) {
-        let content = line.trim_end();
-        let is_count =
-            ["total count change:", "total count:"].iter().any(|c| content.trim_start().starts_with(c));
-        if content == LOST {
-            is_about_lost = true;
-            remarks.push(format!("line {number}: a message was lost while the file was recorded"));
-        } else if is_about_lost && is_count {
-            // the separator stands behind the last count
-            is_about_lost = !content.ends_with("---");
-            if content.ends_with("---") {
-                kept.push_str("---");
-            }
-        } else if content.starts_with("WARNING: topic") && content.contains(UNPUBLISHED) {
-            remarks.push(format!("line {number} is not part of a message: {content}"));
-        } else {
-            is_about_lost = false;
-            kept.push_str(content);
-        }
-        if line.ends_with('\n') {
-            kept.push('\n');
-        }
-    }
-    (Cow::Owned(kept), bounded(remarks))
-}
-
-/// The message about a text that ends within a number, such as one that a full disk has cut.
-fn cut_number(document: &str) -> Option<String> {
-    let last = document.rsplit(char::is_whitespace).next()?;
-    let is_cut =
-        last.ends_with(['.', 'e', '-', '+']) && last.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let is_cut = is_cut
-        && last.chars().all(|c| c.is_ascii_digit() || ".e-+".contains(c))
-        && last.contains(|c: char| c.is_ascii_digit());
-    is_cut.then(|| {
-        let line = document.matches('\n').count() + 1;
-        format!("line {line}: the text ends in the middle of the number {last}: the file is cut")
-    })
-}
-
-const LOST: &str = "A message was lost!!!";
-const UNPUBLISHED: &str = "does not appear to be published";
-
-/// At most eight remarks.
-fn bounded(mut remarks: Vec<String>) -> Vec<String> {
-    const MOST: usize = 8;
-    let more = remarks.len().saturating_sub(MOST);
-    remarks.truncate(MOST);
-    if more > 0 {
-        remarks.push(format!("{more} more such lines"));
-    }
-    remarks
 }
 
 /// Where a document stands in a text.
@@ -354,55 +226,6 @@ mod tests {
         let value: serde_json::Value = from_text("{a: 1}").unwrap();
         assert_eq!(value, serde_json::json!({"a": 1}));
         assert!(from_text::<Vec<f64>>("[0.1,\n2").unwrap_err().contains("line"));
-    }
-
-    #[test]
-    fn lists_that_echo_has_cut_are_told() {
-        for (text, line) in [
-            ("- 1\n- '...'\n", 2),
-            ("[1, '...']", 1),
-            ("a:\n  - 1\n  - '...'\n", 3),
-            ("a: ['...']\r\n", 1),
-            ("- 1\n- \"...\"", 2),
-        ] {
-            let message = from_text::<serde_json::Value>(&format!("# x\n{text}")).unwrap_err();
-            assert!(
-                message.contains(&format!("line {}", line + 1)) && message.contains("--full-length"),
-                "{message}"
-            );
-        }
-        for text in ["a: '...'\n", "- 'b...'\n", "- '... b'\n", "- x '...' y\n"] {
-            assert_eq!(line_of_cut(text), None, "{text}");
-        }
-    }
-
-    #[test]
-    fn texts_that_end_within_a_number_are_told() {
-        for text in ["- 1\n- 0.", "- 1\n- -12.", "- 1\n- 3.5e", "- 1\n- 3.5e-"] {
-            let message = from_text::<Vec<f64>>(text).unwrap_err();
-            assert!(message.contains("line 2") && message.contains("is cut"), "{message}");
-        }
-        for text in ["- 1\n- 0.\n", "- 1\n- 0.5", "[1, 0.]", "- 1\n---"] {
-            assert!(from_text::<Vec<f64>>(text).is_ok(), "{text}");
-        }
-    }
-
-    #[test]
-    fn lines_of_echo_between_messages_are_left_out_and_told() {
-        let text = "WARNING: topic [/j] does not appear to be published yet\na: 1\n---\nA message was lost!!!\n\ttotal count change:1\n\t\
-                    total count: 3---\na: 2\n---\n";
-        let (kept, remarks) = without_remarks_of_echo(text);
-        assert_eq!(remarks.len(), 2, "{remarks:?}");
-        assert!(
-            remarks[0].starts_with("line 1 ") && remarks[1].starts_with("line 4: a message was lost"),
-            "{remarks:?}"
-        );
-        let lines: Vec<usize> = documents(&kept).iter().map(|d| d.line).collect();
-        assert_eq!(lines, [1, 6]);
-        assert_eq!(kept.lines().count(), text.lines().count());
-        let plain = "a: 'A message'\n";
-        assert_eq!(without_remarks_of_echo(plain), (Cow::Borrowed(plain), vec![]));
-        assert!(without_remarks_of_echo(&text.repeat(50)).1.len() < 10);
     }
 
     #[test]

@@ -80,9 +80,9 @@ fn next_identity() -> u64 {
 pub enum SettingsError {
     #[error("padding or scale is given for link '{0}', which the robot has not")]
     UnknownLink(String),
-    #[error("padding{of} is {value}, but must be a finite number of metres, zero or more")]
+    #[error("padding{of} is {value:?}, but must be a finite number of metres, zero or more")]
     BadPadding { of: String, value: f64 },
-    #[error("the scale of '{of}' is {value}, but must be more than zero and at most 1000")]
+    #[error("the scale of '{of}' is {value:?}, but must be more than zero and at most 1000")]
     BadScale { of: String, value: f64 },
     #[error("'{of}' can not be scaled: {why}")]
     CannotScale { of: String, why: ScaleError },

@@ -23,6 +23,7 @@ mod prefix;
 mod quoted;
 mod robot_text;
 mod sampling;
+mod similar_names;
 mod source;
 mod srdf;
 mod tree;

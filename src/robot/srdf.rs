@@ -75,8 +75,8 @@ const IGNORED: [&str; 10] = [
 /// Reads an SRDF into `model`.
 ///
 /// # Errors
-/// Text that is no SRDF, and rules about collisions that name no link. Whatever else is odd becomes a warning: it can
-/// only add pairs to check.
+/// Text that is no SRDF, rules about collisions that name no link, and rules that would leave a pair unchecked if they were left
+/// out. Whatever else is odd becomes a warning: it can only add pairs to check.
 pub(super) fn apply(model: &mut RobotModel, text: &str, file: Option<&str>) -> Result<(), Fault> {
     let mut warnings = Vec::new();
     let expected = Expected { file, language: "an SRDF", root: "robot" };

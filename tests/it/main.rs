@@ -33,6 +33,7 @@ mod soundness;
 mod state_transforms;
 mod streams;
 mod tally;
+mod text_inputs;
 mod trajectories;
 mod triangles;
 mod truth;

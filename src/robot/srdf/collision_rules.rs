@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use roxmltree::Node;
 
 use super::{DisabledPair, Reader};
-use crate::robot::xml::own_children;
+use crate::robot::numbers::shortened;
+use crate::robot::similar_names::nearest;
+use crate::robot::xml::{is_foreign, own_children};
 use crate::robot::{Fault, LinkId};
 
 /// Content of the three elements; no pair is in both lists.
@@ -38,7 +40,14 @@ impl<'d> Reader<'d> {
         }
         let mut enabled = BTreeSet::new();
         for node in own_children(root, "enable_collisions") {
-            enabled.extend(self.pair(node)?);
+            let pair = self.pair(node)?;
+            if pair.is_none() && !unchecked_by_default.is_empty() {
+                self.reject_unknown_links(node)?;
+            }
+            enabled.extend(pair);
+        }
+        if !unchecked_by_default.is_empty() {
+            self.reject_misspelt_rules(root)?;
         }
         let mut disabled = BTreeMap::new();
         for node in own_children(root, "disable_collisions") {
@@ -53,6 +62,43 @@ impl<'d> Reader<'d> {
             enabled_pairs: enabled.into_iter().collect(),
             unchecked_by_default: unchecked_by_default.into_iter().collect(),
         })
+    }
+
+    /// Where links are unchecked by default, a rule that is left out would leave its pair unchecked.
+    fn reject_unknown_links(&self, node: Node<'d, 'd>) -> Result<(), Fault> {
+        let unknown = ["link1", "link2"].into_iter().filter_map(|attribute| {
+            let name = node.attribute(attribute).unwrap_or_default().trim();
+            (!self.links.contains_key(name)).then(|| shortened(name))
+        });
+        match unknown.collect::<Vec<_>>().first() {
+            None => Ok(()),
+            Some(name) => {
+                let message = format!(
+                    "the robot has no link '{name}', so that the pair stays unchecked, because <disable_default_collisions> \
+                     leaves links unchecked: correct the name, or remove the element"
+                );
+                Err(self.xml.fault(node, "enable_collisions", message))
+            }
+        }
+    }
+
+    /// As [`Self::reject_unknown_links`], for rules that are not read at all.
+    fn reject_misspelt_rules(&self, root: Node<'d, 'd>) -> Result<(), Fault> {
+        const ENABLE: &str = "enable_collisions";
+        let is_meant = |n: &Node| {
+            let name = n.tag_name().name();
+            let is_read = name == ENABLE && !is_foreign(*n) && n.parent() == Some(root);
+            n.is_element() && !is_read && name != "disable_collisions" && nearest(name, &[ENABLE]).is_some()
+        };
+        match root.descendants().find(is_meant) {
+            None => Ok(()),
+            Some(node) => {
+                let name = shortened(node.tag_name().name());
+                let message =
+                    format!("this is not read as <{ENABLE}>, so that its pair stays unchecked: correct it");
+                Err(self.xml.fault(node, format!("<{name}>"), message))
+            }
+        }
     }
 
     /// A fault unless the attribute is there and not empty.

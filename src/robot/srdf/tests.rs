@@ -52,6 +52,29 @@ fn disabled_pairs_overrule_enabled_ones_and_defaults_stay_defaults() {
 }
 
 #[test]
+fn rules_without_which_a_pair_stays_unchecked_are_not_left_out() {
+    let default = "<disable_default_collisions link='a'/>";
+    for (rule, words) in [
+        ("<enable_collisions link1='a' link2='x'/>", "no link 'x'"),
+        ("<enable_collisions link1='y' link2='c'/>", "no link 'y'"),
+        ("<x:enable_collisions xmlns:x='urn:x' link1='a' link2='c'/>", "not read as <enable_collisions>"),
+        ("<enable_colisions link1='a' link2='c'/>", "not read as <enable_collisions>"),
+        ("<rules><enable_collisions link1='a' link2='c'/></rules>", "not read as <enable_collisions>"),
+    ] {
+        for elements in [format!("{rule}\n{default}"), format!("{default}\n{rule}")] {
+            let message = load(&elements).unwrap_err().to_string();
+            assert!(message.contains(words) && message.starts_with("r.srdf:"), "{message}");
+        }
+        assert!(load(rule).is_ok(), "{rule}");
+    }
+    let (srdf, _) = srdf(&format!(
+        "{default}<enable_collisions link1='a' link2='c'/><disable_collisions link1='a' link2='x'/>"
+    ));
+    assert_eq!(srdf.enabled_pairs, [(LinkId(0), LinkId(2))]);
+    assert!(load(&format!("{default}<enable_collisions link1='a' link2='a'/>")).is_ok());
+}
+
+#[test]
 fn foreign_namespaces_are_no_srdf() {
     let (srdf, told) = srdf(
         "<x:disable_collisions xmlns:x='urn:x' link1='a' link2='c'/>\n<x:other xmlns:x='urn:x'/>

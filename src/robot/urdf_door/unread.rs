@@ -11,6 +11,7 @@ use roxmltree::Node;
 use super::Door;
 use crate::robot::Warning;
 use crate::robot::numbers::shortened;
+use crate::robot::similar_names::nearest;
 use crate::robot::xml::{is_foreign, only_text};
 
 /// Most warnings of this kind; a text that is wrong throughout has thousands.
@@ -274,33 +275,4 @@ impl Vocabulary {
 fn vocabulary_of(tag: &str) -> Option<&'static Vocabulary> {
     // robots are in nothing
     VOCABULARIES[1..].iter().find(|vocabulary| vocabulary.tag == tag)
-}
-
-/// The known name that `name` is but for a slip of the keyboard.
-fn nearest(name: &str, known: &[&'static str]) -> Option<&'static str> {
-    let slips = |known: &&str| slips(name, known).filter(|&n| n <= if known.len() < 6 { 1 } else { 2 });
-    known.iter().copied().filter_map(|k| Some((slips(&k)?, k))).min().map(|(_, k)| k)
-}
-
-/// Letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance), whatever their case;
-/// `None` where the lengths alone make more than two.
-fn slips(a: &str, b: &str) -> Option<usize> {
-    let [a, b] = [a, b].map(|text| text.chars().map(|c| c.to_ascii_lowercase()).take(64).collect::<Vec<_>>());
-    if a.len().abs_diff(b.len()) > 2 {
-        return None;
-    }
-    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            rows[i][j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let least = replaced.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
-                let is_swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
-                if is_swapped { least.min(rows[i - 2][j - 2] + 1) } else { least }
-            };
-        }
-    }
-    Some(rows[a.len()][b.len()])
 }
