@@ -4,10 +4,10 @@ use std::process::Output;
 
 use crate::program::clearance_in;
 
-/// A ball that slides along x from the origin of the root.
+/// A ball that slides along x from the origin of the root, and one that circles far away.
 const SLIDER: &str = r#"<robot name="r"><link name="base"/><link name="arm"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
 <joint name="j" type="prismatic"><parent link="base"/><child link="arm"/><axis xyz="1 0 0"/><limit lower="-5" upper="5" velocity="1" effort="1"/></joint>
-<link name="other"/><joint name="k" type="continuous"><parent link="base"/><child link="other"/></joint></robot>"#;
+<link name="other"><collision><origin xyz="0 5 0"/><geometry><sphere radius="0.1"/></geometry></collision></link><joint name="k" type="continuous"><parent link="base"/><child link="other"/></joint></robot>"#;
 
 /// A folder with `r.urdf` and one more file, and the program's answer there.
 fn run(urdf: &str, (name, text): (&str, &str), arguments: &[&str]) -> Output {
@@ -125,7 +125,7 @@ fn names_are_shown_as_nothing_that_a_terminal_obeys() {
     // results and warnings
     let urdf =
         SLIDER.replace("\"arm\"", "\"a&#10;b&#x9b;\u{202e}\"").replace("<geometry>", "<orgin/><geometry>");
-    let world = "world: {collision_objects: [{id: \"b\\nc\\e[31m\", primitives: [{type: sphere, dimensions: [0.1]}]}]}\n";
+    let world = "world: {collision_objects: [{id: \"b\\nc\\e[31m\", primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [0, 0, 0]}]}]}\n";
     let arguments = ["check", "--urdf", "r.urdf", "--state", "j=0", "--world", "w.yaml", "--query"];
     for query in ["pairs", "distance", "pair-distances"] {
         let output = run(&urdf, ("w.yaml", world), &[&arguments[..], &[query]].concat());

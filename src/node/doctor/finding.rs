@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(told.len(), 20 + 2 + 1);
         assert!(told.last().unwrap().text.starts_with("4980 more of the kind 'wrong'"), "{told:?}");
         let long = &told[20].text;
-        assert!(long.starts_with("\u{fffd}[2J") && long.ends_with('…') && long.chars().count() == 1001);
+        assert!(long.starts_with(r"\u{1b}[2J") && long.ends_with('…') && long.chars().count() == 1006);
         assert_eq!(told[21], good("robot", "'ur5e'"));
         assert_eq!(bounded(told.clone())[..20], told[..20]);
     }

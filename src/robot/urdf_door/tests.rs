@@ -198,7 +198,7 @@ fn joints_do_not_share_names_of_positions() {
                  <joint name='{name}' type='{other}'><parent link='a'/><child link='b'/>{limit}</joint>
                  <joint name='f' type='{kind}'><parent link='a'/><child link='c'/></joint></robot>"
             );
-            refused(&text, &[":2: ", &format!("joint '{name}'"), "position of joint 'f'", "rename"]);
+            refused(&text, &["line 2: ", &format!("joint '{name}'"), "position of joint 'f'", "rename"]);
             accepted(&text.replace(&format!("'{name}'"), "'f/other'"));
         }
     }
