@@ -19,6 +19,7 @@
 //! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
 //! | a joint has never been named | UNKNOWN | `partial` |
 //! | two publishers report a joint at different places at about the same time | UNKNOWN | `contradiction` |
+//! | a mimic joint is reported elsewhere than where its leader takes it, unless the settings make that a warning | UNKNOWN | `contradiction` |
 //! | the last message of a sensor shows nothing of the room | UNKNOWN | `blind_cloud` |
 //! | something that was announced is missing from the world because it was rejected | UNKNOWN | `rejected_obstacle` |
 //! | messages about the world were lost on their way | UNKNOWN | `lost_messages` |
@@ -29,8 +30,8 @@
 //!
 //! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
 //! A joint state that names joints and gives no positions at all is skipped, with a warning.
-//! Unknown joints, joints outside their limits, following joints that are reported elsewhere and stamps of zero do not prevent a
-//! judgement; they are warnings.
+//! Mimic joints need not be reported; of those that are, the last message that names each counts, too.
+//! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.
 //! Each judgement also says which share of its speed the robot may have: none unless it is FREE.
 //! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
 //! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
@@ -45,6 +46,7 @@ mod hearing;
 mod input;
 mod judgement;
 mod look_ahead;
+mod mimic_reports;
 #[expect(clippy::module_inception, reason = "the monitor is the one thing that this module makes")]
 mod monitor;
 mod now;

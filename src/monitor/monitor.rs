@@ -372,7 +372,7 @@ impl Monitor {
         let placed = self.placements.read(robot, now, &self.settings);
         let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
         let (reading, contributions) =
-            subject.tracker.read(robot, messages, is_fresh, placed, &self.settings.joint_prefix);
+            subject.tracker.read(robot, messages, is_fresh, placed, &self.settings);
         self.contributions = contributions;
         let mut reading = reading?;
         reading.warnings.extend_from_slice(&self.placements.warnings);

@@ -23,6 +23,8 @@ pub struct MonitorSettings {
     pub transform_ttl: f64,
     /// What the names of this robot's joints begin with; others on the topic are other robots'.
     pub joint_prefix: String,
+    /// Whether nothing is known while a mimic joint is reported elsewhere than where its leader takes it; otherwise that is a warning.
+    pub mimic_contradiction_is_unknown: bool,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
     /// Distance (m) beyond which the least distance is not looked for.
@@ -50,6 +52,7 @@ impl Default for MonitorSettings {
             check_deadline: 0.0,
             transform_joints: Vec::new(),
             joint_prefix: String::new(),
+            mimic_contradiction_is_unknown: true,
             transform_ttl: 1.0,
             influence_distance: 0.1,
             distance_limit: 1.0,

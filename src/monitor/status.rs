@@ -98,6 +98,13 @@ pub enum Reason {
         positions: [f64; 2],
         more: usize,
     },
+    /// A mimic joint is reported at the first of `positions`, where its leader takes it to the second; of `more` joints beside it.
+    MimicContradiction {
+        joint: String,
+        leader: String,
+        positions: [f64; 2],
+        more: usize,
+    },
     /// `tf` does not tell where `joint` is, between the frames of its links.
     NoTransform {
         joint: String,
@@ -154,7 +161,7 @@ impl Reason {
             Self::Malformed(_) => "malformed",
             Self::NonFinite { .. } => "non_finite",
             Self::Partial { .. } => "partial",
-            Self::Contradiction { .. } => "contradiction",
+            Self::Contradiction { .. } | Self::MimicContradiction { .. } => "contradiction",
             Self::NoTransform { .. } => "no_transform",
             Self::StaleWorld { .. } => "stale_world",
             Self::BlindCloud { .. } => "blind_cloud",
@@ -282,6 +289,18 @@ impl fmt::Display for Reason {
                     write!(f, ", and {more} more joints are contradicted, too")?;
                 }
                 f.write_str(": is one of the two left over?")
+            }
+            Self::MimicContradiction { joint, leader, positions: [reported, expected], more } => {
+                write!(
+                    f,
+                    "joint {} is reported at {reported}, but it mimics {} and would be checked at {expected}",
+                    quoted(joint),
+                    quoted(leader)
+                )?;
+                if *more > 0 {
+                    write!(f, ", and {more} more mimic joints are reported elsewhere, too")?;
+                }
+                f.write_str(": does the mimic of the URDF fit the mechanism?")
             }
             Self::NoTransform { joint, frames: [parent, child], why } => write!(
                 f,

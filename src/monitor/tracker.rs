@@ -4,23 +4,19 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::contribution::{Contribution, Contributions};
 use super::hearing::Heard;
+use super::mimic_reports::{Follower, MimicReports, Naming};
 use super::placement::Placed;
-use super::{JointStateInput, Reason, SourceId, Time};
+use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Extremes, without_whole_turns};
-use crate::robot::{Configuration, JointId, JointKind, RobotModel, check_name_length};
-use crate::robot::{quoted, quoted_list};
-
-/// How far a joint that follows others may be reported from where it should be without a word (rad; m of one that slides): gears have play.
-const MIMIC_SLACK: f64 = 0.02;
-const SLIDING_MIMIC_SLACK: f64 = 0.002;
+use crate::robot::{Configuration, RobotModel, check_name_length, quoted, quoted_list};
 
 /// How far apart (rad, m) two publishers may report a joint at about the same time (s), beside the way it goes while one of them lags.
 const CONTRADICTION: f64 = 0.05;
-const SAME_TIME: f64 = 0.1;
+pub(super) const SAME_TIME: f64 = 0.1;
 
 /// How much older (s) than another's may be what somebody publishes who passes on what he heard, ten times a second.
-const LAG: f64 = 0.2;
+pub(super) const LAG: f64 = 0.2;
 
 /// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
 const MOST_STRANGERS: usize = 1000;
@@ -31,8 +27,8 @@ const LONGEST_NAME: usize = 100;
 enum Slot {
     /// The number with this index in a configuration.
     Position(usize),
-    /// A joint whose position follows from another.
-    Follows(JointId),
+    /// The mimic joint with this index among those of the robot.
+    Follows(usize),
     /// A joint without a position under this name.
     Nothing,
 }
@@ -46,6 +42,7 @@ pub(super) struct Tracker {
     slots: HashMap<String, Slot>,
     /// By position: whether a whole turn changes nothing, also of what follows.
     turns: Vec<bool>,
+    followers: Vec<Follower>,
 }
 
 /// A configuration, and what was odd about its messages.
@@ -67,13 +64,17 @@ pub(super) struct Reading {
 
 impl Tracker {
     pub fn new(robot: &RobotModel) -> Self {
-        let slot = |id| if robot.joint(id).mimic.is_some() { Slot::Follows(id) } else { Slot::Nothing };
-        let mut slots: HashMap<String, Slot> =
-            robot.joint_ids().map(|id| (robot.joint(id).name.clone(), slot(id))).collect();
+        let (mut slots, mut followers) = (HashMap::new(), Vec::new());
+        for id in robot.joint_ids() {
+            let follower = Follower::of(robot, id);
+            let slot = follower.as_ref().map_or(Slot::Nothing, |_| Slot::Follows(followers.len()));
+            followers.extend(follower);
+            slots.insert(robot.joint(id).name.clone(), slot);
+        }
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
-        Self { slots, turns: robot.whole_turns() }
+        Self { slots, turns: robot.whole_turns(), followers }
     }
 
     /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
@@ -84,15 +85,51 @@ impl Tracker {
         heard: &[Heard],
         is_fresh: impl Fn(&Heard) -> bool,
         (placed, unplaced): (Vec<Placed>, Option<Reason>),
-        prefix: &str,
+        settings: &MonitorSettings,
     ) -> (Result<Reading, Reason>, Contributions) {
-        let mut merge = Merge::new(self, prefix);
+        let mut merge = Merge::new(self, &settings.joint_prefix);
         merge.place(&placed);
         for (message, heard) in heard.iter().enumerate().rev() {
             merge.take(message, heard, is_fresh(heard));
         }
         let contributions = std::mem::take(&mut merge.contributions);
-        (merge.finish(robot, unplaced, &contributions), contributions)
+        let mimic_is_unknown = settings.mimic_contradiction_is_unknown;
+        (merge.finish(robot, unplaced, (&contributions, mimic_is_unknown)), contributions)
+    }
+}
+
+/// A message while its names are taken one after the other.
+struct Message<'h> {
+    number: usize,
+    heard: &'h Heard,
+    is_fresh: bool,
+    /// Whether it has a position for each name.
+    is_whole: bool,
+    fault: Option<Reason>,
+    /// Positions that it is the last to name.
+    mine: Vec<usize>,
+    /// Mimic joints that it names, with their places in it.
+    followers: Vec<(usize, usize)>,
+    /// Positions that it gives, where mimic joints have to agree with them.
+    leaders: Vec<(usize, f64)>,
+    /// Whether a newer message names one of its joints.
+    is_superseded: bool,
+    /// Whether it is the last to name a mimic joint.
+    decides_followers: bool,
+}
+
+impl Message<'_> {
+    fn note_twice(&mut self, place: usize) {
+        let twice = format!("joint {} stands in it twice", quoted(&self.heard.input.names[place]));
+        self.fault = first(self.fault.take(), Some(Reason::Malformed(twice)));
+    }
+
+    /// Notes what is wrong with one of its positions, if it has one for each name.
+    fn note_value(&mut self, place: usize) {
+        if self.is_whole {
+            let JointStateInput { names, positions, .. } = &self.heard.input;
+            self.fault = first(self.fault.take(), fault_of(&names[place], positions[place]));
+        }
     }
 }
 
@@ -108,7 +145,7 @@ struct Merge<'t> {
     positions: Vec<f64>,
     velocities: Vec<f64>,
     rates: Vec<f64>,
-    followers: Vec<(JointId, f64)>,
+    mimic: MimicReports<'t>,
     contributions: Contributions,
     /// What is wrong with the newest message of which something is.
     fault: Option<Reason>,
@@ -129,7 +166,7 @@ impl<'t> Merge<'t> {
             positions: vec![f64::NAN; count],
             velocities: vec![f64::NAN; count],
             rates: vec![f64::NAN; count],
-            followers: Vec::new(),
+            mimic: MimicReports::new(&tracker.followers),
             contributions: Contributions::default(),
             fault: None,
             strangers: Vec::new(),
@@ -148,10 +185,9 @@ impl<'t> Merge<'t> {
         }
     }
 
-    fn take(&mut self, message: usize, heard: &Heard, is_fresh: bool) {
-        let JointStateInput { names, positions, velocities, stamp, .. } = &heard.input;
+    fn take(&mut self, number: usize, heard: &Heard, is_fresh: bool) {
+        let JointStateInput { names, positions, stamp, .. } = &heard.input;
         let is_whole = names.len() == positions.len();
-        let moves = velocities.len() == names.len();
         let mut fault = heard.behind.map(|behind| Reason::OutOfOrder { behind });
         if !is_whole {
             let counts = format!("it has {} names and {} positions", names.len(), positions.len());
@@ -160,74 +196,102 @@ impl<'t> Merge<'t> {
         if let Some(Err(excess)) = names.iter().map(|name| check_name_length(name)).find(Result::is_err) {
             fault = first(fault, Some(Reason::Malformed(excess)));
         }
-        let (mut mine, mut followers, mut strangers) = (Vec::new(), Vec::new(), Vec::new());
-        let mut is_superseded = false;
-        for (i, name) in names.iter().enumerate() {
+        let mut message = Message {
+            number,
+            heard,
+            is_fresh,
+            is_whole,
+            fault,
+            mine: Vec::new(),
+            followers: Vec::new(),
+            leaders: Vec::new(),
+            is_superseded: false,
+            decides_followers: false,
+        };
+        let mut strangers = Vec::new();
+        for (place, name) in names.iter().enumerate() {
             match self.tracker.slots.get(name) {
-                Some(&Slot::Position(index)) => match self.named_by[index] {
-                    Some(other) if other == message => {
-                        let twice = format!("joint {} stands in it twice", quoted(name));
-                        fault = first(fault, Some(Reason::Malformed(twice)));
-                    }
-                    Some(_) => {
-                        is_superseded = true;
-                        if is_whole && is_fresh {
-                            let rate = heard.rates.get(i).copied().unwrap_or(f64::NAN);
-                            self.note_contradiction(
-                                index,
-                                (heard.input.source, heard.stamp),
-                                (positions[i], rate),
-                            );
-                        }
-                    }
-                    None => {
-                        self.named_by[index] = Some(message);
-                        self.told[index] = Some((heard.input.source, heard.stamp));
-                        mine.push(index);
-                        if is_whole {
-                            self.positions[index] = positions[i];
-                            fault = first(fault, fault_of(name, positions[i]));
-                        }
-                        self.velocities[index] = if moves { velocities[i] } else { f64::NAN };
-                        self.rates[index] = heard.rates.get(i).copied().unwrap_or(f64::NAN);
-                    }
-                },
-                Some(&Slot::Follows(joint)) if is_whole && followers.len() < self.tracker.slots.len() => {
-                    followers.push((joint, positions[i]));
-                }
+                Some(&Slot::Position(index)) => self.take_position(&mut message, index, place),
+                Some(&Slot::Follows(index)) => self.take_follower(&mut message, index, place),
                 None if strangers.len() < MOST_STRANGERS && name.starts_with(self.prefix) => {
                     strangers.push(name.chars().take(LONGEST_NAME).collect());
                 }
-                Some(_) | None => {}
+                Some(Slot::Nothing) | None => {}
             }
         }
-        let counts = !mine.is_empty() || (is_fresh && !is_superseded);
-        if !counts {
-            return;
+        let Message { mine, followers, leaders, is_superseded, decides_followers, fault, .. } = message;
+        if is_whole && is_fresh {
+            self.mimic.take(heard, &followers, &leaders);
         }
-        self.strangers.append(&mut strangers);
-        if is_fresh {
-            followers.retain(|(joint, _)| self.followers.iter().all(|(known, _)| known != joint));
-            self.followers.append(&mut followers);
+        if !mine.is_empty() || (is_fresh && !is_superseded) {
+            self.strangers.append(&mut strangers);
+        }
+        if !mine.is_empty() || (is_fresh && decides_followers) {
+            self.fault = first(self.fault.take(), fault);
+        } else if is_fresh && !is_superseded && !is_whole {
+            self.note_malformed_stranger(names, fault);
         }
         if mine.is_empty() {
-            let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
-            if !is_whole
-                && !is_of_another
-                && let Some(Reason::Malformed(what)) = fault
-            {
-                self.warnings
-                    .push(format!("a joint state about none of the robot's joints is malformed: {what}"));
-            }
             return;
         }
         if *stamp == Time::ZERO {
             let warning = "the joint state has no stamp: it counts as measured when it came";
             self.warnings.push(warning.to_owned());
         }
-        self.fault = first(self.fault.take(), fault);
         let Heard { stamp, at, .. } = *heard;
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
+    }
+
+    fn take_position(&mut self, message: &mut Message, index: usize, place: usize) {
+        let &mut Message { number, heard, is_fresh, is_whole, .. } = message;
+        let JointStateInput { names, positions, velocities, .. } = &heard.input;
+        let rate = heard.rates.get(place).copied().unwrap_or(f64::NAN);
+        if is_whole && !self.tracker.followers.is_empty() {
+            message.leaders.push((index, positions[place]));
+        }
+        match self.named_by[index] {
+            Some(other) if other == number => message.note_twice(place),
+            Some(_) => {
+                message.is_superseded = true;
+                if is_whole && is_fresh {
+                    let from = (heard.input.source, heard.stamp);
+                    self.note_contradiction(index, from, (positions[place], rate));
+                }
+            }
+            None => {
+                self.named_by[index] = Some(number);
+                self.told[index] = Some((heard.input.source, heard.stamp));
+                message.mine.push(index);
+                if is_whole {
+                    self.positions[index] = positions[place];
+                }
+                message.note_value(place);
+                let moves = velocities.len() == names.len();
+                self.velocities[index] = if moves { velocities[place] } else { f64::NAN };
+                self.rates[index] = rate;
+            }
+        }
+    }
+
+    fn take_follower(&mut self, message: &mut Message, index: usize, place: usize) {
+        match self.mimic.note_name(index, message.number) {
+            Naming::Twice => message.note_twice(place),
+            Naming::Superseded => message.followers.push((index, place)),
+            Naming::InForce => {
+                message.followers.push((index, place));
+                message.decides_followers = true;
+                message.note_value(place);
+            }
+        }
+    }
+
+    /// A message that names no joint of the robot, or another robot's, keeps nothing from being known.
+    fn note_malformed_stranger(&mut self, names: &[String], fault: Option<Reason>) {
+        let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
+        if let Some(Reason::Malformed(what)) = fault.filter(|_| !is_of_another) {
+            self.warnings
+                .push(format!("a joint state about none of the robot's joints is malformed: {what}"));
+        }
     }
 
     /// Another publisher may say something else about a joint: one of the two is wrong, and which counts is chance.
@@ -253,7 +317,7 @@ impl<'t> Merge<'t> {
         mut self,
         robot: &RobotModel,
         unplaced: Option<Reason>,
-        contributions: &Contributions,
+        (contributions, mimic_is_unknown): (&Contributions, bool),
     ) -> Result<Reading, Reason> {
         if let Some(fault) = self.fault.or(unplaced) {
             return Err(fault);
@@ -268,6 +332,10 @@ impl<'t> Merge<'t> {
             let joint = robot.position_names()[index].clone();
             return Err(Reason::Contradiction { joint, positions, more: self.contradictions.len() - 1 });
         }
+        let mimic = self.mimic.contradictions(&self.positions, &self.rates, &self.told);
+        if let Some(contradiction) = mimic.first().filter(|_| mimic_is_unknown) {
+            return Err(contradiction.reason(robot, mimic.len() - 1));
+        }
         let configuration =
             (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
         self.warnings.extend(robot.outside_limits(configuration.positions()).map(|joint| joint.to_string()));
@@ -276,7 +344,7 @@ impl<'t> Merge<'t> {
             self.strangers.dedup();
             self.warnings.push(format!("the robot has no joint {}", quoted_list(&self.strangers)));
         }
-        self.warnings.extend(mimic_warnings(robot, &configuration, &self.followers));
+        self.warnings.extend(mimic.iter().map(|contradiction| contradiction.reason(robot, 0).to_string()));
         let all = |numbers: Vec<f64>| numbers.iter().all(|v| v.is_finite()).then_some(numbers);
         let velocities = all(self.velocities);
         // of one stream that gives no velocities whole states tell the way
@@ -310,28 +378,4 @@ fn fault_of(name: &str, value: f64) -> Option<Reason> {
     }
     let is_far = value.abs() > LARGEST_COORDINATE;
     is_far.then(|| Reason::Malformed(format!("joint {} is at {value:e}", quoted(name))))
-}
-
-/// Joints that are reported elsewhere than where the joint they follow takes them: they are checked there.
-fn mimic_warnings(
-    robot: &RobotModel,
-    configuration: &Configuration,
-    followers: &[(JointId, f64)],
-) -> Vec<String> {
-    (followers.iter())
-        .filter_map(|&(joint, reported)| {
-            let position = robot.joint_position(configuration, joint)?;
-            let robot_joint = robot.joint(joint);
-            let slides = matches!(robot_joint.kind, JointKind::Prismatic(_));
-            let slack = if slides { SLIDING_MIMIC_SLACK } else { MIMIC_SLACK };
-            let apart = !reported.is_finite() || (reported - position).abs() > slack;
-            let leader = &robot.joint(robot_joint.mimic?.joint).name;
-            apart.then(|| {
-                format!(
-                    "joint '{}' is reported at {reported}, but it mimics '{leader}' and is checked at {position}",
-                    robot_joint.name
-                )
-            })
-        })
-        .collect()
 }

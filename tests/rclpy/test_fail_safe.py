@@ -190,11 +190,15 @@ def outside_limits(s):
     s.until("limits", lambda: s.cell.driver.publish(s.pose | {"joint1": 4.0}))
 
 
-def mimic(s):
+def mimic(s, policy="warn"):
     s.describe(two_link.description_with_follower(), "/mimic/robot_description")
-    cell = s.start(urdf=None, namespace="/mimic")
+    cell = s.start(urdf=None, namespace="/mimic", parameters={"mimic_contradiction": policy})
     cell.has_model()
     cell.driver.report(**s.pose, follower=0.5)
+
+
+def mimic_contradiction(s):
+    mimic(s, "unknown")
 
 
 def contradiction(s):
@@ -249,7 +253,8 @@ SCENARIOS = {
     "tf does not tell where a joint of `transform_joints` is, or its transform is older than `transform_ttl`": no_transform,
     "a joint of the robot has never been named": partial,
     "two publishers report a joint at different places (0.05 rad or m, and what it goes in 0.2 s) at about the same time (0.1 s)": contradiction,
-    "the last cloud of a topic has no usable point: it is empty, all NaN, cropped away or at one range; or an octomap has no leaf, after one that had (`blind_cloud: unknown`)": blind_cloud,
+    "a mimic joint is reported elsewhere (0.02 rad, 2 mm) than the joint it mimics takes it (`mimic_contradiction: unknown`)": mimic_contradiction,
+    "the last cloud of a topic has no usable point: it is empty, all NaN or zero, cropped away or at one range; or an octomap has no leaf, after one that had (`blind_cloud: unknown`)": blind_cloud,
     "something announced was rejected: an obstacle, attached object, octomap, cloud, or a message's matrix or link size (`rejected_obstacle: unknown`)": rejected_obstacle,
     "messages about the world were lost on their way (`lost_messages: unknown`)": lost_messages,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
@@ -259,7 +264,7 @@ SCENARIOS = {
     "a joint state names joints and gives velocities or efforts alone: it is skipped": no_positions,
     "a joint comes that the robot has not": unknown_joint,
     "a joint is outside its limits": outside_limits,
-    "a joint is reported elsewhere than the joint it mimics takes it": mimic,
+    "the same with `mimic_contradiction: warn`": mimic,
     "obstacles stand in the frame of the SRDF's planar or floating virtual joint, and tf has told nothing about the root": unlocated_root,
     "the joint state has no stamp": no_stamp,
     "the last robot description was refused, and the one before counts": refused_description,

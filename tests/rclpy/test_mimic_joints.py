@@ -1,15 +1,18 @@
-"""Values that requests give for mimic joints: they move the joints that these mimic, or have to agree with them."""
+"""Values of mimic joints. In requests they move the joints that these mimic, or have to agree with them; in joint states they have to."""
 
-from math import pi
+from math import inf, nan, pi
 
 import pytest
 from clearance_msgs.action import CheckTrajectory
+from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckMotion, CheckStates
 from rclpy.action import ActionClient
+from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 import two_link
-from cell import Cell
+from cell import Cell, Companions
+from fail_safe import NOTHING_KNOWN, ZERO
 from motions import Motions
 from scene_client import SceneClient
 from states import States
@@ -128,3 +131,85 @@ def test_a_group_moves_what_mimics_its_joints(cell):
     assert not cell.scene.validity({"joint2": pi}, group="elbow").valid
     # the flag's joint moves its leader, and so the tip
     assert not cell.scene.validity({"joint2": pi}, group="flag").valid
+
+
+# Reports of `follower` while joint2 is at 0.
+WRONG = {
+    "beyond the play of gears": (0.03, "contradiction"),
+    "far off": (1.5, "contradiction"),
+    "a whole turn off": (2 * pi, "contradiction"),
+    "NaN": (nan, "non_finite"),
+    "infinite": (-inf, "non_finite"),
+    "absurd": (1e300, "malformed"),
+}
+
+
+@pytest.fixture
+def reporting(cell):
+    """The same node, with what it publishes beside `~/state`; afterwards a right report takes the place of the last one."""
+    cell.companions = Companions(cell)
+    yield cell
+    cell.parameters.succeed(mimic_contradiction="unknown")
+    cell.judged(**ZERO, follower=0.0)
+
+
+def nothing_is_known(cell, state, reason_code):
+    assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, reason_code), state
+    assert "'follower'" in state.reason
+    said = cell.companions.of(state)
+    assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
+
+
+@pytest.mark.parametrize(("position", "reason_code"), WRONG.values(), ids=WRONG)
+def test_a_wrong_report_is_never_free(reporting, position, reason_code):
+    nothing_is_known(reporting, reporting.judged(**ZERO, follower=position), reason_code)
+    assert reporting.judged(**ZERO, follower=0.01).status == CollisionState.FREE
+
+
+@pytest.mark.parametrize(("position", "reason_code"), WRONG.values(), ids=WRONG)
+def test_a_wrong_report_of_another_publisher_is_never_free(reporting, position, reason_code):
+    reporting.judged(**ZERO)
+    other = two_link.Driver(reporting.peer, reporting.node.relative("joint_states"))
+    other.report(follower=position)
+    nothing_is_known(reporting, reporting.unknown(reason_code), reason_code)
+    other.report(follower=0.0)
+    reporting.becomes(CollisionState.FREE, "FREE after a right report")
+    other.disconnect()
+
+
+def test_a_mimic_joint_that_is_reported_twice_is_malformed(reporting):
+    reporting.judged(**ZERO)
+    reporting.driver.pause()
+    publisher = reporting.peer.node.create_publisher(JointState, reporting.node.relative("joint_states"), 10)
+    message = JointState(name=["joint1", "joint2", "follower", "follower"], position=[0.0] * 4)
+
+    def malformed():
+        message.header.stamp = reporting.peer.now().to_msg()
+        publisher.publish(message)
+        return next((state for state in reporting.states.after(start) if state.reason_code == "malformed"), None)
+
+    start = reporting.peer.now()
+    nothing_is_known(reporting, reporting.peer.wait_for(malformed, "the reason malformed"), "malformed")
+    reporting.peer.node.destroy_publisher(publisher)
+    reporting.driver.resume()
+
+
+def test_services_start_from_no_state_that_contradicts_itself(reporting):
+    reporting.judged(**ZERO, follower=1.5)
+    for answer in (reporting.motions.check([], [0.1], joints=("joint1",)), reporting.questions.distances()):
+        assert answer.reason_code == "no_joint_state"
+        assert "'follower' is reported at 1.5" in answer.message
+    assert "'follower' is reported at 1.5" in reporting.questions.check([(0.1,)], joints=("joint1",)).message
+    assert not reporting.scene.validity({"joint1": 0.1}).valid
+    # what names all joints depends on no joint state
+    assert reporting.scene.validity({"joint1": 0.1, "joint2": 0.0}).valid
+
+
+def test_contradictions_are_warnings_if_that_is_wanted(reporting):
+    reporting.judged(**ZERO, follower=1.5)
+    reporting.parameters.succeed(mimic_contradiction="warn")
+    state = reporting.becomes(CollisionState.FREE, "FREE with a warning")
+    assert any("'follower' is reported at 1.5, but it mimics 'joint2'" in text for text in state.warnings)
+    for position, reason_code in WRONG.values():
+        if reason_code != "contradiction":
+            nothing_is_known(reporting, reporting.judged(**ZERO, follower=position), reason_code)

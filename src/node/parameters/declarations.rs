@@ -168,6 +168,11 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.memory_limit,
             "Resident memory of the process above which the state is unknown and the node ends with exit code 5; 0 means 2048, a quarter of the machine's or 90 % of the container's, whichever is least.",
         ),
+        unknown_or_warn(
+            "mimic_contradiction",
+            |p| &mut p.mimic_contradiction,
+            "What a mimic joint does that is reported elsewhere than its leader takes it: it makes the state unknown, or is a warning.",
+        ),
         double(
             "octomap_ttl",
             "s",

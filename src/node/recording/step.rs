@@ -219,7 +219,7 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
         parameters.exact_distance_share = 0.0;
     }
     // before there was a choice these were warnings
-    for name in ["blind_cloud", "rejected_obstacle", "lost_messages"] {
+    for name in ["blind_cloud", "rejected_obstacle", "lost_messages", "mimic_contradiction"] {
         if !json.contains_key(name) {
             parameters.assign(name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;
         }
