@@ -63,6 +63,12 @@ impl Sieve {
         Ok(Sieved { cloud, cropped, of_robot })
     }
 
+    /// Whether a point of a cloud at this pose in the root frame is outside of the crop box.
+    #[must_use]
+    pub fn crops(&self, point: [f32; 3], pose_rc: &Pose) -> bool {
+        !self.is_inside(&(pose_rc * Point::from(point.map(f64::from))))
+    }
+
     fn is_inside(&self, p: &Point) -> bool {
         let above = self.crop_min.is_none_or(|min| (0..3).all(|i| p[i] >= min[i]));
         above && self.crop_max.is_none_or(|max| (0..3).all(|i| p[i] <= max[i]))

@@ -39,7 +39,7 @@ impl CloudMessage {
 pub struct CloudReport {
     /// Points that are avoided.
     pub points: usize,
-    /// Points that are no place.
+    /// Points that are no place: NaN, infinite, far away, or several at the sensor itself.
     pub not_finite: usize,
     pub cropped: usize,
     pub of_robot: usize,
@@ -67,7 +67,17 @@ impl CloudMessages {
     }
 }
 
-/// The points of a cloud, in its own frame.
+/// How far (m) from the origin of its frame a point may be that stands for no return: many drivers write zeros there.
+const AT_ORIGIN: f32 = 1e-6;
+
+/// Whether a point is at the origin of the cloud's frame, where the sensor itself is.
+#[must_use]
+pub fn is_at_origin(point: &[f32; 3]) -> bool {
+    point.iter().all(|coordinate| coordinate.abs() <= AT_ORIGIN)
+}
+
+/// The points of a cloud, in its own frame. Several at its origin are dropped like NaN; a single one stays: the cells of a map are
+/// there once.
 ///
 /// # Errors
 /// The field that is wrong, by name.
@@ -102,6 +112,11 @@ pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
         };
         let columns = Columns { xyz: xyz.map(place), order };
         points.read(&cloud.data, &columns, width).map_err(|error| format!("data: {error}"))?;
+    }
+    let at_origin = points.points.iter().filter(|point| is_at_origin(point)).count();
+    if at_origin > 1 {
+        points.points.retain(|point| !is_at_origin(point));
+        points.dropped += at_origin;
     }
     Ok(points)
 }

@@ -21,7 +21,7 @@ mod tests;
 mod topics;
 mod validity;
 
-pub use clouds::{CloudMessage, CloudReport, decode};
+pub use clouds::{CloudMessage, CloudReport, decode, is_at_origin};
 pub use monitored::Monitored;
 pub use orders::{
     CLEAR_OCTOMAP, attached_order, clear_octomap, object_order, octomap_order, scene_order, world_order,

@@ -350,6 +350,32 @@ fn clouds_of_any_layout_are_read() {
     assert!(decode(&PointCloud2 { width: 0, data: vec![], ..cloud() }).unwrap().points.is_empty());
 }
 
+/// A cloud of floats.
+fn cloud_of(points: &[[f32; 3]]) -> PointCloud2 {
+    let width = u32::try_from(points.len()).unwrap();
+    PointCloud2 {
+        height: 1,
+        width,
+        fields: vec![field("x", 0, 7), field("y", 4, 7), field("z", 8, 7)],
+        point_step: 12,
+        row_step: 12 * width,
+        data: points.iter().flatten().flat_map(|coordinate| coordinate.to_le_bytes()).collect(),
+        ..PointCloud2::default()
+    }
+}
+
+#[test]
+fn zeros_that_stand_for_no_return_are_no_places_but_the_only_cell_of_a_map_there_is() {
+    let decoded = |points: &[[f32; 3]]| {
+        let points = decode(&cloud_of(points)).unwrap();
+        (points.points, points.dropped)
+    };
+    let (place, near) = ([1.0, 0.0, 0.0], [0.0, 2e-6, 0.0]);
+    assert_eq!(decoded(&[[0.0; 3], place, [0.0, -0.0, 1e-6], near]), (vec![place, near], 2));
+    assert_eq!(decoded(&[[0.0; 3]; 1000]), (vec![], 1000));
+    assert_eq!(decoded(&[[0.0; 3], place]), (vec![[0.0; 3], place], 0));
+}
+
 #[test]
 fn broken_clouds_are_refused_by_field() {
     type Break = fn(&mut PointCloud2);

@@ -12,7 +12,7 @@ use crate::math::Pose;
 use crate::monitor::cloud::{SelfFilter, Sieve};
 use crate::monitor::{Now, Sight, Time};
 use crate::node::parameters::Parameters;
-use crate::node::scene::{CloudMessage, CloudReport, decode};
+use crate::node::scene::{CloudMessage, CloudReport, decode, is_at_origin};
 use crate::robot::RobotModel;
 use crate::scene::Obstacle;
 use crate::scene::SceneContext;
@@ -115,13 +115,16 @@ impl SceneKeeper {
         };
         let filter = self.filter.insert(filter);
         filter.hold(&self.state.world);
-        let sifted = sieve(parameters).sift(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
+        let sieve = sieve(parameters);
+        let sifted = sieve.sift(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
+        let is_origin_cropped = |p: &[f32; 3]| is_at_origin(p) && sieve.crops(*p, &pose_rc);
+        let others_cropped = sifted.cropped - points.points.iter().filter(|p| is_origin_cropped(p)).count();
         let report = CloudReport {
             points: sifted.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
             not_finite: points.dropped,
             cropped: sifted.cropped,
             of_robot: sifted.of_robot,
-            blind: blindness(points.dropped, &points.points, (sifted.cropped, sifted.of_robot)),
+            blind: blindness(points.dropped, &points.points, others_cropped),
             ..CloudReport::default()
         };
         let shape = sifted.cloud.map(Shape::Points);
@@ -164,38 +167,43 @@ fn sieve(parameters: &Parameters) -> Sieve {
 
 /// Why a cloud shows nothing of the room, if it does not.
 ///
-/// Points of the robot itself prove that the sensor works: a cloud of them alone is of an empty room.
-fn blindness(not_finite: usize, points: &[[f32; 3]], (cropped, of_robot): (usize, usize)) -> Option<String> {
-    let all = not_finite + points.len();
+/// `cropped` are points outside of the crop box, beside one at the sensor itself, which shows nothing anyway. Points of the robot prove that the sensor works: a cloud of them alone is of an empty room.
+fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<String> {
+    let seen: Vec<&[f32; 3]> = points.iter().filter(|point| !is_at_origin(point)).collect();
+    let all = no_place + points.len();
     if all == 0 {
         return Some("it has no points".to_owned());
     }
-    if points.is_empty() {
-        return Some(format!("none of its {all} points is a place: they are NaN, infinite or too far away"));
-    }
-    if cropped == points.len() {
-        let others =
-            if not_finite > 0 { format!(", and {not_finite} more are no place") } else { String::new() };
+    if seen.is_empty() {
         return Some(format!(
-            "all of its {cropped} points are outside of cloud_crop_min and cloud_crop_max{others}"
+            "none of its {all} points is a place: they are NaN, infinite, too far away, or zero, where the sensor is"
         ));
     }
-    (of_robot == 0).then(|| range_limit(points)).flatten().map(|range| {
+    let others = all - seen.len();
+    let others = if others > 0 { format!(", and {others} more are no place") } else { String::new() };
+    if cropped == seen.len() {
+        let count = seen.len();
+        return Some(format!(
+            "all of its {count} points are outside of cloud_crop_min and cloud_crop_max{others}"
+        ));
+    }
+    range_limit(&seen).map(|range| {
+        let count = seen.len();
         format!(
-            "all of its {} points are {range:.3} m away, as if that were the range of the sensor",
-            points.len()
+            "all of its {count} points are {range:.3} m away, as if that were the range of the sensor{others}"
         )
     })
 }
 
-/// The distance (m) of all points from the origin of the cloud's frame, if there are many and it is the same: no surface but a sphere
+/// The distance (m) of all points from the origin of the cloud's frame, if there are some and it is the same: no surface but a sphere
 /// around the sensor is everywhere so far away, but a sensor that saw nothing may report its range in all directions.
-fn range_limit(points: &[[f32; 3]]) -> Option<f64> {
-    const MANY: usize = 32;
+fn range_limit(points: &[&[f32; 3]]) -> Option<f64> {
+    /// Two points of a wall may be equally far away.
+    const SOME: usize = 3;
     /// Of the range: what rounding to 32 bits does to it.
     const ROUNDING: f64 = 1e-5;
     let mut ranges = points.iter().map(|p| p.iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt());
-    let first = ranges.next().filter(|_| points.len() >= MANY)?;
+    let first = ranges.next().filter(|_| points.len() >= SOME)?;
     ranges.all(|range| (range - first).abs() <= ROUNDING * first).then_some(first)
 }
 
@@ -206,30 +214,46 @@ mod tests {
     #[test]
     fn a_cloud_without_a_usable_point_is_blind_for_the_cause_it_names() {
         let place = [[1.0, 2.0, 3.0]];
-        assert_eq!(blindness(0, &place, (0, 0)), None);
-        // the robot was seen: the sensor works
-        assert_eq!(blindness(9, &place, (0, 1)), None);
-        let cause = |not_finite, points, counts| blindness(not_finite, points, counts).unwrap();
-        assert!(cause(0, &[], (0, 0)).contains("no points"));
-        assert!(cause(7, &[], (0, 0)).contains("none of its 7 points"));
-        let cropped = cause(2, &place, (1, 0));
+        assert_eq!(blindness(0, &place, 0), None);
+        assert_eq!(blindness(9, &place, 0), None);
+        let cause = |no_place, points, cropped| blindness(no_place, points, cropped).unwrap();
+        assert!(cause(0, &[], 0).contains("no points"));
+        assert!(cause(7, &[], 0).contains("none of its 7 points"));
+        assert!(cause(7, &[[0.0, 1e-7, -0.0]], 0).contains("none of its 8 points"));
+        let cropped = cause(2, &place, 1);
         assert!(cropped.contains("all of its 1 points") && cropped.contains("and 2 more"), "{cropped}");
+        let with_zero = [place[0], [0.0; 3]];
+        assert!(cause(0, &with_zero, 1).contains("all of its 1 points are outside"));
+        assert_eq!(blindness(0, &with_zero, 0), None);
+    }
+
+    fn at_range(range: f32, count: u16) -> Vec<[f32; 3]> {
+        let direction = |i| f32::from(i) * 0.1;
+        (0..count).map(direction).map(|a| [a.cos(), a.sin(), 0.0].map(|c| range * c)).collect()
     }
 
     #[test]
     fn points_that_all_lie_at_the_range_limit_are_a_blind_sensor() {
-        let at_range = |range: f32, count: u16| -> Vec<[f32; 3]> {
-            let direction = |i| f32::from(i) * 0.1;
-            (0..count).map(direction).map(|a| [a.cos(), a.sin(), 0.0].map(|c| range * c)).collect()
-        };
-        assert!(blindness(0, &at_range(12.5, 100), (0, 0)).unwrap().contains("12.500 m away"));
+        for count in [3, 10, 31, 32, 1000] {
+            let cause = blindness(0, &at_range(12.5, count), 0).unwrap();
+            assert!(cause.contains("12.500 m away"), "{cause}");
+        }
+        // one place again and again, as zeros in the frame of another link
+        assert!(blindness(0, &[[0.3, -0.2, 1.1]; 3], 0).is_some());
+        let mut with_zero = at_range(12.5, 100);
+        with_zero.push([0.0; 3]);
+        assert!(blindness(400, &with_zero, 0).unwrap().contains("100 points are 12.500 m away"));
+    }
+
+    #[test]
+    fn whatever_is_seen_at_several_ranges_is_no_range_limit() {
         // a few points may be so by chance
-        assert_eq!(blindness(0, &at_range(12.5, 5), (0, 0)), None);
+        assert_eq!(blindness(0, &at_range(12.5, 2), 0), None);
         let mut one_is_nearer = at_range(12.5, 100);
         one_is_nearer[50] = [1.0, 0.0, 0.0];
-        assert_eq!(blindness(0, &one_is_nearer, (0, 0)), None);
-        // what is seen of a wall is at many ranges
+        assert_eq!(blindness(0, &one_is_nearer, 0), None);
+        // what is seen of a wall is at many ranges, also where all of it is at one depth
         let wall: Vec<[f32; 3]> = (0..100u16).map(|i| [2.0, f32::from(i) * 0.01, 0.0]).collect();
-        assert_eq!(blindness(0, &wall, (0, 0)), None);
+        assert_eq!(blindness(500, &wall, 0), None);
     }
 }
