@@ -6,8 +6,8 @@ use std::sync::{Arc, mpsc};
 
 use clearance::node::recording::Given;
 use clearance::node::{
-    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Surroundings, ThreadPriority,
-    Trajectory, View,
+    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings,
+    ThreadPriority, Trajectory, View,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::scene::SceneLoader;
@@ -37,6 +37,7 @@ const MESHES: &[(&str, &[u8])] = meshes! {
 /// Runs the demo until it is told to end.
 pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     node::logging::start(level);
+    let startup = Startup::begin(Parameters::default().memory_limit).map_err(failure)?;
     // a demo must not be seen, or disturb anything, on other machines
     let environment =
         Environment { reach: Reach::Localhost, ..Environment::of_process().map_err(Failure::input)? };
@@ -61,6 +62,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         }
     };
     let result = node::run(NodeOptions {
+        startup,
         announcement,
         arguments: RosArguments::default(),
         parameters: Parameters::default(),

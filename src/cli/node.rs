@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use clearance::node::recording::Given;
 use clearance::node::{
-    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments,
+    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments, Startup,
     Surroundings, ThreadPriority, Value, View,
 };
 use clearance::robot::{MeshFiles, MeshLog};
@@ -51,6 +51,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
     node::logging::start(arguments.log_level.unwrap_or(level));
     let parameters = node::initial_parameters(&arguments).map_err(failure)?;
+    let startup = Startup::begin(parameters.memory_limit).map_err(failure)?;
     let priority = ThreadPriority::allowed(parameters.use_realtime_priority).map_err(failure)?;
     let announcement = announce(Environment::of_process().map_err(Failure::input)?, priority)?;
     let meshes = MeshLog::default();
@@ -64,6 +65,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let files = GivenFiles::new(&args.model, &args.world);
     let given = Given { arguments: files.to_json(), files: files.all(), meshes };
     node::run(NodeOptions {
+        startup,
         announcement,
         arguments,
         parameters,

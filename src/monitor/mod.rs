@@ -4,6 +4,7 @@
 //!
 //! | what is the matter | status | code |
 //! |---|---|---|
+//! | the process takes more memory than it may, and ends | UNKNOWN | `memory` |
 //! | checking was turned off | UNKNOWN | `disabled` |
 //! | no usable robot model | UNKNOWN | `no_model` |
 //! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
@@ -23,6 +24,7 @@
 //! | the last message of a sensor shows nothing of the room | UNKNOWN | `blind_cloud` |
 //! | something that was announced is missing from the world because it was rejected | UNKNOWN | `rejected_obstacle` |
 //! | messages about the world were lost on their way | UNKNOWN | `lost_messages` |
+//! | messages about the world were received 0.1 s ago, and are not in force yet | UNKNOWN | `world_update` |
 //! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke; a whole scene that is required was never told; `tf` lost the root in what obstacles stand in | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
@@ -59,6 +61,7 @@ mod subject;
 mod tracker;
 mod trail;
 mod world_source;
+mod world_updates;
 
 #[cfg(test)]
 mod tests;

@@ -13,6 +13,7 @@ use super::placement::Placements;
 use super::speed::SpeedGovernor;
 use super::subject::{Subject, Verdict};
 use super::tracker::Tracker;
+use super::world_updates::WorldUpdates;
 use super::{
     Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
@@ -47,6 +48,7 @@ pub struct Monitor {
     world_faults: Vec<String>,
     /// Why the world is known to be incomplete, if it is.
     incomplete_world: Option<Reason>,
+    world_updates: WorldUpdates,
     hearing: Hearing,
     /// The last joint state that gave no positions: when it came, and whose.
     unpositioned: Option<(Duration, Vec<String>)>,
@@ -83,6 +85,7 @@ impl Monitor {
             model_fault: None,
             world_faults: Vec::new(),
             incomplete_world: None,
+            world_updates: WorldUpdates::default(),
             hearing: Hearing::default(),
             unpositioned: None,
             pace: Pace::default(),
@@ -117,6 +120,7 @@ impl Monitor {
             self.ground = GroundWatch::default();
         }
         self.ground.note_placed(revision.placed_at);
+        self.world_updates.complete();
         // before the first state is published that is checked in this world
         self.incomplete_world.clone_from(&revision.incomplete);
         self.subject = Some(Subject {
@@ -185,11 +189,33 @@ impl Monitor {
     /// The rest of the world stays in use.
     pub fn note_world_faults(&mut self, faults: Vec<String>, incomplete: Option<Reason>) {
         self.world_faults = faults;
+        let was_late =
+            self.world_updates.due().is_some_and(|due| self.said_at.is_none_or(|said_at| due <= said_at));
+        self.world_updates.complete();
+        if was_late {
+            // published at once
+            self.said_at = None;
+        }
         if self.incomplete_world != incomplete {
             self.incomplete_world = incomplete;
             // published at once
             self.said_at = None;
         }
+    }
+
+    /// A message about the world was received at this time, by the steady clock: until it is in force, the world is not as announced.
+    pub fn note_world_update(&mut self, at: Duration) {
+        self.world_updates.note_received(at);
+    }
+
+    /// The message about the world that was received last asks for nothing.
+    pub fn note_world_update_withdrawn(&mut self) {
+        self.world_updates.note_withdrawn();
+    }
+
+    /// So many messages about the world, the oldest ones, are in force as soon as a checker comes, or word that none is needed.
+    pub fn note_world_updates_completing(&mut self, updates: usize) {
+        self.world_updates.note_completing(updates);
     }
 
     pub fn set_settings(&mut self, settings: MonitorSettings) {
@@ -284,7 +310,12 @@ impl Monitor {
         let Some(said_at) = self.said_at.filter(|_| !self.outdated) else {
             return Duration::ZERO;
         };
-        let heartbeat = (said_at + self.settings.heartbeat_period()).saturating_sub(now.steady);
+        let mut due = said_at + self.settings.heartbeat_period();
+        // the moment from which the world lags too far behind is news
+        if let Some(lags) = self.world_updates.due().filter(|lags| *lags > said_at) {
+            due = due.min(lags);
+        }
+        let heartbeat = due.saturating_sub(now.steady);
         // the moment at which a judgement becomes stale is news
         let stale = self.verdict.evidence.as_ref().and_then(|_| {
             let ends = [self.robot_time_to_stale(now), self.world_time_to_stale(now)];
@@ -313,7 +344,7 @@ impl Monitor {
         Expiry {
             said_at: now.steady,
             of_robot: end(self.robot_time_to_stale(now)),
-            of_world: end(self.world_time_to_stale(now)),
+            of_world: end(self.world_time_to_stale(now)).into_iter().chain(self.world_updates.due()).min(),
         }
     }
 
@@ -395,7 +426,7 @@ impl Monitor {
         let heeded = subject.filter(|_| !unheeded);
         let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
         let ground = || self.ground.freshness(now, self.settings.transform_ttl).err();
-        let incomplete = self.incomplete_world.clone();
+        let incomplete = self.incomplete_world.clone().or_else(|| self.world_updates.overdue(now));
         let silent = |subject: &Subject| subject.revision.stale_world(now);
         let stale_world = subject.and_then(|subject| incomplete.or_else(|| silent(subject)).or_else(ground));
         let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());

@@ -134,6 +134,11 @@ pub enum Reason {
     LostMessages {
         topics: Vec<String>,
     },
+    /// So many messages about the world are `waiting` to be in force, the oldest for `age` seconds.
+    WorldUpdate {
+        waiting: usize,
+        age: f64,
+    },
     /// The time for one answer was over while `open` pairs were undecided, of which `pair` is one.
     Deadline {
         deadline: f64,
@@ -167,6 +172,7 @@ impl Reason {
             Self::BlindCloud { .. } => "blind_cloud",
             Self::RejectedObstacle { .. } => "rejected_obstacle",
             Self::LostMessages { .. } => "lost_messages",
+            Self::WorldUpdate { .. } => "world_update",
             Self::Deadline { .. } => "deadline",
         }
     }
@@ -210,6 +216,10 @@ impl Reason {
                 f,
                 "the world is incomplete, because messages about it were lost: {}: publish a whole planning_scene",
                 topics.join(", ")
+            ),
+            Self::WorldUpdate { waiting, age } => write!(
+                f,
+                "the world is being built: {waiting} messages about it are not in force yet, the oldest for {age:.3} s: are meshes so fine?"
             ),
             _ => Ok(()),
         }
@@ -314,15 +324,48 @@ impl fmt::Display for Reason {
                 "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
                 quoted(source)
             ),
-            Self::BlindCloud { .. } | Self::RejectedObstacle { .. } | Self::LostMessages { .. } => {
-                self.fmt_incomplete(f)
-            }
+            Self::BlindCloud { .. }
+            | Self::RejectedObstacle { .. }
+            | Self::LostMessages { .. }
+            | Self::WorldUpdate { .. } => self.fmt_incomplete(f),
             Self::Deadline { deadline, open, pair: [a, b] } => write!(
                 f,
                 "check_deadline ({deadline} s) passed before {open} pairs were decided, such as that of {} and {}: allow more time, or simplify the meshes",
                 quoted(a),
                 quoted(b)
             ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    /// The codes that [`super::Reason::code`] gives.
+    fn codes() -> BTreeSet<&'static str> {
+        let source = include_str!("status.rs");
+        let (_, code) = source.split_once("pub fn code(&self)").unwrap();
+        let (code, _) = code.split_once("    }\n\n").unwrap();
+        let codes: BTreeSet<_> = code.split('"').skip(1).step_by(2).collect();
+        assert!(codes.len() > 20 && codes.contains("no_model") && codes.contains("deadline"), "{codes:?}");
+        codes
+    }
+
+    #[test]
+    fn every_code_of_a_reason_stands_in_the_message_and_in_the_tables() {
+        let message = include_str!("../../interfaces/clearance_msgs/msg/CollisionState.msg");
+        let (_, list) = message.split_once("the same as a stable identifier: ").unwrap();
+        let (list, _) = list.split_once("; otherwise empty").unwrap();
+        let words = list.split([',', ' ', '#', '\n']).filter(|word| !word.is_empty() && *word != "or");
+        assert_eq!(words.collect::<BTreeSet<_>>(), codes(), "CollisionState.msg");
+
+        let readme = include_str!("../../README.md").split_once("### When the answer is UNKNOWN").unwrap().1;
+        for (place, table) in [("monitor/mod.rs", include_str!("mod.rs")), ("README.md", readme)] {
+            let code = |line: &'static str| {
+                line.split_once("| UNKNOWN | `")?.1.split_once('`').map(|(code, _)| code)
+            };
+            assert_eq!(table.lines().filter_map(code).collect::<BTreeSet<_>>(), codes(), "{place}");
         }
     }
 }

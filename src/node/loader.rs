@@ -12,7 +12,7 @@ use smol::channel::Receiver;
 use super::checker_of_scene::{checker_of, solid_meshes, warnings_of};
 use super::link_volumes::LinkVolumes;
 use super::mailbox;
-use super::monitor_loop::Event;
+use super::monitor_loop::{Event, WorldUpdate};
 use super::order::Order;
 use super::outlook::{Outlook, Pass, Places};
 use super::parameters::Parameters;
@@ -186,6 +186,7 @@ impl Loader {
         let texts = self.texts;
         self.keeper.ask(&glimpse.parameters.planning_scene_service);
         let (mut is_new_robot, mut change) = (false, self.follow_frames(&glimpse));
+        let updates = orders.iter().filter(|order| matches!(order, Order::Scene(_))).count();
         for order in orders {
             match self.note(order, &glimpse) {
                 Change::Robot => is_new_robot = true,
@@ -201,6 +202,9 @@ impl Loader {
         let (built, refused) = self.build_anew(is_new_robot, change, &glimpse);
         if self.texts > texts {
             tell(Event::Heeded(self.texts));
+        }
+        if updates > 0 {
+            tell(Event::WorldUpdate(WorldUpdate::Completing(updates)));
         }
         if let Some(revision) = built {
             tell(Event::Checker(revision));

@@ -12,7 +12,7 @@ use super::monitor_loop::Event;
 use super::parameter_services::ParameterStore;
 use super::recording::Tape;
 use super::scene_keeper::CurrentScene;
-use super::termination::{OUT_OF_MEMORY, arm_watchdog};
+use super::termination::{OUT_OF_MEMORY, arm_watchdog, exit};
 
 /// Time between two readings. A network at full speed brings some 5 MB in it.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -83,6 +83,36 @@ impl MemoryWatch {
         }
         // nothing else sets it
         let _ = self.out_of_memory.set(why);
+    }
+}
+
+/// Watches the resident memory of this process until the node runs.
+pub struct StartupWatch {
+    process: Process,
+    limit: u64,
+}
+
+impl StartupWatch {
+    /// With the limit that `memory_limit` (MiB) sets.
+    pub fn new(memory_limit: f64) -> Option<Self> {
+        let process = Process::this()?;
+        let limit = limit(memory_limit, process.memory_for_one_node());
+        Some(Self { process, limit })
+    }
+
+    /// Ends the process when the limit is exceeded. There is no state yet that could be published, and nothing to complete.
+    pub fn work(mut self, has_ended: impl Fn() -> bool) {
+        while !has_ended() {
+            let used = self.process.resident_memory();
+            if used > self.limit * MIB {
+                let (used, limit) = (used.div_ceil(MIB), self.limit);
+                log::error!(
+                    "the node takes {used} MiB of memory while it starts, and memory_limit is {limit} MiB: raise it if the robot and the world of the command line need that much"
+                );
+                exit(OUT_OF_MEMORY);
+            }
+            std::thread::sleep(PERIOD);
+        }
     }
 }
 

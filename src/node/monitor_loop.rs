@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use serde::{Deserialize, Serialize};
 
 use super::activity::Activity;
 use super::arrivals::Arrivals;
@@ -31,6 +32,8 @@ pub enum Event {
     /// A description came that is another one than the last of its topic; and how many of them the loader has taken or refused.
     Described,
     Heeded(u64),
+    /// What becomes of messages about the world.
+    WorldUpdate(WorldUpdate),
     /// Whether states are checked; who asked is told when it is so.
     Enabled(bool, Sender<()>),
     /// Somebody waits for what came before to count: tell when it is said.
@@ -45,6 +48,28 @@ pub enum Event {
         published: Sender<()>,
     },
     Stop,
+}
+
+/// What becomes of messages about the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WorldUpdate {
+    /// One was received, at this time (ns) by the steady clock.
+    Received { steady: u64 },
+    /// The one that was received last asks for nothing.
+    Withdrawn,
+    /// So many, the oldest ones, are in force with what the loader tells next.
+    Completing(usize),
+}
+
+impl WorldUpdate {
+    pub fn tell(self, monitor: &mut Monitor) {
+        match self {
+            Self::Received { steady } => monitor.note_world_update(Duration::from_nanos(steady)),
+            Self::Withdrawn => monitor.note_world_update_withdrawn(),
+            Self::Completing(updates) => monitor.note_world_updates_completing(updates),
+        }
+    }
 }
 
 /// The last judgement, for those who ask about the same robot and world.
@@ -155,6 +180,7 @@ impl MonitorLoop {
             Event::ModelSwap => self.monitor.note_model_swap(),
             Event::Described => self.monitor.note_description(),
             Event::Heeded(descriptions) => self.monitor.note_heeded(descriptions),
+            Event::WorldUpdate(update) => update.tell(&mut self.monitor),
             Event::Enabled(enabled, heeded) => {
                 self.monitor.set_enabled(enabled);
                 self.beat();
@@ -214,6 +240,7 @@ impl MonitorLoop {
             Event::Heeded(_) => Tidings::Heeded,
             Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
             Event::World(..) => Tidings::World,
+            Event::WorldUpdate(update) => Tidings::WorldUpdate(*update),
             Event::Memory { used, limit, .. } => Tidings::Memory { used: *used, limit: *limit },
             Event::Enabled(enabled, _) => return self.tape.note(|| Happening::Enabled(*enabled)),
             Event::Parameters(parameters) => {

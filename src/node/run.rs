@@ -34,8 +34,8 @@ use super::recording::{Given, Recorder, Tape};
 use super::scene::{Monitored, SceneServices, SceneTopics, Shared};
 use super::scene_keeper::Glimpse;
 use super::simulation_clock;
+use super::startup::Startup;
 use super::state_services::StateServices;
-use super::termination::end_on_signals;
 use super::thread_priority::ThreadPriority;
 use super::threads::{End, Part, run_together, until};
 use crate::checker::MeshModel;
@@ -47,6 +47,8 @@ pub const NODE_NAME: &str = "clearance";
 
 /// Everything that is decided before a node starts.
 pub struct NodeOptions {
+    /// Begun before anything that takes time.
+    pub startup: Startup,
     /// The participant that the node's endpoints will belong to.
     pub announcement: Announcement,
     pub arguments: RosArguments,
@@ -135,6 +137,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         let glimpse = Glimpse::first(&parameters, clock.read());
         monitor.set_checker(loader.take_given(robot, &glimpse).map_err(NodeError::Input)?);
     }
+    options.startup.hand_signals_to(end.clone());
     let meshes = options.given.meshes.clone();
     let (tape, recorder) = record(&parameters, &names, options.given)?;
     let shared = Shared::new(loader.current_scene(), store.clone(), Arc::clone(&clock), tape.clone());
@@ -144,7 +147,6 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let components = Components { scene: loader.current_scene(), tape: tape.clone() };
     let memory = MemoryWatch::new(store.clone(), events.clone(), components);
     let out_of_memory = memory.out_of_memory();
-    end_on_signals(end.clone())?;
     let domain = options.announcement.environment().domain;
     let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
     let joint_states = names.resolve("joint_states")?;
@@ -173,7 +175,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     loader.tell_on(Monitored::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
     let (scenes, validity_desk) =
         SceneServices::offer(&middleware, &names, Arc::clone(&current), shared.clone())?;
-    let topics = SceneTopics::open(&middleware, &names, shared, orders.clone(), watch_in)?;
+    let topics = SceneTopics::open(&middleware, &names, shared, (orders.clone(), events.clone()), watch_in)?;
     let (states, state_desk) =
         StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
     let (motions, motion_desk) =
@@ -208,6 +210,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         on_start();
     }
     log::info!("{node} listens to {joint_states} in domain {domain}");
+    drop(options.startup);
     let ended = run_together(parts, &end).map_err(NodeError::Internal);
     if let Some(recorder) = recorder {
         recorder.finish();

@@ -2,6 +2,7 @@
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -10,6 +11,10 @@ use super::threads::End;
 
 /// Exit code of a node that a signal ended before its orderly end was complete.
 const FORCED: i32 = 4;
+
+/// Exit code of a node that a signal ended before it ran: as that of a process that SIGTERM ends by default. What only the kernel does by
+/// default is not done to the first process of a container, nor to a background job whose shell has it ignore SIGINT.
+const NOT_STARTED: i32 = 143;
 
 /// Exit code of a node that took more memory than it may.
 pub const OUT_OF_MEMORY: i32 = 5;
@@ -28,20 +33,38 @@ pub fn is_ending() -> bool {
     ENDING.load(Ordering::Relaxed)
 }
 
-/// From now on the first signal asks the node to end and arms the watchdog; a second one ends the process at once.
-pub fn end_on_signals(end: End) -> Result<(), NodeError> {
-    let is_armed = AtomicBool::new(false);
-    let on_signal = move || {
-        ENDING.store(true, Ordering::Relaxed);
-        if is_armed.swap(true, Ordering::Relaxed) {
-            exit(FORCED);
-        }
-        // before the order to end, which must not be able to delay it
-        arm_watchdog(FORCED);
-        end.tell();
-    };
-    ctrlc::set_handler(on_signal)
-        .map_err(|error| NodeError::Internal(format!("signals can not be handled: {error}")))
+/// The node that signals ask to end, once there is one.
+static NODE: Mutex<Option<End>> = Mutex::new(None);
+
+fn node() -> MutexGuard<'static, Option<End>> {
+    NODE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on a signal ends the process: before there is a node at once, afterwards by asking it to end, with a watchdog. A second one
+/// ends the process at once.
+pub fn end_on_signals() -> Result<(), NodeError> {
+    static HANDLED: OnceLock<Result<(), String>> = OnceLock::new();
+    let handled = HANDLED.get_or_init(|| {
+        let is_armed = AtomicBool::new(false);
+        let on_signal = move || {
+            ENDING.store(true, Ordering::Relaxed);
+            if is_armed.swap(true, Ordering::Relaxed) {
+                exit(FORCED);
+            }
+            let node = node();
+            let Some(end) = node.as_ref() else { exit(NOT_STARTED) };
+            // before the order to end, which must not be able to delay it
+            arm_watchdog(FORCED);
+            end.tell();
+        };
+        ctrlc::set_handler(on_signal).map_err(|error| error.to_string())
+    });
+    handled.clone().map_err(|error| NodeError::Internal(format!("signals can not be handled: {error}")))
+}
+
+/// From now on signals ask this node to end.
+pub fn hand_signals_to(end: End) {
+    *node() = Some(end);
 }
 
 /// The process ends with this exit code if its orderly end, which begins now, takes too long.
@@ -62,11 +85,13 @@ fn watch(code: i32) {
 }
 
 /// Ends the process, by a signal that nothing can hold up if need be.
-fn exit(code: i32) -> ! {
+pub fn exit(code: i32) -> ! {
     #[cfg(unix)]
     let _ = thread::Builder::new().spawn(|| {
         thread::sleep(TIME_TO_EXIT);
-        nix::sys::signal::raise(nix::sys::signal::Signal::SIGKILL)
+        let _ = nix::sys::signal::raise(nix::sys::signal::Signal::SIGKILL);
+        // the first process of a container can not kill itself
+        process::abort();
     });
     process::exit(code)
 }

@@ -15,18 +15,19 @@ EXIT_DEADLINE = 10.0  # [s] a node that needs longer to end than this does not e
 class NodeProcess:
     """`clearance node` with a name and a namespace of its own.
 
-    `environment` changes that of this process; None unsets a variable. `output` is where it writes to instead of a file.
+    `environment` changes that of this process; None unsets a variable. `output` is where it writes to instead of a file,
+    `prefix` a command that runs it.
     As a context it must end cleanly: only when asked to, with exit code 0, without a panic.
     """
 
     running = []
 
     def __init__(
-        self, *arguments, domain_id, name="clearance", namespace="", parameters=None, ros_arguments=(), environment=None, output=None
+        self, *arguments, domain_id, name="clearance", namespace="", parameters=None, ros_arguments=(), environment=None, output=None, prefix=()
     ):
         self.name = name
         self.namespace = namespace
-        command = [BINARY, "node", *map(str, arguments), "--ros-args", "-r", f"__node:={name}"]
+        command = [*prefix, BINARY, "node", *map(str, arguments), "--ros-args", "-r", f"__node:={name}"]
         if namespace:
             command += ["-r", f"__ns:={namespace}"]
         for key, value in (parameters or {}).items():

@@ -149,6 +149,13 @@ def lost_messages(s):
     s.until("lost_messages", overwhelm)
 
 
+def world_update(s):
+    cell = s.start()
+    cell.driver.report(**ZERO)
+    SceneClient(cell).publish(obstacle("fine", fine_mesh(200_000), at=pose(9.0)))
+    s.ends = lambda: cell.states.ever(lambda state: state.world_revision > 0, "the mesh in force", 100.0)
+
+
 def stale_world(s):
     cell = s.start(parameters={"point_cloud_topics": ["points"]})
     cell.driver.report(**ZERO)
@@ -257,6 +264,7 @@ SCENARIOS = {
     "the last cloud of a topic has no usable point: it is empty, all NaN or zero, cropped away or at one range; or an octomap has no leaf, after one that had (`blind_cloud: unknown`)": blind_cloud,
     "something announced was rejected: an obstacle, attached object, octomap, cloud, or a message's matrix or link size (`rejected_obstacle: unknown`)": rejected_obstacle,
     "messages about the world were lost on their way (`lost_messages: unknown`)": lost_messages,
+    "messages about the world (clouds aside) were received more than 0.1 s ago and are not in force yet: a fine mesh is being built": world_update,
     "a cloud or octomap is older than its time-to-live, or a cloud has never come": stale_world,
     "`require_planning_scene` or `planning_scene_service` is set, and no whole scene has come": untold_scene,
     "tf, which told again and again where the robot's root is in the frame that obstacles stand in, has been silent for `transform_ttl`, or does not connect the two": lost_root,

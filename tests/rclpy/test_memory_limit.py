@@ -5,7 +5,8 @@ from clearance_msgs.msg import CollisionState
 from fail_safe import OUT_OF_MEMORY
 from scene import fine_mesh, obstacle, pose
 from scene_client import SceneClient
-from test_termination import MEBIBYTE, resident_memory
+from node_process import NodeProcess
+from test_termination import MEBIBYTE, chain, resident_memory
 
 PATIENCE = 60.0  # [s]
 
@@ -33,6 +34,16 @@ def test_a_world_that_grows_too_large_ends_the_node_and_is_named(cell):
     assert f"memory_limit is {limit} MiB" in line
     for component in ("robot model and world by", "network library and messages that wait by", "recording queue by 0 MiB"):
         assert component in line
+
+
+def test_a_robot_of_the_command_line_that_takes_too_much_ends_the_node(peer, tmp_path):
+    (tmp_path / "chain.urdf").write_text(chain(2500))
+    limit = {"memory_limit": 40.0}
+    with NodeProcess("--urdf", tmp_path / "chain.urdf", domain_id=peer.domain_id, parameters=limit) as node:
+        assert node.ended() == OUT_OF_MEMORY
+        output = node.output()
+    assert "memory_limit is 40 MiB" in output and "while it starts" in output
+    assert "listens to" not in output
 
 
 def test_the_default_leaves_a_node_alone(cell):

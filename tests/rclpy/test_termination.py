@@ -15,6 +15,7 @@ from std_msgs.msg import String
 
 import two_link
 from motions import Motions
+from node_process import BINARY, NodeProcess
 from scene import diff, fine_mesh, obstacle, pose
 from scene_client import SceneClient
 
@@ -201,7 +202,11 @@ LOADS = [
 
 def resident_memory(node):
     """Bytes of the node's process."""
-    with open(f"/proc/{node.process_id}/statm") as numbers:
+    return resident_memory_of(node.process_id)
+
+
+def resident_memory_of(process_id):
+    with open(f"/proc/{process_id}/statm") as numbers:
         return int(numbers.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
@@ -222,6 +227,52 @@ def test_a_second_signal_ends_the_node_at_once(start, tmp_path):
         node = loaded.cell.node
         os.kill(node.process_id, signal.SIGTERM)
         assert node.stop(signal.SIGINT) in (ENDED, FORCED)
+
+
+NOT_STARTED = 143  # exit code
+IGNORING = [sys.executable, "-c", "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); os.execv(sys.argv[1], sys.argv[1:])"]
+IN_A_CONTAINER = ["unshare", "--pid", "--fork", "--kill-child"]
+PREFIXES = {"by default": [], "as a background job of a shell": IGNORING, "as PID 1": IN_A_CONTAINER}
+
+
+def children(process_id):
+    with open(f"/proc/{process_id}/task/{process_id}/children") as numbers:
+        return [int(number) for number in numbers.read().split()]
+
+
+def catches(process_id, number):
+    """Whether the process, which runs the node, has a handler of this signal."""
+    try:
+        with open(f"/proc/{process_id}/status") as status, open(f"/proc/{process_id}/cmdline") as command:
+            (caught,) = [int(line.split()[1], 16) for line in status if line.startswith("SigCgt")]
+            return command.read().startswith(f"{BINARY}\0node") and bool(caught >> (number - 1) & 1)
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.parametrize("phase", ["being read", "being built"])
+@pytest.mark.parametrize("prefix", PREFIXES)
+@pytest.mark.parametrize("by", [signal.SIGTERM, signal.SIGINT], ids=lambda by: by.name)
+def test_a_node_that_reads_its_robot_ends_at_once(peer, tmp_path, by, prefix, phase):
+    """Signals are not lost where their default action is ignored, and the robot is not built to its end."""
+    (tmp_path / "chain.urdf").write_text(chain(2500))
+    with NodeProcess("--urdf", tmp_path / "chain.urdf", domain_id=peer.domain_id, prefix=PREFIXES[prefix]) as node:
+
+        def process_id():
+            return next(iter(children(node.process_id)), None) if prefix == "as PID 1" else node.process_id
+
+        peer.wait_for(lambda: process_id() and catches(process_id(), by), "a handler of the signal")
+        before = resident_memory_of(process_id())
+        if phase == "being built":
+            # the links take 20 MB at most, the pairs more
+            peer.wait_for(lambda: resident_memory_of(process_id()) > before + 30 * MEBIBYTE, "pairs in its memory")
+        begin = time.monotonic()
+        os.kill(process_id(), by)
+        code = node.ended()
+        duration = time.monotonic() - begin
+        assert "listens to" not in node.output()
+    assert code == NOT_STARTED
+    assert duration < LIMIT
 
 
 @pytest.mark.parametrize("seconds", SUSPENDED)

@@ -14,6 +14,7 @@ mod placement;
 mod publishers;
 mod speed;
 mod unpositioned;
+mod world_updates;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -17,7 +17,7 @@ use crate::node::cdr;
 use crate::node::clearance_msgs::CollisionState;
 use crate::node::loader::{Loader, Surroundings};
 use crate::node::messages::{collision_state, joint_state_input};
-use crate::node::monitor_loop::Event;
+use crate::node::monitor_loop::{Event, WorldUpdate};
 use crate::node::order::Order;
 use crate::node::outlook::{Pass, places_of};
 use crate::node::parameters::Parameters;
@@ -286,13 +286,13 @@ impl Run {
             self.monitor.note_memory(used, limit);
             return Done::Nothing;
         }
-        // recordings of older versions lack it
-        while let (true, Some(Event::Heeded(descriptions))) =
-            (*recorded != Tidings::Heeded, self.told.front())
+        if let Tidings::WorldUpdate(update @ (WorldUpdate::Received { .. } | WorldUpdate::Withdrawn)) =
+            *recorded
         {
-            self.monitor.note_heeded(*descriptions);
-            self.told.pop_front();
+            update.tell(&mut self.monitor);
+            return Done::Nothing;
         }
+        self.heed_untold(recorded);
         match (recorded, self.told.pop_front()) {
             (Tidings::Checker, Some(Event::Checker(revision))) => self.monitor.set_checker(revision),
             (Tidings::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
@@ -300,6 +300,9 @@ impl Run {
             // the words name folders that are not here
             (Tidings::ModelFault(fault), Some(Event::ModelFault(_))) => {
                 self.monitor.note_model_fault(fault.clone());
+            }
+            (Tidings::WorldUpdate(told), Some(Event::WorldUpdate(update))) if *told == update => {
+                update.tell(&mut self.monitor);
             }
             (Tidings::World, Some(Event::World(_, faults, incomplete))) => {
                 self.monitor.note_world_faults(faults, incomplete);
@@ -309,6 +312,7 @@ impl Run {
             (_, Some(Event::ModelSwap)) => return differs("ModelSwap".to_owned()),
             (_, Some(Event::World(..))) => return differs("World".to_owned()),
             (_, Some(Event::Heeded(_))) => return differs("Heeded".to_owned()),
+            (_, Some(Event::WorldUpdate(update))) => return differs(format!("{update:?}")),
             // no loader tells that
             (
                 _,
@@ -326,6 +330,22 @@ impl Run {
             }
         }
         Done::Nothing
+    }
+
+    /// What recordings of older versions lack.
+    fn heed_untold(&mut self, recorded: &Tidings) {
+        loop {
+            match self.told.front() {
+                Some(Event::Heeded(descriptions)) if *recorded != Tidings::Heeded => {
+                    self.monitor.note_heeded(*descriptions);
+                }
+                Some(Event::WorldUpdate(update)) if !matches!(recorded, Tidings::WorldUpdate(_)) => {
+                    update.tell(&mut self.monitor);
+                }
+                _ => return,
+            }
+            self.told.pop_front();
+        }
     }
 
     fn compare(&mut self, judgement: Judgement, late: Late, messages: &mut Messages) -> Result<Done, String> {

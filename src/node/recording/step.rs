@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
 use crate::monitor::{LeftOut, Now, Time};
+use crate::node::monitor_loop::WorldUpdate;
 use crate::node::parameter_value::{self, Value};
 use crate::node::parameters::{DECLARATIONS, Parameters, UNKNOWN_OR_WARN};
 
@@ -63,7 +64,7 @@ pub enum Late {
     Pairs,
 }
 
-/// What the monitor is told: that a description came, and all else by the loader.
+/// What the monitor is told: that a description or a message about the world came, and all else by the loader.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tidings {
@@ -74,6 +75,7 @@ pub enum Tidings {
     /// In words that name the folders of the machine it was on.
     ModelFault(String),
     World,
+    WorldUpdate(WorldUpdate),
     /// The process took this much memory and was allowed that much (MiB).
     Memory {
         used: u64,

@@ -211,6 +211,10 @@ impl Cell {
                     self.tape.note(|| Happening::Told(Tidings::World));
                     self.monitor.note_world_faults(faults, incomplete);
                 }
+                Event::WorldUpdate(update) => {
+                    self.tape.note(|| Happening::Told(Tidings::WorldUpdate(update)));
+                    update.tell(&mut self.monitor);
+                }
                 _ => panic!("nothing else is expected"),
             }
         }

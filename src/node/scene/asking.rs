@@ -142,6 +142,7 @@ impl Service {
         if topics.changes_heard() != heard {
             return Ok(());
         }
+        topics.note_update(Instant::now());
         if !topics.have_done(topics.scene(SceneDoor::GetPlanningScene, scene)).await {
             return Err(format!("not all of what {} told was taken", self.name));
         }

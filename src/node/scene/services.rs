@@ -3,6 +3,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
+use std::time::Instant;
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{
@@ -113,6 +114,7 @@ impl SceneServices {
         let apply = async {
             loop {
                 let (id, request) = self.apply.next().await;
+                topics.note_update(Instant::now());
                 let order = topics.scene(SceneDoor::ApplyPlanningScene, request.scene);
                 let answer = async move {
                     let success = topics.have_done(order).await;
@@ -124,6 +126,7 @@ impl SceneServices {
         let clear = async {
             loop {
                 let (id, _) = self.clear.next().await;
+                topics.note_update(Instant::now());
                 let answer = async move {
                     topics.have_done(clear_octomap().made_of(Some((OrderStep::ClearOctomap, None)))).await;
                     self.clear.answer(id, Empty::default()).await;

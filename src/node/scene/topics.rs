@@ -21,10 +21,12 @@ use super::reading::transform_pose;
 use crate::monitor::{Now, Time, Trail};
 use crate::node::arrivals::Arrivals;
 use crate::node::clock::RosClock;
+use crate::node::mailbox;
 use crate::node::messages::time_of;
 use crate::node::middleware::{
     Complaints, MessageKind, Middleware, MiddlewareError, Origin, Quality, Subscription,
 };
+use crate::node::monitor_loop::{Event, WorldUpdate};
 use crate::node::names::Names;
 use crate::node::order::Order;
 use crate::node::parameter_services::ParameterStore;
@@ -50,6 +52,7 @@ pub struct SceneTopics {
     tf_static: Subscription<TFMessage>,
     pub shared: Shared,
     orders: Sender<Order>,
+    events: mailbox::Sender<Event>,
     /// Tells that a parameter changed.
     changes: Receiver<()>,
     /// How many messages told of objects, and whether some were lost since somebody asked.
@@ -99,7 +102,7 @@ impl SceneTopics {
         middleware: &Middleware,
         names: &Names,
         shared: Shared,
-        orders: Sender<Order>,
+        (orders, events): (Sender<Order>, mailbox::Sender<Event>),
         changes: Receiver<()>,
     ) -> Result<Self, MiddlewareError> {
         let moveit = |kind| MessageKind("moveit_msgs", kind);
@@ -140,6 +143,7 @@ impl SceneTopics {
             names: names.clone(),
             shared,
             orders,
+            events,
             changes,
             changes_heard: Cell::default(),
             is_lost: Cell::default(),
@@ -183,18 +187,30 @@ impl SceneTopics {
     ) {
         let mut arrivals = Arrivals::default();
         loop {
-            let (message, Origin { publisher, number, .. }) = topic.next().await;
+            let (message, Origin { publisher, number, received }) = topic.next().await;
             if self.middleware.is_own(publisher) {
                 // what the node tells of its scene, where the same name is given to both
                 continue;
             }
             let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
-            if let Some(order) = read(message, lost)
-                && self.orders.send(Order::Scene(Box::new(order))).await.is_err()
-            {
-                return;
+            self.note_update(received);
+            match read(message, lost) {
+                Some(order) if self.orders.send(Order::Scene(Box::new(order))).await.is_err() => return,
+                Some(_) => {}
+                None => self.tell(WorldUpdate::Withdrawn),
             }
         }
+    }
+
+    /// Tells the monitor of a message about the world, before it is read: that takes long as well. One order to the loader has to follow.
+    pub(super) fn note_update(&self, received: Instant) {
+        let at = self.shared.clock.steady().saturating_sub(received.elapsed());
+        self.tell(WorldUpdate::Received { steady: u64::try_from(at.as_nanos()).unwrap_or(u64::MAX) });
+    }
+
+    fn tell(&self, update: WorldUpdate) {
+        // a monitor that has ended publishes nothing any more
+        let _ = self.events.send(Event::WorldUpdate(update));
     }
 
     /// Whether there is a robot that a scene can be around.
@@ -212,7 +228,7 @@ impl SceneTopics {
         self.is_lost.take()
     }
 
-    /// Has something done to the scene, and waits until it is in force; whether all of it was done.
+    /// Has something done to the scene that the monitor knows to be under way, and waits until it is in force; whether all of it was done.
     pub(super) async fn have_done(&self, order: SceneOrder) -> bool {
         let (done, is_done) = channel::bounded(1);
         let order = Order::Scene(Box::new(order.answered_on(done)));

@@ -1,0 +1,47 @@
+//! Start of the node, from the first line of the program on: signals and the memory limit count while a robot and a world that were
+//! given on the command line are read and built.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use super::memory_limit::StartupWatch;
+use super::run::NodeError;
+use super::termination;
+use super::threads::End;
+
+/// Begins before anything that takes time, and ends when the node runs.
+#[derive(Debug)]
+pub struct Startup {
+    has_ended: Arc<AtomicBool>,
+}
+
+impl Startup {
+    /// From now on a signal ends the process, and so does more memory than `memory_limit` (MiB; 0: the default).
+    ///
+    /// # Errors
+    /// When signals can not be handled.
+    pub fn begin(memory_limit: f64) -> Result<Self, NodeError> {
+        termination::end_on_signals()?;
+        let has_ended = Arc::new(AtomicBool::new(false));
+        if let Some(watch) = StartupWatch::new(memory_limit) {
+            let has_ended = Arc::clone(&has_ended);
+            let work = move || watch.work(|| has_ended.load(Ordering::Relaxed));
+            if let Err(error) = thread::Builder::new().name("memory at start".to_owned()).spawn(work) {
+                log::warn!("memory_limit has no effect until the node runs: {error}");
+            }
+        }
+        Ok(Self { has_ended })
+    }
+
+    /// From now on the first signal asks the node to end.
+    pub fn hand_signals_to(&self, end: End) {
+        termination::hand_signals_to(end);
+    }
+}
+
+impl Drop for Startup {
+    fn drop(&mut self) {
+        self.has_ended.store(true, Ordering::Relaxed);
+    }
+}
