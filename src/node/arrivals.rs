@@ -23,6 +23,13 @@ impl Arrivals {
         *last = number.max(*last);
         u64::try_from(missing).unwrap_or(0)
     }
+
+    /// Whether a publisher's message `number` comes no sooner than one that was sent after it, or comes twice.
+    pub fn is_overtaken(&mut self, publisher: SourceId, number: i64) -> bool {
+        let is_overtaken = self.0.get(&publisher).is_some_and(|&last| number <= last);
+        self.missing_before(publisher, number);
+        is_overtaken
+    }
 }
 
 #[cfg(test)]
@@ -42,6 +49,17 @@ mod tests {
         assert_eq!(missing(1, &[700, 701, 705, 704, 706, 706, 708]), [0, 0, 3, 0, 0, 0, 1]);
         assert_eq!(missing(2, &[1, 3, i64::MIN, i64::MAX]), [0, 1, 0, i64::MAX as u64 - 4]);
         assert_eq!(missing(1, &[709]), [0]);
+    }
+
+    #[test]
+    fn what_is_overtaken_is_known_for_each_publisher() {
+        let mut arrivals = Arrivals::default();
+        let mut overtaken = |source, numbers: &[i64]| {
+            numbers.iter().map(|&n| arrivals.is_overtaken(publisher(source), n)).collect::<Vec<_>>()
+        };
+        assert_eq!(overtaken(1, &[7, 8, 10, 9, 10, 11]), [false, false, false, true, true, false]);
+        assert_eq!(overtaken(2, &[i64::MAX, i64::MIN]), [false, true]);
+        assert_eq!(overtaken(1, &[12]), [false]);
     }
 
     #[test]
