@@ -39,7 +39,10 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     let mut resolved: Option<(&Arc<[String]>, NamedJoints)> = None;
     let mut configurations = Vec::with_capacity(states.len());
     let mut given = vec![0; rest.positions().len()];
-    for (i, NamedState { names, positions }) in states.iter().enumerate() {
+    for (i, NamedState { names, positions, remarks }) in states.iter().enumerate() {
+        for remark in remarks {
+            log::warn!("{file}: {remark}");
+        }
         let of_state = |e: ConfigurationError| bad(&format!("state {i}: {e}"));
         let joints = match resolved.take().filter(|(of, _)| Arc::ptr_eq(of, names)) {
             Some((_, joints)) => joints,

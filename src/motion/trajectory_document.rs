@@ -197,9 +197,7 @@ impl TrajectoryDocument {
                 "path_tolerance is not read: the robot may be off its way only as far as --tube tells";
             remarks.push(remark.to_owned());
         }
-        let (start, remarks_of_start) =
-            start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
-        remarks.extend(remarks_of_start);
+        let start = start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
         let rest = start.as_ref().map_or(rest, TrajectoryStart::configuration).clone();
         let JointTrajectoryText { joint_names, points, .. } =
             only_trajectory(FileText { trajectory_start: None, ..file })
@@ -214,21 +212,20 @@ impl TrajectoryDocument {
     }
 }
 
-/// The start that a `trajectory_start` tells, if it names any joint, and what of it says nothing.
+/// The start that a `trajectory_start` tells, if it names any joint.
 fn start(
     text: Option<RobotStateText>,
     robot: &RobotModel,
     rest: &Configuration,
-) -> Result<(Option<TrajectoryStart>, Vec<String>), String> {
-    let Some(text) = text else { return Ok((None, Vec::new())) };
+) -> Result<Option<TrajectoryStart>, String> {
+    let Some(text) = text else { return Ok(None) };
     let fault = |why: String| format!("trajectory_start: {why}");
-    let NamedState { names, positions, remarks } = NamedState::of_robot(text, robot).map_err(fault)?;
-    let remarks = remarks.into_iter().map(fault).collect();
+    let NamedState { names, positions, .. } = NamedState::of_robot(text, robot).map_err(fault)?;
     if names.is_empty() {
-        return Ok((None, remarks));
+        return Ok(None);
     }
     let start = TrajectoryStart::new(robot, rest, &names, &positions);
-    Ok((Some(start.map_err(|error| fault(error.to_string()))?), remarks))
+    start.map(Some).map_err(|error| fault(error.to_string()))
 }
 
 /// The goal that an action's message holds, or the file itself.

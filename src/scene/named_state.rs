@@ -11,6 +11,8 @@ use crate::robot::RobotModel;
 pub struct NamedState {
     pub names: Arc<[String]>,
     pub positions: Vec<f64>,
+    /// Lines of the text that say nothing about the state.
+    pub remarks: Vec<String>,
 }
 
 impl NamedState {
@@ -26,7 +28,7 @@ impl NamedState {
                 given => format!("it has {given} positions for {} names", names.len()),
             });
         }
-        Ok(Self { names, positions })
+        Ok(Self { names, positions, remarks: Vec::new() })
     }
 
     /// Reads a `moveit_msgs/RobotState`; transforms of planar and floating joints become their positions.

@@ -18,6 +18,7 @@ use super::asking::Asking;
 use super::clouds::{CloudMessage, CloudMessages};
 use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
 use super::reading::transform_pose;
+use crate::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 use crate::monitor::{Now, Time, Trail};
 use crate::node::arrivals::Arrivals;
 use crate::node::clock::RosClock;
@@ -33,7 +34,6 @@ use crate::node::parameter_services::ParameterStore;
 use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
 use crate::node::scene_keeper::CurrentScene;
 use crate::node::scene_order::SceneOrder;
-use crate::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 
 /// Frames that others publish, shared between who hears and who needs them.
 pub type Transforms = Arc<Mutex<TransformTree>>;
@@ -194,10 +194,12 @@ impl SceneTopics {
             }
             let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
             self.note_update(received);
-            match read(message, lost) {
-                Some(order) if self.orders.send(Order::Scene(Box::new(order))).await.is_err() => return,
-                Some(_) => {}
-                None => self.tell(WorldUpdate::Withdrawn),
+            let Some(order) = read(message, lost) else {
+                self.tell(WorldUpdate::Withdrawn);
+                continue;
+            };
+            if self.orders.send(Order::Scene(Box::new(order))).await.is_err() {
+                return;
             }
         }
     }
