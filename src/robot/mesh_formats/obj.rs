@@ -336,7 +336,7 @@ mod tests {
             let read = read(&text).unwrap();
             assert_eq!(read.mesh.triangles().len(), 1);
             assert!(read.remarks[0].starts_with(&format!("2 {what}")), "{:?}", read.remarks);
-            assert!(read.remarks[0].ends_with("the first at line 9"), "{:?}", read.remarks);
+            assert!(read.remarks[0].ends_with("the first at line 10"), "{:?}", read.remarks);
             assert_eq!(read.remarks.len(), 1);
         }
     }
@@ -348,12 +348,12 @@ mod tests {
         {
             let message = read(&format!("{SQUARE}f 1 2 3\n{statement}\n")).unwrap_err();
             let word = statement.split(' ').next().unwrap();
-            assert!(message.contains("line 10") && message.contains(word), "{message}");
+            assert!(message.contains("line 11") && message.contains(word), "{message}");
         }
         for statement in ["F 2 3 4", "V 0 0 0", "FO 2 3 4", "SURF", "Call b.obj", "L 1 2"] {
             let message = read(&format!("{SQUARE}f 1 2 3\n{statement}\n")).unwrap_err();
             assert!(
-                message.contains("line 10") && message.contains("is no OBJ statement; write"),
+                message.contains("line 11") && message.contains("is no OBJ statement; write"),
                 "{message}"
             );
         }
