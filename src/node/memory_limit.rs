@@ -1,6 +1,7 @@
 //! Memory limit: publishes UNKNOWN and ends the node before the process takes more memory than it may.
 
 use std::sync::{Arc, OnceLock, PoisonError};
+use std::thread;
 use std::time::Duration;
 
 use futures_lite::future;
@@ -19,6 +20,12 @@ const PERIOD: Duration = Duration::from_millis(50);
 
 /// Time that the monitor has to publish that nothing is known any more.
 const TIME_TO_PUBLISH: Duration = Duration::from_millis(500);
+
+/// How far beyond its limit the memory may grow until the process ends at once: a flood of packets brings over a GB a second.
+const FAR_BEYOND: u64 = 5; // quarters of the limit
+
+/// Time between two readings beyond the limit.
+const PERIOD_BEYOND: Duration = Duration::from_millis(10);
 
 /// The limit (MiB) where `memory_limit` is 0, unless a quarter of the machine is less.
 const DEFAULT_LIMIT: u64 = 2048;
@@ -60,6 +67,7 @@ impl MemoryWatch {
             // what the robot and its first world take is no growth
             at_start = at_start.or_else(|| self.components.has_robot().then(|| self.components.usage(used)));
             if used > limit * MIB {
+                end_far_beyond(process, limit);
                 return self.end(used, limit, &at_start.unwrap_or_default()).await;
             }
             Timer::after(PERIOD).await;
@@ -73,6 +81,8 @@ impl MemoryWatch {
         let why = format!(
             "the node takes {used} MiB of memory, and memory_limit is {limit} MiB: {growth}; raise memory_limit if the robot and its world need that much"
         );
+        // first of all, as the rest may not be reached; on a thread of its own, as the log may be a pipe that nobody reads
+        let _ = thread::Builder::new().spawn(move || log::error!("{why}"));
         let (published, is_published) = mailbox::bounded(1);
         if self.events.send(Event::Memory { used, limit, published }).is_ok() {
             let give_up = async {
@@ -82,7 +92,22 @@ impl MemoryWatch {
             future::or(is_published.receive(), give_up).await;
         }
         // nothing else sets it
-        let _ = self.out_of_memory.set(why);
+        let _ = self.out_of_memory.set(format!("memory_limit ({limit} MiB) was exceeded"));
+    }
+}
+
+/// Ends the process at once when it takes far more memory than its limit (MiB), whatever the orderly end waits for.
+fn end_far_beyond(mut process: Process, limit: u64) {
+    let watch = move || {
+        loop {
+            if process.resident_memory() > limit * MIB / 4 * FAR_BEYOND {
+                exit(OUT_OF_MEMORY);
+            }
+            thread::sleep(PERIOD_BEYOND);
+        }
+    };
+    if thread::Builder::new().name("memory".to_owned()).spawn(watch).is_err() {
+        exit(OUT_OF_MEMORY);
     }
 }
 
@@ -111,7 +136,7 @@ impl StartupWatch {
                 );
                 exit(OUT_OF_MEMORY);
             }
-            std::thread::sleep(PERIOD);
+            thread::sleep(PERIOD);
         }
     }
 }

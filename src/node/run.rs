@@ -113,8 +113,8 @@ const JOINT_STATE: MessageKind = MessageKind("sensor_msgs", "JointState");
 const STRING: MessageKind = MessageKind("std_msgs", "String");
 
 /// Why a node ends by itself.
-const DEAF: &str = "the threads of the network library have ended, as they do when the process was suspended (Ctrl-Z and fg, a debugger): \
-                    start the node again";
+const DEAF: &str = "the threads of the network library have ended, as they do when the process was suspended (Ctrl-Z and fg, a debugger) or a packet was \
+                    broken: start the node again";
 
 /// Runs a node until SIGINT or SIGTERM.
 pub fn run(options: NodeOptions) -> Result<(), NodeError> {

@@ -197,14 +197,15 @@ fn a_first_point_that_comes_later_is_remarked() {
     assert_eq!(remarks(&points("2.5")), [""; 0]);
     let with_start = late + "trajectory_start: {joint_state: {name: [j], position: [0.0]}}\n";
     assert_eq!(remarks(&with_start), [""; 0]);
-    let elsewhere = "{}, multi_dof_joint_state: {joint_names: [odom], transforms: [{translation: {x: 1.0}}]}";
-    let told = remarks(&displayed(elsewhere));
-    assert!(
-        told.len() == 1
-            && told[0].contains("trajectory_start: multi_dof_joint_state")
-            && told[0].contains("'odom'"),
-        "{told:?}"
-    );
+}
+
+#[test]
+fn a_start_of_joints_that_the_robot_does_not_have_is_rejected() {
+    let robot = robot();
+    let start = "{}, multi_dof_joint_state: {joint_names: [odom], transforms: [{translation: {x: 1.0}}]}";
+    let read = Trajectory::from_yaml(&robot, &displayed(start), &robot.default_configuration());
+    let words = read.unwrap_err().to_string();
+    assert!(words.contains("trajectory_start: multi_dof_joint_state") && words.contains("'odom'"), "{words}");
 }
 
 #[test]

@@ -37,8 +37,8 @@ impl Situation {
         Place { poses, transforms: self.transforms.clone() }
     }
 
-    /// Where the robot is, if the state tells; answers with what is not read.
-    pub fn read_state(&mut self, text: &RobotStateText, robot: &RobotModel) -> Result<Vec<String>, String> {
+    /// Where the robot is, if the state says so.
+    pub fn read_state(&mut self, text: &RobotStateText, robot: &RobotModel) -> Result<(), String> {
         let joints = &text.joint_state;
         if joints.name.len() != joints.position.len() {
             return Err(format!(
@@ -47,7 +47,7 @@ impl Situation {
                 joints.name.len()
             ));
         }
-        let (placed, remarks) = self
+        let placed = self
             .read_base(&text.multi_dof_joint_state, robot)
             .map_err(|e| format!("robot_state.multi_dof_joint_state: {e}"))?;
         if !(joints.name.is_empty() && placed.is_empty()) {
@@ -58,20 +58,20 @@ impl Situation {
             let q = robot.configuration_over(&rest, single.chain(several));
             self.configuration = Some(q.map_err(|e| format!("{field}: {e}"))?);
         }
-        Ok(remarks)
+        Ok(())
     }
 
-    /// The positions of planar and floating joints, by name, and what is not read. The virtual joint of the root says where the robot stands.
+    /// The positions of planar and floating joints, by name. The virtual joint of the root says where the robot stands.
     fn read_base(
         &mut self,
         text: &MultiDofText,
         robot: &RobotModel,
-    ) -> Result<(NamedPositions, Vec<String>), String> {
+    ) -> Result<NamedPositions, String> {
         if text.joint_names.len() != text.transforms.len() {
             let (given, names) = (text.transforms.len(), text.joint_names.len());
             return Err(format!("{given} transforms for {names} joint_names"));
         }
-        let (mut placed, mut remarks) = (Vec::new(), Vec::new());
+        let mut placed = Vec::new();
         for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
             let pose = transform.pose(name)?;
             let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
@@ -88,11 +88,9 @@ impl Situation {
                 let transform = Transform { parent, pose_pf: pose, stamp: None };
                 self.transforms.note(&robot.link(robot.root()).name, transform);
             } else if pose != Pose::identity() {
-                remarks.push(format!(
-                    "robot_state.multi_dof_joint_state: '{name}' is no virtual joint of the robot's root: it is not read"
-                ));
+                return Err(format!("'{name}' is neither a joint of the robot nor a virtual joint of its root"));
             }
         }
-        Ok((placed, remarks))
+        Ok(placed)
     }
 }

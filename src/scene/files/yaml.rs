@@ -48,8 +48,7 @@ impl SceneLoader {
             return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }
         let state = scene.robot_state.unwrap_or_default();
-        let remarks = self.situation.read_state(&state, robot).map_err(fault)?;
-        self.warnings.extend(remarks.iter().map(|remark| format!("{file}: {remark}")));
+        self.situation.read_state(&state, robot).map_err(fault)?;
         let place = self.situation.place(robot);
         let context = place.context(robot);
         let mut reader = SceneFile { is_diff: scene.is_diff, ..self.file(file, &context) };
