@@ -12,7 +12,7 @@ mod plain_words;
 pub use echo::without_remarks_of_echo;
 pub use plain_words::in_words;
 
-use echo::{cut_number, line_of_cut};
+pub use echo::cut_in_words;
 
 /// A document that holds something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,12 +88,7 @@ fn from_json<T: DeserializeOwned>(text: &str) -> Option<serde_json::Result<T>> {
 /// # Errors
 /// As [`from_text`].
 pub fn from_document<T: DeserializeOwned>(document: &str) -> Result<T, String> {
-    if let Some(line) = line_of_cut(document) {
-        return Err(format!(
-            "line {line}: the list is cut there ('...'): save the message with `ros2 topic echo --full-length`"
-        ));
-    }
-    if let Some(message) = cut_number(document) {
+    if let Some(message) = cut_in_words(document) {
         return Err(message);
     }
     let read = serde_saphyr::from_str_with_options(document, limits());

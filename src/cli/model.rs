@@ -225,8 +225,13 @@ fn is_yaml(path: &Path) -> bool {
 pub fn checker(robot: RobotModel, scene: &Scene, settings: Settings) -> Result<CollisionChecker, Failure> {
     let settings = settings.with_scene(scene);
     warn_of_meshes(&robot, &scene.world, &settings);
-    CollisionChecker::with_matrix(Arc::new(robot), &scene.world, settings, scene.matrix.as_ref())
-        .map_err(Failure::input)
+    CollisionChecker::with_matrix(Arc::new(robot), &scene.world, settings, scene.matrix.as_ref()).map_err(
+        |error| {
+            let of_scene = !(scene.link_padding.is_empty() && scene.link_scale.is_empty());
+            let hint = if of_scene { " (as link_padding and link_scale of --world say)" } else { "" };
+            Failure::Input(format!("{error}{hint}"))
+        },
+    )
 }
 
 /// Logs what is wrong with meshes that are to be solid.

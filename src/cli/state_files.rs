@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::robot::RobotModel;
-use clearance::scene::NamedState;
+use clearance::scene::{NamedState, StateList};
 
 /// The accepted formats, for the error about any other.
 const STATES: &str = concat!(
@@ -13,9 +13,10 @@ const STATES: &str = concat!(
 );
 
 /// The states of a text; the extension of the file tells whether it is CSV.
-pub fn read(path: &Path, text: &str, robot: &RobotModel) -> Result<Vec<NamedState>, String> {
+pub fn read(path: &Path, text: &str, robot: &RobotModel) -> Result<StateList, String> {
     if (path.extension()).is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-        return from_csv(text, robot);
+        let states = from_csv(text, robot)?;
+        return Ok(StateList { states, ..StateList::default() });
     }
     NamedState::list_from_text(text, robot).map_err(|why| format!("{why}; {STATES}"))
 }
@@ -120,7 +121,7 @@ mod tests {
             <joint name='j 2' type='continuous'><parent link='b'/><child link='c'/></joint></robot>";
         let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
         let states = read(Path::new("q.CSV"), text, &robot)?;
-        Ok(states.into_iter().map(|state| state.positions).collect())
+        Ok(states.states.into_iter().map(|state| state.positions).collect())
     }
 
     #[test]

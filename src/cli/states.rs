@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clearance::input_files::{self, STATES_LIMIT};
 use clearance::robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
-use clearance::scene::NamedState;
+use clearance::scene::{NamedState, StateList};
 use clearance::yaml;
 use serde::Deserialize;
 
@@ -30,7 +30,10 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-    let states = state_files::read(path, &text, robot).map_err(|e| bad(&e))?;
+    let StateList { states, remarks } = state_files::read(path, &text, robot).map_err(|e| bad(&e))?;
+    for remark in remarks {
+        log::warn!("{file}: {remark}");
+    }
     if states.is_empty() {
         return Err(bad(&"there are no states"));
     }
@@ -39,10 +42,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     let mut resolved: Option<(&Arc<[String]>, NamedJoints)> = None;
     let mut configurations = Vec::with_capacity(states.len());
     let mut given = vec![0; rest.positions().len()];
-    for (i, NamedState { names, positions, remarks }) in states.iter().enumerate() {
-        for remark in remarks {
-            log::warn!("{file}: {remark}");
-        }
+    for (i, NamedState { names, positions }) in states.iter().enumerate() {
         let of_state = |e: ConfigurationError| bad(&format!("state {i}: {e}"));
         let joints = match resolved.take().filter(|(of, _)| Arc::ptr_eq(of, names)) {
             Some((_, joints)) => joints,

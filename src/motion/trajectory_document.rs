@@ -220,7 +220,7 @@ fn start(
 ) -> Result<Option<TrajectoryStart>, String> {
     let Some(text) = text else { return Ok(None) };
     let fault = |why: String| format!("trajectory_start: {why}");
-    let NamedState { names, positions, .. } = NamedState::of_robot(text, robot).map_err(fault)?;
+    let NamedState { names, positions } = NamedState::of_robot(text, robot).map_err(fault)?;
     if names.is_empty() {
         return Ok(None);
     }

@@ -190,7 +190,7 @@ fn key(a: &str, b: &str) -> (String, String) {
 /// Rows as `[true, false]` or as `moveit_msgs/AllowedCollisionEntry` with the field `enabled`.
 fn rows<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<bool>>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged)]
+    #[serde(untagged, expecting = "a row must be a list of true and false, or have such a list as enabled")]
     enum Row {
         List(Vec<bool>),
         Map { enabled: Vec<bool> },

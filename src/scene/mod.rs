@@ -53,7 +53,7 @@ pub use change::{
 };
 pub use cloud::{ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind, is_cloud, read_cloud};
 pub(crate) use files::RobotStateText;
-pub use files::{SceneError, SceneLoader, WorldFileKind};
+pub use files::{SceneError, SceneLoader, StateList, WorldFileKind};
 pub use frames::SceneContext;
 pub use gaps::{Extent, Gap, Subject};
 pub use named_state::NamedState;

@@ -11,8 +11,6 @@ use crate::robot::RobotModel;
 pub struct NamedState {
     pub names: Arc<[String]>,
     pub positions: Vec<f64>,
-    /// Lines of the text that say nothing about the state.
-    pub remarks: Vec<String>,
 }
 
 impl NamedState {
@@ -28,7 +26,7 @@ impl NamedState {
                 given => format!("it has {given} positions for {} names", names.len()),
             });
         }
-        Ok(Self { names, positions, remarks: Vec::new() })
+        Ok(Self { names, positions })
     }
 
     /// Reads a `moveit_msgs/RobotState`; transforms of planar and floating joints become their positions.

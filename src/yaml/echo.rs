@@ -2,9 +2,19 @@
 
 use std::borrow::Cow;
 
-/// The line, from 1, of the mark that `ros2 topic echo` puts where it leaves out the rest of a list.
+/// The message about a text that is cut: by `ros2 topic echo` within a list, or by something else within its last number.
 #[must_use]
-pub(super) fn line_of_cut(document: &str) -> Option<usize> {
+pub fn cut_in_words(document: &str) -> Option<String> {
+    let of_list = |line| {
+        format!(
+            "line {line}: the list is cut there ('...'): save the message with `ros2 topic echo --full-length`"
+        )
+    };
+    line_of_cut(document).map(of_list).or_else(|| cut_number(document))
+}
+
+/// The line, from 1, of the mark that `ros2 topic echo` puts where it leaves out the rest of a list.
+fn line_of_cut(document: &str) -> Option<usize> {
     let is_item = |(at, mark): (usize, &str)| {
         let (before, after) = (&document[..at], &document[at + mark.len()..]);
         let begins = before.trim_end_matches(' ').ends_with(['-', ',', '[', '\n']);
@@ -51,7 +61,7 @@ pub fn without_remarks_of_echo(text: &str) -> (Cow<'_, str>, Vec<String>) {
 }
 
 /// The message about a text that ends within a number, such as one that a full disk has cut.
-pub(super) fn cut_number(document: &str) -> Option<String> {
+fn cut_number(document: &str) -> Option<String> {
     let last = document.rsplit(char::is_whitespace).next()?;
     let is_cut =
         last.ends_with(['.', 'e', '-', '+']) && last.starts_with(|c: char| c.is_ascii_digit() || c == '-');

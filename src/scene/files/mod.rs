@@ -12,4 +12,5 @@ mod yaml;
 
 pub use kind::WorldFileKind;
 pub use loader::{SceneError, SceneLoader};
+pub use states::StateList;
 pub use text::{JointStateText, MultiDofText, RobotStateText};

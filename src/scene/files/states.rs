@@ -33,22 +33,27 @@ struct StateText {
     _is_diff: Option<IgnoredAny>,
 }
 
+/// The states of a text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StateList {
+    pub states: Vec<NamedState>,
+    /// Parts of the text that belong to no state.
+    pub remarks: Vec<String>,
+}
+
 impl NamedState {
     /// Reads a text of states: `{"joints": [...], "states": [[...], ...]}`, a `sensor_msgs/JointState` or a `moveit_msgs/RobotState`;
     /// also a list of them, or documents one after the other as `ros2 topic echo` writes them.
     ///
     /// # Errors
     /// One line with the place in the text, or the number of the state.
-    pub fn list_from_text(text: &str, robot: &RobotModel) -> Result<Vec<Self>, String> {
+    pub fn list_from_text(text: &str, robot: &RobotModel) -> Result<StateList, String> {
         let (text, remarks) = yaml::without_remarks_of_echo(text);
         let mut states = Vec::new();
         for element in elements(&text)? {
             element.read_into(&mut states, robot).map_err(|why| format!("state {}: {why}", states.len()))?;
         }
-        if let Some(first) = states.first_mut() {
-            first.remarks.extend(remarks);
-        }
-        Ok(states)
+        Ok(StateList { states, remarks })
     }
 }
 

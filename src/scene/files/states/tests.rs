@@ -13,7 +13,7 @@ fn robot() -> RobotModel {
 type Row = (Vec<String>, Vec<f64>);
 
 fn read(text: &str) -> Result<Vec<Row>, String> {
-    let states = NamedState::list_from_text(text, &robot())?;
+    let states = NamedState::list_from_text(text, &robot())?.states;
     Ok(states.into_iter().map(|s| (s.names.to_vec(), s.positions)).collect())
 }
 
@@ -109,11 +109,11 @@ fn what_echo_leaves_out_or_adds_is_told() {
     assert!(message.contains("line 1") && message.contains("--full-length"), "{message}");
     let lost = "A message was lost!!!\n\ttotal count change:1\n\ttotal count: 3---\n";
     let warning = "WARNING: topic [/joint_states] does not appear to be published yet\n";
-    let states =
-        NamedState::list_from_text(&[warning, &echo(0.5), lost, &echo(0.25)].concat(), &robot()).unwrap();
+    let text = [warning, &echo(0.5), lost, &echo(0.25)].concat();
+    let StateList { states, remarks } = NamedState::list_from_text(&text, &robot()).unwrap();
     assert_eq!(states.len(), 2);
-    assert_eq!(states[0].remarks.len(), 2, "{:?}", states[0].remarks);
-    assert!(states[0].remarks[1].contains("a message was lost"), "{:?}", states[0].remarks);
+    assert_eq!(remarks.len(), 2, "{:?}", remarks);
+    assert!(remarks[1].contains("a message was lost"), "{:?}", remarks);
     let message = read(&(echo(0.5) + "name: [j]\nposition:\n- 0.")).unwrap_err();
     assert!(message.contains("is cut"), "{message}");
 }

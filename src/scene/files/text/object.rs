@@ -57,7 +57,7 @@ pub struct HeaderText {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "it must be 0 to 3, or ADD, REMOVE, APPEND or MOVE")]
 pub enum OperationText {
     Number(i64),
     Name(String),
@@ -74,7 +74,10 @@ pub struct PrimitiveText {
 }
 
 #[derive(Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "it must be the number or the name of a shape, such as box, sphere, cylinder or cone"
+)]
 pub enum KindText {
     Number(u8),
     Name(String),

@@ -10,6 +10,9 @@ use crate::yaml;
 /// The scene that a text spells out, or what of it is not as it should be: the field, and the object that it belongs to.
 pub fn read(text: &str, file: &str) -> Result<SceneText, SceneError> {
     let text = &*yaml::only_document(text).map_err(|why| SceneError::of_file(file, why.to_string()))?;
+    if let Some(message) = yaml::cut_in_words(text) {
+        return Err(SceneError::of_file(file, message));
+    }
     let mut place = None;
     let read = serde_saphyr::with_deserializer_from_str_with_options(text, limits(), |yaml| {
         serde_path_to_error::deserialize(yaml).map_err(|fault| {
@@ -19,10 +22,12 @@ pub fn read(text: &str, file: &str) -> Result<SceneText, SceneError> {
     });
     read.map_err(|why| match place.and_then(|place| Place::of(&place, text)) {
         Some(Place { object: Some(id), field }) => {
-            SceneError::of_object(file, &id, format!("{field}: {why}"))
+            SceneError::of_object(file, &id, format!("{field}: {}", yaml::in_words(&why)))
         }
-        Some(Place { object: None, field }) => SceneError::of_file(file, format!("{field}: {why}")),
-        None => SceneError::of_file(file, why.to_string()),
+        Some(Place { object: None, field }) => {
+            SceneError::of_file(file, format!("{field}: {}", yaml::in_words(&why)))
+        }
+        None => SceneError::of_file(file, yaml::in_words(&why)),
     })
 }
 
@@ -66,7 +71,9 @@ fn id_at(whole: &Value, segments: &[&Segment]) -> Option<String> {
 
 /// As in `primitives[0].dimensions[1]`.
 fn in_words(segments: &[&Segment]) -> String {
-    let words = segments.iter().map(|segment| match segment {
+    // a key that is not known yet
+    let named = segments.iter().filter(|segment| !matches!(segment, Segment::Unknown));
+    let words = named.map(|segment| match segment {
         Segment::Seq { .. } => segment.to_string(),
         _ => format!(".{segment}"),
     });
