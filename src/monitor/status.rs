@@ -195,6 +195,36 @@ impl Reason {
 }
 
 impl Reason {
+    /// Of reports that can not all be right.
+    fn fmt_contradiction(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Contradiction { joint, positions: [a, b], more } => {
+                write!(
+                    f,
+                    "joint {} is reported at {a} and at {b} by two publishers at about the same time",
+                    quoted(joint)
+                )?;
+                if *more > 0 {
+                    write!(f, ", and {more} more joints are contradicted, too")?;
+                }
+                f.write_str(": is one of the two left over?")
+            }
+            Self::MimicContradiction { joint, leader, positions: [reported, expected], more } => {
+                write!(
+                    f,
+                    "joint {} is reported at {reported}, but it mimics {} and would be checked at {expected}",
+                    quoted(joint),
+                    quoted(leader)
+                )?;
+                if *more > 0 {
+                    write!(f, ", and {more} more mimic joints are reported elsewhere, too")?;
+                }
+                f.write_str(": does the mimic of the URDF fit the mechanism?")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Of a world that is known to be incomplete.
     fn fmt_incomplete(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -289,29 +319,7 @@ impl fmt::Display for Reason {
             Self::Partial { missing } => {
                 write!(f, "the joint state has no position of {}", quoted_list(missing))
             }
-            Self::Contradiction { joint, positions: [a, b], more } => {
-                write!(
-                    f,
-                    "joint {} is reported at {a} and at {b} by two publishers at about the same time",
-                    quoted(joint)
-                )?;
-                if *more > 0 {
-                    write!(f, ", and {more} more joints are contradicted, too")?;
-                }
-                f.write_str(": is one of the two left over?")
-            }
-            Self::MimicContradiction { joint, leader, positions: [reported, expected], more } => {
-                write!(
-                    f,
-                    "joint {} is reported at {reported}, but it mimics {} and would be checked at {expected}",
-                    quoted(joint),
-                    quoted(leader)
-                )?;
-                if *more > 0 {
-                    write!(f, ", and {more} more mimic joints are reported elsewhere, too")?;
-                }
-                f.write_str(": does the mimic of the URDF fit the mechanism?")
-            }
+            Self::Contradiction { .. } | Self::MimicContradiction { .. } => self.fmt_contradiction(f),
             Self::NoTransform { joint, frames: [parent, child], why } => write!(
                 f,
                 "tf does not tell where joint '{joint}' is, by the transform from '{parent}' to '{child}': {why}"

@@ -103,8 +103,6 @@ struct Message<'h> {
     number: usize,
     heard: &'h Heard,
     is_fresh: bool,
-    /// Whether it has a position for each name.
-    is_whole: bool,
     fault: Option<Reason>,
     /// Positions that it is the last to name.
     mine: Vec<usize>,
@@ -119,6 +117,11 @@ struct Message<'h> {
 }
 
 impl Message<'_> {
+    /// Whether it has a position for each name.
+    fn is_whole(&self) -> bool {
+        self.heard.input.names.len() == self.heard.input.positions.len()
+    }
+
     fn note_twice(&mut self, place: usize) {
         let twice = format!("joint {} stands in it twice", quoted(&self.heard.input.names[place]));
         self.fault = first(self.fault.take(), Some(Reason::Malformed(twice)));
@@ -126,7 +129,7 @@ impl Message<'_> {
 
     /// Notes what is wrong with one of its positions, if it has one for each name.
     fn note_value(&mut self, place: usize) {
-        if self.is_whole {
+        if self.is_whole() {
             let JointStateInput { names, positions, .. } = &self.heard.input;
             self.fault = first(self.fault.take(), fault_of(&names[place], positions[place]));
         }
@@ -200,7 +203,6 @@ impl<'t> Merge<'t> {
             number,
             heard,
             is_fresh,
-            is_whole,
             fault,
             mine: Vec::new(),
             followers: Vec::new(),
@@ -243,7 +245,8 @@ impl<'t> Merge<'t> {
     }
 
     fn take_position(&mut self, message: &mut Message, index: usize, place: usize) {
-        let &mut Message { number, heard, is_fresh, is_whole, .. } = message;
+        let &mut Message { number, heard, is_fresh, .. } = message;
+        let is_whole = message.is_whole();
         let JointStateInput { names, positions, velocities, .. } = &heard.input;
         let rate = heard.rates.get(place).copied().unwrap_or(f64::NAN);
         if is_whole && !self.tracker.followers.is_empty() {

@@ -42,7 +42,7 @@ impl WorldUpdates {
     pub fn overdue(&self, now: Now) -> Option<Reason> {
         let age = now.steady.saturating_sub(*self.received.front()?);
         let waiting = self.received.len();
-        (age >= LONGEST_LAG).then(|| Reason::WorldUpdate { waiting, age: age.as_secs_f64() })
+        (age >= LONGEST_LAG).then_some(Reason::WorldUpdate { waiting, age: age.as_secs_f64() })
     }
 
     /// When that will be so, if nothing changes.

@@ -35,7 +35,7 @@ impl Startup {
     }
 
     /// From now on the first signal asks the node to end.
-    pub fn hand_signals_to(&self, end: End) {
+    pub(super) fn hand_signals_to(&self, end: End) {
         termination::hand_signals_to(end);
     }
 }
