@@ -36,6 +36,7 @@ use super::scene_keeper::Glimpse;
 use super::simulation_clock;
 use super::startup::Startup;
 use super::state_services::StateServices;
+use super::termination::hand_signals_to;
 use super::thread_priority::ThreadPriority;
 use super::threads::{End, Part, run_together, until};
 use crate::checker::MeshModel;
@@ -137,7 +138,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         let glimpse = Glimpse::first(&parameters, clock.read());
         monitor.set_checker(loader.take_given(robot, &glimpse).map_err(NodeError::Input)?);
     }
-    options.startup.hand_signals_to(end.clone());
+    hand_signals_to(end.clone());
     let meshes = options.given.meshes.clone();
     let (tape, recorder) = record(&parameters, &names, options.given)?;
     let shared = Shared::new(loader.current_scene(), store.clone(), Arc::clone(&clock), tape.clone());

@@ -8,7 +8,6 @@ use std::thread;
 use super::memory_limit::StartupWatch;
 use super::run::NodeError;
 use super::termination;
-use super::threads::End;
 
 /// Begins before anything that takes time, and ends when the node runs.
 #[derive(Debug)]
@@ -32,11 +31,6 @@ impl Startup {
             }
         }
         Ok(Self { has_ended })
-    }
-
-    /// From now on the first signal asks the node to end.
-    pub(super) fn hand_signals_to(&self, end: End) {
-        termination::hand_signals_to(end);
     }
 }
 
