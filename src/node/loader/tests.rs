@@ -108,6 +108,32 @@ fn a_robot_that_is_replaced_is_freed() {
     assert!(first.upgrade().is_none(), "the first robot is still there");
 }
 
+/// What is received counts as waiting until the world that has it came, or word that there is nothing to build.
+#[test]
+fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
+    let surroundings: Surroundings = Box::new(|_| Ok(PlanningSceneState::default()));
+    let mut loader = Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface));
+    let parameters = Parameters::default();
+    let mut told = |milliseconds, orders| {
+        let glimpse = Glimpse::first(&parameters, now(milliseconds));
+        let mut events = Vec::new();
+        loader.carry_out(Pass { glimpse, orders, clouds: BTreeMap::new() }, |event| events.push(event));
+        let names = events.iter().map(|event| match event {
+            Event::WorldUpdate(WorldUpdate::Completing(updates)) => format!("completing {updates}"),
+            Event::Checker(_) => "checker".to_owned(),
+            Event::World(..) => "world".to_owned(),
+            _ => "other".to_owned(),
+        });
+        names.filter(|name| name != "other").collect::<Vec<_>>()
+    };
+    let scene = || Order::Scene(Box::new(SceneOrder::on("collision_object")));
+    assert_eq!(told(0, vec![scene()]), ["completing 1", "world"]);
+    let with_robot = vec![scene(), Order::Description(urdf("first")), scene()];
+    assert_eq!(told(10, with_robot), ["completing 2", "checker", "world"]);
+    assert_eq!(told(20, vec![scene(), Order::Frames]), ["completing 1", "world"]);
+    assert_eq!(told(30, vec![Order::Clouds]), ["world"]);
+}
+
 #[test]
 fn a_monitor_that_has_ended_is_not_waited_for() {
     let (events, events_in) = mailbox::unbounded();
