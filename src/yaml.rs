@@ -196,7 +196,7 @@ mod tests {
             assert_eq!(from_text::<Vec<f64>>(&text).unwrap().len(), 300_001);
         }
         let deep = format!("{}{}", "- ".repeat(300), "1");
-        let wide: String = (0..60_000).map(|i| format!("- &a{i} 1\n")).collect();
+        let wide = (0..60_000).map(|i| format!("- &a{i} 1\n")).collect::<Vec<_>>().concat();
         let again = format!("- &a [1]\n{}", "- *a\n".repeat(60_000));
         for text in [deep, wide, again, "a: 1\na: 2\n".to_owned(), "- 1\n- .inf\n".to_owned()] {
             let message = match from_text::<serde_json::Value>(&text) {

@@ -37,14 +37,15 @@ mod tests {
     /// `count` links on a base, all of them moving or none.
     fn star(count: usize, joint: &str) -> String {
         let geometry = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
-        let links: String = (0..count)
+        let links = (0..count)
             .map(|i| {
                 format!(
                     "<link name='l{i}'>{geometry}</link><joint name='j{i}' type='{joint}'><parent link='base'/>\
                      <child link='l{i}'/><axis xyz='1 0 0'/></joint>"
                 )
             })
-            .collect();
+            .collect::<Vec<_>>()
+            .concat();
         format!("<robot name='star'><link name='base'/>{links}</robot>")
     }
 

@@ -116,7 +116,7 @@ mod tests {
         let text = format!(
             "{{multi_dof_joint_state: {{header: {{frame_id: '{frame}'}}, joint_names: ['{joint}'], transforms: [{transform}]}}}}"
         );
-        Ok(NamedState::list_from_text(&text, robot)?.remove(0))
+        Ok(NamedState::list_from_text(&text, robot)?.states.remove(0))
     }
 
     #[test]

@@ -95,10 +95,16 @@ class Situation:
             return state.reason_code == word or any(word in text for text in state.warnings)
 
         def said():
-            again()
             return next(filter(has_it, self.cell.states.after(start)), None)
 
-        return self.peer.wait_for(said, f"the reason or warning '{word}'")
+        def said_after_another():
+            # what was done may take longer than it takes to see its effect
+            if not (state := said()):
+                again()
+                state = said()
+            return state
+
+        return self.peer.wait_for(said_after_another, f"the reason or warning '{word}'")
 
     def enable(self, enabled):
         client = self.peer.node.create_client(SetBool, self.cell.node.private("enable"))

@@ -111,7 +111,7 @@ fn a_robot_that_is_replaced_is_freed() {
 /// What is received counts as waiting until the world that has it came, or word that there is nothing to build.
 #[test]
 fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
-    let surroundings: Surroundings = Box::new(|_| Ok(PlanningSceneState::default()));
+    let surroundings: Surroundings = Box::new(|_| Ok(Scene::default()));
     let mut loader = Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface));
     let parameters = Parameters::default();
     let mut told = |milliseconds, orders| {

@@ -18,7 +18,6 @@ use super::asking::Asking;
 use super::clouds::{CloudMessage, CloudMessages};
 use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
 use super::reading::transform_pose;
-use crate::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 use crate::monitor::{Now, Time, Trail};
 use crate::node::arrivals::Arrivals;
 use crate::node::clock::RosClock;
@@ -34,6 +33,7 @@ use crate::node::parameter_services::ParameterStore;
 use crate::node::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
 use crate::node::scene_keeper::CurrentScene;
 use crate::node::scene_order::SceneOrder;
+use crate::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 
 /// Frames that others publish, shared between who hears and who needs them.
 pub type Transforms = Arc<Mutex<TransformTree>>;

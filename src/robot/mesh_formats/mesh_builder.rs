@@ -96,8 +96,8 @@ mod tests {
 
     #[test]
     fn instances_are_counted_with_what_is_there() {
-        let mut one = MeshBuilder::default();
-        one.vertices = vec![Point::origin(), Point::new(1.0, 0.0, 0.0), Point::new(0.0, 1.0, 0.0)];
+        let vertices = vec![Point::origin(), Point::new(1.0, 0.0, 0.0), Point::new(0.0, 1.0, 0.0)];
+        let mut one = MeshBuilder { vertices, ..MeshBuilder::default() };
         one.push([0, 1, 2]).unwrap();
         let mut all = MeshBuilder::default();
         all.append(&one, &Matrix4::identity()).unwrap();

@@ -299,7 +299,7 @@ mod tests {
             (format!("{list}vertex_index\n"), "more than one list"),
             (format!("{list}vertex_indices\n"), "more than one list"),
         ] {
-            let head = HEAD.replace("end_header", &format!("{}end_header", element));
+            let head = HEAD.replace("end_header", &format!("{element}end_header"));
             let message = fault(&format!("{head}{SQUARE}4 0 1 2 3 3 0 1 2"));
             assert!(message.contains(words), "{message}");
         }

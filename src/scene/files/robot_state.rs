@@ -62,11 +62,7 @@ impl Situation {
     }
 
     /// The positions of planar and floating joints, by name. The virtual joint of the root says where the robot stands.
-    fn read_base(
-        &mut self,
-        text: &MultiDofText,
-        robot: &RobotModel,
-    ) -> Result<NamedPositions, String> {
+    fn read_base(&mut self, text: &MultiDofText, robot: &RobotModel) -> Result<NamedPositions, String> {
         if text.joint_names.len() != text.transforms.len() {
             let (given, names) = (text.transforms.len(), text.joint_names.len());
             return Err(format!("{given} transforms for {names} joint_names"));
@@ -88,7 +84,9 @@ impl Situation {
                 let transform = Transform { parent, pose_pf: pose, stamp: None };
                 self.transforms.note(&robot.link(robot.root()).name, transform);
             } else if pose != Pose::identity() {
-                return Err(format!("'{name}' is neither a joint of the robot nor a virtual joint of its root"));
+                return Err(format!(
+                    "'{name}' is neither a joint of the robot nor a virtual joint of its root"
+                ));
             }
         }
         Ok(placed)

@@ -112,8 +112,8 @@ fn what_echo_leaves_out_or_adds_is_told() {
     let text = [warning, &echo(0.5), lost, &echo(0.25)].concat();
     let StateList { states, remarks } = NamedState::list_from_text(&text, &robot()).unwrap();
     assert_eq!(states.len(), 2);
-    assert_eq!(remarks.len(), 2, "{:?}", remarks);
-    assert!(remarks[1].contains("a message was lost"), "{:?}", remarks);
+    assert_eq!(remarks.len(), 2, "{remarks:?}");
+    assert!(remarks[1].contains("a message was lost"), "{remarks:?}");
     let message = read(&(echo(0.5) + "name: [j]\nposition:\n- 0.")).unwrap_err();
     assert!(message.contains("is cut"), "{message}");
 }
