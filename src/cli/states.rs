@@ -148,7 +148,7 @@ mod tests {
                 "<link name='of_{name}'/><joint name='{name}' type='continuous'><parent link='base'/><child link='of_{name}'/></joint>"
             )
         };
-        let joints: String = (0..given.len()).map(|i| joint(&format!("j{i}"))).collect();
+        let joints: String = (0..given.len()).map(|i| joint(&format!("j{i}"))).collect::<Vec<_>>().concat();
         let urdf = format!("<robot name='r'><link name='base'/>{joints}</robot>");
         let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
         partial_states_note(&robot, given, &robot.default_configuration(), states)
