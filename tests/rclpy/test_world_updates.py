@@ -53,7 +53,8 @@ def test_services_prove_nothing_about_a_world_that_is_being_built(start):
     assert not applied.done()
     assert [answer.reason_code for answer in answers] == ["world_update"] * 2
     assert answers[0].verdict == CheckStates.Response.ERROR
-    assert cell.peer.result(applied, "the scene in force").success
+    cell.peer.wait_for(applied.done, "the scene in force", PATIENCE)
+    assert applied.result().success
     # what follows the response is of the new world
     assert states.check([(0, 0)]).reason_code == ""
     assert cell.state_now().status == CollisionState.FREE

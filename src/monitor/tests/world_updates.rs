@@ -50,7 +50,7 @@ fn a_message_that_changes_nothing_is_in_force_without_another_checker() {
 #[test]
 fn messages_that_wait_behind_one_that_takes_long_count_from_their_own_receipt() {
     let mut monitor = monitor();
-    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    monitor.on_joint_state(state(0.4, FREE), at(0.4));
     monitor.note_world_update(received(0.0));
     monitor.note_world_update(received(0.45));
     monitor.note_world_updates_completing(1);
