@@ -75,9 +75,17 @@ impl<'d> Collada<'d> {
     fn read(mut self) -> Result<ReadMesh, String> {
         let metres = self.unit()?;
         self.note_up_axis()?;
+        let mut instances = Vec::new();
+        let (mut vertices, mut triangles) = (0_usize, 0_usize);
         for shown in self.shown_geometries(Matrix4::new_scaling(metres))? {
             let surface = self.surface(shown.geometry)?;
-            self.shown.append(&surface, &shown.to_file)?;
+            vertices = vertices.saturating_add(surface.vertices.len());
+            triangles = triangles.saturating_add(surface.triangles.len());
+            instances.push((surface, shown.to_file));
+        }
+        self.shown.reserve(vertices, triangles)?;
+        for (surface, to_file) in &instances {
+            self.shown.append(surface, to_file)?;
         }
         if self.shown.triangles.is_empty() {
             return Err("the scene shows no triangles".to_owned());

@@ -35,7 +35,7 @@ impl MeshBuilder {
         if needed > self.available {
             let needed = needed.next_multiple_of(memory::STEP);
             memory::check(needed).map_err(|e| {
-                format!("{triangles} triangles and {vertices} vertices, instances counted, {e}")
+                format!("{triangles} triangles, instances counted, and {vertices} vertices {e}")
             })?;
             self.available = needed;
         }

@@ -56,7 +56,8 @@ pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
             bytes.len()
         ));
     }
-    MeshBuilder::default().reserve(0, count)?;
+    // a closed surface has half as many vertices as triangles
+    MeshBuilder::default().reserve(count / 2, count)?;
     let surplus = bytes.len() - expected;
     // a header that begins with "solid " would pass for ASCII
     bytes[..80].fill(0);
@@ -90,7 +91,7 @@ pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
         solid.push_str(statement);
         solid.push('\n');
     });
-    MeshBuilder::default().reserve(0, facets)?;
+    MeshBuilder::default().reserve(facets / 2, facets)?;
     // without its end the file is cut
     if !open {
         solid.push_str("endsolid all\n");
