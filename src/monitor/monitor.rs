@@ -205,7 +205,13 @@ impl Monitor {
 
     /// A message about the world was received at this time, by the steady clock: until it is in force, the world is not as announced.
     pub fn note_world_update(&mut self, at: Duration) {
+        let is_late = |updates: &WorldUpdates| {
+            updates.due().zip(self.said_at).is_some_and(|(lags, said_at)| lags <= said_at)
+        };
+        let was_late = is_late(&self.world_updates);
         self.world_updates.note_received(at);
+        // one that was long on its way is late already when it is first noted
+        self.outdated |= !was_late && is_late(&self.world_updates);
     }
 
     /// The message about the world that was received last asks for nothing.

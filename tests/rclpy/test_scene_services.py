@@ -247,15 +247,19 @@ def test_an_empty_diff_succeeds_and_changes_nothing(scene):
 def test_whoever_asks_at_once_hears_the_answer_to_what_he_asked(cell):
     clients = [SceneClient(cell) for _ in range(4)]
     for turn in range(8):
-        asked = []
-        for number, client in enumerate(clients):
-            scene = diff(ball(f"of_{number}", 5 + turn, number))
-            applied = client.request(ApplyPlanningScene, "apply_planning_scene", ApplyPlanningScene.Request(scene=scene))
-            valid = (turn + number) % 2 == 0
-            asked.append((applied, client.ask_validity(FOLDED if valid else ON_BASE), valid))
-        for applied, answer, valid in asked:
-            assert cell.peer.result(applied).success
-            assert cell.peer.result(answer).valid == valid
+        scenes = [diff(ball(f"of_{number}", 5 + turn, number)) for number in range(len(clients))]
+        applied = [
+            client.request(ApplyPlanningScene, "apply_planning_scene", ApplyPlanningScene.Request(scene=scene))
+            for client, scene in zip(clients, scenes, strict=True)
+        ]
+        assert all(cell.peer.result(answer).success for answer in applied)
+        # no state is valid in a world that lags behind its messages: asked once they are in force
+        valid = [(turn + number) % 2 == 0 for number in range(len(clients))]
+        asked = [
+            client.ask_validity(FOLDED if is_valid else ON_BASE)
+            for client, is_valid in zip(clients, valid, strict=True)
+        ]
+        assert [cell.peer.result(answer).valid for answer in asked] == valid
         for client in clients:
             places = {name: xyz(item.pose.position)[:2] for name, item in client.obstacles().items()}
             assert places == {f"of_{number}": pytest.approx([5 + turn, number]) for number in range(len(clients))}
