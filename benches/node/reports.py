@@ -23,7 +23,7 @@ class Reports:
         self._peer = peer
         self._node = node
         self._name = f"{node.path[1:]}: collision monitor"
-        self._recorder = peer.record(DiagnosticArray, "/diagnostics", 100)
+        self._recorder = peer.record(DiagnosticArray, "/diagnostics")
 
     def all(self):
         return self._read(self._recorder.all())

@@ -21,8 +21,10 @@ const PERIOD: Duration = Duration::from_millis(50);
 /// Time that the monitor has to publish that nothing is known any more.
 const TIME_TO_PUBLISH: Duration = Duration::from_millis(500);
 
-/// How far beyond its limit the memory may grow until the process ends at once: a flood of packets brings over a GB a second.
-const FAR_BEYOND: u64 = 5; // quarters of the limit
+/// How much the memory may still grow beyond its limit until the process ends at once, as a part of the limit and at least: a flood of
+/// packets brings over a GB a second.
+const LAST_GROWTH: u64 = 4;
+const LEAST_LAST_GROWTH: u64 = 64 * MIB;
 
 /// Time between two readings beyond the limit.
 const PERIOD_BEYOND: Duration = Duration::from_millis(10);
@@ -67,7 +69,7 @@ impl MemoryWatch {
             // what the robot and its first world take is no growth
             at_start = at_start.or_else(|| self.components.has_robot().then(|| self.components.usage(used)));
             if used > limit * MIB {
-                end_far_beyond(process, limit);
+                end_far_beyond(process, used + (limit * MIB / LAST_GROWTH).max(LEAST_LAST_GROWTH));
                 return self.end(used, limit, &at_start.unwrap_or_default()).await;
             }
             Timer::after(PERIOD).await;
@@ -96,11 +98,11 @@ impl MemoryWatch {
     }
 }
 
-/// Ends the process at once when it takes far more memory than its limit (MiB), whatever the orderly end waits for.
-fn end_far_beyond(mut process: Process, limit: u64) {
+/// Ends the process at once when it takes more than `most` bytes of memory, whatever the orderly end waits for.
+fn end_far_beyond(mut process: Process, most: u64) {
     let watch = move || {
         loop {
-            if process.resident_memory() > limit * MIB / 4 * FAR_BEYOND {
+            if process.resident_memory() > most {
                 exit(OUT_OF_MEMORY);
             }
             thread::sleep(PERIOD_BEYOND);
