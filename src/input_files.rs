@@ -84,7 +84,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
 /// Whether a file may be written there: nothing is, or a regular file.
 ///
 /// # Errors
-/// What is there, if it is something else.
+/// When something else stands there, such as a folder or a FIFO.
 pub fn check_target(path: &Path) -> Result<(), InputFileError> {
     let fault = |reason| InputFileError { file: path.to_owned(), reason };
     path.metadata().map_or(Ok(()), |metadata| only_regular(&metadata, OUTPUT_HINT).map_err(fault))

@@ -229,7 +229,7 @@ impl<'d> Numbers<'d> {
         Ok(point)
     }
 
-    /// What is left, as a clause; `None` when all has been read.
+    /// Describes unread data, as a clause; `None` when all has been read.
     pub fn left(&mut self) -> Option<String> {
         match self {
             Self::Ascii(words) => {

@@ -13,7 +13,7 @@ use clearance::scene::World;
 use super::failure::Failure;
 use super::states;
 
-/// What a file of a trajectory has to hold, for those that hold something else.
+/// Formats of trajectory files, for error messages.
 const TRAJECTORY: &str =
     "the YAML or JSON of a trajectory_msgs/JointTrajectory or moveit_msgs/RobotTrajectory";
 

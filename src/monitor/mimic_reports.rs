@@ -55,7 +55,7 @@ impl Follower {
     }
 }
 
-/// What a message reports about one mimic joint.
+/// Report of one mimic joint in one message.
 #[derive(Clone, Copy, Debug)]
 struct Report {
     follower: usize,
@@ -76,7 +76,7 @@ pub(super) enum Naming {
     Twice,
 }
 
-/// What the last messages report about mimic joints: of each joint the newest, and those of other publishers of about the same time.
+/// Latest reports of mimic joints: the newest of each joint, and those of other publishers of about the same time.
 #[derive(Debug)]
 pub(super) struct MimicReports<'t> {
     followers: &'t [Follower],

@@ -1,10 +1,10 @@
-//! What the clocks show.
+//! Readings of the clocks.
 
 use std::time::Duration;
 
 use super::Time;
 
-/// What the clocks show.
+/// Readings of ROS time and of a steady clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Now {
     /// ROS time, in which messages are stamped; `None` while simulated time is asked for and none has arrived.

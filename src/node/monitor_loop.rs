@@ -32,7 +32,7 @@ pub enum Event {
     /// A description came that is another one than the last of its topic; and how many of them the loader has taken or refused.
     Described,
     Heeded(u64),
-    /// What becomes of messages about the world.
+    /// Progress of messages about the world, from receipt until they are in force.
     WorldUpdate(WorldUpdate),
     /// Whether states are checked; who asked is told when it is so.
     Enabled(bool, Sender<()>),
@@ -50,7 +50,7 @@ pub enum Event {
     Stop,
 }
 
-/// What becomes of messages about the world.
+/// Progress of messages about the world, from receipt until they are in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WorldUpdate {

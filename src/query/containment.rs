@@ -271,7 +271,7 @@ mod tests {
         Shape::Mesh(Arc::new(TriangleMesh::new(vertices, faces).unwrap()))
     }
 
-    /// What is inside is found, whichever body it is of; and it is not said to be outside once the deadline has passed.
+    /// A point inside is found, whichever body it belongs to; after the deadline no point counts as outside.
     #[test]
     fn the_deadline_counts_for_points_inside() {
         let cloud = PointCloud::new(vec![[0.1, 0.2, 0.3], [0.2, 0.1, 0.0], [5.0, 5.0, 5.0]], 0.01).unwrap();

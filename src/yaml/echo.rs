@@ -1,4 +1,4 @@
-//! What `ros2 topic echo` adds to messages and leaves out of them, and files that are cut.
+//! Output of `ros2 topic echo`: its extra lines are skipped, and lists that it cut are rejected, as are truncated files.
 
 use std::borrow::Cow;
 

@@ -1,11 +1,8 @@
 //! Messages of the program about what it was given: one line each, that says what to do.
 
-use std::path::PathBuf;
 use std::process::Output;
 
-use tempfile::TempDir;
-
-use crate::program::clearance;
+use crate::program::{Folder, clearance};
 
 const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
 
@@ -25,21 +22,6 @@ fn assert_rejected(output: &Output, words: &[&str]) {
     assert_eq!(message.lines().count(), 1, "{message}");
     for word in words {
         assert!(message.contains(word), "{message} does not name {word}");
-    }
-}
-
-/// Files of a test.
-struct Files(TempDir);
-
-impl Files {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn write(&self, name: &str, text: &str) -> String {
-        let path: PathBuf = self.0.path().join(name);
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
     }
 }
 
@@ -69,7 +51,7 @@ fn a_state_without_quotes_gets_a_hint() {
 
 #[test]
 fn states_are_read_as_ros_tools_write_them() {
-    let files = Files::new();
+    let files = Folder::new();
     let message = |q: f64| {
         format!(
             "header: {{}}\nname:\n- joint1\n- joint2\nposition:\n- 0.0\n- {q}\nvelocity: []\neffort: []\n---\n"
@@ -97,7 +79,7 @@ fn states_are_read_as_ros_tools_write_them() {
 
 #[test]
 fn an_empty_document_behind_a_world_or_trajectory_is_nothing() {
-    let files = Files::new();
+    let files = Folder::new();
     let world = "collision_objects:\n- id: b\n  header: {frame_id: base}\n  primitives: [{type: sphere, dimensions: [0.1]}]\n  \
                  primitive_poses: [{position: [5, 0, 0]}]\n---\n";
     let one = files.write("world.yaml", world);
@@ -125,7 +107,7 @@ fn an_empty_document_behind_a_world_or_trajectory_is_nothing() {
 
 #[test]
 fn confused_files_are_told_apart() {
-    let files = Files::new();
+    let files = Folder::new();
     let srdf = files.write(
         "r.srdf",
         "<robot name='two_link'><disable_collisions link1='base' link2='tip' reason='Never'/></robot>",
@@ -156,7 +138,7 @@ fn confused_files_are_told_apart() {
 
 #[test]
 fn links_that_are_only_displayed_are_warned_of_once() {
-    let files = Files::new();
+    let files = Folder::new();
     let urdf = files.write(
         "r.urdf",
         "<robot name='r'><link name='base'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>\
@@ -172,7 +154,7 @@ fn links_that_are_only_displayed_are_warned_of_once() {
 
 #[test]
 fn pairs_that_collide_in_every_state_are_named_with_their_srdf_entry() {
-    let files = Files::new();
+    let files = Folder::new();
     let states = |positions: &[f64]| {
         let rows: Vec<String> = positions.iter().map(|q| format!("{},{q}", q - 3.0)).collect();
         files.write("q.csv", &format!("joint1,joint2\n{}\n", rows.join("\n")))

@@ -1,11 +1,10 @@
 //! Values given for mimic joints, from outside: they move the joints that they mimic, or have to agree with them.
 
-use std::path::PathBuf;
 use std::process::Output;
 
 use serde_json::Value;
 
-use crate::program::clearance_in;
+use crate::program::Folder;
 
 /// A ball, 1 m from its axis, that `arm` turns at half the angle of `drive`, an arm without geometry; `still` mimics with multiplier 0.
 const ROBOT: &str = "<robot name='r'><link name='base'/><link name='wheel'/><link name='flag'/><link name='ball'><collision>\
@@ -27,28 +26,22 @@ fn touch() -> f64 {
     0.5 - 2.0 * 0.1_f64.asin()
 }
 
-struct Folder(tempfile::TempDir);
+/// Files of the robot and its world.
+struct Case(Folder);
 
-impl Folder {
+impl Case {
     fn new() -> Self {
-        let folder = Self(tempfile::tempdir().unwrap());
-        folder.write("r.urdf", ROBOT);
-        folder.write("w.yaml", WORLD);
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        Self(Folder::of(ROBOT, WORLD))
     }
 
     fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.path(name), text).unwrap();
+        self.0.write(name, text);
     }
 
     /// `clearance COMMAND` of this robot in this world.
     fn run(&self, command: &str, arguments: &[&str]) -> Output {
         let given = [command, "--urdf", "r.urdf", "--world", "w.yaml", "--format", "json"];
-        clearance_in(self.0.path(), &[&given, arguments].concat())
+        self.0.run(&[&given, arguments].concat())
     }
 
     fn result(&self, command: &str, arguments: &[&str]) -> Value {
@@ -80,7 +73,7 @@ fn trajectory(joints: &str, points: &[&str]) -> String {
 
 #[test]
 fn a_value_of_a_mimic_joint_moves_its_leader() {
-    let folder = Folder::new();
+    let folder = Case::new();
     let is_free = |state: &str| folder.result("check", &["--state", state])["free"].as_bool().unwrap();
     assert!(is_free("arm=0") && !is_free("arm=0.5") && !is_free("arm=0.5 drive=1") && !is_free("drive=1"));
     assert!(is_free("still=0.25"));
@@ -107,7 +100,7 @@ fn a_value_of_a_mimic_joint_moves_its_leader() {
 /// With velocities a piece is a cubic, with accelerations a quintic: both are those of the leader, by whatever name.
 #[test]
 fn velocities_and_accelerations_of_a_mimic_joint_are_those_of_its_leader() {
-    let folder = Folder::new();
+    let folder = Case::new();
     for (name, more) in
         [("cubic", ["", ""]), ("quintic", [", accelerations: [0.3]", ", accelerations: [-0.2]"])]
     {
@@ -151,7 +144,7 @@ fn velocities_and_accelerations_of_a_mimic_joint_are_those_of_its_leader() {
 
 #[test]
 fn a_mimic_joint_that_is_not_where_its_leader_takes_it_is_refused() {
-    let folder = Folder::new();
+    let folder = Case::new();
     let both = ["'arm'", "'drive'", "0.5"];
     folder.refused("check", &["--state", "arm=0.5 drive=0"], &both);
     folder.refused("check", &["--state", "drive=0 arm=0.5"], &both);
@@ -177,7 +170,7 @@ fn a_mimic_joint_that_is_not_where_its_leader_takes_it_is_refused() {
 
 #[test]
 fn a_tolerance_of_a_mimic_joint_counts_for_its_leader() {
-    let folder = Folder::new();
+    let folder = Case::new();
     let way = ["--from", "drive=0", "--to", "drive=0.2", "--tube"];
     let verdict = |tube: &str| folder.result("motion", &[&way[..], &[tube]].concat())["verdict"].clone();
     // arm gets as far as 0.1, and `touch` is 0.2997: 0.2 is too much, and less is proven only as far as bounds are tight
@@ -197,7 +190,7 @@ fn a_tolerance_of_a_mimic_joint_counts_for_its_leader() {
 /// `arm` moves half as much as `drive`: `drive` gets twice the number.
 #[test]
 fn one_tolerance_for_every_joint_is_one_for_mimic_joints_too() {
-    let folder = Folder::new();
+    let folder = Case::new();
     let way = ["--from", "drive=0", "--to", "drive=0.2", "--tube"];
     folder.refused("motion", &[&way[..], &["0.1"]].concat(), &["--tube", "'still'", "multiplier 0", "drive"]);
     folder.write("r.urdf", &ROBOT.replace("multiplier='0'", "multiplier='1'"));
@@ -217,7 +210,7 @@ fn one_tolerance_for_every_joint_is_one_for_mimic_joints_too() {
 
 #[test]
 fn joints_given_twice_are_refused_wherever_they_are_given() {
-    let folder = Folder::new();
+    let folder = Case::new();
     let twice = ["'arm' is given twice"];
     folder.refused("check", &["--state", "arm=0.1 arm=0.1"], &twice);
     folder.refused("motion", &["--from", "", "--to", "arm=0.1 arm=0.2"], &twice);
@@ -232,7 +225,7 @@ fn joints_given_twice_are_refused_wherever_they_are_given() {
 /// `arm` may turn by 1 rad, `drive` by three times as much.
 #[test]
 fn limits_of_mimic_joints_are_warned_of() {
-    let folder = Folder::new();
+    let folder = Case::new();
     let words = |command: &str, arguments: &[&str]| {
         String::from_utf8_lossy(&folder.run(command, arguments).stderr).into_owned()
     };

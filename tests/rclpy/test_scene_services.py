@@ -485,7 +485,8 @@ def test_the_states_go_on_while_many_ask_at_once(cell):
         asked = [(client.ask_validity(FOLDED if number % 2 else ON_BASE), number % 2) for number, client in enumerate(clients, turn)]
         for answer, valid in asked:
             assert cell.peer.result(answer).valid == valid
-    assert {state.status for state in cell.states.after(start)} == {CollisionState.FREE}
+    after = cell.peer.wait_for(lambda: cell.states.after(start), "states meanwhile")
+    assert {state.status for state in after} == {CollisionState.FREE}
     assert distance(cell.judged(**FOLDED), "base", "tip") == pytest.approx(0.2, abs=ACCURACY)
 
 
@@ -506,5 +507,6 @@ def test_who_asks_when_too_many_wait_is_told_that_nothing_is_valid(start):
     assert refused and len(answers) - len(refused) >= 64
     assert all(answer.contacts == [] for answer in refused)
     scene.complaints.wait_for("check_state_validity", "64 requests are waiting already")
-    assert {state.status for state in cell.states.after(start)} == {CollisionState.FREE}, "the monitor went on"
+    after = cell.peer.wait_for(lambda: cell.states.after(start), "states: the monitor went on")
+    assert {state.status for state in after} == {CollisionState.FREE}
     assert scene.validity(STRETCHED, attached=[HELD]).valid

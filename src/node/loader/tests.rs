@@ -108,7 +108,7 @@ fn a_robot_that_is_replaced_is_freed() {
     assert!(first.upgrade().is_none(), "the first robot is still there");
 }
 
-/// What is received counts as waiting until the world that has it came, or word that there is nothing to build.
+/// A received message counts as waiting until a world contains it, or the loader reports that nothing is to be built.
 #[test]
 fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
     let surroundings: Surroundings = Box::new(|_| Ok(Scene::default()));

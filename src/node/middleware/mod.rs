@@ -431,8 +431,8 @@ impl Origin {
 
 /// Receives messages of one topic: of each publisher in the order in which it sent them.
 ///
-/// What is carried best effort may be overtaken on its way. `RustDDS` 0.15.1 hands that out as if it were newer; best-effort readers are
-/// to pass it over (RTPS 2.5, 8.4.12.1), and so does this one. To whoever counts, it is lost.
+/// A best-effort sample that arrives after a newer one of its publisher is skipped, as RTPS 2.5, 8.4.12.1 demands of best-effort readers;
+/// `RustDDS` 0.15.1 delivers it as if it were newer. It counts as lost.
 pub struct Subscription<M> {
     inner: ros2_client::Subscription<M>,
     name: FullName,

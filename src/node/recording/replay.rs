@@ -332,7 +332,7 @@ impl Run {
         Done::Nothing
     }
 
-    /// What recordings of older versions lack.
+    /// Applies events that recordings of older versions do not contain.
     fn heed_untold(&mut self, recorded: &Tidings) {
         loop {
             match self.told.front() {

@@ -64,7 +64,7 @@ pub enum Late {
     Pairs,
 }
 
-/// What the monitor is told: that a description or a message about the world came, and all else by the loader.
+/// Events for the monitor: a description or a message about the world was received, or the loader reports its progress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tidings {
@@ -83,7 +83,7 @@ pub enum Tidings {
     },
 }
 
-/// What the clocks showed, in nanoseconds.
+/// Readings of the clocks, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clocks {
     pub ros: Option<i64>,

@@ -14,7 +14,7 @@ pub fn octomap_placement(
     placed(message, (message.header.frame_id.clone(), Pose::identity()), unknown_is_occupied)
 }
 
-/// That of a scene; `None` when the scene says nothing about it.
+/// The octomap of a scene message; `None` when the message leaves the octomap alone.
 pub fn octomap_with_pose(
     message: &OctomapWithPose,
     unknown_is_occupied: bool,

@@ -123,7 +123,7 @@ fn check_version(document: &Document) -> Result<(), String> {
     }
 }
 
-/// What the elements of an accessor are.
+/// Meaning of the elements of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Use {
     Positions,

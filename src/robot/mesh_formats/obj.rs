@@ -120,7 +120,7 @@ struct Surface {
     unknown: Vec<usize>,
     skipped: Tally,
     vertices: usize,
-    /// What the faces will have at most.
+    /// Upper bound of the number of triangles.
     triangles: usize,
 }
 

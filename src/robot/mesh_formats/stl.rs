@@ -68,7 +68,7 @@ pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     Ok(read)
 }
 
-/// What a text that was given as an STL looks like; nothing for binary data.
+/// Hint about the format of a text that was given as an STL; empty for binary data.
 fn text_hint(bytes: &[u8]) -> &'static str {
     let head = &bytes[..bytes.len().min(512)];
     if head.is_empty() || !head.iter().all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace()) {

@@ -121,7 +121,7 @@ const VOCABULARIES: [Vocabulary; 16] = [
     leaf("child", &["link"]),
 ];
 
-/// What a name is, in messages.
+/// Kinds of names, for messages.
 const ELEMENT: &str = "element";
 const ATTRIBUTE: &str = "attribute";
 

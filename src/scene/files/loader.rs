@@ -1,4 +1,4 @@
-//! What scene files hold, read one after the other into one scene.
+//! Reads scene files one after the other into one scene.
 
 use super::robot_state::Situation;
 use super::scene_file::SceneFile;
@@ -13,7 +13,7 @@ pub struct SceneLoader {
     pub scene: Scene,
     /// Whether what an octree does not know counts as occupied; decided before it is read.
     pub unknown_is_occupied: bool,
-    /// What was odd but accepted; each names its file.
+    /// Warnings about accepted content; each names its file.
     pub warnings: Vec<String>,
     pub(super) situation: Situation,
 }

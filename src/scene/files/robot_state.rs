@@ -1,11 +1,11 @@
-//! Where the robot stands, as far as scene files say.
+//! Robot state of scene files: places the frames of links.
 
 use super::text::{MultiDofText, RobotStateText};
 use crate::math::Pose;
 use crate::robot::{Configuration, LinkPoses, RobotModel};
 use crate::scene::{SceneContext, Transform, TransformTree};
 
-/// What files say of the robot's state.
+/// State of the robot, as far as files give it.
 #[derive(Clone, Debug, Default)]
 pub struct Situation {
     /// The default configuration when no file gives one.

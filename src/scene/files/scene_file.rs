@@ -1,4 +1,4 @@
-//! What one file says, applied to the scene. What a message would have rejected is a fault of the file.
+//! Applies the content of one file to the scene. A part that is rejected makes the file an error.
 
 use super::loader::{SceneError, SceneLoader};
 use crate::scene::{

@@ -94,7 +94,7 @@ fn a_lying_count_is_told() {
     assert!(read.remarks[0].contains("1000000"), "{:?}", read.remarks);
 }
 
-/// What stands between the words of a text changes nothing, but an element has no place there.
+/// Comments between the words of a text change nothing; an element there is an error.
 #[test]
 fn text_goes_on_behind_comments_instructions_and_sections() {
     let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
@@ -149,7 +149,7 @@ fn what_may_stand_once_is_rejected_twice() {
     assert!(fault(&good.replace("<mesh>", "<brep/><mesh>")).contains("boundary representations"));
 }
 
-/// What a position's numbers mean is said by the names of the accessor's params.
+/// The names of the accessor's params give the order of the coordinates.
 #[test]
 fn params_name_the_coordinates() {
     let with = |params: &str, numbers: &str, stride: usize| {
