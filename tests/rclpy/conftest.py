@@ -9,6 +9,7 @@ from contextlib import ExitStack
 import pytest
 
 from cell import Cell
+from cloud_cell import CloudCell
 from node_process import NodeProcess
 from peer import Peer
 from scene_client import SceneClient
@@ -82,3 +83,14 @@ def pytest_runtest_makereport():
         for node in NodeProcess.running:
             report.sections.append((f"output of {node.path}", node.output()))
     return report
+
+
+@pytest.fixture
+def start_cloud(peer, request):
+    def start(**options):
+        cell = CloudCell(peer, **options)
+        cell.__enter__()
+        request.addfinalizer(lambda: cell.__exit__(None, None, None))
+        return cell
+
+    return start
