@@ -230,13 +230,22 @@ fn start(
 
 /// The goal that an action's message holds, or the file itself.
 fn inner(file: FileText) -> Result<FileText, String> {
-    let FileText { joint_names, points, joint_trajectory, trajectory, goal, .. } = &file;
-    let holds_more =
-        joint_names.is_some() || points.is_some() || joint_trajectory.is_some() || trajectory.is_some();
+    let FileText { joint_names, points, joint_trajectory, trajectory, trajectory_start, goal, .. } = &file;
+    let FileText { multi_dof_joint_trajectory, multi_dof_trajectory, path_tolerance, component_path_tolerance, .. } =
+        &file;
+    let holds_more = joint_names.is_some()
+        || points.is_some()
+        || joint_trajectory.is_some()
+        || trajectory.is_some()
+        || trajectory_start.is_some()
+        || multi_dof_joint_trajectory.is_some()
+        || multi_dof_trajectory.is_some()
+        || !path_tolerance.is_empty()
+        || !component_path_tolerance.is_empty();
     match (goal, holds_more) {
         (None, _) => Ok(file),
         (Some(_), true) => {
-            Err("goal excludes joint_names, points, joint_trajectory and trajectory".to_owned())
+            Err("goal excludes joint_names, points, joint_trajectory, trajectory, trajectory_start and other parts of a motion".to_owned())
         }
         (Some(goal), false) if goal.goal.is_some() => Err("goal holds another goal".to_owned()),
         (Some(_), false) => file.goal.map(|goal| *goal).ok_or_else(|| "goal is missing".to_owned()),
@@ -247,11 +256,20 @@ fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {
     let is_plain = file.joint_names.is_some() || file.points.is_some();
     let is_of_robot = file.joint_trajectory.is_some() || file.multi_dof_joint_trajectory.is_some();
     match (is_plain, is_of_robot, file.trajectory) {
-        (true, false, None) => plain(file.joint_names, file.points),
-        (false, true, None) => of_robot(file.joint_trajectory, file.multi_dof_joint_trajectory),
+        (true, false, None) => {
+            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
+            plain(file.joint_names, file.points)
+        }
+        (false, true, None) => {
+            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
+            of_robot(file.joint_trajectory, file.multi_dof_joint_trajectory)
+        }
         (false, false, Some(GivenTrajectory::One(goal))) => {
             reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
             of_goal(*goal).map_err(|why| format!("trajectory: {why}"))
+        }
+        (false, false, Some(GivenTrajectory::List(_))) if file.multi_dof_trajectory.is_some() => {
+            Err("a list of trajectories and multi_dof_trajectory exclude each other".to_owned())
         }
         (false, false, Some(GivenTrajectory::List(mut all))) => match (all.pop(), all.len()) {
             (Some(only), 0) => of_robot(Some(only.joint_trajectory), only.multi_dof_joint_trajectory),

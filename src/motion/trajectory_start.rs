@@ -68,9 +68,10 @@ impl TrajectoryStart {
                 .map(|(a, b)| a * b)
                 .sum();
             let sign = if *kind == JointKind::Floating && dot < 0.0 { -1.0 } else { 1.0 };
-            // on the shortest way whole turns are nothing
-            let turns =
-                matches!(kind, JointKind::Continuous(_)) && direction == ContinuousDirection::Shortest;
+            // on the shortest way whole turns are nothing, unless a mimic joint is elsewhere after them
+            let turns = matches!(kind, JointKind::Continuous(_))
+                && direction == ContinuousDirection::Shortest
+                && robot.moved_by_whole_turns(joint).is_none();
             for (at, i) in positions.zip(0..) {
                 let first = if i < 3 { firsts[at] } else { sign * firsts[at] };
                 let off = first - starts[at];

@@ -1,7 +1,7 @@
 //! Planar and floating joints given as transforms, as `sensor_msgs/MultiDOFJointState` does.
 
-use super::RobotModel;
-use crate::math::Pose;
+use super::{JointKind, RobotModel, VirtualJoint};
+use crate::math::{Pose, Vector};
 
 /// How far (m, rad) a transform may leave the plane of a planar joint: what rounding in files and messages makes.
 const PLANE_TOLERANCE: f64 = 1e-6;
@@ -43,6 +43,26 @@ impl RobotModel {
         }
     }
 
+    /// Whether a virtual joint may place its child at `pose_jc`: a fixed one at zero only, a planar one in the plane across z.
+    pub fn check_virtual_transform(
+        joint: &VirtualJoint,
+        pose_jc: &Pose,
+    ) -> Result<(), JointTransformError> {
+        let name = || joint.name.clone();
+        match joint.kind.as_str() {
+            "floating" => Ok(()),
+            "planar" => match JointKind::Planar(Vector::z_axis()).positions_at(pose_jc) {
+                Some((_, off)) if off <= PLANE_TOLERANCE => Ok(()),
+                off => {
+                    let off = off.map_or(f64::NAN, |(_, off)| off);
+                    Err(JointTransformError::OffPlane { joint: name(), off })
+                }
+            },
+            _ if *pose_jc == Pose::identity() => Ok(()),
+            _ => Err(JointTransformError::OtherKind { joint: name(), instead: "leave it out, or at zero" }),
+        }
+    }
+
     /// Whether transforms of joints may be given in this frame, as in `MoveIt`: that of the root link or of the world that it stands in. No
     /// name stands for it, too.
     #[must_use]
@@ -72,7 +92,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::math::{Rotation, Vector};
+    use crate::math::Rotation;
     use crate::robot::{LinkPoses, MeshFiles};
 
     fn robot(axis: &str) -> RobotModel {

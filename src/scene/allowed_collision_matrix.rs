@@ -123,11 +123,11 @@ impl AllowedCollisionMatrix {
         self.defaults.insert(name.to_owned(), allowed);
     }
 
-    /// Leaves out everything about a name.
-    pub fn forget(&mut self, name: &str) {
-        self.entries.retain(|(a, b), _| a != name && b != name);
+    /// Removes everything about some names, in one pass.
+    pub fn forget(&mut self, names: &HashSet<&str>) {
+        self.entries.retain(|(a, b), _| !names.contains(a.as_str()) && !names.contains(b.as_str()));
         self.named = self.entries.keys().flat_map(|(a, b)| [a, b]).cloned().collect();
-        self.defaults.remove(name);
+        self.defaults.retain(|name, _| !names.contains(name.as_str()));
     }
 
     /// The matrix of a planning scene that allows the same; names are sorted.

@@ -5,6 +5,7 @@
 //! root is elsewhere in that frame, the obstacle is put where it belongs. So are the frames that a scene told of.
 
 use super::Time;
+use super::frames::PlacedBy;
 use super::{Scene, SceneContext, TransformTree, Way};
 use crate::math::Pose;
 use crate::robot::RobotModel;
@@ -85,10 +86,10 @@ impl Scene {
     /// What stands in a frame, stands in this.
     fn ground(&self, frame: &str, context: &SceneContext) -> Option<Ground> {
         let frame = frame.trim_start_matches('/');
-        let object = frame.rsplit_once('/').map_or(frame, |(object, _)| object);
-        // the frame's pose is by tf, if tf knows it
-        let fixed = self.frame_anchors.get(frame).filter(|_| context.pose_by_tf(frame).is_none());
-        let below = fixed.or(self.anchors.get(frame)).or(self.anchors.get(object));
+        let below = context.placed_by(frame, self).and_then(|placed_by| match placed_by {
+            PlacedBy::Obstacle(name) => self.anchors.get(name),
+            PlacedBy::FixedFrame(name) => self.frame_anchors.get(name),
+        });
         // what is not by tf holds for what was placed in it, too
         let assumed =
             below.filter(|anchor| anchor.certainty != Certainty::Told).map(|anchor| anchor.frame.as_str());

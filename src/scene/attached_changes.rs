@@ -26,7 +26,7 @@ impl Scene {
         context: &SceneContext,
         warnings: &mut Vec<String>,
     ) -> Result<(), SceneRejection> {
-        change.check_name_lengths().map_err(|excess| SceneRejection::of(&change.object.id, excess))?;
+        change.check().map_err(|excess| SceneRejection::of(&change.object.id, excess))?;
         let id = &change.object.id;
         match change.object.operation {
             Operation::Remove => self.detach(change, context),

@@ -1,10 +1,11 @@
 //! Changes of a scene, as messages and files describe them: numbers are checked, frames are still names.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use crate::geometry::Shape;
 use crate::math::Pose;
-use crate::robot::check_name_length;
+use crate::robot::{check_name_length, quoted};
 use crate::scene::{MatrixEntries, ObstacleShape};
 
 /// What to do with an object.
@@ -75,10 +76,25 @@ impl ObjectChange {
     }
 
     /// Names are checked before anything quotes or keeps them.
-    pub(super) fn check_name_lengths(&self) -> Result<(), String> {
+    fn check_name_lengths(&self) -> Result<(), String> {
         let fields = [("id", &self.id), ("header.frame_id", &self.frame)];
         let subframes = self.subframes.iter().map(|(name, _)| ("subframe_names", name));
         fields.into_iter().chain(subframes).try_for_each(check_field)
+    }
+
+    /// A subframe that is given twice, at two places.
+    pub(super) fn contradicted_subframe(&self) -> Option<&str> {
+        let mut first: HashMap<&str, &Pose> = HashMap::new();
+        let mut subframes = self.subframes.iter();
+        subframes.find(|(name, pose)| *first.entry(name).or_insert(pose) != pose).map(|(name, _)| name.as_str())
+    }
+
+    /// Names of a length that can be kept, and no contradictions.
+    pub(super) fn check(&self) -> Result<(), String> {
+        self.check_name_lengths()?;
+        self.contradicted_subframe().map_or(Ok(()), |name| {
+            Err(format!("subframe_names: {} is given twice, at two places", quoted(name)))
+        })
     }
 
     /// As in `MoveIt`, if an object of its name is not there yet: the only pose that is given is that of the object.
@@ -102,8 +118,8 @@ pub struct AttachedChange {
 }
 
 impl AttachedChange {
-    pub(super) fn check_name_lengths(&self) -> Result<(), String> {
-        self.object.check_name_lengths()?;
+    pub(super) fn check(&self) -> Result<(), String> {
+        self.object.check()?;
         let touched = self.touch_links.iter().map(|name| ("touch_links", name));
         touched.chain([("link_name", &self.link)]).try_for_each(check_field)
     }

@@ -2,7 +2,7 @@
 
 use super::anchors::{Certainty, Ground};
 use super::transform_tree::{Ancestor, TransformTree};
-use super::{Scene, Time};
+use super::{Obstacle, Scene, Time};
 use crate::math::Pose;
 use crate::robot::{LinkId, LinkPoses, RobotModel, VirtualJoint, quoted};
 
@@ -120,11 +120,13 @@ impl<'c> SceneContext<'c> {
 
     /// Whether a frame always stays where it is against the root, as far as it is a part of the robot or of what it holds.
     pub(super) fn stands_still(&self, frame: &str, scene: &Scene) -> bool {
-        let frame = frame.trim_start_matches('/');
-        match self.robot.link_by_name(frame) {
-            Some(link) => self.never_moves(link),
-            None => Self::attached_frame(frame, scene).is_none(),
-        }
+        let above = self.transforms.ancestors(frame.trim_start_matches('/'));
+        // the nearest part of the robot above decides
+        let part = above.iter().find_map(|a| match self.robot.link_by_name(a.name) {
+            Some(link) => Some(self.never_moves(link)),
+            None => Self::attached_frame(a.name, scene).map(|_| false),
+        });
+        part.unwrap_or(true)
     }
 
     /// The frame that `MoveIt` plans in: the parent frame of the root's virtual joint, or else the root link.
@@ -133,10 +135,9 @@ impl<'c> SceneContext<'c> {
         self.virtual_joints().next().map_or(self.root_name(), |joint| &joint.parent_frame)
     }
 
-    /// Whether a frame is the planning frame or the root link.
+    /// Whether a frame is the one that `MoveIt` plans in.
     pub(super) fn is_planning_frame(&self, frame: &str) -> bool {
-        let frame = frame.trim_start_matches('/');
-        self.virtual_joint_from(frame).is_some() || frame == self.root_name()
+        frame.trim_start_matches('/') == self.planning_frame()
     }
 
     /// The virtual joint of the root link that has this parent frame.
@@ -162,13 +163,42 @@ impl<'c> SceneContext<'c> {
             };
             return Some(self.pose_of_link(link).map(|pose_rl| pose_rl * pose_lf));
         }
+        Self::obstacle_frame(frame, scene).map(|(_, pose_ro)| Ok(pose_ro))
+    }
+
+    /// The obstacle that a frame belongs to, as its own frame or a subframe, and the frame's pose in the root frame.
+    fn obstacle_frame<'s>(frame: &str, scene: &'s Scene) -> Option<(&'s Obstacle, Pose)> {
         if let Some(object) = scene.world.obstacle_by_name(frame) {
-            return Some(Ok(object.pose_ro));
+            return Some((object, object.pose_ro));
         }
         // names may contain slashes: every part before one may be that of an object
         let objects = frame.match_indices('/').filter_map(|(i, _)| scene.world.obstacle_by_name(&frame[..i]));
-        let mut poses = objects.filter_map(|o| Some(o.pose_ro * subframe(frame, &o.name, &o.subframes)?));
-        poses.next().map(Ok)
+        let mut found =
+            objects.filter_map(|o| Some((o.as_ref(), o.pose_ro * subframe(frame, &o.name, &o.subframes)?)));
+        found.next()
+    }
+
+    /// What places a frame, in the order in which [`Self::frame_pose`] looks: an obstacle, or the fixed frame that it is or is below of;
+    /// `None` for the robot, the planning frame and `tf`.
+    pub(super) fn placed_by<'s>(&self, frame: &'s str, scene: &'s Scene) -> Option<PlacedBy<'s>>
+    where
+        'c: 's,
+    {
+        let is_of_robot = self.virtual_joint_from(frame).is_some()
+            || self.robot.link_by_name(frame).is_some()
+            || Self::attached_frame(frame, scene).is_some();
+        if is_of_robot {
+            return None;
+        }
+        if let Some((obstacle, _)) = Self::obstacle_frame(frame, scene) {
+            return Some(PlacedBy::Obstacle(&obstacle.name));
+        }
+        let above = self.transforms.ancestors(frame);
+        if self.by_tf(&above).is_some() {
+            return None;
+        }
+        let fixed = above.iter().find_map(|a| scene.fixed_frames.get_key_value(a.name));
+        fixed.map(|(name, _)| PlacedBy::FixedFrame(name))
     }
 
     /// The link that carries a frame along, and the frame's pose on it.
@@ -217,6 +247,12 @@ impl<'c> SceneContext<'c> {
         }
         Ok(())
     }
+}
+
+/// A part of a scene that places frames.
+pub(super) enum PlacedBy<'s> {
+    Obstacle(&'s str),
+    FixedFrame(&'s str),
 }
 
 /// Pose of a subframe in its object, if `frame` is the object's name, a slash and the subframe's name.

@@ -1,5 +1,7 @@
 //! Obstacles: added, replaced, extended, moved and removed.
 
+use std::collections::HashSet;
+
 use super::{
     Extent, Gap, OCTOMAP, ObjectChange, Obstacle, OctomapPlacement, Operation, Scene, SceneContext,
     SceneRejection, Subject,
@@ -14,7 +16,7 @@ impl Scene {
         context: &SceneContext,
         warnings: &mut Vec<String>,
     ) -> Result<(), SceneRejection> {
-        change.check_name_lengths().map_err(|excess| SceneRejection::of(&change.id, excess))?;
+        change.check().map_err(|excess| SceneRejection::of(&change.id, excess))?;
         match change.operation {
             Operation::Remove if change.id.is_empty() => {
                 self.remove_all_objects();
@@ -175,21 +177,22 @@ impl Scene {
         self.anchors.remove(id);
         // as in MoveIt: who bears the name next is another thing
         if let Some(matrix) = &mut self.matrix {
-            matrix.forget(id);
+            matrix.forget(&HashSet::from([id]));
         }
         Ok(())
     }
 
     /// Takes away what messages have put there; what sensors see stays.
     pub(super) fn remove_all_objects(&mut self) {
-        for name in self.given_names() {
-            self.kinds.remove(&name);
-            self.anchors.remove(&name);
-            if self.world.remove(&name).is_ok()
-                && let Some(matrix) = &mut self.matrix
-            {
-                matrix.forget(&name);
-            }
+        let names = self.given_names();
+        for name in &names {
+            self.kinds.remove(name);
+            self.anchors.remove(name);
+            // it is there: its name was just listed
+            let _ = self.world.remove(name);
+        }
+        if let Some(matrix) = &mut self.matrix {
+            matrix.forget(&names.iter().map(String::as_str).collect());
         }
     }
 

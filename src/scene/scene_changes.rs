@@ -92,13 +92,15 @@ impl Scene {
         }
         let frames: Vec<_> =
             change.fixed_frames.iter().map(|frame| frame.seen_from_parent(context)).collect();
-        for (i, frame) in frames.iter().enumerate() {
+        let mut first: HashMap<&str, (&str, Pose)> = HashMap::new();
+        for frame in &frames {
             self.forget_fixed_frame(&frame.name);
-            let is_other =
-                |other: &&Cow<FixedFrame>| other.name == frame.name && other.pose_pf != frame.pose_pf;
-            applied.note(match frames[..i].iter().find(is_other) {
-                Some(_) => Err(frame.rejection("it is given twice, at two places")),
-                None => self.set_fixed_frame(frame, context),
+            let given = (frame.parent.as_str(), frame.pose_pf);
+            let is_contradicted = *first.entry(&frame.name).or_insert(given) != given;
+            applied.note(if is_contradicted {
+                Err(frame.rejection("it is given twice, at two places"))
+            } else {
+                self.set_fixed_frame(frame, context)
             });
         }
     }
@@ -122,9 +124,14 @@ impl Scene {
         if name.is_empty() {
             return Err(refuse("its name is empty".to_owned()));
         }
-        // where the robot's own links are, its joints say
+        if context.is_planning_frame(name) {
+            return Err(refuse(format!(
+                "it is the planning frame: the robot's state or tf says where the root stands in it, and frames are given as poses in it                  (child_frame_id '{}')",
+                context.planning_frame()
+            )));
+        }
         if context.robot.link_by_name(name).is_some() {
-            return Ok(());
+            return Err(refuse("it is a link of the robot, whose joints say where it is".to_owned()));
         }
         if !context.stands_still(parent, self) {
             return Err(refuse(format!("its parent {} moves with the robot", quoted(parent))));
@@ -236,10 +243,11 @@ impl LinkSizes {
         context: &SceneContext,
         applied: &mut Applied,
     ) {
-        for (i, (link, size)) in given.iter().enumerate() {
+        let mut first: HashMap<&str, f64> = HashMap::new();
+        for (link, size) in given {
             applied.note(check_link(self.field, link, context).and_then(|()| {
-                let earlier = given[..i].iter().find(|(other, earlier)| other == link && earlier != size);
-                self.check(link, *size, earlier.map(|(_, earlier)| *earlier))?;
+                let earlier = *first.entry(link).or_insert(*size);
+                self.check(link, *size, (earlier != *size && !size.is_nan()).then_some(earlier))?;
                 sizes.insert(link.clone(), *size);
                 Ok(())
             }));

@@ -142,23 +142,31 @@ impl Told<'_> {
     }
 
     fn fixed_frames(&self) -> Vec<TransformStamped> {
-        // as in MoveIt: the header names the frame, the child is the frame that it is placed in
-        let planning_frame = self.planning_frame();
-        let stamped = |name: &str, pose: &Pose| TransformStamped {
-            header: Header { frame_id: name.to_owned(), ..Header::default() },
-            child_frame_id: planning_frame.to_owned(),
-            transform: transform_message(pose),
+        let stamped = |name: &str, pose: &Pose| {
+            // as in MoveIt, the header names the frame, and the child is the planning frame that it is placed in; where that is not the
+            // root's place, the frame is the child, as in tf
+            let (header, child) = match self.planning_frame() {
+                Some(planning_frame) => (name, planning_frame),
+                None => (self.root(), name),
+            };
+            TransformStamped {
+                header: Header { frame_id: header.to_owned(), ..Header::default() },
+                child_frame_id: child.to_owned(),
+                transform: transform_message(pose),
+            }
         };
-        let own = stamped(planning_frame, &Pose::identity());
+        let own = stamped(self.planning_frame().unwrap_or(self.root()), &Pose::identity());
         let others = self.scene.fixed_frames.iter().map(|(name, pose)| stamped(name, pose));
         std::iter::once(own).chain(others).collect()
     }
 
-    /// The frame that `MoveIt` plans in, if it is the root frame under another name; else the root link.
-    fn planning_frame(&self) -> &str {
-        let joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-        let mut fixed = joints.filter(|j| j.child_link == self.robot.root() && j.kind == "fixed");
-        fixed.next().map_or(self.root(), |joint| &joint.parent_frame)
+    /// The frame that `MoveIt` plans in, if it is where the root is: the root itself without a virtual joint, or the parent of a fixed one.
+    fn planning_frame(&self) -> Option<&str> {
+        let mut joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
+        match joints.find(|joint| joint.child_link == self.robot.root()) {
+            None => Some(self.root()),
+            Some(joint) => (joint.kind == "fixed").then_some(&joint.parent_frame),
+        }
     }
 
     fn robot_state(&self, with_attached: bool) -> RobotState {

@@ -2,7 +2,7 @@
 
 use super::text::{MultiDofText, RobotStateText};
 use crate::math::Pose;
-use crate::robot::{Configuration, LinkPoses, RobotModel};
+use crate::robot::{Configuration, LinkPoses, RobotModel, VirtualJoint};
 use crate::scene::{SceneContext, Transform, TransformTree};
 
 /// State of the robot, as far as files give it.
@@ -38,7 +38,13 @@ impl Situation {
     }
 
     /// Where the robot is, if the state says so.
-    pub fn read_state(&mut self, text: &RobotStateText, robot: &RobotModel) -> Result<(), String> {
+    /// `is_scene_empty`: nothing was placed yet.
+    pub fn read_state(
+        &mut self,
+        text: &RobotStateText,
+        robot: &RobotModel,
+        is_scene_empty: bool,
+    ) -> Result<(), String> {
         let joints = &text.joint_state;
         if joints.name.len() != joints.position.len() {
             return Err(format!(
@@ -48,7 +54,7 @@ impl Situation {
             ));
         }
         let placed = self
-            .read_base(&text.multi_dof_joint_state, robot)
+            .read_base(&text.multi_dof_joint_state, robot, is_scene_empty)
             .map_err(|e| format!("robot_state.multi_dof_joint_state: {e}"))?;
         if !(joints.name.is_empty() && placed.is_empty()) {
             let field = if placed.is_empty() { "robot_state.joint_state" } else { "robot_state" };
@@ -62,33 +68,64 @@ impl Situation {
     }
 
     /// The positions of planar and floating joints, by name. The virtual joint of the root says where the robot stands.
-    fn read_base(&mut self, text: &MultiDofText, robot: &RobotModel) -> Result<NamedPositions, String> {
+    fn read_base(
+        &mut self,
+        text: &MultiDofText,
+        robot: &RobotModel,
+        is_scene_empty: bool,
+    ) -> Result<NamedPositions, String> {
         if text.joint_names.len() != text.transforms.len() {
             let (given, names) = (text.transforms.len(), text.joint_names.len());
             return Err(format!("{given} transforms for {names} joint_names"));
         }
-        let mut placed = Vec::new();
+        let frame = &text.header.frame_id;
+        let (mut placed, mut root) = (Vec::new(), None);
         for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
             let pose = transform.pose(name)?;
             let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
             let virtual_joint = virtual_joints.find(|j| j.name == *name && j.child_link == robot.root());
+            let is_known = virtual_joint.is_some() || robot.joint_by_name(name).is_some();
+            if is_known && !robot.is_model_frame(frame) {
+                let root = &robot.link(robot.root()).name;
+                return Err(format!("header.frame_id is '{frame}', but must be '{root}' or empty"));
+            }
             if robot.joint_by_name(name).is_some() {
-                let frame = &text.header.frame_id;
-                if !robot.is_model_frame(frame) {
-                    let root = &robot.link(robot.root()).name;
-                    return Err(format!("header.frame_id is '{frame}', but must be '{root}' or empty"));
-                }
                 placed.extend(robot.positions_of_transform(name, &pose).map_err(|e| e.to_string())?);
             } else if let Some(joint) = virtual_joint {
-                let parent = joint.parent_frame.clone();
-                let transform = Transform { parent, pose_pf: pose, stamp: None };
-                self.transforms.note(&robot.link(robot.root()).name, transform);
+                RobotModel::check_virtual_transform(joint, &pose).map_err(|e| e.to_string())?;
+                if root.replace((joint, pose)).is_some_and(|(_, earlier)| earlier != pose) {
+                    return Err(format!("virtual joint '{name}' is given twice, at two places"));
+                }
             } else if pose != Pose::identity() {
                 return Err(format!(
                     "'{name}' is neither a joint of the robot nor a virtual joint of its root"
                 ));
             }
         }
+        if let Some((joint, pose_pr)) = root {
+            self.place_root(joint, pose_pr, robot, is_scene_empty)?;
+        }
         Ok(placed)
+    }
+
+    /// The root's pose in the parent frame of its virtual joint. Once something was placed with the root elsewhere, it can not move.
+    fn place_root(
+        &mut self,
+        joint: &VirtualJoint,
+        pose_pr: Pose,
+        robot: &RobotModel,
+        is_scene_empty: bool,
+    ) -> Result<(), String> {
+        let root = &robot.link(robot.root()).name;
+        let parent = joint.parent_frame.clone();
+        let before = self.transforms.way(&parent, root).map_or(Pose::identity(), |way| way.pose());
+        if before != pose_pr && !is_scene_empty {
+            return Err(format!(
+                "virtual joint '{}' puts the robot elsewhere than the files before this one were read with: give the robot's state in the first file",
+                joint.name
+            ));
+        }
+        self.transforms.note(root, Transform { parent, pose_pf: pose_pr, stamp: None });
+        Ok(())
     }
 }

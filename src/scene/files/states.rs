@@ -111,7 +111,9 @@ impl StateText {
     fn read_into(self, states: &mut Vec<NamedState>, robot: &RobotModel) -> Result<(), String> {
         let is_table = self.joints.is_some() || self.states.is_some();
         let is_of_joints = self.name.is_some() || !self.position.is_empty();
-        let is_of_robot = self.joint_state.is_some() || self.multi_dof_joint_state.is_some();
+        let is_of_robot = self.joint_state.is_some()
+            || self.multi_dof_joint_state.is_some()
+            || !self.attached_collision_objects.is_empty();
         match (is_table, is_of_joints, is_of_robot) {
             (true, false, false) => {
                 let joints: Arc<[String]> = self.joints.ok_or("states without joints")?.into();

@@ -8,7 +8,7 @@ use super::text::{
     AttachedText, LinkPaddingText, LinkScaleText, ObjectText, OctomapBody, OctomapText, SceneText,
     TransformStampedText,
 };
-use crate::robot::{MeshFiles, RobotModel};
+use crate::robot::{MeshFiles, RobotModel, quoted};
 use crate::scene::{
     AttachedChange, FixedFrame, MatrixEntries, OCTOMAP, ObjectChange, OctomapMessage, SceneChange,
     SceneUpdate,
@@ -48,7 +48,12 @@ impl SceneLoader {
             return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }
         let state = scene.robot_state.unwrap_or_default();
-        self.situation.read_state(&state, robot).map_err(fault)?;
+        let is_empty = self.scene.world.is_empty() && self.scene.fixed_frames.is_empty();
+        self.situation.read_state(&state, robot, is_empty).map_err(fault)?;
+        if scene.robot_model_name.as_ref().is_some_and(|model| !model.is_empty() && model != robot.name()) {
+            let (of, robot) = (quoted(scene.robot_model_name.as_deref().unwrap_or_default()), robot.name());
+            self.warnings.push(format!("{file}: robot_model_name: the scene is of {of}, the robot is '{robot}'"));
+        }
         let place = self.situation.place(robot);
         let context = place.context(robot);
         let mut reader = SceneFile { is_diff: scene.is_diff, ..self.file(file, &context) };
@@ -83,8 +88,9 @@ impl SceneFile<'_> {
         let change = SceneChange {
             is_diff: true,
             fixed_frames: fixed_frames.collect::<Result<_, _>>()?,
-            link_padding: padding.iter().map(|l| (l.link_name.clone(), l.padding)).collect(),
-            link_scale: scale.iter().map(|l| (l.link_name.clone(), l.scale)).collect(),
+            // MoveIt lists all links, most of them with neither: that takes nothing off what a file before this one gave
+            link_padding: sizes(padding.iter().map(|l| (&l.link_name, l.padding)), 0.0),
+            link_scale: sizes(scale.iter().map(|l| (&l.link_name, l.scale)), 1.0),
             ..SceneChange::default()
         };
         self.apply(&SceneUpdate::Scene(Box::new(change)))
@@ -143,6 +149,11 @@ impl SceneFile<'_> {
         let octomap = message.placed(place, self.loader.unknown_is_occupied);
         self.set_octomap(octomap.map_err(|why| fault(format!("octomap: {why}")))?)
     }
+}
+
+/// Sizes of links other than that of a link without any.
+fn sizes<'t>(given: impl Iterator<Item = (&'t String, f64)>, usual: f64) -> Vec<(String, f64)> {
+    given.filter(|(_, size)| *size != usual).map(|(link, size)| (link.clone(), size)).collect()
 }
 
 fn says_nothing(scene: &SceneText) -> bool {

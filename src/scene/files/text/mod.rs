@@ -28,8 +28,7 @@ pub struct SceneText {
     pub link_scale: Vec<LinkScaleText>,
     #[serde(rename = "name")]
     pub _name: Option<IgnoredAny>,
-    #[serde(rename = "robot_model_name")]
-    pub _robot_model_name: Option<IgnoredAny>,
+    pub robot_model_name: Option<String>,
     #[serde(rename = "object_colors")]
     pub _object_colors: Option<IgnoredAny>,
     /// Whether objects may be replaced.
