@@ -185,6 +185,18 @@ impl Reason {
         )
     }
 
+    /// Whether joint states arrived whose positions cannot be right.
+    #[cfg(feature = "ros")]
+    pub(crate) fn is_about_positions(&self) -> bool {
+        matches!(
+            self,
+            Self::Malformed(_)
+                | Self::NonFinite { .. }
+                | Self::Contradiction { .. }
+                | Self::MimicContradiction { .. }
+        )
+    }
+
     /// Whether the joint state itself may be right, and only the clock is against it.
     pub(super) fn is_about_time(&self) -> bool {
         matches!(

@@ -9,7 +9,8 @@ use super::{Now, Reason};
 /// at 1 m/s moves 0.1 m in it.
 const LONGEST_LAG: Duration = Duration::from_millis(100);
 
-/// When messages about the world were received, by the steady clock, the oldest first.
+/// When messages about the world were received, by the steady clock, in the order in which they were noted: of several topics, the oldest
+/// need not be the first.
 #[derive(Debug, Default)]
 pub(super) struct WorldUpdates {
     received: VecDeque<Duration>,
@@ -40,13 +41,13 @@ impl WorldUpdates {
 
     /// Why the world is not known now, if a message has waited for too long.
     pub fn overdue(&self, now: Now) -> Option<Reason> {
-        let age = now.steady.saturating_sub(*self.received.front()?);
+        let age = now.steady.saturating_sub(*self.received.iter().min()?);
         let waiting = self.received.len();
         (age >= LONGEST_LAG).then_some(Reason::WorldUpdate { waiting, age: age.as_secs_f64() })
     }
 
     /// When that will be so, if nothing changes.
     pub fn due(&self) -> Option<Duration> {
-        self.received.front()?.checked_add(LONGEST_LAG)
+        self.received.iter().min()?.checked_add(LONGEST_LAG)
     }
 }

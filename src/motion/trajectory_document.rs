@@ -231,8 +231,13 @@ fn start(
 /// The goal that an action's message holds, or the file itself.
 fn inner(file: FileText) -> Result<FileText, String> {
     let FileText { joint_names, points, joint_trajectory, trajectory, trajectory_start, goal, .. } = &file;
-    let FileText { multi_dof_joint_trajectory, multi_dof_trajectory, path_tolerance, component_path_tolerance, .. } =
-        &file;
+    let FileText {
+        multi_dof_joint_trajectory,
+        multi_dof_trajectory,
+        path_tolerance,
+        component_path_tolerance,
+        ..
+    } = &file;
     let holds_more = joint_names.is_some()
         || points.is_some()
         || joint_trajectory.is_some()

@@ -15,6 +15,8 @@ pub struct Cell<'a> {
     pub checker: &'a CollisionChecker,
     /// Where the robot is, or why that is not known.
     pub now: Result<&'a Configuration, String>,
+    /// Whether joint states arrive that cannot be right: the robot is elsewhere than at its defaults, nobody knows where.
+    pub is_contradicted: bool,
 }
 
 /// What is known at `now`, which is less than what the monitor said last if it has been busy since.
@@ -41,7 +43,8 @@ impl<'a> Cell<'a> {
         }
         let placement = judgement.and_then(|judgement| judgement.placement.as_ref());
         let now = placement.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
-        Ok(Self { checker: &revision.checker, now })
+        let is_contradicted = now.is_err() && why.is_about_positions();
+        Ok(Self { checker: &revision.checker, now, is_contradicted })
     }
 
     pub fn robot(&self) -> &'a RobotModel {
@@ -55,17 +58,23 @@ impl<'a> Cell<'a> {
     }
 
     /// Where joints are that are not named, and a note if that is not known.
-    pub fn rest(&self, named: &NamedJoints) -> (Configuration, Option<String>) {
+    ///
+    /// # Errors
+    /// When a joint is not named, and joint states contradict each other.
+    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Refusal> {
         let robot = self.robot();
         let why = match &self.now {
-            Ok(now) => return ((*now).clone(), None),
+            Ok(now) => return Ok(((*now).clone(), None)),
             Err(why) => why,
         };
         let others = undecided(robot, named);
+        if self.is_contradicted && !others.is_empty() {
+            return Err(Refusal::NoJointState(why.clone()));
+        }
         let note = (!others.is_empty()).then(|| {
             format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
         });
-        (robot.default_configuration(), note)
+        Ok((robot.default_configuration(), note))
     }
 }
 

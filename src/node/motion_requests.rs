@@ -146,7 +146,7 @@ impl Cell<'_> {
             return Err(bad("joint_names is empty"));
         }
         let named = self.named("joint_names", joint_names)?;
-        let (rest, note) = self.rest(&named);
+        let (rest, note) = self.rest(&named)?;
         let end = |what: &str, numbers: &[f64]| {
             of_equal_length(what, numbers, joint_names)?;
             named.configuration(&rest, numbers).map_err(|error| bad(format!("{what}: {error}")))
@@ -184,7 +184,7 @@ impl Cell<'_> {
         if joints.is_empty() {
             return Err(bad("trajectory.joint_names is empty"));
         }
-        let (rest, note) = self.rest(&self.named("trajectory.joint_names", joints)?);
+        let (rest, note) = self.rest(&self.named("trajectory.joint_names", joints)?)?;
         let point = |p: &JointTrajectoryPoint| {
             let time = &p.time_from_start;
             TrajectoryPoint {

@@ -297,6 +297,9 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
     Ok(parameters)
 }
 
+/// Stands for a description that cannot be decoded.
+const UNREADABLE: &str = "(the message could not be decoded: is its text UTF-8?)";
+
 /// What is neither urgent nor slow, on one thread: descriptions, parameters, simulated time, complaints about peers.
 struct Services {
     middleware: Middleware,
@@ -382,7 +385,9 @@ impl Services {
     async fn forward(&self, topic: &Subscription<StringMessage>, order: fn(String) -> Order) {
         let mut last = None;
         loop {
-            let (StringMessage { data: text }, _) = topic.next().await;
+            // one that cannot be decoded is refused like any other that is no robot
+            let received = topic.next_or_unreadable().await.map(|(StringMessage { data }, _)| data);
+            let text = received.unwrap_or_else(|_| UNREADABLE.to_owned());
             if last.as_ref() != Some(&text) {
                 if let Some(events) = &self.heeds_descriptions {
                     // whoever no longer listens has ended

@@ -152,7 +152,7 @@ impl Cell<'_> {
             )));
         }
         let named = self.named("joint_names", joint_names)?;
-        let (rest, note) = self.rest(&named);
+        let (rest, note) = self.rest(&named)?;
         let state = |(i, row)| {
             let state = named.configuration(&rest, row);
             state.map_err(|error| bad(format!("state {i}: {error}")))
@@ -169,7 +169,7 @@ impl Cell<'_> {
             Err(why) if joint_names.is_empty() => Err(Refusal::NoJointState(why.clone())),
             _ => {
                 let named = self.named("joint_names", joint_names)?;
-                let (rest, note) = self.rest(&named);
+                let (rest, note) = self.rest(&named)?;
                 let state = named.configuration(&rest, positions);
                 Ok((state.map_err(|error| bad(format!("positions: {error}")))?, note))
             }

@@ -44,10 +44,7 @@ impl RobotModel {
     }
 
     /// Whether a virtual joint may place its child at `pose_jc`: a fixed one at zero only, a planar one in the plane across z.
-    pub fn check_virtual_transform(
-        joint: &VirtualJoint,
-        pose_jc: &Pose,
-    ) -> Result<(), JointTransformError> {
+    pub fn check_virtual_transform(joint: &VirtualJoint, pose_jc: &Pose) -> Result<(), JointTransformError> {
         let name = || joint.name.clone();
         match joint.kind.as_str() {
             "floating" => Ok(()),

@@ -86,7 +86,9 @@ impl ObjectChange {
     pub(super) fn contradicted_subframe(&self) -> Option<&str> {
         let mut first: HashMap<&str, &Pose> = HashMap::new();
         let mut subframes = self.subframes.iter();
-        subframes.find(|(name, pose)| *first.entry(name).or_insert(pose) != pose).map(|(name, _)| name.as_str())
+        subframes
+            .find(|(name, pose)| *first.entry(name).or_insert(pose) != pose)
+            .map(|(name, _)| name.as_str())
     }
 
     /// Names of a length that can be kept, and no contradictions.

@@ -11,7 +11,8 @@
 //! | [`SceneChange`] | a whole scene replaces everything; a difference changes what it names |
 //!
 //! Deliberate departures from MoveIt: a whole scene without allowed collision matrix restores the SRDF's; a name that cannot be resolved is
-//! rejected instead of being taken for the planning frame; rejected parts of a message leave a [`Gap`], which makes the state UNKNOWN.
+//! rejected instead of being taken for the planning frame; APPEND of a
+//! single shape to an object takes the shape's pose as it is given; rejected parts of a message leave a [`Gap`], which makes the state UNKNOWN.
 
 mod allowed_collision_matrix;
 mod anchors;

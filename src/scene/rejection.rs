@@ -33,8 +33,9 @@ impl SceneRejection {
         Self::of(super::OCTOMAP, message).leaving(Gap::new(Subject::Octomap, "", Extent::Shapes))
     }
 
+    /// The same with the gap that it leaves.
     #[must_use]
-    pub(super) fn leaving(self, gap: Gap) -> Self {
+    pub fn leaving(self, gap: Gap) -> Self {
         Self { gap: Some(gap), ..self }
     }
 

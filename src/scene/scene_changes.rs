@@ -115,18 +115,22 @@ impl Scene {
         let FixedFrame { name, parent, pose_pf } = frame;
         let name = name.trim_start_matches('/');
         let refuse = |why: String| frame.rejection(&why);
-        // MoveIt lists the planning frame in itself, and some of its tools leave out the name
+        // MoveIt lists the planning frame in itself; some of its tools leave out the name
         let is_itself =
-            name == parent.trim_start_matches('/') || name.is_empty() && *pose_pf == Pose::identity();
-        if is_itself && context.is_planning_frame(parent) {
+            name == parent.trim_start_matches('/') || name.is_empty() && context.is_planning_frame(parent);
+        if is_itself && *pose_pf == Pose::identity() {
             return Ok(());
+        }
+        if is_itself {
+            return Err(refuse("it is placed in itself, but not at zero".to_owned()));
         }
         if name.is_empty() {
             return Err(refuse("its name is empty".to_owned()));
         }
         if context.is_planning_frame(name) {
             return Err(refuse(format!(
-                "it is the planning frame: the robot's state or tf says where the root stands in it, and frames are given as poses in it                  (child_frame_id '{}')",
+                "it is the planning frame: the robot's state or tf gives the root's pose in it, and frames are given as \
+                 poses in it (child_frame_id '{}')",
                 context.planning_frame()
             )));
         }

@@ -4,6 +4,11 @@ use crate::robot::{MeshFiles, RobotModel, RobotText};
 
 /// An arm that turns about z a metre above its base, with a tool a metre along its x.
 pub fn robot() -> RobotModel {
+    robot_on("fixed")
+}
+
+/// The same on a virtual joint of this kind.
+pub fn robot_on(virtual_joint: &str) -> RobotModel {
     let fixed = |name: &str, parent: &str, child: &str, xyz: &str| {
         format!(
             "<joint name='{name}' type='fixed'><parent link='{parent}'/><child link='{child}'/><origin xyz='{xyz}'/></joint>"
@@ -16,7 +21,9 @@ pub fn robot() -> RobotModel {
         fixed("m", "base", "mount", "0 0 0.5"),
         fixed("t", "arm", "tool", "1 0 0")
     );
-    let srdf = "<robot name='r'><virtual_joint name='stand' type='fixed' parent_frame='world' child_link='base'/></robot>";
-    let text = RobotText { urdf: &urdf, urdf_name: None, srdf: Some(srdf), srdf_name: None };
+    let srdf = format!(
+        "<robot name='r'><virtual_joint name='stand' type='{virtual_joint}' parent_frame='world' child_link='base'/></robot>"
+    );
+    let text = RobotText { urdf: &urdf, urdf_name: None, srdf: Some(&srdf), srdf_name: None };
     RobotModel::from_text(&text, &MeshFiles::default()).unwrap_or_else(|e| panic!("{e}"))
 }

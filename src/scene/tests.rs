@@ -259,7 +259,8 @@ fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
         parent: parent.to_owned(),
         pose_pf: at(0.0, 0.0, 10.0),
     };
-    let frames = vec![fixed("base", "base"), fixed("cell", "map"), fixed("shelf", "cell")];
+    let base = FixedFrame { pose_pf: Pose::identity(), ..fixed("base", "base") };
+    let frames = vec![base, fixed("cell", "map"), fixed("shelf", "cell")];
     cell.scene(SceneChange { fixed_frames: frames, ..difference(vec![], vec![]) }).unwrap();
     let stamp = Some(seconds(99.5));
     for (frame, parent, stamp) in [

@@ -196,10 +196,13 @@ def test_a_mimic_joint_that_is_reported_twice_is_malformed(reporting):
 
 def test_services_start_from_no_state_that_contradicts_itself(reporting):
     reporting.judged(**ZERO, follower=1.5)
-    for answer in (reporting.motions.check([], [0.1], joints=("joint1",)), reporting.questions.distances()):
-        assert answer.reason_code == "no_joint_state"
+    for answer in (
+        reporting.motions.check([], [0.1], joints=("joint1",)),
+        reporting.questions.distances(),
+        reporting.questions.check([(0.1,)], joints=("joint1",)),
+    ):
+        assert (answer.verdict, answer.reason_code) == (CheckStates.Response.ERROR, "no_joint_state")
         assert "'follower' is reported at 1.5" in answer.message
-    assert "'follower' is reported at 1.5" in reporting.questions.check([(0.1,)], joints=("joint1",)).message
     assert not reporting.scene.validity({"joint1": 0.1}).valid
     # what names all joints depends on no joint state
     assert reporting.scene.validity({"joint1": 0.1, "joint2": 0.0}).valid

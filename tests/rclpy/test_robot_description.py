@@ -3,6 +3,7 @@
 import pytest
 from clearance_msgs.msg import CollisionState
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
 import two_link
@@ -49,8 +50,14 @@ def test_a_description_published_after_the_start_and_then_another(peer, start):
 
 @pytest.mark.parametrize(
     "broken",
-    ["", "<robot", "<robot name='x'/>", two_link.description().replace('link="tip"', 'link="nowhere"')],
-    ids=["empty", "not XML", "no links", "a joint to an unknown link"],
+    [
+        "",
+        "<robot",
+        "<robot name='x'/>",
+        two_link.description().replace('link="tip"', 'link="nowhere"'),
+        serialize_message(String(data="<robot name='Tuer'/>")).replace(b"Tuer", "Tür ".encode("latin-1")),
+    ],
+    ids=["empty", "not XML", "no links", "a joint to an unknown link", "not UTF-8"],
 )
 def test_a_broken_description_keeps_the_model_and_is_reported(peer, start, broken):
     options, topic = topic_of("broken")
@@ -60,7 +67,7 @@ def test_a_broken_description_keeps_the_model_and_is_reported(peer, start, broke
     cell.has_model()
     assert distance(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.7)
 
-    publisher.publish(String(data=broken))
+    publisher.publish(broken if isinstance(broken, bytes) else String(data=broken))
 
     def complains(array):
         return any(

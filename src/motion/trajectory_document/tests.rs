@@ -148,6 +148,16 @@ fn a_start_that_is_not_the_first_point_is_rejected() {
     let turned = displayed("{name: [j], position: [6.283185307179586]}");
     let rest = robot.default_configuration();
     assert!(Trajectory::from_yaml_going(&robot, &turned, &rest, ContinuousDirection::Shortest).is_ok());
+    // a mimic joint at half the angle is elsewhere after a whole turn of its leader
+    let urdf = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>
+        <joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint>
+        <joint name='m' type='continuous'><parent link='a'/><child link='d'/><mimic joint='j' multiplier='0.5'/></joint></robot>";
+    let geared = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let rest = geared.default_configuration();
+    let error =
+        Trajectory::from_yaml_going(&geared, &turned, &rest, ContinuousDirection::Shortest).unwrap_err();
+    assert!(error.to_string().contains("'j' at 6.28"), "{error}");
     let plain = points("1.0") + "trajectory_start: {joint_state: {name: [j], position: [0.5]}}\n";
     assert!(read(&plain).unwrap_err().contains("'j' at 0.5"));
 }
@@ -241,6 +251,26 @@ fn what_is_no_single_joint_trajectory_is_rejected_in_one_line() {
             &["trajectory_start", "'tool'"],
         ),
         ("points: [1\n".to_owned(), &["line"]),
+        // every part that stands where it does not count
+        (
+            format!("{}multi_dof_trajectory: {{joint_names: [base], points: [{{}}]}}\n", points("1")),
+            &["multi_dof"],
+        ),
+        (
+            format!("{of_robot}multi_dof_trajectory: {{joint_names: [base], points: [{{}}]}}\n"),
+            &["multi_dof"],
+        ),
+        (
+            format!("trajectory:\n{one}multi_dof_trajectory: {{joint_names: [base], points: [{{}}]}}\n"),
+            &["multi_dof_trajectory", "exclude"],
+        ),
+        (
+            format!(
+                "goal:\n  trajectory:\n{}trajectory_start: {{joint_state: {{name: [j], position: [9]}}}}\n",
+                indented(&points("1"), "    ")
+            ),
+            &["goal excludes", "trajectory_start"],
+        ),
     ] {
         let message = read(&text).unwrap_err();
         for word in words {

@@ -429,6 +429,10 @@ impl Origin {
     }
 }
 
+/// A message arrived that cannot be decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unreadable;
+
 /// Receives messages of one topic: of each publisher in the order in which it sent them.
 ///
 /// A best-effort sample that arrives after a newer one of its publisher is skipped, as RTPS 2.5, 8.4.12.1 demands of best-effort readers;
@@ -442,15 +446,27 @@ pub struct Subscription<M> {
 }
 
 impl<M: Message + 'static> Subscription<M> {
-    /// The next message, waiting for it. What can not be decoded is logged and passed over.
+    /// The next message, waiting for it. A message that cannot be decoded is logged and skipped.
     pub async fn next(&self) -> (M, Origin) {
+        loop {
+            if let Ok(received) = self.next_or_unreadable().await {
+                return received;
+            }
+        }
+    }
+
+    /// The next message, waiting for it, or word that one arrived that cannot be decoded; that is logged.
+    pub async fn next_or_unreadable(&self) -> Result<(M, Origin), Unreadable> {
         loop {
             // a topic that is never silent must not starve what waits beside it, such as the order to end
             future::yield_now().await;
             match bell::wait(self.priority, self.inner.async_take()).await {
                 Ok((_, info)) if self.is_overtaken(&info) => {}
-                Ok((message, info)) => return (message, origin(&info)),
-                Err(error) => self.complain(&error),
+                Ok((message, info)) => return Ok((message, origin(&info))),
+                Err(error) => {
+                    self.complain(&error);
+                    return Err(Unreadable);
+                }
             }
         }
     }

@@ -23,7 +23,7 @@ use crate::node::outlook::{Pass, places_of};
 use crate::node::parameters::Parameters;
 use crate::node::scene::{
     CloudMessage, attached_order, clear_octomap, note_transforms, object_order, octomap_order, scene_order,
-    world_order,
+    unreadable_order, world_order,
 };
 use crate::node::scene_keeper::Glimpse;
 use crate::node::scene_order::SceneOrder;
@@ -454,6 +454,7 @@ fn read_order(order: OrderStep, messages: &mut Messages) -> Result<Order, String
         OrderStep::Display => Order::Display,
         OrderStep::Frames => Order::Frames,
         OrderStep::ClearOctomap => Order::Scene(Box::new(clear_octomap())),
+        OrderStep::Unreadable { by } => Order::Scene(Box::new(unreadable_order(by))),
         OrderStep::Scene { by, came, unknown_is_occupied, lost } => {
             let order = read_scene_order(by, came, unknown_is_occupied, messages)?;
             Order::Scene(Box::new(order.after(lost)))

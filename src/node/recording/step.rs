@@ -103,6 +103,10 @@ pub enum OrderStep {
     /// Something else is to be shown.
     Display,
     ClearOctomap,
+    /// A message about the world that could not be decoded.
+    Unreadable {
+        by: SceneDoor,
+    },
     /// A message about the world.
     Scene {
         by: SceneDoor,

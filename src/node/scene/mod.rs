@@ -24,7 +24,8 @@ mod validity;
 pub use clouds::{CloudMessage, CloudReport, decode, is_at_origin};
 pub use monitored::Monitored;
 pub use orders::{
-    CLEAR_OCTOMAP, attached_order, clear_octomap, object_order, octomap_order, scene_order, world_order,
+    CLEAR_OCTOMAP, attached_order, clear_octomap, object_order, octomap_order, scene_order, unreadable_order,
+    world_order,
 };
 pub use services::SceneServices;
 pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms, note_transforms};

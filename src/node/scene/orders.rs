@@ -11,7 +11,7 @@ use crate::monitor::{Now, Sight, Time};
 use crate::node::messages::time_of;
 use crate::node::recording::SceneDoor;
 use crate::node::scene_order::SceneOrder;
-use crate::scene::SceneUpdate;
+use crate::scene::{Extent, Gap, SceneRejection, SceneUpdate, Subject};
 
 #[must_use]
 pub fn object_order(message: &CollisionObject) -> SceneOrder {
@@ -66,6 +66,19 @@ pub fn octomap_order(by: SceneDoor, message: Octomap, unknown_is_occupied: bool,
             order.to(SceneUpdate::Octomap(Some(placement))).with_octomap(octomap, sight)
         }
     }
+}
+
+/// Of a message that cannot be decoded: something that was announced is missing from the scene.
+#[must_use]
+pub fn unreadable_order(by: SceneDoor) -> SceneOrder {
+    const WHY: &str = "a message could not be decoded: is it of this type, and are its texts UTF-8?";
+    let announced = |subject| SceneRejection::new(WHY).leaving(Gap::new(subject, "", Extent::Shapes));
+    let rejection = match by {
+        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => SceneRejection::of_octomap(WHY),
+        SceneDoor::AttachedCollisionObject => announced(Subject::Attached),
+        _ => announced(Subject::Object),
+    };
+    SceneOrder::on(by.name()).refused(vec![rejection])
 }
 
 /// The service of this name.

@@ -16,7 +16,9 @@ use smol::channel::{self, Receiver, Sender};
 
 use super::asking::Asking;
 use super::clouds::{CloudMessage, CloudMessages};
-use super::orders::{attached_order, object_order, octomap_order, scene_order, world_order};
+use super::orders::{
+    attached_order, object_order, octomap_order, scene_order, unreadable_order, world_order,
+};
 use super::reading::transform_pose;
 use crate::monitor::{Now, Time, Trail};
 use crate::node::arrivals::Arrivals;
@@ -37,6 +39,9 @@ use crate::scene::{Grounds, OCTOMAP, Transform, TransformTree};
 
 /// Frames that others publish, shared between who hears and who needs them.
 pub type Transforms = Arc<Mutex<TransformTree>>;
+
+/// Octomaps come on two topics.
+const OCTOMAP_DOORS: [SceneDoor; 2] = [SceneDoor::OctomapBinary, SceneDoor::OctomapFull];
 
 /// Everything that is heard about the world.
 pub struct SceneTopics {
@@ -160,13 +165,18 @@ impl SceneTopics {
             }
             Some(order.after(lost))
         };
-        let objects = self.hear(&self.objects, |m, lost| after(self.object(m), lost));
-        let attached = self.hear(&self.attached, |m, lost| after(self.attached(m), lost));
-        let worlds = self.hear(&self.worlds, |m, _| Some(self.world(m)));
-        let scenes = self.hear(&self.scenes, |m, lost| after(self.scene(SceneDoor::PlanningScene, m), lost));
+        let objects =
+            self.hear(SceneDoor::CollisionObject, &self.objects, |m, lost| after(self.object(m), lost));
+        let attached = self.hear(SceneDoor::AttachedCollisionObject, &self.attached, |m, lost| {
+            after(self.attached(m), lost)
+        });
+        let worlds = self.hear(SceneDoor::PlanningSceneWorld, &self.worlds, |m, _| Some(self.world(m)));
+        let scenes = self.hear(SceneDoor::PlanningScene, &self.scenes, |m, lost| {
+            after(self.scene(SceneDoor::PlanningScene, m), lost)
+        });
         let octomap = |topic: usize, twin: usize| {
             let last = &twins[topic];
-            self.hear(&self.octomaps[topic][twin], move |m, _| {
+            self.hear(OCTOMAP_DOORS[topic], &self.octomaps[topic][twin], move |m, _| {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 last.is_new(twin, &m).then(|| self.octomap(topic, m))
             })
@@ -182,12 +192,20 @@ impl SceneTopics {
     /// Turns messages into orders; `read` is told how many were lost right before each.
     async fn hear<M: crate::node::middleware::Message + 'static>(
         &self,
+        by: SceneDoor,
         topic: &Subscription<M>,
         read: impl Fn(M, u64) -> Option<SceneOrder>,
     ) {
         let mut arrivals = Arrivals::default();
         loop {
-            let (message, Origin { publisher, number, received }) = topic.next().await;
+            let Ok((message, Origin { publisher, number, received })) = topic.next_or_unreadable().await
+            else {
+                self.note_update(Instant::now());
+                if self.orders.send(Order::Scene(Box::new(self.unreadable(by)))).await.is_err() {
+                    return;
+                }
+                continue;
+            };
             if self.middleware.is_own(publisher) {
                 // what the node tells of its scene, where the same name is given to both
                 continue;
@@ -259,6 +277,14 @@ impl SceneTopics {
         order
     }
 
+    /// An order about a message that could not be decoded; the scene of others is asked for again.
+    fn unreadable(&self, by: SceneDoor) -> SceneOrder {
+        self.is_lost.set(true);
+        self.changes_heard.set(self.changes_heard.get() + 1);
+        let is_recorded = self.shared.tape.is_on();
+        unreadable_order(by).made_of(is_recorded.then_some((OrderStep::Unreadable { by }, None)))
+    }
+
     fn object(&self, message: CollisionObject) -> SceneOrder {
         let keep = |m| Original::Object(Box::new(m));
         self.order(SceneDoor::CollisionObject, message, keep, |m, _, _| object_order(&m))
@@ -280,7 +306,7 @@ impl SceneTopics {
     }
 
     fn octomap(&self, topic: usize, message: Octomap) -> SceneOrder {
-        let by = [SceneDoor::OctomapBinary, SceneDoor::OctomapFull][topic];
+        let by = OCTOMAP_DOORS[topic];
         let read = |m, unknown_is_occupied, came| octomap_order(by, m, unknown_is_occupied, came);
         self.order(by, message, |m| Original::Octomap(Box::new(m)), read)
     }

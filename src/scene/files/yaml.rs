@@ -52,7 +52,8 @@ impl SceneLoader {
         self.situation.read_state(&state, robot, is_empty).map_err(fault)?;
         if scene.robot_model_name.as_ref().is_some_and(|model| !model.is_empty() && model != robot.name()) {
             let (of, robot) = (quoted(scene.robot_model_name.as_deref().unwrap_or_default()), robot.name());
-            self.warnings.push(format!("{file}: robot_model_name: the scene is of {of}, the robot is '{robot}'"));
+            self.warnings
+                .push(format!("{file}: robot_model_name: the scene is of {of}, the robot is '{robot}'"));
         }
         let place = self.situation.place(robot);
         let context = place.context(robot);

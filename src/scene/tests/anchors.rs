@@ -307,3 +307,42 @@ fn a_frame_in_itself_tells_nothing() {
     cell.transforms.note("/base", transform("base", 1.0, None));
     assert!(!is_lost(&cell));
 }
+
+/// Whatever places a frame decides what becomes of an obstacle in it: a name with slashes, or a frame of tf below a fixed one, too.
+#[test]
+fn obstacles_follow_what_places_their_frame() {
+    let mut cell = Cell::new();
+    drive(&mut cell, 1.0);
+    let shelf = ObjectChange {
+        subframes: vec![("top/left".to_owned(), at(0.0, 0.0, 1.0))],
+        ..add("hall/shelf", "map", at(5.0, 0.0, 0.0))
+    };
+    cell.object(shelf).unwrap();
+    let station =
+        FixedFrame { name: "station".to_owned(), parent: "map".to_owned(), pose_pf: at(6.0, 0.0, 0.0) };
+    cell.scene(SceneChange { fixed_frames: vec![station], ..difference(Vec::new(), Vec::new()) }).unwrap();
+    cell.transforms.note("camera", transform("station", 1.0, None));
+    cell.object(add("on_top", "hall/shelf/top/left", Pose::identity())).unwrap();
+    cell.object(add("seen", "camera", Pose::identity())).unwrap();
+    let xs = |cell: &Cell| ["hall/shelf", "on_top", "seen"].map(|name| cell.places(name)[0][0]);
+    assert_eq!(xs(&cell), [4.0, 4.0, 6.0]);
+    assert!(drive(&mut cell, 3.0));
+    assert_eq!(xs(&cell), [2.0, 2.0, 4.0]);
+}
+
+/// A fixed frame below a frame that tf hangs below a moving link moves with the robot as well.
+#[test]
+fn a_fixed_frame_below_a_link_that_moves_is_rejected_through_tf_too() {
+    let mut cell = Cell::new();
+    for (name, parent) in [("camera", "hand"), ("optical", "camera"), ("plate", "flange")] {
+        cell.transforms.note(name, transform(parent, 1.0, None));
+    }
+    let mut fix = |parent: &str| {
+        let frame = FixedFrame { name: "f".to_owned(), parent: parent.to_owned(), pose_pf: Pose::identity() };
+        cell.scene(SceneChange { fixed_frames: vec![frame], ..difference(Vec::new(), Vec::new()) })
+    };
+    for parent in ["hand", "camera", "/optical"] {
+        assert!(fix(parent).unwrap_err().message.contains("moves with the robot"), "{parent}");
+    }
+    fix("plate").unwrap();
+}

@@ -106,17 +106,24 @@ fn fixed_frames_are_given_as_moveit_gives_them() {
     };
     let mut cell = Cell::new();
     let unnamed = FixedFrame { pose_pf: Pose::identity(), ..frame("map", "") };
-    let frames = vec![
-        unnamed,
-        frame("map", "map"),
-        frame("map", "camera"),
-        frame("base", "lidar"),
-        frame("tf", "camera"),
-    ];
+    let itself = FixedFrame { pose_pf: Pose::identity(), ..frame("map", "map") };
+    let frames = vec![unnamed, itself, frame("map", "camera"), frame("tf", "camera")];
     cell.scene(SceneChange { fixed_frames: frames, ..difference(vec![], vec![]) }).unwrap();
-    for (name, z) in [("map", 0.0), ("camera", 2.0), ("lidar", 2.0), ("tf", 4.0)] {
+    for (name, z) in [("map", 0.0), ("camera", 2.0), ("tf", 4.0)] {
         cell.object(add("probe", name, Pose::identity())).unwrap();
         assert_eq!(cell.places("probe"), [[0.0, 0.0, z]], "{name}");
+    }
+    // in MoveIt, too, the root link is not the planning frame of a robot with a virtual joint
+    for (frame, why) in [
+        (frame("base", "lidar"), "it is a link of the robot"),
+        (frame("hand", "map"), "it is a link of the robot"),
+        (frame("map", "base"), "it is a link of the robot"),
+        (frame("tf", "tf"), "it is placed in itself"),
+        (frame("map", "map"), "it is placed in itself"),
+    ] {
+        let change = SceneChange { fixed_frames: vec![frame], ..difference(vec![], vec![]) };
+        let rejection = cell.scene(change).unwrap_err();
+        assert!(rejection.message.contains(why), "{rejection}");
     }
     let file = read_scene(&format!(
         "fixed_frame_transforms: [{{header: {{frame_id: camera}}, child_frame_id: map, transform: {{translation: [0, 0, 2]}}}}]\n\
@@ -203,4 +210,19 @@ fn what_is_given_twice_has_to_agree() {
     (defaults.default_entry_names, defaults.default_entry_values) = (vec!["a".into(); 2], vec![false, true]);
     let twice = SceneChange { matrix: defaults, ..difference(vec![], vec![]) };
     assert!(cell.scene(twice).unwrap_err().message.contains("'a' twice"));
+}
+
+#[test]
+fn subframes_given_twice_have_to_agree() {
+    let mut cell = Cell::new();
+    let with = |poses: [Pose; 2]| ObjectChange {
+        subframes: poses.map(|pose| ("grip".to_owned(), pose)).into(),
+        ..add("a", "", Pose::identity())
+    };
+    cell.refuses_object(with([at(1.0, 0.0, 0.0), at(2.0, 0.0, 0.0)]), "'grip' is given twice, at two places");
+    cell.refuses_attached(
+        hold("hand", with([at(1.0, 0.0, 0.0), at(2.0, 0.0, 0.0)])),
+        "'grip' is given twice",
+    );
+    cell.object(with([at(1.0, 0.0, 0.0); 2])).unwrap();
 }

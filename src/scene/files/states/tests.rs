@@ -90,6 +90,7 @@ fn faults_name_the_state_or_the_line() {
         (r#"{"joints": ["j"], "states": [[1]"#, &["line 1 column"]),
         ("name: [j]\nposition: [1]\njoints: [j]\n", &["exclude"]),
         ("nome: [j]\n", &["line 1", "nome"]),
+        ("name: [j]\nposition: [1]\nattached_collision_objects: [{object: {id: tool}}]\n", &["exclude"]),
         ("joint_state: {}\nattached_collision_objects: [{object: {id: tool}}]\n", &["'tool'", "--world"]),
     ] {
         let message = read(text).unwrap_err();

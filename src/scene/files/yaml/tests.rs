@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::Shape;
 use crate::math::{Pose, Vector, pose_from_xyz_rpy};
-use crate::scene::testing::robot;
+use crate::scene::testing::{robot, robot_on};
 
 fn read(text: &str) -> Result<SceneLoader, SceneError> {
     SceneLoader::from_yaml(text, "a.yaml", &robot(), &MeshFiles::default())
@@ -61,7 +61,8 @@ world:
 
 #[test]
 fn everything_a_scene_may_say() {
-    let loader = read(FULL).unwrap();
+    let loader =
+        SceneLoader::from_yaml(FULL, "a.yaml", &robot_on("floating"), &MeshFiles::default()).unwrap();
     let part = loader.scene.world.attached_by_name("part").unwrap();
     assert_eq!((part.link.as_str(), part.touch_links.as_slice()), ("tool", &["arm".to_owned()][..]));
     near(part.pose_lo.translation.vector, [0.0, 0.0, 0.2]);
@@ -235,6 +236,78 @@ fn no_pose_of_the_state_is_lost() {
         let offset: Pose = wanted.inv_mul(&found);
         assert!(offset.translation.vector.norm() < 1e-12, "{found}");
     }
+}
+
+/// A state whose virtual joint puts the robot somewhere, with a ball in the frame of the world.
+fn on_stand(frame: &str, transforms: &[&str]) -> String {
+    let names = vec!["stand"; transforms.len()].join(", ");
+    format!(
+        "is_diff: true\nrobot_state: {{multi_dof_joint_state: {{header: {{frame_id: '{frame}'}}, joint_names: [{names}], \
+         transforms: [{}]}}}}\nworld: {{collision_objects: [{{id: o, header: {{frame_id: world}}, \
+         primitives: [{{type: sphere, dimensions: [0.1]}}]}}]}}",
+        transforms.join(", ")
+    )
+}
+
+#[test]
+fn a_virtual_joint_places_the_root_as_its_kind_allows() {
+    let read = |kind: &str, frame: &str, transforms: &[&str]| {
+        SceneLoader::from_yaml(&on_stand(frame, transforms), "a.yaml", &robot_on(kind), &MeshFiles::default())
+    };
+    let aside = "{translation: [1, 2, 0]}";
+    for (kind, transform, frame, place_o) in [
+        ("floating", "{translation: [1, 2, 3]}", "", [-1.0, -2.0, -3.0]),
+        ("planar", aside, "world", [-1.0, -2.0, 0.0]),
+        ("planar", aside, "base", [-1.0, -2.0, 0.0]),
+        ("fixed", "{}", "", [0.0; 3]),
+    ] {
+        near(place(&read(kind, frame, &[transform, transform]).unwrap(), "o"), place_o);
+    }
+    for (kind, frame, transforms, words) in [
+        ("fixed", "", &[aside][..], ["'stand'", "leave it out"]),
+        ("planar", "", &["{translation: [1, 2, 3]}"], ["'stand'", "plane"]),
+        ("floating", "elsewhere", &[aside], ["'elsewhere'", "must be 'base'"]),
+        ("floating", "", &[aside, "{}"], ["'stand'", "twice, at two places"]),
+    ] {
+        let message = read(kind, frame, transforms).unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "{kind}: {message}");
+        }
+    }
+}
+
+#[test]
+fn a_later_file_does_not_move_the_robot_away_from_what_was_placed() {
+    let robot = robot_on("floating");
+    let files = MeshFiles::default();
+    let there = on_stand("", &["{translation: [1, 0, 0]}"]);
+    let mut loader = SceneLoader::from_yaml(&there, "a.yaml", &robot, &files).unwrap();
+    loader.read_yaml(&there, "b.yaml", &robot, &files).unwrap();
+    let error = loader.read_yaml(&on_stand("", &["{}"]), "c.yaml", &robot, &files).unwrap_err();
+    assert!(error.to_string().contains("give the robot's state in the first file"), "{error}");
+}
+
+#[test]
+fn what_a_later_file_leaves_at_nothing_stays_as_the_first_one_gave_it() {
+    let files = MeshFiles::default();
+    let sizes = |padding: f64, scale: f64| {
+        format!(
+            "link_padding: [{{link_name: arm, padding: {padding}}}]\nlink_scale: [{{link_name: arm, scale: {scale}}}]\nworld: {{}}"
+        )
+    };
+    let mut loader = SceneLoader::from_yaml(&sizes(0.02, 1.5), "a.yaml", &robot(), &files).unwrap();
+    loader.read_yaml(&sizes(0.0, 1.0), "b.yaml", &robot(), &files).unwrap();
+    assert_eq!((loader.scene.link_padding["arm"], loader.scene.link_scale["arm"]), (0.02, 1.5));
+}
+
+#[test]
+fn a_scene_of_another_robot_is_read_with_a_warning() {
+    let of = |model: &str| {
+        read(&format!("robot_model_name: {model}\nworld: {{}}")).unwrap().warnings.join("\n")
+    };
+    assert!(["r", "''"].iter().all(|model| !of(model).contains("robot_model_name")));
+    let warnings = of("panda");
+    assert!(warnings.contains("'panda'") && warnings.contains("'r'"), "{warnings}");
 }
 
 proptest! {
