@@ -1,0 +1,57 @@
+"""Messages that cannot be decoded, such as text that is not UTF-8: what they announce is missing, and nothing is free without it."""
+
+import pytest
+from clearance_msgs.msg import CollisionState
+from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, PlanningScene
+from octomap_msgs.msg import Octomap
+from rclpy.serialization import serialize_message
+
+from fail_safe import ZERO
+from octree import OCCUPIED, Octree
+from scene import attached, ball, diff, full, removal
+from scene_client import SceneClient
+
+NAME = "Tuer"
+
+
+def in_latin_1(message):
+    """The message as sent by a program that wrote its name as Latin-1."""
+    raw = serialize_message(message)
+    assert NAME.encode() in raw
+    return raw.replace(NAME.encode(), "Tür ".encode("latin-1"))
+
+
+FAR = Octree(0.1).set(OCCUPIED, 0.05, 5.05, 0.05)
+
+
+def octomap_named():
+    message = FAR.message()
+    message.id = NAME
+    return message
+
+
+SCENES = {
+    "collision_object": (CollisionObject, ball(NAME, 2.1), removal()),
+    "attached_collision_object": (AttachedCollisionObject, attached("tip", ball(NAME, 0.5, frame="tip")), full()),
+    "planning_scene": (PlanningScene, diff(ball(NAME, 2.1)), full()),
+    "octomap_binary": (Octomap, octomap_named(), FAR.message()),
+    "octomap_full": (Octomap, octomap_named(), FAR.message(binary=False)),
+}
+
+
+@pytest.mark.parametrize("topic", SCENES)
+def test_what_a_message_announced_that_cannot_be_decoded_is_missing(start, topic):
+    kind, message, remedy = SCENES[topic]
+    cell = start()
+    cell.judged(**ZERO)
+    scene = SceneClient(cell)
+    publisher = scene.topic(kind, topic)
+    begin = cell.peer.now()
+    publisher.publish(in_latin_1(message))
+    state = cell.states.wait_for(
+        lambda state: state.status == CollisionState.UNKNOWN, "UNKNOWN for what is missing", begin
+    )
+    assert state.reason_code == "rejected_obstacle"
+    assert topic in state.reason and "UTF-8" in state.reason
+    scene.publish(remedy, topic=topic if isinstance(remedy, Octomap) else None)
+    cell.becomes(CollisionState.FREE, "FREE again", after=state)
