@@ -18,41 +18,23 @@
 // minima of floating-point numbers, see `math/extremes.rs`
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod constants;
-pub mod input_files;
-pub mod math;
-pub mod ply_format;
-pub mod readable_text;
-pub mod simd;
-pub mod yaml;
-
-pub mod geometry;
-
-pub mod bounding_volume;
-pub mod bvh;
-pub mod query;
-
-pub mod robot;
-pub mod scene;
-
-pub mod motion;
-
-pub mod checker;
-
-pub mod verifier;
-
-pub mod monitor;
-
+pub use clearance_checker as checker;
+pub use clearance_files::{input_files, ply_format, readable_text, yaml};
+pub use clearance_geometry as geometry;
+pub use clearance_geometry::{constants, math, simd};
+pub use clearance_monitor as monitor;
+pub use clearance_motion as motion;
+pub use clearance_proximity as query;
+pub use clearance_proximity::{bounding_volume, bvh};
+pub use clearance_robot as robot;
 #[cfg(feature = "ros")]
-pub mod node;
+pub use clearance_ros as node;
+pub use clearance_scene as scene;
+pub use clearance_verifier as verifier;
 
 pub use checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 pub use robot::{Configuration, MeshFiles, RobotModel};
 pub use scene::World;
-
-#[cfg(test)]
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
-mod testing;
 
 /// The examples of the README compile and run.
 #[cfg(doctest)]

@@ -1,72 +1,59 @@
 //! The architecture, enforced: a module uses only those above it, and each foreign crate has one home.
 
-use std::collections::HashMap;
 use std::path::Path;
 
-/// A module and those it may use, as `lib.rs` lists them.
-const LAYERS: [(&str, &[&str]); 18] = [
-    ("constants", &[]),
-    ("input_files", &[]),
-    ("math", &["constants"]),
-    ("ply_format", &[]),
-    ("readable_text", &[]),
-    ("simd", &[]),
-    ("yaml", &[]),
-    ("geometry", &["constants", "math"]),
-    ("bounding_volume", &["constants", "math", "simd"]),
-    ("bvh", &["constants", "math", "simd", "bounding_volume"]),
-    ("query", &["constants", "math", "simd", "geometry", "bounding_volume", "bvh"]),
-    ("robot", &["constants", "input_files", "math", "ply_format", "readable_text", "simd", "geometry"]),
-    ("scene", &["constants", "math", "ply_format", "yaml", "geometry", "robot"]),
-    ("motion", &["constants", "math", "readable_text", "yaml", "geometry", "robot", "scene"]),
-    ("checker", &["constants", "math", "simd", "geometry", "bvh", "query", "robot", "scene", "motion"]),
-    ("verifier", &["constants", "math", "geometry", "robot", "scene", "motion", "checker"]),
-    ("monitor", &["constants", "math", "geometry", "query", "robot", "scene", "checker"]),
-    (
-        "node",
-        &[
-            "constants",
-            "input_files",
-            "math",
-            "readable_text",
-            "yaml",
-            "geometry",
-            "query",
-            "robot",
-            "scene",
-            "motion",
-            "checker",
-            "monitor",
-        ],
-    ),
+/// The crates, and those of them that each may use.
+const CRATES: [(&str, &[&str]); 10] = [
+    ("geometry", &[]),
+    ("files", &[]),
+    ("proximity", &["geometry"]),
+    ("robot", &["geometry", "files"]),
+    ("scene", &["geometry", "files", "robot"]),
+    ("motion", &["geometry", "files", "robot", "scene"]),
+    ("checker", &["geometry", "proximity", "robot", "scene", "motion"]),
+    ("verifier", &["geometry", "robot", "scene", "motion", "checker"]),
+    ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
+    ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
+];
+
+/// Modules that share a crate, and those of them that each may use.
+const MODULES: [(&str, &[&str]); 8] = [
+    ("crates/geometry/src/constants", &[]),
+    ("crates/geometry/src/math", &["constants"]),
+    ("crates/geometry/src/simd", &[]),
+    ("crates/files/src/input_files", &[]),
+    ("crates/files/src/ply_format", &[]),
+    ("crates/files/src/yaml", &["readable_text"]),
+    ("crates/proximity/src/bounding_volume", &[]),
+    ("crates/proximity/src/bvh", &["bounding_volume"]),
 ];
 
 /// A foreign crate and the one place that names it.
 const HOMES: [(&str, &str); 28] = [
-    ("base64", "src/robot/mesh_formats/"),
-    ("libc", "src/input_files.rs"),
-    ("fearless_simd", "src/simd/"),
-    ("parry3d_f64", "src/query/narrow_phase.rs"),
-    ("urdf_rs", "src/robot/"),
-    ("roxmltree", "src/robot/"),
-    ("stl_io", "src/robot/mesh_formats/"),
-    ("tobj", "src/robot/mesh_formats/"),
-    ("percent_encoding", "src/robot/"),
-    ("sha2", "src/motion/"),
-    ("ros2_client", "src/node/"),
-    ("rustdds", "src/node/"),
-    ("ros2_interfaces_jazzy_serde", "src/node/"),
-    ("smol", "src/node/"),
-    ("hyper", "src/node/view/"),
-    ("smol_hyper", "src/node/view/"),
-    ("http_body_util", "src/node/view/"),
-    ("arc_swap", "src/node/view/"),
-    ("mcap", "src/node/recording/"),
-    ("hdrhistogram", "src/node/activity.rs"),
-    ("strsim", "src/node/parameters/"),
-    ("sysinfo", "src/node/memory_limit.rs"),
-    ("cdr_encoding", "src/node/cdr.rs"),
-    ("byteorder", "src/node/cdr.rs"),
+    ("base64", "crates/robot/src/mesh_formats/"),
+    ("libc", "crates/files/src/input_files.rs"),
+    ("fearless_simd", "crates/geometry/src/simd/"),
+    ("parry3d_f64", "crates/proximity/src/narrow_phase.rs"),
+    ("urdf_rs", "crates/robot/src/"),
+    ("roxmltree", "crates/robot/src/"),
+    ("stl_io", "crates/robot/src/mesh_formats/"),
+    ("tobj", "crates/robot/src/mesh_formats/"),
+    ("percent_encoding", "crates/robot/src/"),
+    ("sha2", "crates/motion/src/"),
+    ("ros2_client", "crates/ros/src/"),
+    ("rustdds", "crates/ros/src/"),
+    ("ros2_interfaces_jazzy_serde", "crates/ros/src/"),
+    ("smol", "crates/ros/src/"),
+    ("hyper", "crates/ros/src/view/"),
+    ("smol_hyper", "crates/ros/src/view/"),
+    ("http_body_util", "crates/ros/src/view/"),
+    ("arc_swap", "crates/ros/src/view/"),
+    ("mcap", "crates/ros/src/recording/"),
+    ("hdrhistogram", "crates/ros/src/activity.rs"),
+    ("strsim", "crates/ros/src/parameters/"),
+    ("sysinfo", "crates/ros/src/memory_limit.rs"),
+    ("cdr_encoding", "crates/ros/src/cdr.rs"),
+    ("byteorder", "crates/ros/src/cdr.rs"),
     ("clap", "src/cli/"),
     ("indicatif", "src/cli/"),
     ("csv", "src/cli/"),
@@ -76,20 +63,23 @@ const HOMES: [(&str, &str); 28] = [
 /// Words that open, list or write files, and the files that may use them: the bounded reader, and what creates new files.
 const OPENING: [&str; 7] =
     ["File::open", "File::options", "File::create", "fs::read", "fs::write", "OpenOptions", "io::stdin"];
-const MAY_OPEN: [&str; 3] =
-    ["src/input_files.rs", "src/node/recording/writer.rs", "src/node/recording/save.rs"];
+const MAY_OPEN: [&str; 3] = [
+    "crates/files/src/input_files.rs",
+    "crates/ros/src/recording/writer.rs",
+    "crates/ros/src/recording/save.rs",
+];
 
 /// What breaks the rules in a source file given by its path from the project's root.
 fn violations(path: &str, text: &str) -> Vec<String> {
     let code: String =
         text.lines().map(|l| l.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
-    let module = path.trim_start_matches("src/").split(['/', '.']).next().unwrap_or("");
-    let layers: HashMap<_, _> = LAYERS.into_iter().collect();
     let mut found = vec![];
-    if let Some(allowed) = layers.get(module) {
+    if let Some((module, allowed)) = MODULES.iter().find(|(module, _)| path.starts_with(module)) {
+        let own = module.rsplit('/').next().unwrap_or("");
+        let shared: Vec<&str> = MODULES.iter().filter_map(|(m, _)| m.rsplit('/').next()).collect();
         for used in used_modules(&code) {
-            if used != module && layers.contains_key(used.as_str()) && !allowed.contains(&used.as_str()) {
-                found.push(format!("{path}: {module} uses {used}"));
+            if used != own && shared.contains(&used.as_str()) && !allowed.contains(&used.as_str()) {
+                found.push(format!("{path}: {own} uses {used}"));
             }
         }
     }
@@ -143,7 +133,9 @@ fn sources(folder: &Path, files: &mut Vec<(String, String)>) {
 #[test]
 fn modules_use_only_those_above_them() {
     let mut files = vec![];
-    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    for folder in ["src", "crates"] {
+        sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut files);
+    }
     assert!(files.len() > 50, "only {} files", files.len());
     let found: Vec<_> = files.iter().flat_map(|(path, text)| violations(path, text)).collect();
     assert!(found.is_empty(), "{found:#?}");
@@ -152,31 +144,37 @@ fn modules_use_only_those_above_them() {
 #[test]
 fn a_planted_use_is_found() {
     for (path, planted) in [
-        ("src/bvh/tree.rs", "use crate::robot::LinkId;"),
-        ("src/query/body.rs", "use crate::{math::Pose, checker::Settings};"),
-        ("src/robot/model.rs", "fn f() { crate::bvh::Tree::build(&[]); }"),
-        ("src/monitor/mod.rs", "use crate::node::run;"),
-        ("src/query/collide.rs", "use parry3d_f64::query::gjk;"),
-        ("src/checker/pairs.rs", "use urdf_rs::Robot;"),
-        ("src/verifier/apart.rs", "use crate::query::CollisionBody;"),
-        ("src/checker/fingerprint.rs", "use sha2::Sha256;"),
-        ("src/monitor/monitor.rs", "use ros2_client::Node;"),
+        ("crates/proximity/src/bounding_volume/obb.rs", "use crate::bvh::Tree;"),
+        ("crates/geometry/src/math/mod.rs", "use crate::simd::Level;"),
+        ("crates/proximity/src/collide.rs", "use parry3d_f64::query::gjk;"),
+        ("crates/checker/src/pairs.rs", "use urdf_rs::Robot;"),
+        ("crates/checker/src/fingerprint.rs", "use sha2::Sha256;"),
+        ("crates/monitor/src/monitor.rs", "use ros2_client::Node;"),
         ("src/cli/states.rs", "let text = std::fs::read_to_string(path)?;"),
-        ("src/robot/loaded_mesh.rs", "let file = File::open(path)?;"),
+        ("crates/robot/src/loaded_mesh.rs", "let file = File::open(path)?;"),
         ("src/cli/motion.rs", "std::fs::write(path, text)?;"),
     ] {
         assert_eq!(violations(path, planted).len(), 1, "{path}: {planted}");
     }
-    assert!(violations("src/query/body.rs", "use crate::bvh::Tree; // not crate::robot::X").is_empty());
+    assert!(violations("crates/proximity/src/bvh/tree.rs", "use crate::bounding_volume::Obb;").is_empty());
     assert!(violations("src/cli/states.rs", "#[cfg(test)] mod tests { fs::read(path) }").is_empty());
 }
 
+/// The crates of this project that a manifest depends on.
+fn dependencies(manifest: &str) -> Vec<&str> {
+    let all = manifest.split("[dependencies]").nth(1).unwrap_or("").split("\n[").next().unwrap_or("");
+    all.lines().filter_map(|line| line.strip_prefix("clearance-")?.split(['.', ' ']).next()).collect()
+}
+
 #[test]
-fn lib_lists_the_modules_in_this_order() {
-    let lib = include_str!("../../src/lib.rs");
-    let places: Vec<_> =
-        LAYERS.iter().map(|(m, _)| lib.find(&format!("pub mod {m};")).unwrap_or(usize::MAX)).collect();
-    let listed = &places[2..];
-    assert!(listed.windows(2).all(|w| w[0] < w[1]), "{places:?}");
-    assert!(!places.contains(&usize::MAX), "{places:?}");
+fn crates_depend_on_those_above_them_alone() {
+    for (name, allowed) in CRATES {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates").join(name).join("Cargo.toml");
+        let manifest = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        assert_eq!(dependencies(&manifest), allowed, "{name}");
+    }
+    assert_eq!(
+        dependencies("[dependencies]\nclearance-robot.workspace = true\nlog = \"1\"\n[lints]\n"),
+        ["robot"]
+    );
 }

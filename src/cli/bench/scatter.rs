@@ -2,7 +2,7 @@
 
 use clearance::bvh::AxisBox;
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Vector};
+use clearance::math::{Pose, Rotation, Vector};
 use clearance::scene::{Obstacle, World};
 
 use crate::cli::failure::Failure;
@@ -34,8 +34,7 @@ pub fn boxes(count: u32, region: &AxisBox, random: &mut fastrand::Rng) -> Result
         if at.norm() < KEPT_FREE {
             continue;
         }
-        let turn =
-            nalgebra::UnitQuaternion::from_scaled_axis(Vector::new(within(2.0), within(2.0), within(2.0)));
+        let turn = Rotation::from_scaled_axis(Vector::new(within(2.0), within(2.0), within(2.0)));
         let mut edge = || EDGES[0] + (EDGES[1] - EDGES[0]) * random.f64();
         let cuboid = Primitive::cuboid([edge(), edge(), edge()]).map_err(internal)?;
         let pose = Pose::from_parts(at.into(), turn);

@@ -1,0 +1,476 @@
+//! Level 0: one capsule around each link, and which of a fixed list of pairs may be near.
+//!
+//! A capsule is all points within a radius of a segment. Eight pairs are judged at once: one pair in eight states, or
+//! eight pairs in one state, by the same formulas and to the same bits ([`super::capsule_lanes`]).
+
+use std::ops::{Add, Range};
+
+use clearance_geometry::constants::MOTION_SLACK;
+use clearance_geometry::math::{Extremes, MatrixPose, Point};
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{self, LANES, Real, Simd, Vectors, f32x4, f32x8, f64x4};
+use clearance_robot::{Columns, Frame, PlacedFrame, Reach};
+use nalgebra::Vector3;
+
+use super::capsule_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, difference, spheres_near};
+
+/// All points within `radius` of the segment from `a` to `b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkCapsule {
+    pub a: Point,
+    pub b: Point,
+    pub radius: f64,
+}
+
+/// Capsules that ride on bodies, and the pairs of them to judge.
+#[derive(Clone, Debug)]
+pub struct CapsulePairs {
+    /// Body by body.
+    riders: Vec<Rider>,
+    /// By body: which of the riders are on it.
+    on_bodies: Vec<Range<usize>>,
+    /// The first body that has any.
+    first_body: usize,
+    /// Pairs, eight by eight; the last group is filled up with its last pair.
+    groups: Vec<Group>,
+    /// H of the bound, of pairs that have one.
+    size: f32,
+    /// C of the bound.
+    offset: f32,
+}
+
+/// A capsule's segment `centre ± half` in the frame of its body.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Rider {
+    capsule: usize,
+    /// The coordinates of the centre, four times each, and those of the half.
+    coordinates: [[f32; LANES]; 3],
+}
+
+/// Eight pairs and what never changes about them.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+struct Group {
+    /// A bit for each lane that holds a pair.
+    used: u8,
+    first: [usize; 8],
+    second: [usize; 8],
+    /// Sum of radii, rounded up.
+    radii: [f32; 8],
+    /// Sum of radii and half lengths, rounded up.
+    reach: [f32; 8],
+    uu: [f32; 8],
+    vv: [f32; 8],
+    over_uu: [f32; 8],
+    over_vv: [f32; 8],
+    /// Least determinant of the nearest-point equations.
+    least: [f32; 8],
+}
+
+/// A segment `centre ± half`, in single precision.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<V> {
+    pub centre: [V; 3],
+    pub half: [V; 3],
+}
+
+/// A segment `centre ± half` of one state, in single precision: the centre, a number that means nothing, and the same of the half.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub struct PlacedSegment([f32; LANES]);
+
+/// Places the capsules of one state, body by body.
+#[derive(Debug)]
+pub struct Placing<'c, S: Simd> {
+    capsules: &'c CapsulePairs,
+    /// Of the first body that has any.
+    origin: f64x4<S>,
+    segments: &'c mut [PlacedSegment],
+}
+
+impl LinkCapsule {
+    /// The capsule as seen from outside a frame that it is in.
+    #[cfg(test)]
+    #[must_use]
+    pub fn seen_through(&self, frame: &Frame<f64>) -> Self {
+        let seen = |p: Point| Point::from(frame.point(p.coords.into()));
+        Self { a: seen(self.a), b: seen(self.b), radius: self.radius }
+    }
+}
+
+impl CapsulePairs {
+    /// `capsules` with their bodies, in the frames of these; `pairs` by index of capsule.
+    ///
+    /// # Panics
+    /// When a pair names no capsule.
+    #[must_use]
+    pub fn new(capsules: &[(usize, LinkCapsule)], pairs: &[(usize, usize)]) -> Self {
+        let halves: Vec<Vector3<f64>> = capsules.iter().map(|(_, c)| (c.b - c.a) * 0.5).collect();
+        let mut size = 0.0_f32;
+        let mut groups = Vec::new();
+        for chunk in pairs.chunks(8) {
+            let mut group = Group { used: 0xff >> (8 - chunk.len()), ..Group::default() };
+            for lane in 0..8 {
+                let (a, b) = *chunk.get(lane).unwrap_or(&chunk[chunk.len() - 1]);
+                group.set(
+                    lane,
+                    [(a, halves[a].norm_squared()), (b, halves[b].norm_squared())],
+                    capsules[a].1.radius + capsules[b].1.radius,
+                );
+                // what is infinitely large is never proven apart, whatever rounding is granted
+                if group.reach[lane].is_finite() {
+                    size = size.greater(group.reach[lane]);
+                }
+            }
+            groups.push(group);
+        }
+        let mut order: Vec<usize> = (0..capsules.len()).collect();
+        order.sort_by_key(|&i| capsules[i].0);
+        let body = |rank: usize| capsules[order[rank]].0;
+        let bodies = if order.is_empty() { 0 } else { body(order.len() - 1) + 1 };
+        let first_on = |body: usize| order.partition_point(|&i| capsules[i].0 < body);
+        let centre = |c: &LinkCapsule| c.a.coords + (c.b - c.a) * 0.5;
+        let offset = capsules.iter().map(|(_, c)| centre(c).norm()).filter(|offset| offset.is_finite());
+        Self {
+            riders: order.iter().map(|&i| Rider::new(i, &centre(&capsules[i].1), &halves[i])).collect(),
+            on_bodies: (0..bodies).map(|body| first_on(body)..first_on(body + 1)).collect(),
+            first_body: if order.is_empty() { 0 } else { body(0) },
+            groups,
+            size,
+            offset: up(offset.fold(0.0, f64::greater)),
+        }
+    }
+
+    #[must_use]
+    pub fn capsule_count(&self) -> usize {
+        self.riders.len()
+    }
+
+    #[cfg(test)]
+    fn pair_count(&self) -> usize {
+        self.groups.iter().map(|g| g.used.count_ones() as usize).sum()
+    }
+
+    /// How many groups of eight the pairs make.
+    #[must_use]
+    pub fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The segments of all capsules, relative to the first body that has any: one state's or eight's.
+    #[inline(always)]
+    pub fn place<T: Real>(&self, frames: &[Frame<T>], segments: &mut [Segment<T::Single>]) {
+        let origin = frames[self.first_body].t;
+        for (riders, Frame { r: [x, y, z], t }) in self.on_bodies.iter().zip(frames) {
+            let columns = [single(*x), single(*y), single(*z)];
+            let t = single(difference(*t, origin));
+            for rider in &self.riders[riders.clone()] {
+                let [p, q, r] = rider.coordinates;
+                segments[rider.capsule] = Segment {
+                    centre: sum(turned(&columns, [p[0], q[0], r[0]]), t),
+                    half: turned(&columns, [p[4], q[4], r[4]]),
+                };
+            }
+        }
+    }
+
+    /// As [`Self::place`] for one state, to the same bits, with a vector for each column of a frame.
+    #[inline(always)]
+    pub fn place_one<S: Simd>(&self, simd: S, frames: &[PlacedFrame], segments: &mut [PlacedSegment]) {
+        let mut placing = self.placing(simd, segments);
+        for (body, frame) in frames.iter().enumerate() {
+            placing.place(simd, body, &Columns::of(simd, frame));
+        }
+    }
+
+    /// The same, for whom has the frames of bodies at hand, one after the other.
+    #[inline(always)]
+    pub fn placing<'c, S: Simd>(&'c self, simd: S, segments: &'c mut [PlacedSegment]) -> Placing<'c, S> {
+        Placing { capsules: self, origin: f64x4::splat(simd, 0.0), segments }
+    }
+
+    /// What segments are relative to (m), in single precision.
+    #[inline(always)]
+    #[must_use]
+    pub fn origin<T: Real>(&self, frame: impl Fn(usize) -> Frame<T>) -> [T::Single; 3] {
+        single(frame(self.first_body).t)
+    }
+
+    /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.
+    #[inline(always)]
+    pub fn near<S: Simd>(
+        &self,
+        simd: S,
+        segments: &[Segment<f32x8<S>>],
+        margin: impl Fn(usize) -> f32,
+        masks: &mut [u8],
+    ) {
+        if self.groups.is_empty() {
+            return;
+        }
+        let slack = self.slack(simd, extent_8(simd, segments));
+        for ((group, masks), first) in self.groups.iter().zip(masks.chunks_mut(8)).zip((0..).step_by(8)) {
+            // spheres of all pairs before axes of any: where a branch hangs on chance, fewer are better
+            let mut left = 0u8;
+            for (lane, mask) in masks.iter_mut().enumerate() {
+                let lanes =
+                    Lanes::of_eight_states(&segments[group.first[lane]], &segments[group.second[lane]]);
+                let limit = slack + f32x8::splat(simd, margin(first + lane));
+                *mask = spheres_near(lanes.w, f32x8::splat(simd, group.reach[lane]) + limit);
+                left |= u8::from(*mask != 0) << lane;
+            }
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let lanes =
+                    Lanes::of_eight_states(&segments[group.first[lane]], &segments[group.second[lane]]);
+                let radii = f32x8::splat(simd, group.radii[lane])
+                    + (slack + f32x8::splat(simd, margin(first + lane)));
+                masks[lane] &= lanes.near_along(lanes.w, radii);
+                if masks[lane] != 0 {
+                    masks[lane] &= lanes.near_along(lanes.direction(&group.constants(simd, lane)), radii);
+                }
+            }
+        }
+    }
+
+    /// For each pair, lower bounds (m) of its distance in eight states, less than zero where capsules overlap: by the same
+    /// formulas as [`Self::lower_bounds_one`], which is checked against it.
+    #[cfg(test)]
+    #[inline(always)]
+    pub fn lower_bounds<S: Simd>(&self, simd: S, segments: &[Segment<f32x8<S>>], bounds: &mut [[f32; 8]]) {
+        let slack = self.slack(simd, extent_8(simd, segments));
+        let pairs = self.groups.iter().flat_map(|g| (0..8).map(move |lane| (g, lane)));
+        for ((group, lane), bound) in pairs.zip(&mut bounds[..self.pair_count()]) {
+            let lanes = Lanes::of_eight_states(&segments[group.first[lane]], &segments[group.second[lane]]);
+            let radii = f32x8::splat(simd, group.radii[lane]) + slack;
+            *bound = lanes.lower_bound(radii, &group.constants(simd, lane)).into();
+        }
+    }
+
+    /// As [`Self::near`] for one state: a mask per group of eight pairs, from their margins by number of group.
+    #[inline(always)]
+    pub fn near_one<S: Simd>(
+        &self,
+        simd: S,
+        segments: &[PlacedSegment],
+        margins: impl Fn(usize) -> [f32; 8],
+        masks: &mut [u8],
+    ) {
+        assert_eq!(self.groups.len(), masks.len(), "a mask for every group");
+        if self.groups.is_empty() {
+            return;
+        }
+        let slack = self.slack(simd, f32x8::splat(simd, extent(simd, segments)));
+        for (i, (group, mask)) in self.groups.iter().zip(masks).enumerate() {
+            let limit = slack + f32x8::simd_from(simd, margins(i));
+            let w = group.between_centres(simd, segments);
+            *mask = group.used & spheres_near(w, f32x8::simd_from(simd, group.reach) + limit);
+            if *mask != 0 {
+                let lanes = group.lanes(simd, w, segments);
+                let radii = f32x8::simd_from(simd, group.radii) + limit;
+                *mask &= lanes.near_along(lanes.direction(&group.all_constants(simd)), radii);
+            }
+        }
+    }
+
+    /// As [`Self::lower_bounds`] for one state: eight bounds per group.
+    #[inline(always)]
+    pub fn lower_bounds_one<S: Simd>(&self, simd: S, segments: &[PlacedSegment], bounds: &mut [[f32; 8]]) {
+        assert_eq!(self.groups.len(), bounds.len(), "bounds for every group");
+        let slack = self.slack(simd, f32x8::splat(simd, extent(simd, segments)));
+        for (group, bound) in self.groups.iter().zip(bounds) {
+            let lanes = group.lanes(simd, group.between_centres(simd, segments), segments);
+            let radii = f32x8::simd_from(simd, group.radii) + slack;
+            *bound = lanes.lower_bound(radii, &group.all_constants(simd)).into();
+        }
+    }
+
+    #[inline(always)]
+    fn slack<S: Simd>(&self, simd: S, extent: f32x8<S>) -> f32x8<S> {
+        (extent + f32x8::splat(simd, self.size.greater(self.offset))) * f32x8::splat(simd, SLACK)
+    }
+
+    /// C of the bound: the largest distance (m) of a centre from the origin of its body.
+    #[must_use]
+    pub fn offset(&self) -> f32 {
+        self.offset
+    }
+}
+
+/// The largest coordinate of any centre. Of a number and none the second is taken: what is no number counts for nothing here, and is
+/// near whatever is granted.
+#[inline(always)]
+fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
+    let mut extent = f32x4::splat(simd, 0.0);
+    for segment in segments {
+        extent = f32x4::from_slice(simd, segment.centre()).abs().max(extent);
+    }
+    extent[0].greater(extent[1]).greater(extent[2])
+}
+
+/// As [`extent`], of eight states.
+#[inline(always)]
+fn extent_8<S: Simd>(simd: S, segments: &[Segment<f32x8<S>>]) -> f32x8<S> {
+    let mut extent = [f32x8::splat(simd, 0.0); 3];
+    for Segment { centre: [x, y, z], .. } in segments {
+        extent = [x.abs().max(extent[0]), y.abs().max(extent[1]), z.abs().max(extent[2])];
+    }
+    extent[0].max(extent[1]).max(extent[2])
+}
+
+/// The nearest f32 that is not below; infinite for what is no number.
+pub fn up(x: f64) -> f32 {
+    let nearest = x.single();
+    if f64::from(nearest) >= x {
+        nearest
+    } else if x.is_nan() {
+        f32::INFINITY
+    } else {
+        nearest.next_up()
+    }
+}
+
+impl Rider {
+    fn new(capsule: usize, centre: &Vector3<f64>, half: &Vector3<f64>) -> Self {
+        let number = |i: usize, lane: usize| if lane < 4 { centre[i].single() } else { half[i].single() };
+        Self { capsule, coordinates: [0, 1, 2].map(|i| std::array::from_fn(|lane| number(i, lane))) }
+    }
+}
+
+impl PlacedSegment {
+    #[inline(always)]
+    fn centre(&self) -> &[f32; 4] {
+        self.0.first_chunk().expect("there are eight")
+    }
+
+    #[inline(always)]
+    fn half(&self) -> &[f32; 4] {
+        self.0.last_chunk().expect("there are eight")
+    }
+}
+
+impl Group {
+    /// A pair of capsules, with the squares (m²) of their halves.
+    fn set(&mut self, lane: usize, [(a, uu), (b, vv)]: [(usize, f64); 2], radii: f64) {
+        let over = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
+        (self.first[lane], self.second[lane]) = (a, b);
+        (self.radii[lane], self.reach[lane]) = (up(radii), up(radii + uu.sqrt() + vv.sqrt()));
+        (self.uu[lane], self.vv[lane]) = (uu.single(), vv.single());
+        (self.over_uu[lane], self.over_vv[lane]) = (over(uu.single()), over(vv.single()));
+        self.least[lane] = (uu * vv).single() * PARALLEL + LEAST_SQUARE;
+    }
+
+    /// From the centres of its first segments to those of its second ones.
+    #[inline(always)]
+    fn between_centres<S: Simd>(&self, simd: S, segments: &[PlacedSegment]) -> [f32x8<S>; 3] {
+        difference(centres(simd, segments, &self.second), centres(simd, segments, &self.first))
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S, w: [f32x8<S>; 3], segments: &[PlacedSegment]) -> Lanes<S> {
+        Lanes { w, u: halves(simd, segments, &self.first), v: halves(simd, segments, &self.second) }
+    }
+
+    /// One pair's constants in all lanes.
+    #[inline(always)]
+    fn constants<S: Simd>(&self, simd: S, lane: usize) -> Constants<S> {
+        Constants {
+            uu: f32x8::splat(simd, self.uu[lane]),
+            vv: f32x8::splat(simd, self.vv[lane]),
+            over_uu: f32x8::splat(simd, self.over_uu[lane]),
+            over_vv: f32x8::splat(simd, self.over_vv[lane]),
+            least: f32x8::splat(simd, self.least[lane]),
+        }
+    }
+
+    /// Each pair's constants in its lane.
+    #[inline(always)]
+    fn all_constants<S: Simd>(&self, simd: S) -> Constants<S> {
+        Constants {
+            uu: f32x8::simd_from(simd, self.uu),
+            vv: f32x8::simd_from(simd, self.vv),
+            over_uu: f32x8::simd_from(simd, self.over_uu),
+            over_vv: f32x8::simd_from(simd, self.over_vv),
+            least: f32x8::simd_from(simd, self.least),
+        }
+    }
+}
+
+impl<S: Simd> Placing<'_, S> {
+    /// Bodies come in their order.
+    #[inline(always)]
+    pub fn place(&mut self, simd: S, body: usize, columns: &Columns<S>) {
+        if body == self.capsules.first_body {
+            self.origin = columns.origin();
+        }
+        let Some(riders) = self.capsules.on_bodies.get(body) else { return };
+        let [x, y, z, t] = columns.doubled(simd, self.origin);
+        for Rider { capsule, coordinates: [p, q, r] } in &self.capsules.riders[riders.clone()] {
+            let placed = x * f32x8::from_slice(simd, p)
+                + y * f32x8::from_slice(simd, q)
+                + z * f32x8::from_slice(simd, r)
+                + t;
+            self.segments[*capsule] = PlacedSegment(placed.into());
+        }
+    }
+}
+
+/// Eight segments of one state, in lanes.
+#[inline(always)]
+pub(super) fn gather<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> Segment<f32x8<S>> {
+    Segment { centre: centres(simd, segments, of), half: halves(simd, segments, of) }
+}
+
+#[inline(always)]
+fn centres<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> [f32x8<S>; 3] {
+    let centre = |lane: usize| segments[of[lane]].centre();
+    let [a, b, c, d] = [centre(0), centre(1), centre(2), centre(3)];
+    let Vectors { x, y, z } = Vectors::gather(simd, [a, b, c, d, centre(4), centre(5), centre(6), centre(7)]);
+    [x, y, z]
+}
+
+#[inline(always)]
+fn halves<S: Simd>(simd: S, segments: &[PlacedSegment], of: &[usize; LANES]) -> [f32x8<S>; 3] {
+    let half = |lane: usize| segments[of[lane]].half();
+    let [a, b, c, d] = [half(0), half(1), half(2), half(3)];
+    let Vectors { x, y, z } = Vectors::gather(simd, [a, b, c, d, half(4), half(5), half(6), half(7)]);
+    [x, y, z]
+}
+
+#[inline(always)]
+fn sum<T: Copy + Add<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn single<T: Real>(v: [T; 3]) -> [T::Single; 3] {
+    [v[0].single(), v[1].single(), v[2].single()]
+}
+
+/// A vector in a frame of these columns, as seen from outside.
+#[inline(always)]
+fn turned<V: simd::Single>([x, y, z]: &[[V; 3]; 3], [p, q, r]: [f32; 3]) -> [V; 3] {
+    [x[0] * p + y[0] * q + z[0] * r, x[1] * p + y[1] * q + z[1] * r, x[2] * p + y[2] * q + z[2] * r]
+}
+
+impl LinkCapsule {
+    /// All that it reaches, seen from outside a frame that it is in.
+    #[must_use]
+    pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
+        let seen = |p: Point| (pose * p).coords;
+        let radius = self.radius * (1.0 + MOTION_SLACK) + MOTION_SLACK;
+        Reach { ends: [seen(self.a), seen(self.b)], radius }
+    }
+
+    /// Distance of a point from the segment.
+    pub fn axis_distance(&self, p: &Point) -> f64 {
+        let d = self.b - self.a;
+        let along = if d.norm_squared() > 0.0 { d.dot(&(p - self.a)) / d.norm_squared() } else { 0.0 };
+        (p - (self.a + d * along.clamp(0.0, 1.0))).norm()
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -1,0 +1,283 @@
+//! Questions about states of a robot in a world.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use clearance_geometry::ScaleError;
+use clearance_geometry::math::Extremes;
+use clearance_geometry::simd::LANES;
+use clearance_motion::CertificateParts;
+use clearance_proximity::Scratch;
+use clearance_robot::{Chain, PlacedFrame, RobotModel, TravelRates, WaysToRoot};
+use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::World;
+
+use super::bodies::{Rider, capsule_pairs, chain, joints_between, pair_infos, riders, travel_rates};
+use super::capsules::{CapsulePairs, PlacedSegment, up};
+use super::fixed_nearest::FixedNearest;
+use super::likely::LikelyPairs;
+use super::motion::{MotionScratch, Ways};
+use super::nearby::NearbyScratch;
+use super::nearest_first::NearestFirst;
+use super::obstacles::Obstacles;
+use super::pair::PairInfo;
+use super::reachable::Reachable;
+use super::report::Body;
+use super::settings::Settings;
+use super::stream::Stream;
+use super::within_reach::{PartOrder, WithinReach};
+use super::{PairList, Workspace};
+
+/// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
+///
+/// Pairs have numbers: first those of the list of self pairs, then by part of the robot one for each place of an obstacle.
+#[derive(Clone, Debug)]
+pub struct CollisionChecker {
+    robot: Arc<RobotModel>,
+    world: World,
+    settings: Settings,
+    pub(super) matrix: Option<AllowedCollisionMatrix>,
+    pairs: PairList,
+    pub(super) chain: Chain,
+    /// The parts of the robot that have geometry.
+    pub(super) riders: Vec<Rider>,
+    /// In the order of the self pairs.
+    pub(super) infos: Vec<PairInfo>,
+    /// A capsule around each part, and the self pairs of them.
+    pub(super) capsules: CapsulePairs,
+    /// By part: the radius (m) of its capsule with its padding, rounded up.
+    pub(super) padded_radii: Vec<f32>,
+    /// The largest padding (m) of any self pair.
+    pub(super) largest_padding: f64,
+    pub(super) ways_to_root: WaysToRoot,
+    /// By self pair: how many joints there are on either side of its bodies' lowest common ancestor.
+    pub(super) joints_between: Vec<[u32; 2]>,
+    pub(super) ways: Ways,
+    /// How far bodies may move when joints do.
+    pub(super) rates: TravelRates,
+    pub(super) reachable: Reachable,
+    pub(super) obstacles: Obstacles,
+    /// Which parts have to be asked about obstacles, once somebody asked.
+    pub(super) within_reach: OnceLock<WithinReach>,
+    /// How near obstacles are to parts that no joint moves, once somebody asked.
+    pub(super) fixed_nearest: OnceLock<FixedNearest>,
+    /// Of the model and the world, once somebody asked.
+    pub(super) fingerprints: OnceLock<[String; 2]>,
+    pub(super) parts: OnceLock<CertificateParts>,
+    /// No two robots built in one process have the same.
+    pub(super) identity: u64,
+    /// No two robots in their worlds have the same.
+    pub(super) revision: u64,
+}
+
+static BUILT: AtomicU64 = AtomicU64::new(0);
+
+fn next_identity() -> u64 {
+    BUILT.fetch_add(1, Ordering::Relaxed)
+}
+
+/// A setting that makes no sense for this robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    #[error("padding or scale is given for link '{0}', which the robot has not")]
+    UnknownLink(String),
+    #[error("padding{of} is {value:?}, but must be a finite number of metres, zero or more")]
+    BadPadding { of: String, value: f64 },
+    #[error("the scale of '{of}' is {value:?}, but must be more than zero and at most 1000")]
+    BadScale { of: String, value: f64 },
+    #[error("'{of}' can not be scaled: {why}")]
+    CannotScale { of: String, why: ScaleError },
+    #[error("object '{object}' is attached to link '{link}', which the robot has not")]
+    NoCarrier { object: String, link: String },
+}
+
+impl CollisionChecker {
+    /// Builds the hierarchies of every link and obstacle and decides the pairs, by SRDF or adjacency.
+    pub fn new(robot: Arc<RobotModel>, world: &World, settings: Settings) -> Result<Self, SettingsError> {
+        Self::with_matrix(robot, world, settings, None)
+    }
+
+    /// As [`Self::new`]; a scene's matrix, if given, decides the pairs instead of the SRDF.
+    pub fn with_matrix(
+        robot: Arc<RobotModel>,
+        world: &World,
+        settings: Settings,
+        matrix: Option<&AllowedCollisionMatrix>,
+    ) -> Result<Self, SettingsError> {
+        Self::build(robot, world, settings, matrix, (&[], &Obstacles::default()))
+    }
+
+    /// The same robot in another world, or with other settings or another matrix. Hierarchies of what stays are shared.
+    pub fn with_world(
+        &self,
+        world: &World,
+        settings: Settings,
+        matrix: Option<&AllowedCollisionMatrix>,
+    ) -> Result<Self, SettingsError> {
+        let known = (self.riders.as_slice(), &self.obstacles);
+        Self::build(Arc::clone(&self.robot), world, settings, matrix, known)
+    }
+
+    /// Changes the world in place: only obstacles that are not the same as before are touched, unless attached objects differ. What
+    /// can not be is told, and nothing is changed.
+    pub fn set_world(&mut self, world: &World) -> Result<(), SettingsError> {
+        let same = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
+        let (held, holds) = (self.world.attached(), world.attached());
+        if held.len() != holds.len() || !held.iter().zip(holds).all(same) {
+            *self = self.with_world(world, self.settings.clone(), self.matrix.as_ref())?;
+            return Ok(());
+        }
+        // all that can fail before anything is changed
+        for change in self.obstacles.outdated(world, &self.settings)? {
+            self.pairs.set_obstacle(change.0, world.place(change.0).map(|obstacle| obstacle.name.as_str()));
+            self.obstacles.set(change, &self.reachable);
+        }
+        self.world = world.clone();
+        self.within_reach = OnceLock::new();
+        self.fixed_nearest = OnceLock::new();
+        self.fingerprints = OnceLock::new();
+        self.parts = OnceLock::new();
+        self.revision = next_identity();
+        Ok(())
+    }
+
+    fn build(
+        robot: Arc<RobotModel>,
+        world: &World,
+        settings: Settings,
+        matrix: Option<&AllowedCollisionMatrix>,
+        (known_riders, known_obstacles): (&[Rider], &Obstacles),
+    ) -> Result<Self, SettingsError> {
+        let pairs =
+            PairList::new(&robot, world, matrix).restricted(settings.check_self, settings.check_world);
+        let chain = chain(&robot, world);
+        let riders = riders(&robot, world, (&chain, &pairs), &settings, known_riders)?;
+        let infos = pair_infos(&pairs, &riders, &settings);
+        let capsules = capsule_pairs(&riders, &infos);
+        let padded_radii = riders.iter().map(|rider| up(rider.capsule.radius + rider.padding)).collect();
+        let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::greater);
+        let reachable = Reachable::new(&robot, &chain, &riders);
+        let obstacles = Obstacles::new(world, &settings, known_obstacles, &reachable)?;
+        let rates = travel_rates(&robot, &chain, &riders);
+        let ways_to_root = chain.ways_to_root();
+        let joints_between = joints_between(&ways_to_root, &riders, &infos);
+        let ways = Ways::new(&ways_to_root, &riders);
+        Ok(Self {
+            robot,
+            world: world.clone(),
+            settings,
+            matrix: matrix.cloned(),
+            pairs,
+            chain,
+            riders,
+            infos,
+            capsules,
+            padded_radii,
+            largest_padding,
+            ways_to_root,
+            joints_between,
+            ways,
+            rates,
+            reachable,
+            obstacles,
+            within_reach: OnceLock::new(),
+            fixed_nearest: OnceLock::new(),
+            fingerprints: OnceLock::new(),
+            parts: OnceLock::new(),
+            identity: next_identity(),
+            revision: next_identity(),
+        })
+    }
+
+    #[must_use]
+    pub fn robot(&self) -> &Arc<RobotModel> {
+        &self.robot
+    }
+
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    #[must_use]
+    pub fn pairs(&self) -> &PairList {
+        &self.pairs
+    }
+
+    /// A length (m) that no distance changes by more than while joints go from some positions to others; infinite where nothing is known.
+    #[must_use]
+    pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
+        self.rates.between(from, to)
+    }
+
+    /// The name of a link or an object.
+    #[must_use]
+    pub fn body_name(&self, body: Body) -> &str {
+        match body {
+            Body::Link(id) => &self.robot.link(id).name,
+            Body::Attached(id) => &self.world.attached_object(id).name,
+            Body::Obstacle(id) => &self.world.obstacle(id).name,
+        }
+    }
+
+    /// Scratch memory for one thread.
+    #[must_use]
+    pub fn workspace(&self) -> Workspace {
+        self.workspace_with(Scratch::default())
+    }
+
+    /// As [`Self::workspace`], but uses no instructions beyond those of every machine of this kind. Answers are the same,
+    /// bit by bit.
+    #[must_use]
+    pub fn portable_workspace(&self) -> Workspace {
+        self.workspace_with(Scratch::portable())
+    }
+
+    /// As [`Self::workspace`], for states that follow each other closely: what was found about one is used for the next, and
+    /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took; those within a
+    /// tolerance ([`Self::check_with`]) are bounds, which depend on what was asked before, for a fraction of the work.
+    #[must_use]
+    pub fn streaming_workspace(&self) -> Workspace {
+        let stream = Stream::new(self.revision, self.infos.len(), self.riders.len());
+        Workspace { stream: Some(stream), ..self.workspace() }
+    }
+
+    pub(super) fn workspace_with(&self, scratch: Scratch) -> Workspace {
+        let groups = self.capsules.group_count();
+        Workspace {
+            checker: self.identity,
+            frames: vec![PlacedFrame::IDENTITY; self.chain.body_count()],
+            segments: vec![PlacedSegment::default(); self.capsules.capsule_count()],
+            near: vec![0; groups],
+            bounds: vec![[0.0; LANES]; groups],
+            queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),
+            nearest_first: NearestFirst::default(),
+            asked: Vec::new(),
+            in_doubt: Vec::new(),
+            part_order: PartOrder::default(),
+            likely: LikelyPairs::new(),
+            nearby: NearbyScratch::default(),
+            scratch,
+            motion: MotionScratch::default(),
+            stream: None,
+        }
+    }
+
+    /// The parts on some bodies of the chain.
+    pub(super) fn parts_on(&self, bodies: impl Fn(usize) -> bool) -> impl DoubleEndedIterator<Item = usize> {
+        (0..self.riders.len()).filter(move |part| bodies(self.riders[*part].body))
+    }
+
+    /// Memory of all hierarchies and the triangles in them (bytes), and the number of triangles.
+    #[must_use]
+    pub fn hierarchy_size(&self) -> (usize, usize) {
+        let of_parts = self.riders.iter().map(|rider| &rider.solid);
+        let solids = of_parts.chain(self.obstacles.iter().map(|obstacle| &obstacle.solid));
+        solids.fold((0, 0), |(bytes, triangles), s| (bytes + s.bytes(), triangles + s.triangle_count()))
+    }
+}

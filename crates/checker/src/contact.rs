@@ -1,0 +1,115 @@
+//! How two bodies that touch are in contact.
+
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::{Extremes, Point, Vector};
+use clearance_proximity as query;
+use clearance_proximity::Separation;
+use clearance_robot::Configuration;
+
+use super::collision_checker::CollisionChecker;
+use super::pair::Pair;
+use super::report::Body;
+use super::workspace::Workspace;
+
+/// Where and how deep two bodies are in each other, paddings included; in the root frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    pub point: Point,
+    /// Along which the second body would have to move to be apart soonest, of length one; `None` where that is not known.
+    pub normal: Option<Vector>,
+    /// How far (m) it would have to; `None` where that is not known: of meshes that cross.
+    pub depth: Option<f64>,
+}
+
+impl CollisionChecker {
+    /// The contact of a pair of the pair list in the state `q`; `None` if they are apart, or are no such pair.
+    ///
+    /// Primitives tell how deep they are by the expanding polytope algorithm (van den Bergen 2001), as
+    /// [`deepest_overlap`](query::deepest_overlap) says; what only comes nearer than its padding, by its distance.
+    #[must_use]
+    pub fn contact(
+        &self,
+        q: &Configuration,
+        bodies: (Body, Body),
+        workspace: &mut Workspace,
+    ) -> Option<Contact> {
+        self.suit(workspace);
+        let index = self.number_of(bodies)?;
+        self.place(q, workspace);
+        let Workspace { frames, scratch, .. } = workspace;
+        let pair = self.pair(index, frames);
+        let apart = pair.separation(pair.info.padding + CONTACT_DISTANCE, scratch)?;
+        if apart.distance > 0.0 {
+            return Some(contact_of(&pair, &apart));
+        }
+        let (a, b) = pair.bodies;
+        Some(match query::deepest_overlap(a, b, pair.pose_ab) {
+            Some(deepest) => contact_of(&pair, &deepest),
+            None => Contact { point: &pair.pose_ra * apart.witness_points[0], normal: None, depth: None },
+        })
+    }
+}
+
+/// Of bodies that are a distance apart, which is negative where they overlap.
+fn contact_of(pair: &Pair, found: &Separation) -> Contact {
+    let [p, q] = found.witness_points.map(|p| &pair.pose_ra * p);
+    let towards_b = if found.distance > 0.0 { q - p } else { p - q };
+    Contact {
+        point: nalgebra::center(&p, &q),
+        normal: towards_b.try_normalize(CONTACT_DISTANCE),
+        depth: Some((pair.info.padding - found.distance).greater(0.0)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::Settings;
+    use clearance_geometry::math::Pose;
+    use clearance_geometry::{Primitive, Shape};
+    use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::{AttachedId, Obstacle, ObstacleId, World};
+
+    const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
+
+    fn told(at: f64, padding: f64) -> Option<Contact> {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let mut world = World::default();
+        let wall = Shape::Primitive(Primitive::Box { half_extents: [0.1, 1.0, 1.0] });
+        world.add(Obstacle::of_shape("wall", Pose::translation(at, 0.0, 0.0), wall)).unwrap();
+        let settings = Settings { padding, ..Settings::default() };
+        let checker = CollisionChecker::new(robot, &world, settings).unwrap();
+        let q = checker.robot().default_configuration();
+        let (link, wall) = checker.pairs().world_pairs().next().unwrap();
+        checker.contact(&q, (link, Body::Obstacle(wall)), &mut checker.workspace())
+    }
+
+    #[test]
+    fn a_ball_in_a_wall_is_as_deep_as_it_has_to_be_moved() {
+        let contact = told(0.55, 0.0).unwrap();
+        assert!((contact.depth.unwrap() - 0.05).abs() < 1e-9, "{contact:?}");
+        assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
+        assert!((contact.point - Point::new(0.475, 0.0, 0.0)).norm() < 1e-9, "{contact:?}");
+    }
+
+    #[test]
+    fn what_is_no_pair_has_no_contact() {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let checker = CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap();
+        let (q, link) = (checker.robot().default_configuration(), Body::Link(checker.robot().root()));
+        for other in [link, Body::Obstacle(ObstacleId(0)), Body::Attached(AttachedId(0))] {
+            assert_eq!(checker.contact(&q, (link, other), &mut checker.workspace()), None);
+            assert_eq!(checker.contact(&q, (other, link), &mut checker.workspace()), None);
+        }
+    }
+
+    #[test]
+    fn what_is_within_the_padding_is_as_deep_as_the_padding_is_wider() {
+        let contact = told(0.61, 0.03).unwrap();
+        assert!((contact.depth.unwrap() - 0.02).abs() < 1e-9, "{contact:?}");
+        assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
+        assert_eq!(told(0.64, 0.03), None);
+    }
+}

@@ -1,0 +1,298 @@
+//! What is remembered of a pair of bodies from state to state.
+//!
+//! A distance that it certainly had at some pose: at another it has lost at most what one body has moved in the frame
+//! of the other, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
+//! distance from above, and of a pair that stays near, the elements that may be nearest are kept.
+//!
+//! None of this changes an exact answer: a distance that is found depends neither on the limit of the search, as long as that is not
+//! below it, nor on the order in which elements are met. (Which common point of touching bodies is found does; reports have
+//! that of a search of its own.)
+
+mod tolerant;
+
+use clearance_geometry::PointPair;
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::{Extremes, MatrixPose};
+use clearance_proximity::{Effort, Front, Scratch, Separation};
+
+use super::pair::{Pair, Roughly};
+
+/// How far (m) beyond what was asked a pair's distance is looked for, to know it for some states to come.
+const LOOK_AHEAD: f64 = 0.03;
+
+/// How much farther (m) than the nearest triangles others are kept that may become the nearest.
+const FRONT: f64 = 0.015;
+
+/// States for which a front must be enough to have been worth collecting.
+const WORTH: u32 = 8;
+
+/// States after which collecting is tried once more where it was never worth it.
+const LONGEST_PAUSE: u32 = 1024;
+
+/// Rounding (relative to the coordinates that enter) granted to remembered points.
+const ROUNDING: f64 = 1e-13;
+
+/// What is known about a pair; distances are those of the bodies, no padding taken off.
+#[derive(Clone, Debug)]
+pub(super) struct Memory {
+    pose_ab: MatrixPose,
+    /// The bodies were not nearer than this (m) at that pose.
+    lower: f64,
+    /// The answer at that pose, if one was looked for.
+    found: Option<Separation>,
+    /// Points of the bodies that were near each other at that pose.
+    near_points: Option<PointPair>,
+    /// How much (m) of a tolerance was left at the last state, and whether that hardly lasts for the next.
+    left: f64,
+    is_due: bool,
+    front: Front,
+    /// States for which the front has been enough.
+    served: u32,
+    /// States until the next front is collected, and how many they were the last time.
+    pause: u32,
+    last_pause: u32,
+    /// What searches have cost since the last front was collected, and what that had cost.
+    searching: u64,
+    collecting: u64,
+    /// Whether a front is to be collected in the time until the next state.
+    awaits_front: bool,
+    /// States until the exact distance is tried for again, and how many they were the last time.
+    given_up: u32,
+    last_given_up: u32,
+}
+
+impl Memory {
+    /// What was found at the pair's pose when it was looked for up to `limit` (m).
+    fn new(pair: &Pair, limit: f64, found: Option<Separation>) -> Self {
+        let lower = found.map_or(limit, |f| f.distance);
+        let near_points = found.map(|f| f.witness_points);
+        Self {
+            pose_ab: pair.pose_ab,
+            lower,
+            found,
+            near_points,
+            left: f64::INFINITY,
+            is_due: false,
+            front: Front::default(),
+            served: 0,
+            pause: 0,
+            last_pause: WORTH,
+            searching: 0,
+            collecting: 0,
+            awaits_front: false,
+            given_up: 0,
+            last_given_up: 0,
+        }
+    }
+
+    /// Whether it is time to try for the exact distance, which cost too much the last times; asked once a state.
+    pub fn tries_exactly(&mut self) -> bool {
+        let tries = self.given_up == 0;
+        self.given_up = self.given_up.saturating_sub(1);
+        tries
+    }
+
+    /// Notes what was found within a tolerance because the exact distance cost too much. It is tried for again after a pause, each
+    /// twice as long as the last.
+    fn give_up(&mut self, pair: &Pair, found: &Roughly) {
+        self.renew(pair, found.lower, None);
+        self.near_points = Some(found.upper.witness_points);
+        (self.left, self.is_due) = (f64::INFINITY, false);
+        self.last_given_up = (2 * self.last_given_up).clamp(1, LONGEST_PAUSE);
+        self.given_up = self.last_given_up;
+    }
+
+    /// As [`Self::new`], but keeps the front, and points that were near where no nearer ones were found.
+    fn renew(&mut self, pair: &Pair, limit: f64, found: Option<Separation>) {
+        let near = found.or_else(|| self.near_points_at(&pair.pose_ab));
+        self.near_points = near.map(|near| near.witness_points);
+        self.pose_ab = pair.pose_ab;
+        self.lower = found.map_or(limit, |f| f.distance);
+        self.found = found;
+    }
+
+    /// Lets a front go that was not enough. If it was for few states, others would be too: where bodies move fast, or much of them
+    /// is about equally near. The next one is collected after a pause, each twice as long as the last.
+    fn drop_front(&mut self) {
+        if !self.front.is_collected() {
+            return;
+        }
+        self.front.clear();
+        self.last_pause = if self.served < WORTH { (2 * self.last_pause).min(LONGEST_PAUSE) } else { WORTH };
+        self.pause = if self.served < WORTH { self.last_pause } else { 0 };
+    }
+
+    /// Has a front collected until the next state, unless the last ones were for nothing, or searches have not cost yet what the last
+    /// one has.
+    fn wish_for_front(&mut self, pair: &Pair, effort: &Effort, scratch: &mut Scratch) {
+        if self.awaits_front {
+            // nobody took the time
+            if effort.exact_cost == 0 {
+                self.collect_awaited(pair, u64::MAX, scratch);
+            }
+        } else if self.pause > 0 {
+            self.pause -= 1;
+        } else {
+            self.awaits_front = self.searching >= self.collecting;
+        }
+    }
+
+    /// Collects the front that is awaited, if there is one, where the pair was found, unless it costs more than `most`.
+    fn collect_awaited(&mut self, pair: &Pair, most: u64, scratch: &mut Scratch) {
+        let found = self.found.filter(|_| self.awaits_front && self.pose_ab == pair.pose_ab);
+        let Some(found) = found else { return };
+        let before = scratch.work.cost();
+        self.front.collect(pair.bodies, &pair.pose_ab, &found, (found.distance + FRONT, most), scratch);
+        self.collecting = scratch.work.cost() - before;
+        (self.searching, self.served, self.awaits_front) = (0, 0, false);
+    }
+
+    /// Whether the time until the next state is well spent on the pair.
+    pub fn is_due(&self) -> bool {
+        self.is_due || self.awaits_front
+    }
+
+    /// A number never larger than the bodies' distance (m) at another pose: by either's motion in the frame of the other.
+    pub fn lower_at(&self, pair: &Pair) -> f64 {
+        let (from, to) = (&self.pose_ab, &pair.pose_ab);
+        let of_b = pair.bodies.1.bounding_sphere().displacement(from, to);
+        let of_a = pair.bodies.0.bounding_sphere().displacement(&from.inverse(), &to.inverse());
+        self.lower - of_a.lesser(of_b) - CONTACT_DISTANCE
+    }
+
+    /// Whether the nearest points were found.
+    pub fn was_near(&self) -> bool {
+        self.found.is_some()
+    }
+
+    /// How far apart points are at another pose that were near, in the frame of a.
+    fn near_points_at(&self, pose_ab: &MatrixPose) -> Option<Separation> {
+        let [on_a, on_b] = self.near_points?;
+        let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
+        Some(Separation { distance: nalgebra::distance(&on_a, &moved), witness_points: [on_a, moved] })
+    }
+
+    /// Points of the bodies that are near each other, by which a search may begin; `None` if the bodies are proven farther apart than
+    /// `limit` (m), which is remembered.
+    fn near_points_within(&mut self, limit: f64, pair: &Pair, scratch: &mut Scratch) -> Option<Separation> {
+        let known = self.near_points_at(&pair.pose_ab);
+        if let Some(near) = known.filter(|near| hardly_less_than(near) <= limit) {
+            return Some(near);
+        }
+        // a bound that is no more than was asked would run out in the next state
+        let farther = limit + LOOK_AHEAD;
+        let roughly = Effort { absolute_tolerance: LOOK_AHEAD / 2.0, ..Effort::default() };
+        let far = pair.separation_bounds(farther, &roughly, scratch);
+        if far.lower <= limit {
+            return far.upper;
+        }
+        self.renew(pair, far.lower, None);
+        self.near_points = far.upper.map(|upper| upper.witness_points).or(self.near_points);
+        None
+    }
+}
+
+/// What the bodies' distance (m) is hardly larger than, points of which are that near: those told next to contact may lie a little off
+/// their bodies, so a search within this may find nothing.
+fn hardly_less_than(near: &Separation) -> f64 {
+    let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
+    near.distance + ROUNDING * reach + CONTACT_DISTANCE
+}
+
+impl Pair<'_> {
+    /// Does for the next state what can be done until it comes, where the pair is now; a front may cost as much as `most`.
+    pub fn prepare(
+        &self,
+        limit: f64,
+        (effort, most): (&Effort, u64),
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) {
+        if let Some(known) = memory.as_mut().filter(|_| most > 0) {
+            known.collect_awaited(self, most, scratch);
+        }
+        if !effort.is_exact() && memory.as_ref().is_some_and(|known| known.is_due) {
+            let effort = &Effort { exact_cost: 0, ..*effort };
+            self.renew_bounds(limit, effort, memory, scratch);
+        }
+    }
+
+    /// As [`Pair::touches`], with what is remembered.
+    pub fn touches_remembering(&self, memory: &mut Option<Memory>, scratch: &mut Scratch) -> bool {
+        let padding = self.info.padding;
+        match memory {
+            Some(known) if known.lower_at(self) > padding => return false,
+            // what touched probably touches still, and to look further would be for nothing
+            Some(known) if known.lower > padding => {}
+            _ => {
+                let touches = self.touches(scratch);
+                if touches || memory.is_none() {
+                    *memory = Some(Memory::new(self, if touches { 0.0 } else { padding }, None));
+                    return touches;
+                }
+            }
+        }
+        let found = self.separation_remembering((padding, 0), memory, scratch);
+        found.is_some_and(|found| found.distance <= padding)
+    }
+
+    /// As [`Pair::separation`], with what is remembered, in a state whose distances are exact until it has cost so much, if not 0.
+    pub fn separation_remembering(
+        &self,
+        (limit, exact_cost): (f64, u64),
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) -> Option<Separation> {
+        let exactly = Effort { exact_cost, ..Effort::default() };
+        let found = self.separation_remembering_while(limit, &exactly, memory, scratch);
+        // with no tolerance nothing is told roughly
+        found.unwrap_or_else(|_| self.separation(limit, scratch))
+    }
+
+    /// As [`Pair::separation_while`], with what is remembered.
+    pub fn separation_remembering_while(
+        &self,
+        limit: f64,
+        effort: &Effort,
+        memory: &mut Option<Memory>,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Separation>, Roughly> {
+        let limit = limit.greater(CONTACT_DISTANCE);
+        let Some(known) = memory else {
+            let found = self.separation_while(limit, effort, scratch);
+            let known = memory.insert(Memory::new(self, limit, found.ok().flatten()));
+            return found.inspect_err(|roughly| known.give_up(self, roughly));
+        };
+        if known.lower_at(self) > limit {
+            return Ok(None);
+        }
+        if known.pose_ab == self.pose_ab
+            && let Some(found) = known.found
+        {
+            return Ok((found.distance <= limit).then_some(found));
+        }
+        if let Some(found) = known.front.distance(self.bodies, &self.pose_ab, limit, scratch) {
+            known.renew(self, limit, found);
+            known.served = known.served.saturating_add(1);
+            return Ok(found);
+        }
+        known.drop_front();
+        let before = scratch.work.cost();
+        let Some(near) = known.near_points_within(limit, self, scratch) else { return Ok(None) };
+        let found = match self.separation_below_while((&near, hardly_less_than(&near)), effort, scratch) {
+            Ok(None) => self.separation_while(limit, effort, scratch),
+            found => found,
+        };
+        let found = found.inspect_err(|roughly| known.give_up(self, roughly))?;
+        known.renew(self, limit, found);
+        known.last_given_up = 0;
+        known.searching += scratch.work.cost() - before;
+        let Some(found) = found.filter(|found| found.distance <= limit) else { return Ok(None) };
+        if found.distance > 0.0 {
+            known.wish_for_front(self, effort, scratch);
+        } else {
+            known.awaits_front = false;
+        }
+        Ok(Some(found))
+    }
+}

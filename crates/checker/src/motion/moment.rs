@@ -1,0 +1,180 @@
+//! One pair in the middle of an interval: how far apart, and how much nearer it can come on the way to either end.
+
+use clearance_geometry::constants::MOTION_SLACK;
+use clearance_geometry::math::{Extremes, MatrixPose, UnitVector, Vector};
+use clearance_geometry::simd::dispatch;
+use clearance_motion::{MotionSegment, MovingObstacle};
+use clearance_proximity::Scratch;
+use clearance_robot::{Approach, Deviation, Deviations, PlacedFrame, Reach, SideMotion};
+
+use crate::Body;
+use crate::bodies::Rider;
+use crate::collision_checker::CollisionChecker;
+use crate::nearby::capsule_bound;
+use crate::numbers::PairNumber;
+use crate::pair::Pair;
+
+/// The positions of a segment around a moment.
+struct Around<'s> {
+    segment: &'s MotionSegment,
+    middle: f64,
+    half_width: f64,
+}
+
+impl Deviations for Around<'_> {
+    #[inline]
+    fn of(&self, position: usize) -> Deviation {
+        self.segment.deviation(position, self.middle, self.half_width)
+    }
+
+    fn half_width(&self) -> f64 {
+        self.half_width
+    }
+
+    fn turn(&self, first: usize) -> Option<(UnitVector, f64)> {
+        self.segment.turn_of(first)
+    }
+}
+
+/// How positions deviate in an interval.
+pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl Deviations + '_ {
+    Around { segment, middle: 0.5 * (from + to), half_width: 0.5 * (to - from) }
+}
+
+/// A pair in the middle of an interval.
+pub struct Moment<'c> {
+    pub pair: Pair<'c>,
+    pub approach: Approach,
+    /// A number (m) never larger than the bodies' distance, padding not taken off, by their capsules.
+    pub lower: f64,
+}
+
+/// A pair where it is at one moment, and all it reaches.
+pub struct PlacedPair<'c> {
+    pub pair: Pair<'c>,
+    reaches: [Reach; 2],
+}
+
+impl CollisionChecker {
+    /// Pair number `index` at t.
+    pub(super) fn placed_pair<'c>(
+        &'c self,
+        index: usize,
+        segment: &MotionSegment,
+        t: f64,
+        frames: &mut [PlacedFrame],
+        positions: &mut [f64],
+        scratch: &Scratch,
+    ) -> PlacedPair<'c> {
+        let (info, between) = (self.info(index), self.between(index));
+        segment.positions_at(t, positions);
+        dispatch!(scratch.level(), simd => self.chain.frames_between(simd, &between, positions, frames));
+        let a = &self.riders[info.bodies.0];
+        let pose_ra = MatrixPose::from(&frames[a.body]);
+        let (solid, pose_rb, reach) = if let Body::Obstacle(_) = info.ids.1 {
+            let b = self.obstacles.at(info.bodies.1);
+            match self.mover(segment, index) {
+                Some(mover) => {
+                    let pose = MatrixPose::from(&(mover.displacement(t) * b.pose()));
+                    (&b.solid, pose, b.reach_at(&pose))
+                }
+                None => (&b.solid, b.pose_ro, b.reach),
+            }
+        } else {
+            let b = &self.riders[info.bodies.1];
+            let pose = MatrixPose::from(&frames[b.body]);
+            (&b.solid, pose, b.reach_at(&pose))
+        };
+        PlacedPair {
+            reaches: [a.reach_at(&pose_ra), reach],
+            pair: Pair { info, bodies: (&a.solid, solid), pose_ra, pose_ab: pose_ra.relative(&pose_rb) },
+        }
+    }
+
+    /// Pair number `index` at `middle`, and what it can do within `half_width` of it.
+    pub(super) fn moment<'c>(
+        &'c self,
+        index: usize,
+        segment: &MotionSegment,
+        (middle, half_width): (f64, f64),
+        frames: &mut [PlacedFrame],
+        positions: &mut [f64],
+        scratch: &Scratch,
+    ) -> Moment<'c> {
+        let PlacedPair { pair, reaches } =
+            self.placed_pair(index, segment, middle, frames, positions, scratch);
+        let around = Around { segment, middle, half_width };
+        let between = self.between(index);
+        let mover = self.mover(segment, index);
+        let lower = if reaches.iter().all(|reach| reach.radius.is_finite()) {
+            capsule_bound(&reaches)
+        } else {
+            pair.bodies.0.sphere_bound(pair.bodies.1, &pair.pose_ab)
+        };
+        let reaches = moving_reaches(reaches);
+        let side = |i: usize| self.chain.side_motion(between.side(i), &reaches[i], frames, &around);
+        let second = match mover {
+            Some(mover) => of_obstacle(mover, &reaches[1], &around),
+            None => side(1),
+        };
+        let approach = Approach::new(&[side(0), second], &reaches, half_width, segment.size());
+        Moment { pair, approach, lower }
+    }
+
+    /// How the obstacle of a pair moves, if it does.
+    fn mover<'s>(&self, segment: &'s MotionSegment, index: usize) -> Option<&'s MovingObstacle> {
+        if segment.obstacles().is_empty() {
+            return None;
+        }
+        let PairNumber::WithObstacle { place, .. } = self.number(index) else { return None };
+        let name = self.obstacles.at(place).name();
+        segment.obstacles().iter().find(|mover| mover.name == name)
+    }
+
+    /// The places of obstacles that move, ascending.
+    pub(super) fn moving_places(&self, segment: &MotionSegment) -> Vec<usize> {
+        let ids = segment.obstacles().iter().filter_map(|mover| self.world().id(&mover.name));
+        let mut places: Vec<_> = ids.map(|id| id.0 as usize).collect();
+        places.sort_unstable();
+        places
+    }
+}
+
+/// Where points have to be followed when bodies of these reaches move: of one that has no end, where the other is.
+fn moving_reaches([a, b]: [Reach; 2]) -> [Reach; 2] {
+    match (a.radius.is_finite(), b.radius.is_finite()) {
+        (true, false) => [a, a],
+        (false, true) => [b, b],
+        _ => [a, b],
+    }
+}
+
+/// How an obstacle moves: a turn about its centre, which shifts.
+fn of_obstacle(mover: &MovingObstacle, reach: &Reach, around: &Around) -> SideMotion {
+    let mut motion = SideMotion::default();
+    let (linear, angular) = (Vector::from(mover.linear), Vector::from(mover.angular));
+    let centre = Vector::from(mover.centre) + linear * around.middle;
+    let deviation = |velocity: f64| Deviation {
+        velocity,
+        most: around.half_width * velocity.abs(),
+        ..Deviation::default()
+    };
+    if let Some(axis) = UnitVector::try_new(angular, 0.0) {
+        motion.turn(&axis, &centre, &deviation(angular.norm()), reach);
+    }
+    motion.shift(linear, &deviation(linear.norm()));
+    motion
+}
+
+impl Rider {
+    /// Its capsule, seen from outside.
+    pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
+        self.capsule.reach_at(pose)
+    }
+
+    /// How far (m) it reaches from its body's origin.
+    pub fn reach(&self) -> f64 {
+        let ends = [self.capsule.a, self.capsule.b].map(|p| p.coords.norm());
+        (ends[0].greater(ends[1]) + self.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK
+    }
+}

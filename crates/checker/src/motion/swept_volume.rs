@@ -1,0 +1,58 @@
+//! Volumes around what a robot sweeps over during a motion.
+
+use clearance_geometry::math::Point;
+use clearance_geometry::simd::dispatch;
+use clearance_motion::MotionSegment;
+
+use super::moment::of_whole_interval;
+use crate::Body;
+use crate::collision_checker::CollisionChecker;
+use crate::workspace::Workspace;
+
+/// All that a link or an attached object touches from one t to another lies within `radius` of the line from `a` to `b` (root frame, metres): its
+/// capsule in the middle of the interval, grown by the farthest that any of it moves on the way to either end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweptVolume {
+    pub body: Body,
+    pub t: [f64; 2],
+    pub a: Point,
+    pub b: Point,
+    pub radius: f64,
+}
+
+impl CollisionChecker {
+    /// The volumes of all links and attached objects with geometry, in intervals of even length; more intervals make smaller volumes. Padding is not
+    /// part of them, and what holds a plane, which sweeps over everything, has none.
+    #[must_use]
+    pub fn swept_volumes(
+        &self,
+        segment: &MotionSegment,
+        intervals: usize,
+        workspace: &mut Workspace,
+    ) -> Vec<SweptVolume> {
+        self.suit(workspace);
+        let mut positions = vec![0.0; segment.position_count()];
+        let mut volumes = Vec::new();
+        for interval in 0..intervals.max(1) {
+            #[allow(clippy::cast_precision_loss)] // small numbers
+            let end = |i: usize| i as f64 / intervals.max(1) as f64;
+            let t = [end(interval), end(interval + 1)];
+            segment.positions_at(0.5 * (t[0] + t[1]), &mut positions);
+            let bounded = self.riders.iter().filter(|rider| rider.capsule.radius.is_finite());
+            for rider in bounded {
+                let between = self.ways_to_root.to_root(rider.body);
+                let frames = &mut workspace.frames;
+                dispatch!(workspace.scratch.level(), simd => {
+                    self.chain.frames_between(simd, &between, &positions, frames);
+                });
+                let reach = rider.reach_at(&(&frames[rider.body]).into());
+                let motion = of_whole_interval(segment, t);
+                let moved = self.chain.side_motion(between.side(0), &reach, frames, &motion);
+                let [a, b] = reach.ends.map(Point::from);
+                let radius = (reach.radius + moved.way + moved.off) * (1.0 + 1e-9) + 1e-9;
+                volumes.push(SweptVolume { body: rider.id, t, a, b, radius });
+            }
+        }
+        volumes
+    }
+}

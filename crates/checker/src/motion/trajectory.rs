@@ -1,0 +1,118 @@
+//! Segments one after the other, and the gaps between those that do not join exactly.
+
+use clearance_motion::{Join, MotionSegment, Trajectory, join};
+use clearance_proximity::Work;
+
+use super::report::{MotionOptions, MotionReport, MotionVerdict, UndecidedReason};
+use crate::collision_checker::CollisionChecker;
+use crate::workspace::Workspace;
+
+/// The answer about a trajectory: that about its first segment that is not free, if there is one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrajectoryReport {
+    pub verdict: MotionVerdict,
+    /// The segment that the verdict is about; the last one if all are free.
+    pub segment: usize,
+    /// Seconds from the start: free before the first, proven. `None` if the trajectory is free or has no times.
+    pub time: Option<[f64; 2]>,
+    pub looks: u64,
+    pub work: Work,
+}
+
+impl TrajectoryReport {
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.verdict == MotionVerdict::Free
+    }
+}
+
+impl CollisionChecker {
+    /// Whether a trajectory is free: all of its segments proven, or what is with the first that is not.
+    #[must_use]
+    pub fn check_trajectory(
+        &self,
+        trajectory: &Trajectory,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> TrajectoryReport {
+        each_segment(trajectory, options, |stretch| match stretch {
+            Stretch::Segment(segment) => self.check_motion_with(segment, options, workspace),
+            Stretch::Gap(gap) => self.prove(gap, options, workspace, false).0,
+        })
+    }
+}
+
+/// Checks one segment after the other until one is not free; `check` is called for gaps between segments, too.
+pub(super) fn each_segment(
+    trajectory: &Trajectory,
+    options: &MotionOptions,
+    mut check: impl FnMut(Stretch) -> MotionReport,
+) -> TrajectoryReport {
+    let (mut looks, mut work) = (0, Work::default());
+    let segments = trajectory.segments();
+    for (i, segment) in segments.iter().enumerate() {
+        let gap = if i == 0 { None } else { check_gap([&segments[i - 1], segment], &mut check) };
+        if let Some(report) = &gap {
+            looks += report.looks;
+            work += report.work;
+        }
+        let report = match (gap.filter(|report| !report.is_free()), options.stopped_by()) {
+            (Some(open), _) => MotionReport { looks: 0, work: Work::default(), ..open },
+            (None, Some(reason)) => MotionReport::not_looked_at(reason),
+            (None, None) => check(Stretch::Segment(segment)),
+        };
+        looks += report.looks;
+        work += report.work;
+        let t = match report.verdict {
+            MotionVerdict::Free => {
+                if let Some(watch) = &options.watch {
+                    watch.note_free(i + 1);
+                }
+                continue;
+            }
+            MotionVerdict::Contact { t, .. } | MotionVerdict::Undecided { t, .. } => t,
+        };
+        let time = trajectory.time(i, t[0]).zip(trajectory.time(i, t[1])).map(|(lo, hi)| [lo, hi]);
+        return TrajectoryReport { verdict: report.verdict, segment: i, time, looks, work };
+    }
+    let segment = trajectory.segments().len().saturating_sub(1);
+    TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
+}
+
+/// A stretch of a trajectory that is to be checked.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Stretch<'t> {
+    Segment(&'t MotionSegment),
+    /// Between two segments: nothing of it stands in a certificate, since a verifier proves it by itself.
+    Gap(&'t MotionSegment),
+}
+
+/// The report about the gap between two segments, as one about the start of the second; `None` if they join exactly.
+fn check_gap(
+    [before, after]: [&MotionSegment; 2],
+    check: &mut impl FnMut(Stretch) -> MotionReport,
+) -> Option<MotionReport> {
+    let undecided =
+        |pair, distance, reason| MotionVerdict::Undecided { t: [0.0, 0.0], pair, distance, reason };
+    let report = match join(before, after) {
+        Ok(Join::Exact) => return None,
+        Ok(Join::Gap(gap)) => check(Stretch::Gap(&gap)),
+        Err(_) => {
+            let mut report = MotionReport::not_looked_at(UndecidedReason::Mismatch);
+            report.verdict = undecided(None, [0.0, f64::INFINITY], UndecidedReason::Mismatch);
+            return Some(report);
+        }
+    };
+    let is_loose = before.is_loose() || after.is_loose();
+    let verdict = match report.verdict {
+        MotionVerdict::Free => MotionVerdict::Free,
+        // neither segment touches anywhere
+        MotionVerdict::Contact { pair, .. } => undecided(Some(pair), [0.0; 2], UndecidedReason::Tolerance),
+        MotionVerdict::Undecided { pair, distance, reason, .. } => {
+            // the gap's own tolerance is that of rounding
+            let by_rounding = reason == UndecidedReason::Tube && !is_loose;
+            undecided(pair, distance, if by_rounding { UndecidedReason::Tolerance } else { reason })
+        }
+    };
+    Some(MotionReport { verdict, ..report })
+}

@@ -1,0 +1,281 @@
+//! Which pairs are checked, with the reason for each that is not.
+
+use std::sync::Arc;
+
+use clearance_robot::{LinkId, RobotModel};
+use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::{AttachedId, ObstacleId, World};
+
+use super::report::Body;
+
+/// The pairs to check, and how many were left out and why.
+///
+/// The robot's parts are its links and what they carry. Pairs of them are listed; which part is checked against which
+/// obstacle is a table, so that an obstacle can come and go without the others being touched.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PairList {
+    /// Parts that have geometry.
+    parts: Vec<Part>,
+    self_pairs: Vec<(Body, Body)>,
+    /// By obstacle's place: by part, whether they are checked. `None` at gaps.
+    checked: Vec<Option<Arc<[bool]>>>,
+    /// For obstacles that the matrix says nothing of.
+    usual: Arc<[bool]>,
+    world_count: usize,
+    skipped: [usize; SkipReason::ALL.len()],
+    rules: PairRules,
+    checks_world: bool,
+}
+
+/// Source of the decision which pairs are skipped; the first of these that exists.
+#[derive(Clone, Debug, Default, PartialEq)]
+enum PairRules {
+    /// The allowed collision matrix of a planning scene.
+    Scene(AllowedCollisionMatrix),
+    /// The matrix that the SRDF describes.
+    Srdf(AllowedCollisionMatrix),
+    /// Adjacency of rigid bodies.
+    #[default]
+    Adjacency,
+}
+
+impl PairRules {
+    fn new(robot: &RobotModel, scene: Option<&AllowedCollisionMatrix>) -> Self {
+        match (scene, robot.srdf()) {
+            (Some(scene), _) => Self::Scene(scene.clone()),
+            (None, Some(_)) => Self::Srdf(AllowedCollisionMatrix::from_srdf(robot)),
+            (None, None) => Self::Adjacency,
+        }
+    }
+
+    fn matrix(&self) -> Option<&AllowedCollisionMatrix> {
+        match self {
+            Self::Scene(matrix) | Self::Srdf(matrix) => Some(matrix),
+            Self::Adjacency => None,
+        }
+    }
+
+    /// The reason why the matrix allows contact of two bodies, if it does.
+    fn why_allowed(&self, a: &str, b: &str) -> Option<SkipReason> {
+        let matrix = self.matrix().filter(|matrix| matrix.allows(a, b))?;
+        Some(match self {
+            Self::Srdf(_) if matrix.has_entry(a, b) => SkipReason::Disabled,
+            Self::Srdf(_) => SkipReason::DisabledByDefault,
+            Self::Scene(_) | Self::Adjacency => SkipReason::Allowed,
+        })
+    }
+
+    /// The reason why pairs with an obstacle are skipped: the SRDF has no entries for obstacles, only defaults of links.
+    fn world_reason(&self) -> SkipReason {
+        match self {
+            Self::Srdf(_) => SkipReason::DisabledByDefault,
+            Self::Scene(_) | Self::Adjacency => SkipReason::Allowed,
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Part {
+    body: Body,
+    name: String,
+}
+
+/// Why a pair is not checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkipReason {
+    /// The links are joined by fixed joints only, or carry the two objects.
+    SameRigidBody,
+    /// The links' rigid bodies are joined by one moving joint, and there is no SRDF to say otherwise.
+    Adjacent,
+    /// The SRDF disables the pair.
+    Disabled,
+    /// The SRDF disables collisions of one of the bodies with everything that it does not enable.
+    DisabledByDefault,
+    /// The planning scene's allowed collision matrix allows contact.
+    Allowed,
+    /// The link carries the attached object, or is one of its touch links.
+    Touches,
+}
+
+impl SkipReason {
+    pub const ALL: [Self; 6] = [
+        Self::SameRigidBody,
+        Self::Adjacent,
+        Self::Disabled,
+        Self::DisabledByDefault,
+        Self::Allowed,
+        Self::Touches,
+    ];
+}
+
+impl std::fmt::Display for SkipReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::SameRigidBody => "same rigid body",
+            Self::Adjacent => "adjacent rigid bodies (no SRDF)",
+            Self::Disabled => "disabled by the SRDF",
+            Self::DisabledByDefault => "disabled by the SRDF's disable_default_collisions",
+            Self::Allowed => "allowed by the collision matrix",
+            Self::Touches => "may touch the attached object",
+        })
+    }
+}
+
+impl PairList {
+    /// Pairs of links and attached objects that have geometry, and of those with obstacles.
+    ///
+    /// A scene's matrix replaces the SRDF's, as in MoveIt; without either, adjacent rigid bodies are skipped. Default entries of
+    /// either matrix hold for links, attached objects and obstacles alike. Attached objects are checked against all links but those that may touch them, and against each other
+    /// unless one link carries both.
+    #[must_use]
+    pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
+        let links = robot.link_ids().filter(|l| !robot.link(*l).collisions.is_empty());
+        let links = links.map(|l| Part { body: Body::Link(l), name: robot.link(l).name.clone() });
+        let attached = (0..).map(AttachedId).zip(world.attached());
+        let attached = attached.map(|(id, o)| Part { body: Body::Attached(id), name: o.name.clone() });
+        let parts: Vec<Part> = links.chain(attached).collect();
+        let rules = PairRules::new(robot, scene);
+        let usual = (parts.iter())
+            .map(|part| !rules.matrix().is_some_and(|matrix| matrix.allows_by_default(&part.name)))
+            .collect();
+        let mut list = Self { parts, usual, rules, checks_world: true, ..Self::default() };
+        list.add_self_pairs(robot, world);
+        for id in (0..).map(ObstacleId).take(world.place_count()) {
+            list.set_obstacle(id, world.place(id).map(|obstacle| obstacle.name.as_str()));
+        }
+        list
+    }
+
+    fn add_self_pairs(&mut self, robot: &RobotModel, world: &World) {
+        for (i, a) in self.parts.iter().enumerate() {
+            for b in &self.parts[i + 1..] {
+                match why_skipped(robot, world, [a, b], &self.rules) {
+                    Some(reason) => self.skipped[reason as usize] += 1,
+                    None => self.self_pairs.push((a.body, b.body)),
+                }
+            }
+        }
+    }
+
+    /// Notes that an obstacle of this name is at a place, or none.
+    pub(super) fn set_obstacle(&mut self, id: ObstacleId, name: Option<&str>) {
+        let place = id.0 as usize;
+        if self.checked.len() <= place {
+            self.checked.resize(place + 1, None);
+        }
+        let reason = self.rules.world_reason() as usize;
+        if let Some(before) = self.checked[place].take() {
+            let checked = before.iter().filter(|checked| **checked).count();
+            self.world_count -= checked;
+            self.skipped[reason] -= before.len() - checked;
+        }
+        if !self.checks_world {
+            return;
+        }
+        let Some(name) = name else { return };
+        let row = match self.rules.matrix().filter(|matrix| matrix.mentions(name)) {
+            Some(matrix) => self.parts.iter().map(|part| !matrix.allows(&part.name, name)).collect(),
+            None => Arc::clone(&self.usual),
+        };
+        let checked = row.iter().filter(|checked| **checked).count();
+        self.world_count += checked;
+        self.skipped[reason] += row.len() - checked;
+        self.checked[place] = Some(row);
+    }
+
+    #[must_use]
+    pub fn self_pairs(&self) -> &[(Body, Body)] {
+        &self.self_pairs
+    }
+
+    /// Pairs of links alone, without what they carry.
+    pub fn link_pairs(&self) -> impl Iterator<Item = (LinkId, LinkId)> {
+        self.self_pairs.iter().filter_map(|pair| match *pair {
+            (Body::Link(a), Body::Link(b)) => Some((a, b)),
+            _ => None,
+        })
+    }
+
+    /// Pairs of a part of the robot and an obstacle, the part's first.
+    pub fn world_pairs(&self) -> impl Iterator<Item = (Body, ObstacleId)> {
+        self.parts.iter().enumerate().flat_map(move |(i, part)| {
+            let rows = (0..).map(ObstacleId).zip(&self.checked);
+            rows.filter(move |(_, row)| row.as_ref().is_some_and(|row| row[i]))
+                .map(move |(id, _)| (part.body, id))
+        })
+    }
+
+    /// Links and attached objects that have geometry.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Body> {
+        self.parts.iter().map(|part| part.body)
+    }
+
+    /// Whether a part, by its number among those with geometry, is checked against an obstacle.
+    #[inline]
+    pub(super) fn checks(&self, part: usize, obstacle: ObstacleId) -> bool {
+        self.checked.get(obstacle.0 as usize).is_some_and(|row| row.as_ref().is_some_and(|row| row[part]))
+    }
+
+    /// Number of pairs that are checked.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.self_pairs.len() + self.world_count
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of pairs of a part and an obstacle that are checked.
+    #[must_use]
+    pub fn world_len(&self) -> usize {
+        self.world_count
+    }
+
+    /// Why pairs are left out, and how many for each reason that occurs.
+    pub fn skipped(&self) -> impl Iterator<Item = (SkipReason, usize)> {
+        (SkipReason::ALL.into_iter().zip(self.skipped)).filter(|(_, count)| *count > 0)
+    }
+
+    /// Leaves out all pairs of parts, or all pairs with obstacles.
+    pub(super) fn restricted(mut self, check_self: bool, check_world: bool) -> Self {
+        if !check_self {
+            self.self_pairs.clear();
+        }
+        if !check_world {
+            self.checks_world = false;
+            self.world_count = 0;
+            self.checked.fill(None);
+        }
+        self
+    }
+}
+
+/// Why two parts are not checked, if they are not.
+fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &PairRules) -> Option<SkipReason> {
+    let [a, b] = pair;
+    let allowed = || rules.why_allowed(&a.name, &b.name);
+    match (a.body, b.body) {
+        (Body::Link(link_a), Body::Link(link_b)) => {
+            if robot.same_rigid_body(link_a, link_b) {
+                return Some(SkipReason::SameRigidBody);
+            }
+            match rules {
+                PairRules::Adjacency => {
+                    robot.adjacent_rigid_bodies(link_a, link_b).then_some(SkipReason::Adjacent)
+                }
+                PairRules::Scene(_) | PairRules::Srdf(_) => allowed(),
+            }
+        }
+        (Body::Attached(id), Body::Attached(other)) => {
+            let same = world.attached_object(id).link == world.attached_object(other).link;
+            if same { Some(SkipReason::SameRigidBody) } else { allowed() }
+        }
+        (Body::Link(_), Body::Attached(id)) => {
+            let may_touch = world.attached_object(id).may_touch(&a.name);
+            if may_touch { Some(SkipReason::Touches) } else { allowed() }
+        }
+        _ => None,
+    }
+}

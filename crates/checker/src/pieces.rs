@@ -1,0 +1,228 @@
+//! The world in pieces, and the trees by which those near a part are found.
+
+use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8};
+use clearance_proximity::Piece;
+use clearance_proximity::bvh::{AxisBox, Child, DynamicTree, EightBoxes};
+
+use super::reachable::Reachable;
+use super::root_volume::{RootCapsule, RootVolume};
+
+/// Pieces by number, of which each has a place in one of the trees.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pieces {
+    all: Vec<PlacedPiece>,
+    /// Numbers of those that are gone.
+    unused: Vec<u32>,
+    /// By place of obstacle.
+    of_places: Vec<Vec<u32>>,
+    /// Those that the robot may reach in states as expected.
+    within: DynamicTree,
+    /// The others.
+    beyond: DynamicTree,
+    /// Those that have no bounds.
+    pub unbounded: Vec<u32>,
+}
+
+/// A piece of the obstacle at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlacedPiece {
+    pub place: u32,
+    pub piece: Piece,
+    /// With the obstacle's padding.
+    volume: RootVolume,
+}
+
+impl PlacedPiece {
+    /// A number never larger than the padded distance (m) of a padded part; what is no number bounds nothing.
+    #[inline(always)]
+    pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
+        self.volume.lower_bound(part)
+    }
+
+    /// A bit for each of eight padded parts that is not proven to be farther away than `limit` (m).
+    #[inline(always)]
+    pub fn near<S: Simd>(&self, simd: S, parts: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
+        self.volume.near(simd, parts, limit)
+    }
+}
+
+/// A bit in the numbers of nodes of what is beyond.
+const BEYOND: u32 = 1 << 31;
+
+/// Where a piece has its place.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Within,
+    Beyond,
+    Unbounded,
+}
+
+impl Side {
+    fn of(volume: &RootVolume, bounds: &AxisBox, reachable: &Reachable) -> Self {
+        match () {
+            () if !bounds.is_bounded() => Self::Unbounded,
+            () if reachable.meets(volume) => Self::Within,
+            () => Self::Beyond,
+        }
+    }
+}
+
+/// A piece, where it is, and a box around it.
+pub(super) type Placed = (Piece, RootVolume, AxisBox);
+
+impl Pieces {
+    /// The pieces of obstacles by place.
+    pub fn new(places: Vec<Vec<Placed>>, reachable: &Reachable) -> Self {
+        let mut pieces = Self::default();
+        let (mut within, mut beyond) = (Vec::new(), Vec::new());
+        for (place, placed) in (0..).zip(places) {
+            let numbers = (placed.into_iter())
+                .map(|(piece, volume, bounds)| {
+                    let number = pieces.take_number(PlacedPiece { place, piece, volume });
+                    match Side::of(&volume, &bounds, reachable) {
+                        Side::Within => within.push((number, bounds)),
+                        Side::Beyond => beyond.push((number, bounds)),
+                        Side::Unbounded => pieces.unbounded.push(number),
+                    }
+                    number
+                })
+                .collect();
+            pieces.of_places.push(numbers);
+        }
+        (pieces.within, pieces.beyond) = (DynamicTree::build(&within), DynamicTree::build(&beyond));
+        pieces
+    }
+
+    /// Puts the pieces of what is now at a place where those of what was there are.
+    pub fn set(&mut self, place: u32, placed: Vec<Placed>, reachable: &Reachable) {
+        let at = place as usize;
+        if self.of_places.len() <= at {
+            self.of_places.resize(at + 1, Vec::new());
+        }
+        let mut before = std::mem::take(&mut self.of_places[at]);
+        before.reverse();
+        let mut numbers = Vec::with_capacity(placed.len());
+        for (piece, volume, bounds) in placed {
+            let made = PlacedPiece { place, piece, volume };
+            let number = match before.pop() {
+                Some(number) => {
+                    self.all[number as usize] = made;
+                    number
+                }
+                None => self.take_number(made),
+            };
+            self.put(number, bounds, Side::of(&volume, &bounds, reachable));
+            numbers.push(number);
+        }
+        for number in before {
+            self.take_out(number);
+            self.unused.push(number);
+        }
+        self.of_places[at] = numbers;
+    }
+
+    #[inline]
+    pub fn at(&self, number: u32) -> &PlacedPiece {
+        &self.all[number as usize]
+    }
+
+    /// How many the robot can not reach in states as expected.
+    #[cfg(test)]
+    pub fn beyond_count(&self) -> usize {
+        self.beyond.len()
+    }
+
+    /// All boxes, each with the number of its piece.
+    pub fn boxes(&self) -> Vec<(u32, AxisBox)> {
+        [self.within.items(), self.beyond.items()].concat()
+    }
+
+    /// Appends those whose boxes overlap one to `found`, and those that have no bounds; returns how many boxes were tested. `stack`
+    /// is scratch.
+    #[inline(always)]
+    pub fn find<S: Simd>(&self, simd: S, with: &AxisBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) -> u64 {
+        found.extend_from_slice(&self.unbounded);
+        let within = self.within.find_overlapping(simd, with, stack, found);
+        within + self.beyond.find_overlapping(simd, with, stack, found)
+    }
+
+    /// The same of those of eight boxes whose bits are set in `among`: each with a bit for every box that it overlaps. Of a state as
+    /// expected only what the robot may reach is looked at.
+    #[inline(always)]
+    pub fn find_any<S: Simd>(
+        &self,
+        simd: S,
+        (with, among): (&EightBoxes, u8),
+        is_as_expected: bool,
+        stack: &mut Vec<(u32, u8)>,
+        found: &mut Vec<(u32, u8)>,
+    ) -> u64 {
+        found.extend(self.unbounded.iter().map(|piece| (*piece, among)));
+        let within = self.within.find_overlapping_any(simd, (with, among), stack, found);
+        if is_as_expected {
+            return within;
+        }
+        within + self.find_any_beyond(simd.level(), (with, among), stack, found)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find_any_beyond(
+        &self,
+        level: Level,
+        with: (&EightBoxes, u8),
+        stack: &mut Vec<(u32, u8)>,
+        found: &mut Vec<(u32, u8)>,
+    ) -> u64 {
+        dispatch!(level, simd => self.beyond.find_overlapping_any(simd, with, stack, found))
+    }
+
+    /// The nodes that all others are below.
+    pub fn roots(&self) -> impl Iterator<Item = u32> {
+        self.within.root().into_iter().chain(self.beyond.root().map(|node| node | BEYOND))
+    }
+
+    /// The boxes of a node, and what is in them.
+    pub fn node(&self, number: u32) -> (&EightBoxes, [Child; LANES]) {
+        if number & BEYOND == 0 {
+            let (boxes, children) = self.within.node(number);
+            return (boxes, *children);
+        }
+        let (boxes, children) = self.beyond.node(number & !BEYOND);
+        let beyond = |child: &Child| match *child {
+            Child::Node(node) => Child::Node(node | BEYOND),
+            other => other,
+        };
+        (boxes, children.each_ref().map(beyond))
+    }
+
+    fn put(&mut self, number: u32, bounds: AxisBox, side: Side) {
+        if side != Side::Within {
+            self.within.remove(number);
+        }
+        if side != Side::Beyond {
+            self.beyond.remove(number);
+        }
+        self.unbounded.retain(|other| *other != number);
+        match side {
+            Side::Within => self.within.set(number, bounds),
+            Side::Beyond => self.beyond.set(number, bounds),
+            Side::Unbounded => self.unbounded.push(number),
+        }
+    }
+
+    fn take_out(&mut self, number: u32) {
+        self.within.remove(number);
+        self.beyond.remove(number);
+        self.unbounded.retain(|other| *other != number);
+    }
+
+    fn take_number(&mut self, piece: PlacedPiece) -> u32 {
+        if let Some(number) = self.unused.pop() {
+            self.all[number as usize] = piece;
+            return number;
+        }
+        self.all.push(piece);
+        u32::try_from(self.all.len() - 1).expect("pieces are counted in 32 bits")
+    }
+}

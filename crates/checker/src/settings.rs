@@ -1,0 +1,69 @@
+//! What a user decides about checking.
+
+use std::collections::HashMap;
+
+use clearance_geometry::math::Extremes;
+use clearance_scene::Scene;
+
+/// Choices that hold for every check of one [`CollisionChecker`](super::CollisionChecker).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Safety distance (m) by which every link counts as larger, unless `link_padding` names it.
+    pub padding: f64,
+    /// Safety distance (m) of single links, by name.
+    pub link_padding: HashMap<String, f64>,
+    /// Factors by which the shapes of single links count as larger, by name (`Shape::scaled`).
+    pub link_scale: HashMap<String, f64>,
+    /// Safety distance (m) of single objects against the robot, by name, beside that of its links.
+    pub object_padding: HashMap<String, f64>,
+    /// Factors by which the shapes of single objects count as larger, by name.
+    pub object_scale: HashMap<String, f64>,
+    /// Whether padding counts between links of the robot too. As in MoveIt, by default it counts against the world only.
+    pub pad_self: bool,
+    /// Check links against links.
+    pub check_self: bool,
+    /// Check links against obstacles.
+    pub check_world: bool,
+    /// What a mesh is.
+    pub mesh_model: MeshModel,
+}
+
+impl Settings {
+    /// With what a scene says about links. A scene that pads less than `padding` takes nothing off it: MoveIt lists all links, most of
+    /// them with none.
+    #[must_use]
+    pub fn with_scene(mut self, scene: &Scene) -> Self {
+        let padded = scene.link_padding.iter().filter(|(_, padding)| **padding > 0.0);
+        let padding = self.padding;
+        self.link_padding.extend(padded.map(|(link, own)| (link.clone(), own.greater(padding))));
+        let scaled = scene.link_scale.iter().filter(|(_, scale)| **scale != 1.0);
+        self.link_scale.extend(scaled.map(|(link, scale)| (link.clone(), *scale)));
+        self
+    }
+}
+
+/// Whether what lies wholly inside a closed mesh touches it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MeshModel {
+    /// A mesh is a surface, as in FCL, Coal and MoveIt.
+    #[default]
+    Surface,
+    /// A closed mesh is a solid; an open one stays a surface.
+    Solid,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            padding: 0.0,
+            link_padding: HashMap::new(),
+            link_scale: HashMap::new(),
+            object_padding: HashMap::new(),
+            object_scale: HashMap::new(),
+            pad_self: false,
+            check_self: true,
+            check_world: true,
+            mesh_model: MeshModel::Surface,
+        }
+    }
+}

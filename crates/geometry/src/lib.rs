@@ -1,0 +1,32 @@
+//! What a solid is, in its own frame.
+
+// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+pub mod constants;
+pub mod math;
+pub mod simd;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
+pub mod testing;
+
+mod mesh;
+mod plane;
+mod point_cloud;
+mod primitive;
+mod shape;
+mod solid_mesh;
+mod triangle;
+mod voxels;
+
+pub use mesh::{MeshError, TriangleMesh};
+pub use plane::{Plane, PlaneError};
+pub use point_cloud::{PointCloud, PointCloudError};
+pub use primitive::{Primitive, PrimitiveError};
+pub use shape::{ScaleError, Shape};
+pub use solid_mesh::{ClosedSurface, InsideTest, SolidMesh, SolidRemarks};
+pub use triangle::{
+    PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
+};
+pub use voxels::{Cube, Voxels, VoxelsError};

@@ -1,0 +1,63 @@
+//! Eight numbers at a time: the only module that names the SIMD crate.
+//!
+//! Which instructions are used is decided at run time ([`Level::new`]). Every level gives the same bits: no operation
+//! here fuses, reorders or approximates. What is generic over [`Simd`] must be inlined into the dispatched function to be
+//! compiled for its level; closures and `array::map` are not always, hence plain functions and written-out components.
+
+mod real;
+mod single;
+mod vectors;
+
+#[doc(hidden)]
+pub use fearless_simd;
+pub use fearless_simd::{Level, Simd, f32x4, f32x8, f64x4, f64x8, mask32x8, prelude};
+pub use real::{Real, sin_cos};
+pub use single::Single;
+pub use vectors::Vectors;
+
+use prelude::*;
+
+/// Numbers in a vector.
+pub const LANES: usize = 8;
+
+/// The lowest level of this kind of machine, which every one of them has.
+#[must_use]
+pub fn baseline() -> Level {
+    Level::baseline()
+}
+
+/// An expression compiled for AVX2 and for the baseline of the machine, run at the level that there is. AVX-512 gains little for
+/// vectors of eight f32, slows the scalar code between them, and has compilers that are not ready for it (`math/extremes.rs`).
+#[macro_export]
+macro_rules! dispatch {
+    ($level:expr, $simd:ident => $body:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            match $level.as_avx2() {
+                Some($simd) => $crate::simd::Simd::vectorize($simd, #[inline(always)] || $body),
+                None => {
+                    let $simd = $level.as_sse2().expect("every x86-64 has SSE2");
+                    $crate::simd::Simd::vectorize($simd, #[inline(always)] || $body)
+                }
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        $crate::simd::fearless_simd::dispatch!($level, $simd => $body)
+    }};
+}
+
+pub use crate::dispatch;
+
+/// A bit for each lane that is not proven to lie beyond `limit`; what is no number proves nothing.
+#[inline(always)]
+pub fn not_beyond<S: Simd>(bounds: f32x8<S>, limit: f32) -> u64 {
+    !bounds.simd_gt(limit).to_bitmask()
+}
+
+/// The first eight bits.
+#[inline(always)]
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "the other bits are meant to go")]
+pub fn low_byte(bits: u64) -> u8 {
+    bits as u8
+}

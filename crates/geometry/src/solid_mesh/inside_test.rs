@@ -1,0 +1,46 @@
+//! Which of many points are inside a mesh.
+
+use crate::TriangleMesh;
+use crate::math::Point;
+
+/// Tests points one after the other. Points in one box that is clear of all faces share an answer, so that a cloud beside a mesh costs few
+/// winding numbers. The answers are those of [`TriangleMesh::encloses`].
+#[derive(Debug)]
+pub struct InsideTest<'m> {
+    mesh: &'m TriangleMesh,
+    /// A box that is clear of faces, and whether it is inside.
+    clear: Option<([Point; 2], bool)>,
+    cost: u64,
+}
+
+impl TriangleMesh {
+    /// A test for many points.
+    #[must_use]
+    pub fn inside_test(&self) -> InsideTest<'_> {
+        InsideTest { mesh: self, clear: None, cost: 0 }
+    }
+}
+
+impl InsideTest<'_> {
+    /// Whether a point is inside the mesh as a solid.
+    pub fn encloses(&mut self, point: &Point) -> bool {
+        let (solid, vertices) = (self.mesh.solid(), self.mesh.vertices());
+        self.cost += 1;
+        if let Some((bounds, is_inside)) = &mut self.clear {
+            let grown = [bounds[0].inf(point), bounds[1].sup(point)];
+            if grown == *bounds || solid.is_clear(vertices, &grown, &mut self.cost) {
+                *bounds = grown;
+                return *is_inside;
+            }
+        }
+        let is_inside = solid.contains(vertices, point, &mut self.cost);
+        let own = [*point; 2];
+        self.clear = solid.is_clear(vertices, &own, &mut self.cost).then_some((own, is_inside));
+        is_inside
+    }
+
+    /// Triangles and boxes looked at since this was asked last.
+    pub fn take_cost(&mut self) -> u64 {
+        std::mem::take(&mut self.cost)
+    }
+}

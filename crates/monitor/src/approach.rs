@@ -1,0 +1,119 @@
+//! How fast two bodies approach each other.
+
+use clearance_checker::{Body, CollisionChecker, PairDistance};
+use clearance_geometry::math::{Extremes, Point, Pose, Vector};
+use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
+
+use super::drift::Drift;
+use super::{Evidence, SpeedSettings};
+
+/// How far ahead (s) links are moved by their velocities: far above rounding, far below any curve.
+const STEP: f64 = 1e-5;
+
+/// Points nearer than this (m) have no direction between them.
+const LEAST_DISTANCE: f64 = 1e-9;
+
+/// The way (m) of what approaches that is looked ahead at most.
+const LONGEST_WAY: f64 = 1.0;
+
+/// The distance (m) up to which pairs may slow the robot down: what moves may be nearer once the reaction time is over.
+pub(super) fn slows_within(
+    checker: &CollisionChecker,
+    (configuration, poses): (&Configuration, &LinkPoses),
+    (rates, drifts): (Option<&[f64]>, &[Drift]),
+    settings: &SpeedSettings,
+) -> f64 {
+    let reach = settings.reach();
+    if reach == 0.0 {
+        return reach;
+    }
+    let positions = configuration.positions();
+    let later = |rates: &[f64]| -> Vec<f64> {
+        positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect()
+    };
+    let of_joints = rates.map_or(0.0, |rates| checker.travel(positions, &later(rates)));
+    let moving = drifts.iter().filter(|drift| !drift.is_none());
+    let of_root = moving.map(|drift| drift.farthest(checker.extent(poses), settings.reaction_time));
+    reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_WAY)
+}
+
+/// Where the links are at another time.
+#[derive(Clone, Debug)]
+pub(super) struct OtherTime {
+    pub poses: LinkPoses,
+    /// How much later (s) that is; negative if it is earlier.
+    pub after: f64,
+}
+
+/// A moment later, by the rates of all positions; `None` where these are no rates of the positions.
+pub(super) fn a_moment_later(robot: &RobotModel, evidence: &Evidence) -> Option<OtherTime> {
+    if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
+        return None;
+    }
+    let velocities = evidence.rates.as_ref()?.iter();
+    let moved: Vec<f64> =
+        (evidence.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
+    let moved: Configuration = robot.configuration(&moved).ok()?;
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&moved, &mut poses);
+    Some(OtherTime { poses, after: STEP })
+}
+
+/// By how much (m/s) the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
+///
+/// Obstacles stand still in what they stand in. Of several frames that may be, the one in which the pair approaches fastest counts.
+pub(super) fn approach_rate(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    evidence: &Evidence,
+    other: &OtherTime,
+) -> Option<f64> {
+    let rate = |drift| approach_rate_in(checker, pair, (&evidence.poses, other), drift);
+    let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, Body::Obstacle(_)));
+    if !is_of_world || evidence.drifts.is_empty() {
+        return rate(None);
+    }
+    evidence
+        .drifts
+        .iter()
+        .map(|drift| rate(Some(drift)))
+        .collect::<Option<Vec<f64>>>()?
+        .into_iter()
+        .reduce(f64::greater)
+}
+
+/// The nearest points move with their bodies; how fast they move along the line between them is how fast the distance changes.
+fn approach_rate_in(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    (now, other): (&LinkPoses, &OtherTime),
+    drift: Option<&Drift>,
+) -> Option<f64> {
+    let [a, b] = pair.witness_points;
+    let way = b - a;
+    if way.norm() < LEAST_DISTANCE || pair.distance <= 0.0 {
+        return None;
+    }
+    let moved = |body, point| match carrier(checker, body) {
+        Some(link) => displacement(&point, now.pose(link), other.poses.pose(link)),
+        None => drift.map_or_else(Vector::zeros, |drift| drift.way_of(&point, other.after)),
+    };
+    let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
+    rate.is_finite().then_some(rate)
+}
+
+/// How far a point of a link moves from one pose to another.
+fn displacement(point_r: &Point, now: &Pose, then: &Pose) -> Vector {
+    let point_l = now.inverse_transform_point(point_r);
+    // both from the point on the link, so that rounding is the same
+    then * point_l - now * point_l
+}
+
+/// The link that a body moves with.
+fn carrier(checker: &CollisionChecker, body: Body) -> Option<LinkId> {
+    match body {
+        Body::Link(link) => Some(link),
+        Body::Attached(id) => checker.robot().link_by_name(&checker.world().attached_object(id).link),
+        Body::Obstacle(_) => None,
+    }
+}

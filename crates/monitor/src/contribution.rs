@@ -1,0 +1,81 @@
+//! The messages that make up the state of the robot, and how old they are.
+
+use std::time::Duration;
+
+use clearance_geometry::math::Extremes;
+
+use super::{MonitorSettings, Now, Reason, Time};
+
+/// A message that was the last to name some joints of the robot.
+#[derive(Clone, Debug)]
+pub(super) struct Contribution {
+    /// The stamp that counts.
+    pub stamp: Time,
+    /// When it came, by the steady clock.
+    pub at: Duration,
+    /// The positions that it was the last to name.
+    pub positions: Vec<usize>,
+}
+
+/// All of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Contributions(pub Vec<Contribution>);
+
+impl Contributions {
+    /// Stamp of the oldest: what moved since then is not known.
+    pub fn stamp(&self) -> Option<Time> {
+        self.0.iter().map(|c| c.stamp).min()
+    }
+
+    /// Stamp of the newest.
+    pub fn newest_stamp(&self) -> Option<Time> {
+        self.0.iter().map(|c| c.stamp).max()
+    }
+
+    /// How far (s) they are apart.
+    pub fn spread(&self) -> f64 {
+        self.newest_stamp().zip(self.stamp()).map_or(0.0, |(newest, oldest)| newest.seconds_since(oldest))
+    }
+
+    /// Whether all still say something about the robot; `names` are those of its positions.
+    pub fn freshness(&self, now: Now, settings: &MonitorSettings, names: &[String]) -> Result<(), Reason> {
+        let stale_after = settings.stale_after;
+        let ros = now.ros.ok_or(Reason::NoClock)?;
+        let ages = self.0.iter().map(|c| (c, ros.seconds_since(c.stamp)));
+        let mut joints = Vec::new();
+        let (mut oldest, mut ahead, mut all) = (0.0_f64, 0.0_f64, true);
+        for (contribution, age) in ages {
+            let older = age.greater(contribution.silence(now));
+            ahead = ahead.greater(-age);
+            if older > stale_after {
+                oldest = oldest.greater(older);
+                joints.extend(contribution.positions.iter().map(|&index| names[index].clone()));
+            } else {
+                all = false;
+            }
+        }
+        if !joints.is_empty() {
+            if all {
+                joints.clear();
+            }
+            return Err(Reason::Stale { joints, age: oldest, stale_after, also: None });
+        }
+        if ahead > stale_after { Err(Reason::FutureStamp { ahead }) } else { Ok(()) }
+    }
+
+    /// How long all stay fresh, if they are.
+    pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
+        let ros = now.ros.filter(|_| !self.0.is_empty())?;
+        let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).greater(c.silence(now)));
+        let left = settings.stale_after - oldest.fold(0.0, f64::greater);
+        // a little later, so that it is stale then whatever way rounding goes
+        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
+    }
+}
+
+impl Contribution {
+    /// How long (s) ago it came.
+    fn silence(&self, now: Now) -> f64 {
+        now.steady.saturating_sub(self.at).as_secs_f64()
+    }
+}

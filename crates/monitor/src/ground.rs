@@ -1,0 +1,146 @@
+//! Whether it is known where the robot's root is in what obstacles stand in: once `tf`, which told of it again and again, falls silent, or does not
+//! connect the two any more, the root may be anywhere.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use clearance_geometry::math::Pose;
+use clearance_robot::quoted;
+use clearance_scene::{Grounds, Link, Lost, Told, TransformTree};
+
+use super::drift::{Drift, Track};
+use super::world_source::{Sight, WorldSource};
+use super::{Now, Reason, Time};
+
+/// What `tf` told last of the frames that obstacles stand in.
+#[derive(Debug, Default)]
+pub(super) struct GroundWatch {
+    /// Those that it tells of again and again.
+    seen: BTreeMap<String, Seen>,
+    /// Where each frame on the way to them was in its parent.
+    tracks: BTreeMap<String, Track>,
+    /// What does not tell where the root is.
+    lost: Option<String>,
+    /// In what the root counts as standing at zero, as nobody tells where it is.
+    assumed: Option<String>,
+    /// Whether obstacles are not where `tf` has them: they are being put there.
+    are_elsewhere: bool,
+    /// When they were there last, by the steady clock, as far as that is known.
+    right_at: Option<Duration>,
+}
+
+#[derive(Debug)]
+struct Seen {
+    /// Of the oldest transform on the way.
+    stamp: Time,
+    /// When that was first judged by, on the steady clock: a clock that stands lets nothing grow old.
+    since: Option<Duration>,
+    drift: Drift,
+}
+
+impl GroundWatch {
+    /// Obstacles are where they belonged at that time, by the steady clock; `None`: where they belong now.
+    pub fn note_placed(&mut self, at: Option<Duration>) {
+        self.right_at = at;
+    }
+
+    /// What `tf` tells now.
+    pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
+        self.lost = grounds.lost(tree).map(|lost| match lost {
+            Lost::In(frame) => of_root(frame),
+            Lost::Endless => {
+                "tf above the robot's root or what obstacles stand in (a circle, or far too many frames)"
+                    .to_owned()
+            }
+        });
+        self.assumed = grounds.assumed(tree).map(str::to_owned);
+        self.are_elsewhere = grounds.are_elsewhere(tree);
+        let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
+        for told in grounds.told_of(tree) {
+            let before = seen.get(told.frame).filter(|seen| seen.stamp == told.stamp);
+            let drift = Drift { frame: told.frame.to_owned(), motions: self.motions(&told, &tracks) };
+            let seen = Seen { stamp: told.stamp, since: before.and_then(|seen| seen.since), drift };
+            self.seen.insert(told.frame.to_owned(), seen);
+        }
+    }
+
+    /// How a frame moves in the root's frame by what moves on the way to it.
+    fn motions(&mut self, told: &Told, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
+        let pose_rf = told.way.pose();
+        let moved = told.way.live_links().filter_map(|Link { name, pose_pf, stamp }| {
+            let known = || tracks.get(name).cloned().unwrap_or_default();
+            let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
+            track.note(stamp, pose_pf);
+            let (before, taken) = track.before()?;
+            Some((pose_rf * told.way.pose_if((name, before)).inverse(), taken))
+        });
+        moved.collect()
+    }
+
+    /// What was looked at is judged by now.
+    pub fn note_seen(&mut self, now: Now) {
+        for seen in self.seen.values_mut() {
+            seen.since.get_or_insert(now.steady);
+        }
+        if !self.are_elsewhere || self.right_at.is_none() {
+            self.right_at = Some(now.steady);
+        }
+    }
+
+    /// How what stands in these frames moves past the root just now.
+    pub fn drifts(&self) -> Vec<Drift> {
+        self.seen.values().map(|seen| seen.drift.clone()).collect()
+    }
+
+    /// What is taken for granted about where the root is.
+    pub fn warning(&self) -> Option<String> {
+        let frame = quoted(self.assumed.as_ref()?);
+        Some(format!(
+            "obstacles stand in {frame}, and no transform tells where the robot's root is in it: it counts as standing at zero"
+        ))
+    }
+
+    /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.
+    pub fn freshness(&self, now: Now, ttl: f64) -> Result<(), Reason> {
+        if let Some(source) = &self.lost {
+            return Err(Reason::StaleWorld { source: source.clone(), age: None, ttl });
+        }
+        for source in self.sources(now, ttl) {
+            source.freshness(now)?;
+        }
+        let lag = self.lag(now).as_secs_f64();
+        if lag > ttl {
+            let source = "whoever puts obstacles where tf has them".to_owned();
+            return Err(Reason::StaleWorld { source, age: Some(lag), ttl });
+        }
+        Ok(())
+    }
+
+    /// How long the places of obstacles stay known, if `tf` says nothing more.
+    pub fn time_to_stale(&self, now: Now, ttl: f64) -> Option<Duration> {
+        let of_frames = self.sources(now, ttl).filter_map(|source| source.time_to_stale(now));
+        let late = Duration::try_from_secs_f64(ttl).ok().filter(|_| self.are_elsewhere);
+        let of_places = late.and_then(|ttl| {
+            // a little later, so that it has passed whatever way rounding goes
+            Some(ttl.checked_sub(self.lag(now))? + Duration::from_millis(1))
+        });
+        of_frames.chain(of_places).min()
+    }
+
+    /// How long obstacles have not been where they belong.
+    fn lag(&self, now: Now) -> Duration {
+        let right_at = self.right_at.filter(|_| self.are_elsewhere);
+        right_at.map_or(Duration::ZERO, |right_at| now.steady.saturating_sub(right_at))
+    }
+
+    fn sources(&self, now: Now, ttl: f64) -> impl Iterator<Item = WorldSource> {
+        self.seen.iter().map(move |(frame, seen)| {
+            let sight = Sight { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
+            WorldSource { name: of_root(frame), seen: Some(sight), ttl }
+        })
+    }
+}
+
+fn of_root(frame: &str) -> String {
+    format!("tf of the robot's root in {frame}")
+}

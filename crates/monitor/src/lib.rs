@@ -1,0 +1,81 @@
+//! What the node says about the robot, decided without I/O, clocks or ROS: messages and time in, judgements out.
+//!
+//! The rules, in the order in which they are tried; the first that holds decides:
+//!
+//! | what is the matter | status | code |
+//! |---|---|---|
+//! | the process takes more memory than it may, and ends | UNKNOWN | `memory` |
+//! | checking was turned off | UNKNOWN | `disabled` |
+//! | no usable robot model | UNKNOWN | `no_model` |
+//! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
+//! | no link of the robot has collision geometry | UNKNOWN | `no_geometry` |
+//! | no joint state has arrived | UNKNOWN | `no_joint_state` |
+//! | the clock was set back by more than `stale_after`, and no joint state has arrived since | UNKNOWN | `clock_jump` |
+//! | simulated time is asked for and none has arrived | UNKNOWN | `no_clock` |
+//! | the last joint state that names some joint, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
+//! | its stamp lies more than `stale_after` in the future | UNKNOWN | `future_stamp` |
+//! | its stamp is older than that of the last judged one of the same publisher about the same joints | UNKNOWN | `out_of_order` |
+//! | names and positions differ in number, a joint twice, a name of more than 1024 bytes, a position that no joint can have | UNKNOWN | `malformed` |
+//! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
+//! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
+//! | a joint has never been named | UNKNOWN | `partial` |
+//! | two publishers report a joint at different places at about the same time | UNKNOWN | `contradiction` |
+//! | a mimic joint is reported elsewhere than where its leader takes it, unless the settings make that a warning | UNKNOWN | `contradiction` |
+//! | the last message of a sensor shows nothing of the room | UNKNOWN | `blind_cloud` |
+//! | something that was announced is missing from the world because it was rejected | UNKNOWN | `rejected_obstacle` |
+//! | messages about the world were lost on their way | UNKNOWN | `lost_messages` |
+//! | messages about the world were received 0.1 s ago, and are not in force yet | UNKNOWN | `world_update` |
+//! | a sensor that sees the world is silent for longer than its time-to-live, or never spoke; a whole scene that is required was never told; `tf` lost the root in what obstacles stand in | UNKNOWN | `stale_world` |
+//! | some pair touches | COLLIDING | |
+//! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
+//! | every pair was found apart | FREE | |
+//!
+//! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
+//! A joint state that names joints and gives no positions at all is skipped, with a warning.
+//! Mimic joints need not be reported; of those that are, the last message that names each counts, too.
+//! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.
+//! Each judgement also says which share of its speed the robot may have: none unless it is FREE.
+//! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
+//! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
+
+// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod approach;
+pub mod cloud;
+mod contact_watch;
+mod contribution;
+mod drift;
+mod ground;
+mod hearing;
+mod input;
+mod judgement;
+mod look_ahead;
+mod mimic_reports;
+mod monitor;
+mod now;
+mod pace;
+mod placement;
+mod settings;
+mod speed;
+mod status;
+mod subject;
+mod tracker;
+mod trail;
+mod world_source;
+mod world_updates;
+
+#[cfg(test)]
+mod tests;
+
+pub use clearance_scene::Time;
+pub use drift::Drift;
+pub use input::{JointStateInput, SourceId};
+pub use judgement::{Evidence, Expiry, Judgement, LeftOut, Revision};
+pub use monitor::{Monitor, Stopwatch};
+pub use now::Now;
+pub use settings::MonitorSettings;
+pub use speed::{SpeedDistances, SpeedSettings};
+pub use status::{Reason, Status};
+pub use trail::Trail;
+pub use world_source::{Sight, WorldSource};

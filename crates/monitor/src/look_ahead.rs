@@ -1,0 +1,73 @@
+//! Until when nothing can touch, from one joint state with velocities.
+
+use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, Workspace};
+use clearance_robot::{Configuration, JointKind, RobotModel};
+
+use super::MonitorSettings;
+use super::drift::Drift;
+
+/// Looks ahead for one checker.
+#[derive(Debug)]
+pub(super) struct Lookout {
+    /// Motions of its own leave what the stream of states remembers alone.
+    workspace: Workspace,
+    /// By position: its limit of acceleration (rad/s², m/s²), where it has one.
+    limits: Vec<Option<f64>>,
+    /// A floating joint's speed is no rate of its seven positions: about such a robot nothing is said.
+    floats: bool,
+}
+
+impl Lookout {
+    pub fn new(checker: &CollisionChecker) -> Self {
+        let robot = checker.robot();
+        let floats = robot.joints().iter().any(|joint| joint.kind == JointKind::Floating);
+        Self { workspace: checker.workspace(), limits: acceleration_limits(robot), floats }
+    }
+
+    /// What is certain about the time after a state that was judged, or why nothing is.
+    pub fn look(
+        &mut self,
+        checker: &CollisionChecker,
+        (q, velocities, spread): (&Configuration, Option<&[f64]>, f64),
+        (report, drifts): (&CollisionReport, &[Drift]),
+        settings: &MonitorSettings,
+    ) -> Result<LookAhead, String> {
+        let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
+        if let Some(&pair) = report.colliding_pairs.first() {
+            return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
+        }
+        if self.floats {
+            return unknown("the robot has a floating joint");
+        }
+        if let Some(Drift { frame, .. }) = drifts.iter().find(|drift| !drift.is_none()) {
+            return unknown(&format!("the robot's root moves in {frame}"));
+        }
+        let Some(velocities) = velocities else {
+            return unknown("the joint state does not give every joint a finite velocity");
+        };
+        // the tube begins everywhere at once: what was measured later is somewhere else at that time
+        if spread > 0.0 {
+            return unknown(&format!("joints were measured {spread:.3} s apart"));
+        }
+        let usual = settings.look_ahead_acceleration;
+        let accelerations: Vec<f64> = self.limits.iter().map(|limit| limit.unwrap_or(usual)).collect();
+        let horizon = settings.look_ahead_horizon;
+        (checker.look_ahead(q, velocities, &accelerations, horizon, &mut self.workspace))
+            .or_else(|error| unknown(&error.to_string()))
+    }
+}
+
+fn acceleration_limits(robot: &RobotModel) -> Vec<Option<f64>> {
+    let mut limits = vec![None; robot.position_names().len()];
+    for id in robot.joint_ids() {
+        let joint = robot.joint(id);
+        // joints with several positions have no limits of their own
+        if let (1, Some(index), Some(l)) =
+            (joint.kind.position_suffixes().len(), robot.first_position(id), joint.limits)
+        {
+            // a limit of zero is a file that says nothing: such a joint would never start
+            limits[index] = (l.acceleration.is_finite() && l.acceleration > 0.0).then_some(l.acceleration);
+        }
+    }
+    limits
+}

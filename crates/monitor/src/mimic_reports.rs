@@ -1,0 +1,172 @@
+//! Reported positions of mimic joints. Mimic joints are checked where their leaders take them, so the reports have to agree with that.
+
+use clearance_geometry::math::{Extremes, without_whole_turns};
+use clearance_robot::{JointId, JointKind, RobotModel};
+
+use super::hearing::Heard;
+use super::tracker::{LAG, SAME_TIME};
+use super::{Reason, SourceId, Time};
+
+/// How far from where its leader takes it (rad; m of a sliding joint) a mimic joint may be reported: gears have play, fingers give way.
+const MIMIC_SLACK: f64 = 0.02;
+const SLIDING_MIMIC_SLACK: f64 = 0.002;
+
+/// How far a mimic joint may move (rad; m of a sliding joint) between its report and another message's report of its leader.
+const LONGEST_WAY: f64 = 0.5;
+const LONGEST_SLIDING_WAY: f64 = 0.05;
+
+/// A mimic joint, ready for comparisons.
+#[derive(Clone, Debug)]
+pub(super) struct Follower {
+    joint: JointId,
+    /// Index of the leader's position; `None`: the leader is fixed.
+    leader: Option<usize>,
+    multiplier: f64,
+    offset: f64,
+    slides: bool,
+    /// Whether a whole turn of this joint changes nothing.
+    turns: bool,
+}
+
+impl Follower {
+    pub fn of(robot: &RobotModel, joint: JointId) -> Option<Self> {
+        let mimic = robot.joint(joint).mimic?;
+        let is_fixed = robot.joint(mimic.joint).kind == JointKind::Fixed;
+        Some(Self {
+            joint,
+            leader: robot.first_position(mimic.joint).filter(|_| !is_fixed),
+            multiplier: if is_fixed { 0.0 } else { mimic.multiplier },
+            offset: mimic.offset,
+            slides: matches!(robot.joint(joint).kind, JointKind::Prismatic(_)),
+            turns: matches!(robot.joint(joint).kind, JointKind::Continuous(_)),
+        })
+    }
+
+    fn expected(&self, leader: f64) -> f64 {
+        if self.multiplier == 0.0 { self.offset } else { self.multiplier * leader + self.offset }
+    }
+
+    fn agrees(&self, reported: f64, expected: f64, way: f64) -> bool {
+        let (slack, longest) =
+            if self.slides { (SLIDING_MIMIC_SLACK, LONGEST_SLIDING_WAY) } else { (MIMIC_SLACK, LONGEST_WAY) };
+        let apart = reported - expected;
+        let apart = if self.turns { without_whole_turns(apart) } else { apart };
+        // not a number is no agreement
+        apart.abs() <= slack + way.lesser(longest)
+    }
+}
+
+/// Report of one mimic joint in one message.
+#[derive(Clone, Copy, Debug)]
+struct Report {
+    follower: usize,
+    stamp: Time,
+    position: f64,
+    rate: f64,
+    /// Position of the leader in the same message, if it names the leader.
+    leader: Option<f64>,
+}
+
+/// How a message names a mimic joint; messages are taken newest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Naming {
+    /// No newer message names the joint: this report is in force.
+    InForce,
+    Superseded,
+    /// The message has named it before.
+    Twice,
+}
+
+/// Latest reports of mimic joints: the newest of each joint, and those of other publishers of about the same time.
+#[derive(Debug)]
+pub(super) struct MimicReports<'t> {
+    followers: &'t [Follower],
+    /// By follower: the message that was taken last of those that name it.
+    named_by: Vec<Option<usize>>,
+    /// By follower: publisher and stamp of the report in force.
+    in_force: Vec<Option<(SourceId, Time)>>,
+    reports: Vec<Report>,
+}
+
+impl<'t> MimicReports<'t> {
+    pub fn new(followers: &'t [Follower]) -> Self {
+        let count = followers.len();
+        Self { followers, named_by: vec![None; count], in_force: vec![None; count], reports: Vec::new() }
+    }
+
+    pub fn note_name(&mut self, follower: usize, message: usize) -> Naming {
+        match self.named_by[follower].replace(message) {
+            None => Naming::InForce,
+            Some(last) if last == message => Naming::Twice,
+            Some(_) => Naming::Superseded,
+        }
+    }
+
+    /// Takes the numbers of one message: `named` are followers with their place in it, `leaders` the positions that it gives.
+    pub fn take(&mut self, heard: &Heard, named: &[(usize, usize)], leaders: &[(usize, f64)]) {
+        let (source, stamp) = (heard.input.source, heard.stamp);
+        for &(follower, place) in named {
+            let in_force = *self.in_force[follower].get_or_insert((source, stamp));
+            let is_at_once = in_force.1.seconds_since(stamp).abs() < SAME_TIME;
+            if in_force != (source, stamp) && (in_force.0 == source || !is_at_once) {
+                continue;
+            }
+            let of_leader = |index| leaders.iter().find(|(leader, _)| *leader == index).map(|(_, q)| *q);
+            self.reports.push(Report {
+                follower,
+                stamp,
+                position: heard.input.positions[place],
+                rate: heard.rates.get(place).copied().unwrap_or(f64::NAN),
+                leader: self.followers[follower].leader.and_then(of_leader),
+            });
+        }
+    }
+
+    /// Reports that disagree with their leaders, one a joint: what is reported, and where the leader takes the joint. By position:
+    /// `positions` of leaders, their `rates`, and the stamps `told` of their messages.
+    pub fn contradictions(
+        &self,
+        positions: &[f64],
+        rates: &[f64],
+        told: &[Option<(SourceId, Time)>],
+    ) -> Vec<MimicContradiction> {
+        let mut found: Vec<MimicContradiction> = Vec::new();
+        for report in &self.reports {
+            let follower = &self.followers[report.follower];
+            let (expected, way) = match (report.leader, follower.leader) {
+                (Some(leader), _) => (follower.expected(leader), 0.0),
+                (None, None) => (follower.offset, 0.0),
+                (None, Some(index)) => {
+                    let apart = told[index].map_or(0.0, |(_, stamp)| stamp.seconds_since(report.stamp).abs());
+                    let rates = [report.rate, follower.multiplier * rates[index]];
+                    let fastest = rates.into_iter().filter(|rate| rate.is_finite()).map(f64::abs);
+                    let way = fastest.fold(0.0, f64::greater) * (apart + LAG);
+                    (follower.expected(positions[index]), way)
+                }
+            };
+            let is_known = found.iter().any(|contradiction| contradiction.joint == follower.joint);
+            if !is_known && !follower.agrees(report.position, expected, way) {
+                let positions = [report.position, expected];
+                found.push(MimicContradiction { joint: follower.joint, positions });
+            }
+        }
+        found
+    }
+}
+
+/// A mimic joint that is reported elsewhere than where its leader takes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MimicContradiction {
+    joint: JointId,
+    /// As reported, and where the leader takes it.
+    positions: [f64; 2],
+}
+
+impl MimicContradiction {
+    /// Why nothing is known; there are `more` such joints.
+    pub fn reason(&self, robot: &RobotModel, more: usize) -> Reason {
+        let joint = robot.joint(self.joint);
+        let leader = joint.mimic.map_or(String::new(), |mimic| robot.joint(mimic.joint).name.clone());
+        Reason::MimicContradiction { joint: joint.name.clone(), leader, positions: self.positions, more }
+    }
+}

@@ -1,0 +1,509 @@
+//! The monitor: joint states and heartbeats in, judgements out.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use clearance_robot::quoted_list;
+use clearance_scene::TransformTree;
+
+use super::contact_watch::ContactWatch;
+use super::contribution::Contributions;
+use super::ground::GroundWatch;
+use super::hearing::{Heard, Hearing};
+use super::look_ahead::Lookout;
+use super::pace::Pace;
+use super::placement::Placements;
+use super::speed::SpeedGovernor;
+use super::subject::{Subject, Verdict};
+use super::tracker::Tracker;
+use super::world_updates::WorldUpdates;
+use super::{
+    Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
+};
+
+/// Time since any fixed moment; it is read before and after each check.
+pub type Stopwatch = fn() -> Duration;
+
+/// Names that are remembered of a joint state without positions at most.
+const MOST_UNPOSITIONED: usize = 64;
+
+/// Decides what is known about one robot.
+#[derive(Debug)]
+pub struct Monitor {
+    settings: MonitorSettings,
+    stopwatch: Stopwatch,
+    enabled: bool,
+    /// Why nothing is known any more, once the process takes too much memory.
+    out_of_memory: Option<Reason>,
+    /// What checks leave out, whatever time they take; without it, the deadline decides.
+    left_out: Option<LeftOut>,
+    subject: Option<Subject>,
+    /// Another model is being built, and the subject's does not count any more.
+    swapping: bool,
+    /// Descriptions of robots that came, and how many of them were taken or refused.
+    described: u64,
+    heeded: u64,
+    /// What was wrong with the last model offered, until one is taken.
+    model_fault: Option<String>,
+    /// What was refused of the last changes of the world.
+    world_faults: Vec<String>,
+    /// Why the world is known to be incomplete, if it is.
+    incomplete_world: Option<Reason>,
+    world_updates: WorldUpdates,
+    hearing: Hearing,
+    /// The last joint state that gave no positions: when it came, and whose.
+    unpositioned: Option<(Duration, Vec<String>)>,
+    pace: Pace,
+    contact_watch: ContactWatch,
+    /// What the robot's state is made of, whatever the verdict.
+    contributions: Contributions,
+    /// By how much (s) the clock was set back since the last joint state, if it was.
+    set_back: Option<f64>,
+    /// What `tf` tells about joints.
+    placements: Placements,
+    ground: GroundWatch,
+    verdict: Verdict,
+    governor: SpeedGovernor,
+    /// The model or a setting changed since the verdict.
+    outdated: bool,
+    said_at: Option<Duration>,
+    latest_ros_time: Option<Time>,
+}
+
+impl Monitor {
+    #[must_use]
+    pub fn new(settings: MonitorSettings, stopwatch: Stopwatch) -> Self {
+        Self {
+            settings,
+            stopwatch,
+            enabled: true,
+            out_of_memory: None,
+            left_out: None,
+            subject: None,
+            swapping: false,
+            described: 0,
+            heeded: 0,
+            model_fault: None,
+            world_faults: Vec::new(),
+            incomplete_world: None,
+            world_updates: WorldUpdates::default(),
+            hearing: Hearing::default(),
+            unpositioned: None,
+            pace: Pace::default(),
+            contact_watch: ContactWatch::default(),
+            contributions: Contributions::default(),
+            set_back: None,
+            placements: Placements::default(),
+            ground: GroundWatch::default(),
+            verdict: Verdict::unknown(Reason::NoModel { fault: None }),
+            governor: SpeedGovernor::default(),
+            outdated: true,
+            said_at: None,
+            latest_ros_time: None,
+        }
+    }
+
+    /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
+    pub fn set_checker(&mut self, revision: Arc<Revision>) {
+        // a change of the world says nothing about a robot that was described and refused
+        if self.subject.as_ref().is_none_or(|before| before.revision.model != revision.model) {
+            self.model_fault = None;
+            self.swapping = false;
+        }
+        let robot = |subject: &Subject| Arc::clone(subject.revision.checker.robot());
+        if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
+            self.governor.forget_poses();
+            self.contact_watch = ContactWatch::default();
+            self.placements = Placements::default();
+            self.ground = GroundWatch::default();
+        }
+        if revision.grounds.is_empty() {
+            self.ground = GroundWatch::default();
+        }
+        self.ground.note_placed(revision.placed_at);
+        self.world_updates.complete();
+        // before the first state is published that is checked in this world
+        self.incomplete_world.clone_from(&revision.incomplete);
+        self.subject = Some(Subject {
+            tracker: Tracker::new(revision.checker.robot()),
+            workspace: revision.checker.streaming_workspace(),
+            lookout: Lookout::new(&revision.checker),
+            has_geometry: revision.has_geometry(),
+            revision,
+        });
+        self.outdated = true;
+    }
+
+    /// Another robot was described: until its checker comes, or it is refused, nothing is known.
+    pub fn note_model_swap(&mut self) {
+        self.swapping = true;
+        self.outdated = true;
+    }
+
+    /// Another description of a robot came, and waits for what is being built: until it is heeded, nothing is known.
+    pub fn note_description(&mut self) {
+        self.described += 1;
+        self.outdated = true;
+    }
+
+    /// So many descriptions, since the beginning, were taken or refused.
+    pub fn note_heeded(&mut self, descriptions: u64) {
+        self.heeded = descriptions;
+        self.outdated = true;
+    }
+
+    fn is_swapping(&self) -> bool {
+        self.swapping || self.described > self.heeded
+    }
+
+    /// A model was refused. The one in use, if any, stays.
+    pub fn note_model_fault(&mut self, fault: String) {
+        self.model_fault = Some(fault);
+        self.swapping = false;
+        self.outdated = true;
+    }
+
+    /// What was wrong with the last model offered, if it was refused.
+    #[must_use]
+    pub fn model_fault(&self) -> Option<&str> {
+        self.model_fault.as_deref()
+    }
+
+    /// Turns checking off and on; while it is off, nothing is known.
+    pub fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+        self.outdated = true;
+    }
+
+    /// From now on nothing is known: the process takes too much memory (MiB), and ends.
+    pub fn note_memory(&mut self, used: u64, limit: u64) {
+        self.out_of_memory = Some(Reason::Memory { used, limit });
+        self.outdated = true;
+    }
+
+    /// What checks leave out from now on, as they once did: a deadline leaves out something else on every machine.
+    pub fn leave_out(&mut self, left_out: LeftOut) {
+        self.left_out = Some(left_out);
+    }
+
+    /// Sets the faults of the last changes of the world, which become warnings, and the reason why the world is incomplete, if it is.
+    /// The rest of the world stays in use.
+    pub fn note_world_faults(&mut self, faults: Vec<String>, incomplete: Option<Reason>) {
+        self.world_faults = faults;
+        let was_late =
+            self.world_updates.due().is_some_and(|due| self.said_at.is_none_or(|said_at| due <= said_at));
+        self.world_updates.complete();
+        if was_late {
+            // published at once
+            self.said_at = None;
+        }
+        if self.incomplete_world != incomplete {
+            self.incomplete_world = incomplete;
+            // published at once
+            self.said_at = None;
+        }
+    }
+
+    /// A message about the world was received at this time, by the steady clock: until it is in force, the world is not as announced.
+    pub fn note_world_update(&mut self, at: Duration) {
+        let is_late = |updates: &WorldUpdates| {
+            updates.due().zip(self.said_at).is_some_and(|(lags, said_at)| lags <= said_at)
+        };
+        let was_late = is_late(&self.world_updates);
+        self.world_updates.note_received(at);
+        // one that was long on its way is late already when it is first noted
+        self.outdated |= !was_late && is_late(&self.world_updates);
+    }
+
+    /// The message about the world that was received last asks for nothing.
+    pub fn note_world_update_withdrawn(&mut self) {
+        self.world_updates.note_withdrawn();
+    }
+
+    /// So many messages about the world, the oldest ones, are in force as soon as a checker comes, or word that none is needed.
+    pub fn note_world_updates_completing(&mut self, updates: usize) {
+        self.world_updates.note_completing(updates);
+    }
+
+    pub fn set_settings(&mut self, settings: MonitorSettings) {
+        self.settings = settings;
+        self.outdated = true;
+        if self.settings.transform_joints.is_empty() {
+            self.placements = Placements::default();
+        }
+    }
+
+    /// Whether judgements need to know what `tf` tells.
+    #[must_use]
+    pub fn heeds_transforms(&self) -> bool {
+        let stands = |subject: &Subject| !subject.revision.grounds.is_empty();
+        !self.settings.transform_joints.is_empty() || self.subject.as_ref().is_some_and(stands)
+    }
+
+    /// What `tf` tells now; judgements from now on use it.
+    pub fn note_transforms(&mut self, tree: &TransformTree) {
+        let Some(subject) = &self.subject else { return };
+        self.ground.look(&subject.revision.grounds, tree);
+        let mut placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
+        placements.inherit(&self.placements);
+        if placements != self.placements {
+            self.placements = placements;
+            self.outdated = true;
+        }
+    }
+
+    /// Takes note of a joint state that another one follows at once; whether it says anything about positions.
+    ///
+    /// One without positions is skipped, with its velocities: the positions received before stay in force and grow old.
+    pub fn hear(&mut self, mut input: JointStateInput, now: Now) -> bool {
+        self.note_clock(now);
+        if input.positions.is_empty() && !input.names.is_empty() {
+            input.names.retain(|name| name.starts_with(&self.settings.joint_prefix));
+            input.names.truncate(MOST_UNPOSITIONED);
+            if !input.names.is_empty() {
+                self.unpositioned = Some((now.steady, input.names));
+            }
+            return false;
+        }
+        self.pace.note(now.steady);
+        self.hearing.hear(input, now);
+        self.set_back = None;
+        true
+    }
+
+    /// Judges a joint state, together with what others said about joints that it does not name.
+    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
+        if !self.hear(input, now) {
+            return self.on_heartbeat(now);
+        }
+        self.judge(now);
+        if let (Some(evidence), Some(subject)) = (&self.verdict.evidence, &self.subject) {
+            self.contact_watch.note(evidence, self.contributions.newest_stamp(), &subject.revision.checker);
+        }
+        self.say(now)
+    }
+
+    /// The remark about pairs of links that touch in every state, the first time that there is one.
+    pub fn take_contact_remark(&mut self) -> Option<String> {
+        self.contact_watch.take_news()
+    }
+
+    /// Does, until the next joint state comes, what it will probably need: best after the answer to the last one was said.
+    pub fn prepare(&mut self) {
+        if let Some(subject) = &mut self.subject {
+            subject.revision.checker.prepare(&mut subject.workspace);
+        }
+    }
+
+    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed, the robot's root
+    /// moves, or there was no time for exact distances.
+    pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
+        self.note_clock(now);
+        let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
+        self.ground.note_seen(now);
+        let evidence = self.verdict.evidence.as_ref();
+        let has_drifted = evidence.is_some_and(|evidence| evidence.drifts != self.ground.drifts());
+        let has_rested = self.pace.rests(now.steady);
+        let is_rough = evidence.is_some_and(|evidence| evidence.is_hurried) && has_rested;
+        if self.outdated || waits_for_clock || has_drifted || is_rough {
+            self.judge(now);
+        }
+        self.say(now)
+    }
+
+    /// How long nothing needs to be said, if no joint state comes.
+    #[must_use]
+    pub fn time_to_heartbeat(&self, now: Now) -> Duration {
+        let Some(said_at) = self.said_at.filter(|_| !self.outdated) else {
+            return Duration::ZERO;
+        };
+        let mut due = said_at + self.settings.heartbeat_period();
+        // the moment from which the world lags too far behind is news
+        if let Some(lags) = self.world_updates.due().filter(|lags| *lags > said_at) {
+            due = due.min(lags);
+        }
+        let heartbeat = due.saturating_sub(now.steady);
+        // the moment at which a judgement becomes stale is news
+        let stale = self.verdict.evidence.as_ref().and_then(|_| {
+            let ends = [self.robot_time_to_stale(now), self.world_time_to_stale(now)];
+            ends.into_iter().flatten().min()
+        });
+        stale.map_or(heartbeat, |stale| heartbeat.min(stale))
+    }
+
+    /// How long it is known where the robot is, if nothing more comes.
+    fn robot_time_to_stale(&self, now: Now) -> Option<Duration> {
+        let of_base = self.placements.time_to_stale(now, &self.settings);
+        // a little later, so that it is stale then whatever way rounding goes
+        let of_base = Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
+        self.contributions.time_to_stale(now, &self.settings).into_iter().chain(of_base).min()
+    }
+
+    /// How long it is known where obstacles are, if nothing more comes.
+    fn world_time_to_stale(&self, now: Now) -> Option<Duration> {
+        let sources = self.subject.iter().flat_map(|subject| &subject.revision.sources);
+        let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
+        sources.filter_map(|source| source.time_to_stale(now)).chain(of_ground).min()
+    }
+
+    fn expiry(&self, now: Now) -> Expiry {
+        let end = |left: Option<Duration>| left.and_then(|left| now.steady.checked_add(left));
+        Expiry {
+            said_at: now.steady,
+            of_robot: end(self.robot_time_to_stale(now)),
+            of_world: end(self.world_time_to_stale(now)).into_iter().chain(self.world_updates.due()).min(),
+        }
+    }
+
+    /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
+    fn note_clock(&mut self, now: Now) {
+        if now.ros < self.latest_ros_time {
+            self.hearing.forget_order();
+        }
+        if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
+            let back = before.seconds_since(ros);
+            if back > self.settings.stale_after && !self.hearing.messages().is_empty() {
+                self.hearing.clear();
+                self.set_back = Some(back);
+                self.outdated = true;
+            }
+        }
+        self.latest_ros_time = now.ros;
+    }
+
+    fn judge(&mut self, now: Now) {
+        self.outdated = false;
+        self.verdict = self.decide(now).unwrap_or_else(Verdict::unknown);
+        match &self.subject {
+            Some(Subject { revision, .. }) => {
+                let judged = (&self.verdict.status, self.verdict.evidence.as_ref());
+                let stamp = self.contributions.newest_stamp().max(self.placements.newest_stamp());
+                self.governor.heed(&revision.checker, judged, stamp, &self.settings.speed);
+            }
+            None => self.governor.stop(),
+        }
+    }
+
+    fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
+        self.contributions = Contributions::default();
+        if let Some(reason) = &self.out_of_memory {
+            return Err(reason.clone());
+        }
+        if !self.enabled {
+            return Err(Reason::Disabled);
+        }
+        let (fault, is_swapping) = (self.model_fault.clone(), self.is_swapping());
+        let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
+        if is_swapping {
+            return Err(Reason::ModelSwap);
+        }
+        if !subject.has_geometry {
+            return Err(Reason::NoGeometry);
+        }
+        let messages = self.hearing.messages();
+        let robot = subject.revision.checker.robot();
+        if messages.is_empty() && !self.placements.place_all(robot) {
+            return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
+        }
+        self.placements.note_seen(now);
+        self.ground.note_seen(now);
+        let placed = self.placements.read(robot, now, &self.settings);
+        let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
+        let (reading, contributions) =
+            subject.tracker.read(robot, messages, is_fresh, placed, &self.settings);
+        self.contributions = contributions;
+        let mut reading = reading?;
+        reading.warnings.extend_from_slice(&self.placements.warnings);
+        reading.warnings.extend(self.ground.warning());
+        // checking what is stale already would be wasted
+        self.contributions.freshness(now, &self.settings, robot.position_names())?;
+        let knowledge = (reading, self.ground.drifts());
+        let verdict = subject.judge(knowledge, (&self.settings, &self.pace), self.left_out, self.stopwatch);
+        self.hearing.note_judged();
+        Ok(verdict)
+    }
+
+    /// The verdict as it holds now: what was right when it was judged may have become stale.
+    fn say(&mut self, now: Now) -> Judgement {
+        self.said_at = Some(now.steady);
+        self.ground.note_seen(now);
+        let subject = self.subject.as_ref();
+        let messages = self.hearing.messages();
+        let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
+        let heeded = subject.filter(|_| !unheeded);
+        let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
+        let ground = || self.ground.freshness(now, self.settings.transform_ttl).err();
+        let incomplete = self.incomplete_world.clone().or_else(|| self.world_updates.overdue(now));
+        let silent = |subject: &Subject| subject.revision.stale_world(now);
+        let stale_world = subject.and_then(|subject| incomplete.or_else(|| silent(subject)).or_else(ground));
+        let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
+        let status = match (stale, &stale_world) {
+            (Some(reason), _) => Status::Unknown(self.with_other_fault(reason)),
+            (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
+            (None, _) => self.verdict.status.clone(),
+        };
+        if status != Status::Free {
+            self.governor.stop();
+        }
+        let stamp =
+            self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
+        let silence = messages.last().map_or(0.0, |last| last.silence(now));
+        let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
+        let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some())).map(|fault| {
+            format!("the last robot description was refused, and the one before counts: {fault}")
+        });
+        let of_world = of_revision.chain(&self.world_faults);
+        let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));
+        let of_contacts = self.contact_watch.remark().filter(|_| self.verdict.evidence.is_some());
+        let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
+        let warnings = warnings.chain(of_contacts.map(str::to_owned));
+        Judgement {
+            evidence: placement.clone().filter(|_| status.reason().is_none()),
+            status,
+            placement,
+            is_swapping: self.is_swapping(),
+            stale_world,
+            speed_scale: self.governor.share(),
+            left_out: self.verdict.left_out,
+            stamp,
+            age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
+            revision: subject.map(|subject| Arc::clone(&subject.revision)),
+            warnings: warnings.collect(),
+            expiry: self.expiry(now),
+        }
+    }
+
+    /// Of a joint state without positions that came not long ago.
+    fn unpositioned_warning(&self, now: Now) -> Option<String> {
+        let (at, names) = self.unpositioned.as_ref()?;
+        let silence = now.steady.saturating_sub(*at).as_secs_f64();
+        (silence <= self.settings.stale_after).then(|| {
+            let names = quoted_list(names);
+            format!("a joint state that names {names} gives no positions: it is skipped, with its velocities")
+        })
+    }
+
+    /// Whether what is known about the robot's joints still holds.
+    fn freshness(&self, subject: &Subject, now: Now) -> Result<(), Reason> {
+        let robot = subject.revision.checker.robot();
+        if !self.hearing.messages().is_empty() {
+            self.contributions.freshness(now, &self.settings, robot.position_names())?;
+        }
+        if self.verdict.evidence.is_some() {
+            return self.placements.read(robot, now, &self.settings).1.map_or(Ok(()), Err);
+        }
+        Ok(())
+    }
+
+    /// A stale joint state that could not be judged when it was fresh has two faults.
+    fn with_other_fault(&self, reason: Reason) -> Reason {
+        match (reason, self.verdict.status.reason()) {
+            (Reason::Stale { joints, age, stale_after, .. }, Some(other))
+                if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) =>
+            {
+                Reason::Stale { joints, age, stale_after, also: Some(Box::new(other.clone())) }
+            }
+            (reason, _) => reason,
+        }
+    }
+}

@@ -1,0 +1,392 @@
+//! FREE, COLLIDING, or UNKNOWN and why.
+
+use std::fmt;
+
+use clearance_robot::{quoted, quoted_list};
+
+/// What is known about the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// Every pair that has to be checked was found apart.
+    Free,
+    /// Some pair touches.
+    Colliding,
+    /// Nothing is proven.
+    Unknown(Reason),
+}
+
+impl Status {
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        *self == Self::Free
+    }
+
+    #[must_use]
+    pub fn reason(&self) -> Option<&Reason> {
+        match self {
+            Self::Unknown(reason) => Some(reason),
+            Self::Free | Self::Colliding => None,
+        }
+    }
+
+    /// `FREE`, `COLLIDING` or `UNKNOWN`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Free => "FREE",
+            Self::Colliding => "COLLIDING",
+            Self::Unknown(_) => "UNKNOWN",
+        }
+    }
+}
+
+/// Why nothing is known; the text says what to do about it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// No robot model has been loaded; `fault` is what was wrong with the last one offered.
+    NoModel {
+        fault: Option<String>,
+    },
+    /// The process takes more memory than it may (MiB), and is about to end.
+    Memory {
+        used: u64,
+        limit: u64,
+    },
+    /// Checking was turned off.
+    Disabled,
+    /// Another robot was described, and its model is not built yet.
+    ModelSwap,
+    /// No link of the robot has collision geometry: there is nothing to check.
+    NoGeometry,
+    NoJointState,
+    NoClock,
+    /// The clock was set back by `back` seconds, and nothing has been heard since.
+    ClockJump {
+        back: f64,
+    },
+    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it. If that is so of
+    /// some joints only, they are named.
+    Stale {
+        joints: Vec<String>,
+        age: f64,
+        stale_after: f64,
+        also: Option<Box<Reason>>,
+    },
+    /// The monitor last said something `since` seconds ago, and what was known then holds no longer.
+    Overdue {
+        since: f64,
+    },
+    /// The stamp lies `ahead` seconds in the future.
+    FutureStamp {
+        ahead: f64,
+    },
+    /// The stamp is `behind` seconds older than one that was judged before.
+    OutOfOrder {
+        behind: f64,
+    },
+    Malformed(String),
+    NonFinite {
+        joint: String,
+        value: f64,
+    },
+    Partial {
+        missing: Vec<String>,
+    },
+    /// Two publishers report a joint at different places at about the same time; of `more` joints beside it.
+    Contradiction {
+        joint: String,
+        positions: [f64; 2],
+        more: usize,
+    },
+    /// A mimic joint is reported at the first of `positions`, where its leader takes it to the second; of `more` joints beside it.
+    MimicContradiction {
+        joint: String,
+        leader: String,
+        positions: [f64; 2],
+        more: usize,
+    },
+    /// `tf` does not tell where `joint` is, between the frames of its links.
+    NoTransform {
+        joint: String,
+        frames: [String; 2],
+        why: String,
+    },
+    /// What `source` saw is `age` seconds old, or it never saw anything.
+    StaleWorld {
+        source: String,
+        age: Option<f64>,
+        ttl: f64,
+    },
+    /// The last message of a sensor, the topic `source`, holds nothing that stands for the room: `cause`, with counts. Of `more` sensors
+    /// beside it.
+    BlindCloud {
+        source: String,
+        cause: String,
+        more: usize,
+    },
+    /// Something that was announced is missing from the world, or stands elsewhere, because it was rejected: `fault` names one such thing
+    /// and what is wrong with it. Of `more` things beside it.
+    RejectedObstacle {
+        fault: String,
+        more: usize,
+    },
+    /// Messages about the world were lost on their way; `topics` with counts.
+    LostMessages {
+        topics: Vec<String>,
+    },
+    /// So many messages about the world are `waiting` to be in force, the oldest for `age` seconds.
+    WorldUpdate {
+        waiting: usize,
+        age: f64,
+    },
+    /// The time for one answer was over while `open` pairs were undecided, of which `pair` is one.
+    Deadline {
+        deadline: f64,
+        open: usize,
+        pair: [String; 2],
+    },
+}
+
+impl Reason {
+    /// A word that programs may compare with; it never changes.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoModel { .. } => "no_model",
+            Self::Memory { .. } => "memory",
+            Self::Disabled => "disabled",
+            Self::ModelSwap => "model_swap",
+            Self::NoGeometry => "no_geometry",
+            Self::NoJointState => "no_joint_state",
+            Self::NoClock => "no_clock",
+            Self::ClockJump { .. } => "clock_jump",
+            Self::Stale { .. } | Self::Overdue { .. } => "stale",
+            Self::FutureStamp { .. } => "future_stamp",
+            Self::OutOfOrder { .. } => "out_of_order",
+            Self::Malformed(_) => "malformed",
+            Self::NonFinite { .. } => "non_finite",
+            Self::Partial { .. } => "partial",
+            Self::Contradiction { .. } | Self::MimicContradiction { .. } => "contradiction",
+            Self::NoTransform { .. } => "no_transform",
+            Self::StaleWorld { .. } => "stale_world",
+            Self::BlindCloud { .. } => "blind_cloud",
+            Self::RejectedObstacle { .. } => "rejected_obstacle",
+            Self::LostMessages { .. } => "lost_messages",
+            Self::WorldUpdate { .. } => "world_update",
+            Self::Deadline { .. } => "deadline",
+        }
+    }
+
+    /// Whether it says that nobody would have looked at a joint state, however fresh.
+    pub(super) fn precedes_joint_states(&self) -> bool {
+        matches!(
+            self,
+            Self::Memory { .. } | Self::NoModel { .. } | Self::Disabled | Self::ModelSwap | Self::NoGeometry
+        )
+    }
+
+    /// Whether joint states arrived whose positions cannot be right.
+    #[cfg(feature = "ros")]
+    pub fn is_about_positions(&self) -> bool {
+        matches!(
+            self,
+            Self::Malformed(_)
+                | Self::NonFinite { .. }
+                | Self::Contradiction { .. }
+                | Self::MimicContradiction { .. }
+        )
+    }
+
+    /// Whether the joint state itself may be right, and only the clock is against it.
+    pub(super) fn is_about_time(&self) -> bool {
+        matches!(
+            self,
+            Self::NoClock | Self::Stale { .. } | Self::FutureStamp { .. } | Self::NoTransform { .. }
+        )
+    }
+}
+
+impl Reason {
+    /// Of reports that can not all be right.
+    fn fmt_contradiction(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Contradiction { joint, positions: [a, b], more } => {
+                write!(
+                    f,
+                    "joint {} is reported at {a} and at {b} by two publishers at about the same time",
+                    quoted(joint)
+                )?;
+                if *more > 0 {
+                    write!(f, ", and {more} more joints are contradicted, too")?;
+                }
+                f.write_str(": is one of the two left over?")
+            }
+            Self::MimicContradiction { joint, leader, positions: [reported, expected], more } => {
+                write!(
+                    f,
+                    "joint {} is reported at {reported}, but it mimics {} and would be checked at {expected}",
+                    quoted(joint),
+                    quoted(leader)
+                )?;
+                if *more > 0 {
+                    write!(f, ", and {more} more mimic joints are reported elsewhere, too")?;
+                }
+                f.write_str(": does the mimic of the URDF fit the mechanism?")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Of a world that is known to be incomplete.
+    fn fmt_incomplete(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BlindCloud { source, cause, more } => {
+                write!(f, "the last message of {} shows nothing of the room: {cause}", quoted(source))?;
+                if *more > 0 {
+                    write!(f, "; {more} more sensors are blind")?;
+                }
+                f.write_str(": is the sensor covered, or a crop box set wrongly?")
+            }
+            Self::RejectedObstacle { fault, more } => {
+                write!(f, "the world is incomplete, because a part of it was rejected: {fault}")?;
+                if *more > 0 {
+                    write!(f, "; and {more} more parts")?;
+                }
+                Ok(())
+            }
+            Self::LostMessages { topics } => write!(
+                f,
+                "the world is incomplete, because messages about it were lost: {}: publish a whole planning_scene",
+                topics.join(", ")
+            ),
+            Self::WorldUpdate { waiting, age } => write!(
+                f,
+                "the world is being built: {waiting} messages about it are not in force yet, the oldest for {age:.3} s: are meshes so fine?"
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoModel { fault: None } => f.write_str(
+                "there is no robot model yet: give --urdf FILE, or publish the URDF on robot_description",
+            ),
+            Self::NoModel { fault: Some(fault) } => {
+                write!(f, "there is no robot model: the last one was refused: {fault}")
+            }
+            Self::Memory { used, limit } => write!(
+                f,
+                "the node takes {used} MiB of memory, and memory_limit is {limit} MiB: it ends, to be started again"
+            ),
+            Self::Disabled => f.write_str("checking is disabled: call ~/enable with data: true"),
+            Self::ModelSwap => f.write_str(
+                "another robot came on robot_description, and its model is still being built: the last one does not count any more",
+            ),
+            Self::NoGeometry => f.write_str(
+                "no link of the robot has collision geometry, so that nothing can be checked: give its links <collision> elements",
+            ),
+            Self::NoJointState => f.write_str(
+                "no joint state has arrived yet: is something publishing joint_states, under this name and namespace?",
+            ),
+            Self::NoClock => f.write_str(
+                "use_sim_time is set, but nothing has arrived on /clock: start the simulation, or set use_sim_time to false",
+            ),
+            Self::ClockJump { back } => write!(
+                f,
+                "the clock was set back by {back:.3} s: what was heard before does not count, and no joint state has arrived since"
+            ),
+            Self::Stale { joints, age, stale_after, also } => {
+                let of_joints = match joints.as_slice() {
+                    [] => String::new(),
+                    joints => format!(" that names {}", quoted_list(joints)),
+                };
+                write!(
+                    f,
+                    "the last joint state{of_joints} is {age:.3} s old, and stale_after is {stale_after} s: is the driver running?"
+                )?;
+                match also {
+                    Some(reason) => write!(f, " It was not usable either: {reason}"),
+                    None => Ok(()),
+                }
+            }
+            Self::Overdue { since } => write!(
+                f,
+                "nothing has been judged for {since:.3} s, and what was known then does not hold any more: do checks take so long?"
+            ),
+            Self::FutureStamp { ahead } => write!(
+                f,
+                "the joint state is stamped {ahead:.3} s in the future: synchronise the clocks, or set use_sim_time if its publisher does"
+            ),
+            Self::OutOfOrder { behind } => write!(
+                f,
+                "the joint state is {behind:.6} s older than one judged before from the same publisher"
+            ),
+            Self::Malformed(what) => write!(f, "the joint state is malformed: {what}"),
+            Self::NonFinite { joint, value } => {
+                write!(f, "joint '{joint}' has position {value}, which is not finite")
+            }
+            Self::Partial { missing } => {
+                write!(f, "the joint state has no position of {}", quoted_list(missing))
+            }
+            Self::Contradiction { .. } | Self::MimicContradiction { .. } => self.fmt_contradiction(f),
+            Self::NoTransform { joint, frames: [parent, child], why } => write!(
+                f,
+                "tf does not tell where joint '{joint}' is, by the transform from '{parent}' to '{child}': {why}"
+            ),
+            Self::StaleWorld { source, age: None, .. } => {
+                write!(f, "nothing has come from {} yet that can be used: is the sensor running?", quoted(source))
+            }
+            Self::StaleWorld { source, age: Some(age), ttl } => write!(
+                f,
+                "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
+                quoted(source)
+            ),
+            Self::BlindCloud { .. }
+            | Self::RejectedObstacle { .. }
+            | Self::LostMessages { .. }
+            | Self::WorldUpdate { .. } => self.fmt_incomplete(f),
+            Self::Deadline { deadline, open, pair: [a, b] } => write!(
+                f,
+                "check_deadline ({deadline} s) passed before {open} pairs were decided, such as that of {} and {}: allow more time, or simplify the meshes",
+                quoted(a),
+                quoted(b)
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    /// The codes that [`super::Reason::code`] gives.
+    fn codes() -> BTreeSet<&'static str> {
+        let source = include_str!("status.rs");
+        let (_, code) = source.split_once("pub fn code(&self)").unwrap();
+        let (code, _) = code.split_once("    }\n\n").unwrap();
+        let codes: BTreeSet<_> = code.split('"').skip(1).step_by(2).collect();
+        assert!(codes.len() > 20 && codes.contains("no_model") && codes.contains("deadline"), "{codes:?}");
+        codes
+    }
+
+    #[test]
+    fn every_code_of_a_reason_stands_in_the_message_and_in_the_tables() {
+        let message = include_str!("../../../interfaces/clearance_msgs/msg/CollisionState.msg");
+        let (_, list) = message.split_once("the same as a stable identifier: ").unwrap();
+        let (list, _) = list.split_once("; otherwise empty").unwrap();
+        let words = list.split([',', ' ', '#', '\n']).filter(|word| !word.is_empty() && *word != "or");
+        assert_eq!(words.collect::<BTreeSet<_>>(), codes(), "CollisionState.msg");
+
+        let readme =
+            include_str!("../../../README.md").split_once("### When the answer is UNKNOWN").unwrap().1;
+        for (place, table) in [("monitor/lib.rs", include_str!("lib.rs")), ("README.md", readme)] {
+            let code = |line: &'static str| {
+                line.split_once("| UNKNOWN | `")?.1.split_once('`').map(|(code, _)| code)
+            };
+            assert_eq!(table.lines().filter_map(code).collect::<BTreeSet<_>>(), codes(), "{place}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The robot and world that are checked, and what a check of a joint state finds.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::Extremes;
+use clearance_proximity::Effort;
+use clearance_robot::LinkPoses;
+
+use super::approach::slows_within;
+use super::drift::Drift;
+use super::look_ahead::Lookout;
+use super::monitor::Stopwatch;
+use super::pace::Pace;
+use super::tracker::{Reading, Tracker};
+use super::{Evidence, LeftOut, MonitorSettings, Reason, Revision, Status};
+
+/// The robot and world to check, and what checking them needs.
+#[derive(Debug)]
+pub(super) struct Subject {
+    pub revision: Arc<Revision>,
+    /// Whether there is anything of the robot that could touch something.
+    pub has_geometry: bool,
+    pub tracker: Tracker,
+    pub workspace: Workspace,
+    pub lookout: Lookout,
+}
+
+/// A judgement but for its age.
+#[derive(Debug)]
+pub(super) struct Verdict {
+    pub status: Status,
+    pub evidence: Option<Arc<Evidence>>,
+    pub left_out: LeftOut,
+    pub warnings: Vec<String>,
+}
+
+impl Verdict {
+    pub fn unknown(reason: Reason) -> Self {
+        let (status, left_out) = (Status::Unknown(reason), LeftOut::Nothing);
+        Self { status, evidence: None, left_out, warnings: Vec::new() }
+    }
+}
+
+impl Subject {
+    /// What a check of a whole joint state finds.
+    pub fn judge(
+        &mut self,
+        (reading, drifts): (Reading, Vec<Drift>),
+        (settings, pace): (&MonitorSettings, &Pace),
+        fixed: Option<LeftOut>,
+        stopwatch: Stopwatch,
+    ) -> Verdict {
+        let Reading { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
+            reading;
+        let checker = &self.revision.checker;
+        let started = stopwatch();
+        let mut poses = LinkPoses::new(checker.robot());
+        checker.robot().forward_kinematics(&configuration, &mut poses);
+        let motion = (rates.as_deref(), drifts.as_slice());
+        let slows_within = slows_within(checker, (&configuration, &poses), motion, &settings.speed);
+        let survey = Question::Survey {
+            influence_distance: settings.influence_distance.greater(slows_within),
+            limit: settings.distance_limit,
+        };
+        let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
+        // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
+        let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
+        let effort = Effort { exact_within, ..pace.limit(effort, settings.exact_distance_share) };
+        let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        let is_exact = report.is_exact();
+        report.tell_certain_distances();
+        let told = settings.influence_distance.greater(settings.speed.reach());
+        let (told, coming) = report.pair_distances.into_iter().partition(|pair| pair.distance <= told);
+        report.pair_distances = told;
+        let mut left_out = fixed.unwrap_or_default();
+        if !report.undecided.is_empty() {
+            left_out = LeftOut::Pairs;
+        }
+        let mut look_ahead = None;
+        if settings.look_ahead_horizon > 0.0 && (left_out != LeftOut::Nothing || effort.is_over()) {
+            left_out = left_out.max(LeftOut::LookAhead);
+            warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
+        } else if settings.look_ahead_horizon > 0.0 {
+            let state = (&configuration, velocities.as_deref(), spread);
+            match self.lookout.look(checker, state, (&report, &drifts), settings) {
+                Ok(found) => look_ahead = Some(found),
+                Err(why) => warnings.push(why),
+            }
+        }
+        let compute_time = stopwatch().saturating_sub(started);
+        let mut status = status_of(&report, checker, settings);
+        if fixed == Some(LeftOut::Pairs) {
+            let (deadline, pair) = (settings.check_deadline, Default::default());
+            status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
+        }
+        let evidence = Some(Arc::new(Evidence {
+            report,
+            coming,
+            configuration,
+            poses,
+            look_ahead,
+            velocities,
+            rates: rates.filter(|_| are_of_joints),
+            measured,
+            drifts,
+            slows_within,
+            is_exact,
+            is_hurried: !is_exact && effort.exact_cost > 0,
+            compute_time,
+        }));
+        Verdict { status, evidence, left_out, warnings }
+    }
+}
+
+/// A pair that touches is told even if others are open; with any open pair, distances are not known to be the least.
+fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
+    if report.self_collision || report.world_collision {
+        return Status::Colliding;
+    }
+    let open: BTreeSet<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
+    match open.first() {
+        None => Status::Free,
+        Some(&(a, b)) => Status::Unknown(Reason::Deadline {
+            deadline: settings.check_deadline,
+            open: open.len(),
+            pair: [a, b].map(|body| checker.body_name(body).to_owned()),
+        }),
+    }
+}

@@ -1,0 +1,316 @@
+//! A root that `tf` moves through the room that obstacles stand in.
+
+use clearance_geometry::math::Pose;
+use clearance_scene::{ObjectChange, Operation, Scene, SceneContext, SceneUpdate, Transform, TransformTree};
+
+use super::*;
+
+/// A room, the robot in it, and its monitor.
+struct Room {
+    robot: Arc<RobotModel>,
+    monitor: Monitor,
+    scene: Scene,
+    transforms: TransformTree,
+}
+
+impl Room {
+    /// With one obstacle in `map`, seen from a root that was told of once.
+    fn new() -> Self {
+        let (scene, transforms) = (Scene::default(), TransformTree::default());
+        let mut room =
+            Self { robot: Arc::clone(revision(1).checker.robot()), monitor: monitor(), scene, transforms };
+        room.tell(0.0, 0.0);
+        let pillar =
+            ObjectChange { frame: "map".to_owned(), ..ObjectChange::named("pillar", Operation::Add) };
+        let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
+        let shapes = vec![clearance_scene::ObstacleShape { pose_os: Pose::identity(), shape: ball }];
+        room.change(ObjectChange { shapes, pose_fo: Pose::translation(9.0, 0.0, 0.0), ..pillar });
+        room
+    }
+
+    /// The same, after half a second of joint states.
+    fn in_use() -> Self {
+        let mut room = Self::new();
+        for seconds in [0.0, 0.5] {
+            room.tell(0.0, seconds);
+            room.judged(seconds);
+        }
+        room
+    }
+
+    /// `tf` says how far along x the root is.
+    fn tell(&mut self, x: f64, seconds: f64) {
+        let stamp = Some(time(START + seconds));
+        let pose_pf = Pose::translation(x, 0.0, 0.0);
+        self.transforms.note("base", Transform { parent: "map".to_owned(), pose_pf, stamp });
+    }
+
+    fn change(&mut self, change: ObjectChange) {
+        let context = SceneContext::new(&self.robot, None, &self.transforms, Some(time(START)), 1e9);
+        let applied = self.scene.apply(&SceneUpdate::Object(Box::new(change)), &context);
+        assert!(applied.refusals.is_empty());
+        self.put_in_force();
+    }
+
+    /// Puts obstacles where they belong, as the loader does.
+    fn follow(&mut self) {
+        let context = SceneContext::new(&self.robot, None, &self.transforms, Some(time(START)), 1.0);
+        self.scene.follow_frames(&context);
+        self.put_in_force();
+    }
+
+    fn put_in_force(&mut self) {
+        self.put_in_force_of(None);
+    }
+
+    /// As obstacles had to be placed so many seconds after the start.
+    fn put_in_force_of(&mut self, placed_at: Option<f64>) {
+        let checker =
+            CollisionChecker::new(Arc::clone(&self.robot), &self.scene.world, Settings::default()).unwrap();
+        let mut revision = Revision::new(checker, 1, 0);
+        revision.grounds = self.scene.grounds(&self.robot);
+        revision.placed_at = placed_at.map(Duration::from_secs_f64);
+        self.monitor.set_checker(Arc::new(revision));
+    }
+
+    /// What a fresh joint state is judged as.
+    fn judged(&mut self, seconds: f64) -> Judgement {
+        self.monitor.note_transforms(&self.transforms);
+        self.monitor.on_joint_state(state(seconds, FREE), at(seconds))
+    }
+}
+
+#[test]
+fn a_root_that_was_told_of_once_may_be_told_of_never_again() {
+    let mut room = Room::new();
+    for seconds in [0.0, 0.5, 5.0, 500.0] {
+        assert_eq!(code(&room.judged(seconds)), "FREE");
+    }
+}
+
+#[test]
+fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
+    let mut room = Room::new();
+    for seconds in [0.0, 0.5, 1.0] {
+        // it stands where it stood
+        room.tell(0.0, seconds);
+        assert_eq!(code(&room.judged(seconds)), "FREE");
+    }
+    assert_eq!(code(&room.judged(1.99)), "FREE");
+    let silent = room.judged(2.01);
+    assert_eq!(code(&silent), "stale_world");
+    assert!(silent.status.reason().unwrap().to_string().contains("the robot's root in map"));
+    // a clock that stands does not hide it
+    room.tell(0.0, 3.0);
+    assert_eq!(code(&room.judged(3.0)), "FREE");
+    room.monitor.note_transforms(&room.transforms);
+    let standing = Now { steady: Duration::from_secs(5), ..at(3.0) };
+    let judgement = room.monitor.on_joint_state(state(3.001, FREE), standing);
+    assert_eq!(code(&judgement), "stale_world");
+}
+
+#[test]
+fn without_obstacles_nobody_has_to_know_where_the_root_is() {
+    let mut room = Room::in_use();
+    assert_eq!(code(&room.judged(9.0)), "stale_world");
+    room.change(ObjectChange::named("pillar", Operation::Remove));
+    assert!(!room.monitor.heeds_transforms());
+    assert_eq!(code(&room.monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
+    // whatever comes into the room then, stands in one that nobody has told of for long
+    let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
+    let shapes =
+        vec![clearance_scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
+    room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
+    assert_eq!(code(&room.judged(9.2)), "stale_world");
+    room.tell(0.0, 9.3);
+    assert_eq!(code(&room.judged(9.3)), "FREE");
+}
+
+#[test]
+fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
+    let mut room = Room::new();
+    let of_map =
+        Transform { parent: "room".to_owned(), pose_pf: Pose::identity(), stamp: Some(time(START - 3.0)) };
+    room.transforms.note("map", of_map);
+    let pillar = ObjectChange::named("pillar", Operation::Move);
+    room.change(ObjectChange {
+        frame: "room".to_owned(),
+        pose_fo: Pose::translation(9.0, 0.0, 0.0),
+        ..pillar
+    });
+    for seconds in [0.0, 0.5, 1.0] {
+        room.tell(0.0, seconds);
+        assert_eq!(code(&room.judged(seconds)), "FREE");
+    }
+    assert_eq!(code(&room.judged(2.1)), "stale_world");
+}
+
+#[test]
+fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
+    let mut room = Room::in_use();
+    room.monitor.set_settings(MonitorSettings {
+        heartbeat_rate: 0.1,
+        stale_after: 9.0,
+        ..MonitorSettings::default()
+    });
+    room.judged(0.6);
+    let due = room.monitor.time_to_heartbeat(at(0.6)).as_secs_f64();
+    assert!((0.9..0.91).contains(&due), "{due}");
+    assert_eq!(code(&room.monitor.on_heartbeat(at(0.6 + due))), "stale_world");
+    // the same of obstacles that are not put where they belong
+    room.tell(3.0, 2.0);
+    room.judged(2.0);
+    room.tell(3.1, 2.5);
+    room.judged(2.5);
+    let due = room.monitor.time_to_heartbeat(at(2.5)).as_secs_f64();
+    assert!(due < 1.0, "{due}");
+}
+
+#[test]
+fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
+    let mut room = Room::new();
+    for (x, seconds) in [(0.0, 0.0), (1.0, 0.1), (2.0, 0.9)] {
+        room.tell(x, seconds);
+        assert_eq!(code(&room.judged(seconds)), "FREE", "they are on their way");
+    }
+    room.tell(3.0, 1.2);
+    let late = room.judged(1.2);
+    assert_eq!(code(&late), "stale_world");
+    assert!(late.status.reason().unwrap().to_string().contains("where tf has them"));
+    room.tell(7.0, 1.3);
+    room.follow();
+    // the ball is at (2, 0, 0), and so is the pillar now
+    assert_eq!(code(&room.judged(1.3)), "COLLIDING");
+}
+
+#[test]
+fn obstacles_that_took_long_to_build_are_as_old_as_what_they_were_placed_by() {
+    let mut room = Room::new();
+    for i in 0..10_u32 {
+        room.tell(0.2 * f64::from(i), 0.2 * f64::from(i));
+        room.judged(0.2 * f64::from(i));
+    }
+    // they are where the root was at 0 s, at whatever time they come into force
+    room.put_in_force_of(Some(0.0));
+    assert_eq!(code(&room.judged(1.8)), "stale_world");
+    room.put_in_force_of(Some(1.0));
+    assert_eq!(code(&room.judged(1.8)), "FREE");
+    room.follow();
+    room.put_in_force_of(Some(1.8));
+    assert_eq!(code(&room.judged(1.8)), "FREE");
+}
+
+#[test]
+fn what_stands_in_nothing_while_the_root_drives_is_not_known() {
+    let mut room = Room::new();
+    let stamp = Some(time(START));
+    room.transforms = TransformTree::default();
+    room.change(ObjectChange::named("pillar", Operation::Remove));
+    let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
+    let shapes =
+        vec![clearance_scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
+    room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
+    assert!(room.monitor.heeds_transforms());
+    assert_eq!(code(&room.judged(5.0)), "FREE", "tf says nothing of the root");
+    let pose_pf = Pose::identity();
+    room.transforms.note("base", Transform { parent: "odom".to_owned(), pose_pf, stamp });
+    assert_eq!(code(&room.judged(5.1)), "FREE", "it will stand there from now on");
+    assert_eq!(code(&room.judged(6.2)), "stale_world");
+    room.follow();
+    assert_eq!(code(&room.judged(6.3)), "FREE");
+}
+
+#[test]
+fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
+    let mut room = Room::new();
+    assert_eq!(code(&room.judged(0.0)), "FREE");
+    let pose_pf = Pose::identity();
+    room.transforms
+        .note("base", Transform { parent: "elsewhere".to_owned(), pose_pf, stamp: Some(time(START + 0.1)) });
+    let lost = room.judged(0.1);
+    assert_eq!(code(&lost), "stale_world");
+    assert!(lost.stale_world.is_some() && lost.placement.is_some());
+}
+
+/// The pillar is 6.8 m in front of the ball, and the root drives at 1 m/s, told of 50 times a second.
+fn drive(settings: MonitorSettings, speed: f64, seconds: f64) -> (Room, Judgement) {
+    let mut room = Room::new();
+    room.monitor.set_settings(settings);
+    let mut last = None;
+    for i in 0..=100 {
+        let share = f64::from(i) / 100.0;
+        room.tell(seconds * speed * share, seconds * share);
+        room.follow();
+        room.monitor.note_transforms(&room.transforms);
+        last = Some(
+            room.monitor.on_joint_state(moving(seconds * share, FREE, &[0.0, 0.0]), at(seconds * share)),
+        );
+    }
+    (room, last.unwrap())
+}
+
+#[test]
+fn driving_towards_an_obstacle_slows_the_robot_down_and_away_from_it_does_not() {
+    let distances =
+        |world| SpeedSettings { world, reaction_time: 0.5, release_count: 1, ..SpeedSettings::default() };
+    let with = |slowdown| MonitorSettings {
+        speed: distances(SpeedDistances { slowdown, stop: 0.2 }),
+        ..MonitorSettings::default()
+    };
+    // 0.8 m are left, of which the reaction takes 0.5
+    let (_, judgement) = drive(with(1.0), 3.0, 2.0);
+    assert!((judgement.speed_scale - 0.0).abs() < 1e-9, "1.5 m in half a second: {}", judgement.speed_scale);
+    let (_, judgement) = drive(with(1.0), 1.0, 6.0);
+    assert!((judgement.speed_scale - 0.125).abs() < 1e-6, "{}", judgement.speed_scale);
+    // 1.3 m are left: more than the slow-down distance
+    let (_, judgement) = drive(with(1.0), 1.0, 5.5);
+    assert!((judgement.speed_scale - 0.75).abs() < 1e-6, "{}", judgement.speed_scale);
+    let (_, judgement) = drive(with(8.0), -1.0, 0.5);
+    assert!((judgement.speed_scale - 1.0).abs() < 1e-9, "{}", judgement.speed_scale);
+}
+
+#[test]
+fn of_a_root_that_moves_no_time_to_contact_is_certain() {
+    let (mut room, judgement) = drive(settings_of_lookout(), 1.0, 2.0);
+    assert!(judgement.time_to_contact() <= 0.0);
+    assert!(judgement.warnings.iter().any(|warning| warning.contains("the robot's root moves in map")));
+    // it stops, and nobody says anything of the joints
+    room.tell(2.0, 2.1);
+    room.monitor.note_transforms(&room.transforms);
+    assert!(room.monitor.on_heartbeat(at(2.1)).time_to_contact() > 0.0);
+    room.tell(2.1, 2.2);
+    room.monitor.note_transforms(&room.transforms);
+    assert!(room.monitor.on_heartbeat(at(2.2)).time_to_contact() <= 0.0, "it moves on");
+}
+
+/// A localiser five times a second, post-dated, above odometry fifty times a second: the base moves by the latter.
+#[test]
+fn a_localiser_that_comes_slowly_hides_no_drive() {
+    let mut room = Room::new();
+    room.transforms = TransformTree::default();
+    room.monitor.set_settings(settings_of_lookout());
+    let told = |parent: &str, x: f64, seconds: f64| Transform {
+        parent: parent.to_owned(),
+        pose_pf: Pose::translation(x, 0.0, 0.0),
+        stamp: Some(time(START + seconds)),
+    };
+    for i in 0..500_u32 {
+        let seconds = 0.004 * f64::from(i);
+        if i % 50 == 0 {
+            room.transforms.note("odom", told("map", 0.0, seconds + 1.0));
+        }
+        if i % 5 == 0 {
+            room.transforms.note("base", told("odom", 0.5 * seconds, seconds));
+            room.follow();
+        }
+        room.monitor.note_transforms(&room.transforms);
+        let judgement = room.monitor.on_joint_state(moving(seconds, FREE, &[0.0, 0.0]), at(seconds));
+        if i < 60 {
+            continue;
+        }
+        assert!(judgement.time_to_contact() <= 0.0, "it drives after {seconds} s");
+        let drifts = &judgement.evidence.as_ref().unwrap().drifts;
+        let way = drifts[0].way_of(&clearance_geometry::math::Point::origin(), 1.0);
+        assert!((way.x + 0.5).abs() < 1e-6, "{way}");
+    }
+}

@@ -1,0 +1,75 @@
+//! Joint states that come faster than exact distances can be found.
+
+use clearance_geometry::math::{Point, Pose};
+use clearance_geometry::{Shape, TriangleMesh};
+use clearance_scene::{AttachedObject, Obstacle};
+
+use super::*;
+
+/// A square of waves: its distance from another one above it is much the same everywhere.
+fn waves() -> Shape {
+    const SIDE: u32 = 70;
+    let place = |i: u32| f64::from(i) / f64::from(SIDE) - 0.5;
+    let corners = (0..SIDE * SIDE).map(|i| {
+        let (x, y) = (place(i % SIDE), place(i / SIDE));
+        Point::new(x, y, 0.002 * (40.0 * x).sin() * (40.0 * y).cos())
+    });
+    let squares = (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE < SIDE - 1);
+    let halves = squares.flat_map(|i| [[i, i + 1, i + SIDE], [i + 1, i + SIDE + 1, i + SIDE]]);
+    Shape::Mesh(Arc::new(TriangleMesh::new(corners.collect(), halves.collect()).unwrap()))
+}
+
+/// The folding robot with waves in its hand, that it slides over others.
+fn slider() -> Arc<Revision> {
+    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+    let mut world = World::default();
+    let held = Obstacle::of_shape("held", Pose::translation(1.5, 0.0, 0.3), waves());
+    world.attach(AttachedObject::grasped(&held, "ball", &Pose::identity(), vec![])).unwrap();
+    world.add(Obstacle::of_shape("floor", Pose::translation(2.5, 0.0, 0.25), waves())).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    Arc::new(Revision::new(checker, 1, 0))
+}
+
+fn monitor_of(exact_distance_share: f64) -> Monitor {
+    let settings = MonitorSettings { exact_distance_share, ..MonitorSettings::default() };
+    let mut monitor = Monitor::new(settings, stopwatch);
+    monitor.set_checker(slider());
+    monitor
+}
+
+fn is_exact(judgement: &Judgement) -> bool {
+    judgement.evidence.as_ref().unwrap().is_exact
+}
+
+/// What it says to joint states that come so many seconds apart.
+fn told_at(monitor: &mut Monitor, interval: f64) -> Vec<Judgement> {
+    let states = (0..40).map(|i| {
+        let (seconds, angle) = (interval * f64::from(i), 1e-4 * f64::from(i));
+        monitor.on_joint_state(state(seconds, [angle, 0.0]), at(seconds))
+    });
+    states.collect()
+}
+
+#[test]
+fn distances_are_lower_bounds_only_while_there_is_no_time_for_exact_ones() {
+    let [mut patient, mut slow, mut fast] = [0.0, 0.2, 0.2].map(monitor_of);
+    let truth = told_at(&mut patient, 0.001);
+    assert!(truth.iter().all(is_exact));
+    let unhurried = told_at(&mut slow, 0.2);
+    let hurried = told_at(&mut fast, 0.001);
+    assert!(unhurried.iter().all(is_exact));
+    let (first, later) = hurried.split_at(16);
+    assert!(first.iter().all(is_exact), "how fast joint states come is not known yet");
+    let rough = later.iter().filter(|judgement| !is_exact(judgement)).count();
+    assert!(rough > 20, "{rough} of 24");
+    for ((truth, slow), fast) in truth.iter().zip(&unhurried).zip(&hurried) {
+        assert_eq!((code(truth), code(fast)), ("FREE", "FREE"));
+        assert_eq!(truth.distance(), slow.distance());
+        let (told, truth) = (fast.distance(), truth.distance());
+        assert!(told <= truth && told >= truth - (0.1 * truth).max(0.001) - 1e-9, "{told}, not {truth}");
+    }
+    // when joint states pause there is time
+    let paused = fast.on_heartbeat(at(0.2));
+    assert!(is_exact(&paused));
+    assert_eq!(paused.distance(), truth.last().unwrap().distance());
+}

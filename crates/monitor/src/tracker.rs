@@ -1,0 +1,385 @@
+//! From names and numbers to a configuration, or why not.
+
+use std::collections::{BTreeMap, HashMap};
+
+use clearance_geometry::constants::LARGEST_COORDINATE;
+use clearance_geometry::math::{Extremes, without_whole_turns};
+use clearance_robot::{Configuration, RobotModel, check_name_length, quoted, quoted_list};
+
+use super::contribution::{Contribution, Contributions};
+use super::hearing::Heard;
+use super::mimic_reports::{Follower, MimicReports, Naming};
+use super::placement::Placed;
+use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
+
+/// How far apart (rad, m) two publishers may report a joint at about the same time (s), beside the way it goes while one of them lags.
+const CONTRADICTION: f64 = 0.05;
+pub(super) const SAME_TIME: f64 = 0.1;
+
+/// How much older (s) than another's may be what somebody publishes who passes on what he heard, ten times a second.
+pub(super) const LAG: f64 = 0.2;
+
+/// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
+const MOST_STRANGERS: usize = 1000;
+const LONGEST_NAME: usize = 100;
+
+/// What a name in a joint state stands for.
+#[derive(Clone, Copy, Debug)]
+enum Slot {
+    /// The number with this index in a configuration.
+    Position(usize),
+    /// The mimic joint with this index among those of the robot.
+    Follows(usize),
+    /// A joint without a position under this name.
+    Nothing,
+}
+
+/// In the place of a message: what is named by none.
+const BY_TF: usize = usize::MAX;
+
+/// Reads joint states for one robot.
+#[derive(Clone, Debug)]
+pub(super) struct Tracker {
+    slots: HashMap<String, Slot>,
+    /// By position: whether a whole turn changes nothing, also of what follows.
+    turns: Vec<bool>,
+    followers: Vec<Follower>,
+}
+
+/// A configuration, and what was odd about its messages.
+#[derive(Clone, Debug)]
+pub(super) struct Reading {
+    pub configuration: Configuration,
+    /// One for each position, if all are given and finite.
+    pub velocities: Option<Vec<f64>>,
+    /// The same, where streams give none by what they said before.
+    pub rates: Option<Vec<f64>>,
+    /// Whether these rates are of streams that know them differently, or of one that gives them itself.
+    pub are_of_joints: bool,
+    /// By position: the stamp of what names it; none of what `tf` places.
+    pub measured: Vec<Option<Time>>,
+    /// How far (s) the times are apart at which joints were measured.
+    pub spread: f64,
+    pub warnings: Vec<String>,
+}
+
+impl Tracker {
+    pub fn new(robot: &RobotModel) -> Self {
+        let (mut slots, mut followers) = (HashMap::new(), Vec::new());
+        for id in robot.joint_ids() {
+            let follower = Follower::of(robot, id);
+            let slot = follower.as_ref().map_or(Slot::Nothing, |_| Slot::Follows(followers.len()));
+            followers.extend(follower);
+            slots.insert(robot.joint(id).name.clone(), slot);
+        }
+        for (index, name) in robot.position_names().iter().enumerate() {
+            slots.insert(name.clone(), Slot::Position(index));
+        }
+        Self { slots, turns: robot.whole_turns(), followers }
+    }
+
+    /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
+    /// Also tells which those are.
+    pub fn read(
+        &self,
+        robot: &RobotModel,
+        heard: &[Heard],
+        is_fresh: impl Fn(&Heard) -> bool,
+        (placed, unplaced): (Vec<Placed>, Option<Reason>),
+        settings: &MonitorSettings,
+    ) -> (Result<Reading, Reason>, Contributions) {
+        let mut merge = Merge::new(self, &settings.joint_prefix);
+        merge.place(&placed);
+        for (message, heard) in heard.iter().enumerate().rev() {
+            merge.take(message, heard, is_fresh(heard));
+        }
+        let contributions = std::mem::take(&mut merge.contributions);
+        let mimic_is_unknown = settings.mimic_contradiction_is_unknown;
+        (merge.finish(robot, unplaced, (&contributions, mimic_is_unknown)), contributions)
+    }
+}
+
+/// A message while its names are taken one after the other.
+struct Message<'h> {
+    number: usize,
+    heard: &'h Heard,
+    is_fresh: bool,
+    fault: Option<Reason>,
+    /// Positions that it is the last to name.
+    mine: Vec<usize>,
+    /// Mimic joints that it names, with their places in it.
+    followers: Vec<(usize, usize)>,
+    /// Positions that it gives, where mimic joints have to agree with them.
+    leaders: Vec<(usize, f64)>,
+    /// Whether a newer message names one of its joints.
+    is_superseded: bool,
+    /// Whether it is the last to name a mimic joint.
+    decides_followers: bool,
+}
+
+impl Message<'_> {
+    /// Whether it has a position for each name.
+    fn is_whole(&self) -> bool {
+        self.heard.input.names.len() == self.heard.input.positions.len()
+    }
+
+    fn note_twice(&mut self, place: usize) {
+        let twice = format!("joint {} stands in it twice", quoted(&self.heard.input.names[place]));
+        self.fault = first(self.fault.take(), Some(Reason::Malformed(twice)));
+    }
+
+    /// Notes what is wrong with one of its positions, if it has one for each name.
+    fn note_value(&mut self, place: usize) {
+        if self.is_whole() {
+            let JointStateInput { names, positions, .. } = &self.heard.input;
+            self.fault = first(self.fault.take(), fault_of(&names[place], positions[place]));
+        }
+    }
+}
+
+/// Messages that become one state, the newest first.
+struct Merge<'t> {
+    tracker: &'t Tracker,
+    /// Names that do not begin with this are another robot's.
+    prefix: &'t str,
+    /// By position: the message that counts, and what it says.
+    named_by: Vec<Option<usize>>,
+    /// By position: who said so, and of which time.
+    told: Vec<Option<(SourceId, Time)>>,
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    rates: Vec<f64>,
+    mimic: MimicReports<'t>,
+    contributions: Contributions,
+    /// What is wrong with the newest message of which something is.
+    fault: Option<Reason>,
+    strangers: Vec<String>,
+    warnings: Vec<String>,
+    /// By position: between which publishers there is one.
+    contradictions: BTreeMap<usize, [f64; 2]>,
+}
+
+impl<'t> Merge<'t> {
+    fn new(tracker: &'t Tracker, prefix: &'t str) -> Self {
+        let count = tracker.turns.len();
+        Self {
+            tracker,
+            prefix,
+            named_by: vec![None; count],
+            told: vec![None; count],
+            positions: vec![f64::NAN; count],
+            velocities: vec![f64::NAN; count],
+            rates: vec![f64::NAN; count],
+            mimic: MimicReports::new(&tracker.followers),
+            contributions: Contributions::default(),
+            fault: None,
+            strangers: Vec::new(),
+            warnings: Vec::new(),
+            contradictions: BTreeMap::new(),
+        }
+    }
+
+    /// Takes the positions that `tf` tells; what joint states say about them counts for nothing.
+    fn place(&mut self, placed: &[Placed]) {
+        for (first, positions) in placed {
+            for (index, &position) in positions.iter().enumerate().map(|(i, p)| (first + i, p)) {
+                self.named_by[index] = Some(BY_TF);
+                self.positions[index] = position;
+            }
+        }
+    }
+
+    fn take(&mut self, number: usize, heard: &Heard, is_fresh: bool) {
+        let JointStateInput { names, positions, stamp, .. } = &heard.input;
+        let is_whole = names.len() == positions.len();
+        let mut fault = heard.behind.map(|behind| Reason::OutOfOrder { behind });
+        if !is_whole {
+            let counts = format!("it has {} names and {} positions", names.len(), positions.len());
+            fault = first(fault, Some(Reason::Malformed(counts)));
+        }
+        if let Some(Err(excess)) = names.iter().map(|name| check_name_length(name)).find(Result::is_err) {
+            fault = first(fault, Some(Reason::Malformed(excess)));
+        }
+        let mut message = Message {
+            number,
+            heard,
+            is_fresh,
+            fault,
+            mine: Vec::new(),
+            followers: Vec::new(),
+            leaders: Vec::new(),
+            is_superseded: false,
+            decides_followers: false,
+        };
+        let mut strangers = Vec::new();
+        for (place, name) in names.iter().enumerate() {
+            match self.tracker.slots.get(name) {
+                Some(&Slot::Position(index)) => self.take_position(&mut message, index, place),
+                Some(&Slot::Follows(index)) => self.take_follower(&mut message, index, place),
+                None if strangers.len() < MOST_STRANGERS && name.starts_with(self.prefix) => {
+                    strangers.push(name.chars().take(LONGEST_NAME).collect());
+                }
+                Some(Slot::Nothing) | None => {}
+            }
+        }
+        let Message { mine, followers, leaders, is_superseded, decides_followers, fault, .. } = message;
+        if is_whole && is_fresh {
+            self.mimic.take(heard, &followers, &leaders);
+        }
+        if !mine.is_empty() || (is_fresh && !is_superseded) {
+            self.strangers.append(&mut strangers);
+        }
+        if !mine.is_empty() || (is_fresh && decides_followers) {
+            self.fault = first(self.fault.take(), fault);
+        } else if is_fresh && !is_superseded && !is_whole {
+            self.note_malformed_stranger(names, fault);
+        }
+        if mine.is_empty() {
+            return;
+        }
+        if *stamp == Time::ZERO {
+            let warning = "the joint state has no stamp: it counts as measured when it came";
+            self.warnings.push(warning.to_owned());
+        }
+        let Heard { stamp, at, .. } = *heard;
+        self.contributions.0.push(Contribution { stamp, at, positions: mine });
+    }
+
+    fn take_position(&mut self, message: &mut Message, index: usize, place: usize) {
+        let &mut Message { number, heard, is_fresh, .. } = message;
+        let is_whole = message.is_whole();
+        let JointStateInput { names, positions, velocities, .. } = &heard.input;
+        let rate = heard.rates.get(place).copied().unwrap_or(f64::NAN);
+        if is_whole && !self.tracker.followers.is_empty() {
+            message.leaders.push((index, positions[place]));
+        }
+        match self.named_by[index] {
+            Some(other) if other == number => message.note_twice(place),
+            Some(_) => {
+                message.is_superseded = true;
+                if is_whole && is_fresh {
+                    let from = (heard.input.source, heard.stamp);
+                    self.note_contradiction(index, from, (positions[place], rate));
+                }
+            }
+            None => {
+                self.named_by[index] = Some(number);
+                self.told[index] = Some((heard.input.source, heard.stamp));
+                message.mine.push(index);
+                if is_whole {
+                    self.positions[index] = positions[place];
+                }
+                message.note_value(place);
+                let moves = velocities.len() == names.len();
+                self.velocities[index] = if moves { velocities[place] } else { f64::NAN };
+                self.rates[index] = rate;
+            }
+        }
+    }
+
+    fn take_follower(&mut self, message: &mut Message, index: usize, place: usize) {
+        match self.mimic.note_name(index, message.number) {
+            Naming::Twice => message.note_twice(place),
+            Naming::Superseded => message.followers.push((index, place)),
+            Naming::InForce => {
+                message.followers.push((index, place));
+                message.decides_followers = true;
+                message.note_value(place);
+            }
+        }
+    }
+
+    /// A message that names no joint of the robot, or another robot's, keeps nothing from being known.
+    fn note_malformed_stranger(&mut self, names: &[String], fault: Option<Reason>) {
+        let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
+        if let Some(Reason::Malformed(what)) = fault.filter(|_| !is_of_another) {
+            self.warnings
+                .push(format!("a joint state about none of the robot's joints is malformed: {what}"));
+        }
+    }
+
+    /// Another publisher may say something else about a joint: one of the two is wrong, and which counts is chance.
+    fn note_contradiction(
+        &mut self,
+        index: usize,
+        (source, stamp): (SourceId, Time),
+        (position, rate): (f64, f64),
+    ) {
+        let Some((other, told)) = self.told[index] else { return };
+        let counts = self.positions[index];
+        let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
+        let rates = [rate, self.rates[index]].into_iter().filter(|rate| rate.is_finite());
+        let fastest = rates.map(f64::abs).fold(0.0, f64::greater);
+        let way = position - counts;
+        let way = if self.tracker.turns[index] { without_whole_turns(way) } else { way };
+        if at_once && way.abs() > CONTRADICTION + fastest * LAG {
+            self.contradictions.entry(index).or_insert([counts, position]);
+        }
+    }
+
+    fn finish(
+        mut self,
+        robot: &RobotModel,
+        unplaced: Option<Reason>,
+        (contributions, mimic_is_unknown): (&Contributions, bool),
+    ) -> Result<Reading, Reason> {
+        if let Some(fault) = self.fault.or(unplaced) {
+            return Err(fault);
+        }
+        let names = robot.position_names().iter().zip(&self.named_by);
+        let missing: Vec<String> =
+            names.filter(|(_, by)| by.is_none()).map(|(name, _)| name.clone()).collect();
+        if !missing.is_empty() {
+            return Err(Reason::Partial { missing });
+        }
+        if let Some((&index, &positions)) = self.contradictions.first_key_value() {
+            let joint = robot.position_names()[index].clone();
+            return Err(Reason::Contradiction { joint, positions, more: self.contradictions.len() - 1 });
+        }
+        let mimic = self.mimic.contradictions(&self.positions, &self.rates, &self.told);
+        if let Some(contradiction) = mimic.first().filter(|_| mimic_is_unknown) {
+            return Err(contradiction.reason(robot, mimic.len() - 1));
+        }
+        let configuration =
+            (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
+        self.warnings.extend(robot.outside_limits(configuration.positions()).map(|joint| joint.to_string()));
+        if !self.strangers.is_empty() {
+            self.strangers.sort_unstable();
+            self.strangers.dedup();
+            self.warnings.push(format!("the robot has no joint {}", quoted_list(&self.strangers)));
+        }
+        self.warnings.extend(mimic.iter().map(|contradiction| contradiction.reason(robot, 0).to_string()));
+        let all = |numbers: Vec<f64>| numbers.iter().all(|v| v.is_finite()).then_some(numbers);
+        let velocities = all(self.velocities);
+        // of one stream that gives no velocities whole states tell the way
+        let are_of_joints = velocities.is_some() || contributions.0.len() > 1;
+        let rates = all(self.rates);
+        Ok(Reading {
+            configuration,
+            velocities,
+            rates,
+            are_of_joints,
+            measured: self.told.iter().map(|told| told.map(|(_, stamp)| stamp)).collect(),
+            spread: contributions.spread(),
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Which of two faults is told: the one that stands first in the table of faults, and of the same kind the earlier one.
+fn first(fault: Option<Reason>, other: Option<Reason>) -> Option<Reason> {
+    let rank = |fault: &Reason| match fault {
+        Reason::OutOfOrder { .. } => 0,
+        Reason::Malformed(_) => 1,
+        _ => 2,
+    };
+    fault.into_iter().chain(other).min_by_key(rank)
+}
+
+fn fault_of(name: &str, value: f64) -> Option<Reason> {
+    if !value.is_finite() {
+        return Some(Reason::NonFinite { joint: name.to_owned(), value });
+    }
+    let is_far = value.abs() > LARGEST_COORDINATE;
+    is_far.then(|| Reason::Malformed(format!("joint {} is at {value:e}", quoted(name))))
+}

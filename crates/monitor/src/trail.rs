@@ -1,0 +1,217 @@
+//! Where the robot was lately: what a sensor has seen, it saw from where its link was at that time, and of the robot as it stood then.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Weak};
+
+use clearance_geometry::math::without_whole_turns;
+use clearance_robot::{Configuration, JointKind, RobotModel};
+
+use super::{Judgement, Time};
+
+/// Time (s) that is remembered.
+const LONGEST: f64 = 3.0;
+
+/// Time (s) between two values that are remembered, at least.
+const STEP: f64 = 0.002;
+
+/// The positions of one robot by the stamps of the joint states that told them: drivers of its parts measure at different times.
+#[derive(Debug, Default)]
+pub struct Trail {
+    /// A robot that was replaced is not kept for this.
+    robot: Weak<RobotModel>,
+    ways: Vec<Way>,
+}
+
+/// The values of one position.
+#[derive(Debug, Default)]
+struct Way {
+    values: VecDeque<(Time, f64)>,
+    /// Whether a whole turn changes nothing.
+    turns: bool,
+    /// Whether what is between two values is none: of a floating joint's quaternion.
+    is_stepped: bool,
+}
+
+impl Trail {
+    /// Takes note of where the robot was judged to be.
+    pub fn note(&mut self, judgement: &Judgement) {
+        let Judgement { stamp: Some(stamp), placement: Some(placement), revision: Some(revision), .. } =
+            judgement
+        else {
+            return;
+        };
+        let robot = revision.checker.robot();
+        if self.robot.as_ptr() != Arc::as_ptr(robot) {
+            *self = Self { robot: Arc::downgrade(robot), ways: Way::of(robot) };
+        }
+        let told = placement.configuration.positions().iter().zip(&placement.measured);
+        for (way, (position, measured)) in self.ways.iter_mut().zip(told) {
+            way.note(measured.unwrap_or(*stamp), *position);
+        }
+    }
+
+    /// The robot, and where it was at a time: each position on the straight way between the values before and after it, or at the first or
+    /// last one; `None` where nothing is known.
+    #[must_use]
+    pub fn at(&self, time: Time) -> Option<(Arc<RobotModel>, Configuration)> {
+        let robot = self.robot.upgrade()?;
+        let positions: Option<Vec<f64>> = self.ways.iter().map(|way| way.at(time)).collect();
+        Some((robot, Configuration::trusted(positions?)))
+    }
+}
+
+impl Way {
+    fn of(robot: &RobotModel) -> Vec<Self> {
+        let new = |turns| Self { turns, ..Self::default() };
+        let mut ways: Vec<Self> = robot.whole_turns().into_iter().map(new).collect();
+        for id in robot.joint_ids().filter(|id| robot.joint(*id).kind == JointKind::Floating) {
+            let count = robot.joint(id).kind.position_suffixes().len();
+            if let Some(first) = robot.first_position(id) {
+                ways[first..first + count].iter_mut().for_each(|way| way.is_stepped = true);
+            }
+        }
+        ways
+    }
+
+    fn note(&mut self, stamp: Time, value: f64) {
+        let since = self.values.back().map(|(last, _)| stamp.seconds_since(*last));
+        if since.is_some_and(|since| since < -LONGEST) {
+            // the clock was set back; who lags a little behind another tells nothing new
+            self.values.clear();
+        } else if since.is_some_and(|since| since < STEP) {
+            return;
+        }
+        self.values.push_back((stamp, value));
+        while self.values.front().is_some_and(|(first, _)| stamp.seconds_since(*first) > LONGEST) {
+            self.values.pop_front();
+        }
+    }
+
+    fn at(&self, time: Time) -> Option<f64> {
+        let after = self.values.partition_point(|(stamp, _)| *stamp <= time);
+        let before = after.checked_sub(1).and_then(|before| self.values.get(before));
+        match (before, self.values.get(after)) {
+            (Some((from, a)), Some((to, b))) => {
+                Some(self.between((*a, *b), time.seconds_since(*from) / to.seconds_since(*from)))
+            }
+            (Some((_, only)), None) | (None, Some((_, only))) => Some(*only),
+            (None, None) => None,
+        }
+    }
+
+    /// Where a share of the straight way between two values leads.
+    fn between(&self, (a, b): (f64, f64), share: f64) -> f64 {
+        if self.is_stepped {
+            return if share < 0.5 { a } else { b };
+        }
+        let way = if self.turns { without_whole_turns(b - a) } else { b - a };
+        a + share * way
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+    use std::time::Duration;
+
+    use super::*;
+    use crate::{JointStateInput, Monitor, MonitorSettings, Now, Revision, SourceId};
+    use clearance_checker::{CollisionChecker, Settings};
+    use clearance_robot::MeshFiles;
+    use clearance_scene::World;
+
+    /// A joint that turns without end, and one that slides.
+    const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='c'><collision><geometry><sphere radius='1'/></geometry></collision></link>
+        <joint name='turn' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint>
+        <joint name='slide' type='prismatic'><parent link='b'/><child link='c'/><axis xyz='1 0 0'/><limit lower='-9' upper='9' effort='1' velocity='1'/></joint></robot>";
+
+    fn revision() -> Arc<Revision> {
+        let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+        let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
+        Arc::new(Revision::new(checker, 1, 0))
+    }
+
+    /// A second and some after the epoch.
+    fn time(milliseconds: i64) -> Time {
+        Time::from_nanoseconds((1000 + milliseconds) * 1_000_000)
+    }
+
+    fn monitor(revision: &Arc<Revision>) -> Monitor {
+        let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
+        monitor.set_checker(Arc::clone(revision));
+        monitor
+    }
+
+    fn heard(monitor: &mut Monitor, milliseconds: i64, joints: &[(&str, f64)]) -> Judgement {
+        let stamp = time(milliseconds);
+        let (names, positions) =
+            joints.iter().map(|(name, position)| ((*name).to_owned(), *position)).unzip();
+        let source = SourceId([u8::try_from(joints.len()).unwrap() + u8::from(joints[0].0 == "turn"); 16]);
+        let input = JointStateInput { source, stamp, names, positions, velocities: Vec::new() };
+        monitor.on_joint_state(input, Now { ros: Some(stamp), steady: Duration::ZERO })
+    }
+
+    fn judged(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Judgement {
+        heard(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
+    }
+
+    #[test]
+    fn each_driver_has_times_of_its_own() {
+        let (revision, mut trail) = (revision(), Trail::default());
+        let mut monitor = monitor(&revision);
+        for i in 0..100 {
+            let milliseconds = 10 * i;
+            #[expect(clippy::cast_precision_loss, reason = "few")]
+            let position = 1e-3 * milliseconds as f64;
+            if i % 40 == 0 {
+                trail.note(&heard(&mut monitor, milliseconds, &[("slide", position)]));
+            }
+            trail.note(&heard(&mut monitor, milliseconds, &[("turn", position)]));
+        }
+        let (_, told) = trail.at(time(605)).unwrap();
+        let apart = told.positions().iter().map(|position| (position - 0.605).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-12, "{told:?}");
+    }
+
+    #[test]
+    fn the_robot_was_between_where_it_was_before_and_after() {
+        let (revision, mut trail) = (revision(), Trail::default());
+        let robot = Arc::clone(revision.checker.robot());
+        assert!(trail.at(time(0)).is_none());
+        // past half a turn, where an encoder begins anew
+        for (milliseconds, positions) in [(0, [3.0, 0.0]), (100, [3.2 - TAU, 1.0]), (200, [3.4 - TAU, 1.0])] {
+            trail.note(&judged(&revision, milliseconds, positions));
+        }
+        for (milliseconds, expected) in [
+            (-500, [3.0, 0.0]),
+            (0, [3.0, 0.0]),
+            (25, [3.05, 0.25]),
+            (75, [3.15, 0.75]),
+            (150, [3.3 - TAU, 1.0]),
+            (200, [3.4 - TAU, 1.0]),
+            (900, [3.4 - TAU, 1.0]),
+        ] {
+            let (of, told) = trail.at(time(milliseconds)).unwrap();
+            assert!(Arc::ptr_eq(&of, &robot));
+            let apart = told.positions().iter().zip(expected).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-12, "{told:?} at {milliseconds} ms");
+        }
+    }
+
+    #[test]
+    fn it_has_an_end_and_begins_anew_when_the_clock_is_set_back() {
+        let (revision, mut trail) = (revision(), Trail::default());
+        for milliseconds in 0..10_000 {
+            trail.note(&judged(&revision, milliseconds, [0.0, 0.0]));
+        }
+        let counts = |trail: &Trail| trail.ways.iter().map(|way| way.values.len()).collect::<Vec<_>>();
+        assert!(counts(&trail).iter().all(|count| (1400..1600).contains(count)), "{:?}", counts(&trail));
+        let before = counts(&trail);
+        trail.note(&judged(&revision, 9_900, [0.0, 1.0]));
+        assert_eq!(counts(&trail), before, "who lags behind");
+        trail.note(&judged(&revision, 0, [0.0, 1.0]));
+        assert_eq!(counts(&trail), [1, 1]);
+        trail.note(&judged(&self::revision(), 100, [0.0, 1.0]));
+        assert_eq!(counts(&trail), [1, 1], "another robot");
+    }
+}

@@ -1,0 +1,288 @@
+//! Which way round continuous joints go.
+//!
+//! Positions that differ by whole turns are one place, but two ways. `joint_trajectory_controller` goes from its current state to the first
+//! point the shortest way: it takes whole turns off the current position (`wraparound_joint`), and so does [`shortest_way`].
+
+use std::f64::consts::{PI, TAU};
+
+use clearance_robot::{Configuration, ConfigurationError, JointId, JointKind, RobotModel};
+
+use super::{MotionSegment, Trajectory};
+
+/// How far (rad) from half a turn both ways count as equally short: the joint then turns as its positions say.
+const HALF_TURN_TOLERANCE: f64 = 1e-9;
+
+/// How near (rad) to half a turn a controller, which measures the start itself, may find the other way shorter.
+const HALF_TURN_DOUBT: f64 = 1e-3;
+
+/// Which way round a continuous joint goes from one position to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ContinuousDirection {
+    /// Through all positions between the two, however many turns that are.
+    #[default]
+    AsGiven,
+    /// By half a turn at most: whole turns are taken off where it starts.
+    Shortest,
+}
+
+/// A continuous joint that turns in a motion, with its positions (rad) where the motion starts and ends: through all between, as was proven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContinuousTurn {
+    pub joint: String,
+    pub from: f64,
+    pub to: f64,
+}
+
+/// A continuous joint that can not go the shortest way.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "continuous joint '{joint}' can not go the shortest way from {from} to {to}: '{follower}' mimics it, and would be elsewhere after whole turns"
+)]
+pub struct HeldTurn {
+    pub joint: String,
+    pub follower: String,
+    pub from: f64,
+    pub to: f64,
+}
+
+/// The same places, such that continuous joints go from each to the next by half a turn at most; the last stays as it is. Joints that can
+/// not, because another one mimics them, go as they are given: they are told, too.
+///
+/// # Errors
+/// When a joint gets too far away to be computed with.
+pub fn shortest_way(
+    robot: &RobotModel,
+    points: Vec<Configuration>,
+) -> Result<(Vec<Configuration>, Vec<HeldTurn>), ConfigurationError> {
+    let joints: Vec<(JointId, usize)> = continuous(robot).collect();
+    let mut held: Vec<HeldTurn> = Vec::new();
+    let mut points = points;
+    for i in (1..points.len()).rev() {
+        let mut positions = points[i - 1].positions().to_vec();
+        for &(id, index) in &joints {
+            let (from, to) = (positions[index], points[i].positions()[index]);
+            let turns = whole_turns(to - from);
+            match robot.moved_by_whole_turns(id) {
+                _ if turns == 0.0 => {}
+                None => positions[index] = from + TAU * turns,
+                Some(follower) => {
+                    let (joint, follower) = (robot.joint(id).name.clone(), follower.name.clone());
+                    held.push(HeldTurn { joint, follower, from, to });
+                }
+            }
+        }
+        points[i - 1] = robot.configuration(&positions)?;
+    }
+    held.reverse();
+    Ok((points, held))
+}
+
+/// A continuous joint, which may mimic another one: its position is `multiplier · q[index] + offset`.
+struct Turning<'r> {
+    name: &'r str,
+    index: usize,
+    multiplier: f64,
+    offset: f64,
+}
+
+impl Turning<'_> {
+    fn position(&self, q: &Configuration) -> f64 {
+        self.multiplier * q.positions()[self.index] + self.offset
+    }
+
+    /// Whether it turns so far in a straight segment that the other way is shorter, or about as short.
+    fn is_long(&self, segment: &MotionSegment) -> bool {
+        let turn = self.multiplier.abs() * segment.top_speed(self.index);
+        segment.is_straight() && turn > PI - HALF_TURN_DOUBT
+    }
+}
+
+/// All continuous joints, those that mimic another one too.
+fn turning(robot: &RobotModel) -> impl Iterator<Item = Turning<'_>> {
+    let joints = robot.joint_ids().map(|id| (id, robot.joint(id)));
+    let continuous = joints.filter(|(_, joint)| matches!(joint.kind, JointKind::Continuous(_)));
+    continuous.filter_map(|(id, joint)| {
+        let (leader, multiplier, offset) =
+            joint.mimic.map_or((id, 1.0, 0.0), |mimic| (mimic.joint, mimic.multiplier, mimic.offset));
+        Some(Turning { name: &joint.name, index: robot.first_position(leader)?, multiplier, offset })
+    })
+}
+
+/// Continuous joints with a position of their own.
+fn continuous(robot: &RobotModel) -> impl Iterator<Item = (JointId, usize)> {
+    let is_continuous = |id: &JointId| matches!(robot.joint(*id).kind, JointKind::Continuous(_));
+    robot.joint_ids().filter(is_continuous).filter_map(|id| Some((id, robot.first_position(id)?)))
+}
+
+/// How many whole turns an angle has too many for the shortest way.
+fn whole_turns(angle: f64) -> f64 {
+    let turns = (angle / TAU).round();
+    let is_half = ((angle - TAU * turns).abs() - PI).abs() <= HALF_TURN_TOLERANCE;
+    if is_half { ((angle - PI.copysign(angle)) / TAU).round() } else { turns }
+}
+
+impl Trajectory {
+    /// The continuous joints that turn, with their positions at the start and at the end.
+    #[must_use]
+    pub fn continuous_turns(&self, robot: &RobotModel) -> Vec<ContinuousTurn> {
+        let (Some(first), Some(last)) = (self.segments().first(), self.segments().last()) else {
+            return Vec::new();
+        };
+        let (start, end) = (first.at(0.0), last.at(1.0));
+        let moves = |index: usize| self.segments().iter().any(|segment| segment.top_speed(index) > 0.0);
+        (turning(robot).filter(|joint| joint.multiplier != 0.0 && moves(joint.index)))
+            .map(|joint| ContinuousTurn {
+                joint: joint.name.to_owned(),
+                from: joint.position(&start),
+                to: joint.position(&end),
+            })
+            .collect()
+    }
+
+    /// A warning about straight segments in which a continuous joint turns by half a turn or more, of which a controller may make less.
+    #[must_use]
+    pub fn long_turn_note(&self, robot: &RobotModel) -> Option<String> {
+        let joints: Vec<Turning> = turning(robot).collect();
+        let long_in = |segment: &MotionSegment| joints.iter().find(|joint| joint.is_long(segment));
+        let mut long = (self.segments().iter().enumerate())
+            .filter_map(|(number, segment)| Some((number, segment, long_in(segment)?)));
+        let (number, segment, joint) = long.next()?;
+        let which = if self.segments().len() > 1 { format!("segment {number}: ") } else { String::new() };
+        let others = match long.count() {
+            0 => String::new(),
+            others => format!(", and so in {others} more segments"),
+        };
+        let [from, to] = segment.ends().map(|end| joint.position(&end));
+        let name = joint.name;
+        let size =
+            if (to - from).abs() > PI + HALF_TURN_DOUBT { "more than half a turn" } else { "half a turn" };
+        Some(format!(
+            "{which}continuous joint '{name}' turns by {size}, from {from} to {to}{others}: a controller that goes the shortest way may go the other way round"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use clearance_robot::MeshFiles;
+
+    /// A continuous joint, a revolute one, and a joint of kind `kind` that mimics the first.
+    fn robot(kind: &str, multiplier: f64) -> RobotModel {
+        let joint = |name: &str, kind: &str, more: &str| {
+            format!(
+                "<link name='of_{name}'/><joint name='{name}' type='{kind}'><parent link='base'/><child link='of_{name}'/>\
+                 <axis xyz='0 0 1'/><limit lower='-9' upper='9' effort='1' velocity='1'/>{more}</joint>"
+            )
+        };
+        let mimic = format!("<mimic joint='wheel' multiplier='{multiplier}'/>");
+        let joints =
+            [joint("wheel", "continuous", ""), joint("arm", "revolute", ""), joint("k", kind, &mimic)];
+        let urdf = format!("<robot name='r'><link name='base'/>{}</robot>", joints.concat());
+        RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap()
+    }
+
+    fn way(robot: &RobotModel, points: &[[f64; 2]]) -> (Vec<f64>, Vec<HeldTurn>) {
+        let points = points.iter().map(|q| robot.configuration(q).unwrap()).collect();
+        let (points, held) = shortest_way(robot, points).unwrap();
+        (points.iter().map(|q| q.positions()[0]).collect(), held)
+    }
+
+    #[test]
+    fn whole_turns_are_taken_off_the_start() {
+        let robot = robot("fixed", 0.0);
+        let (wheel, held) = way(&robot, &[[3.0, 3.0], [-3.0, -3.0]]);
+        assert!((wheel[0] - (3.0 - TAU)).abs() < 1e-12 && wheel[1] == -3.0 && held.is_empty(), "{wheel:?}");
+        let (wheel, _) = way(&robot, &[[0.5, 0.0], [100.0 * TAU + 0.4, 0.0]]);
+        assert!((wheel[0] - 100.0 * TAU - 0.5).abs() < 1e-9);
+        // the arm is not continuous, and points in between follow those behind
+        let points =
+            [[3.0, 3.0], [-3.0, -3.0], [3.0, 3.0]].map(|q| robot.configuration(&q).unwrap()).to_vec();
+        let (points, _) = shortest_way(&robot, points).unwrap();
+        assert!(
+            [3.0, -3.0 + TAU, 3.0].iter().zip(&points).all(|(q, p)| (q - p.positions()[0]).abs() < 1e-12)
+        );
+        assert_eq!([0, 1, 2].map(|i| points[i].positions()[1]), [3.0, -3.0, 3.0]);
+    }
+
+    #[test]
+    fn exactly_half_a_turn_goes_as_given() {
+        let robot = robot("fixed", 0.0);
+        for way_given in [PI, -PI, PI + 1e-10, -PI - 1e-10, PI - 1e-10] {
+            assert_eq!(way(&robot, &[[0.25, 0.0], [0.25 + way_given, 0.0]]).0[0], 0.25, "{way_given}");
+        }
+        let (wheel, _) = way(&robot, &[[0.0, 0.0], [3.0 * PI, 0.0]]);
+        assert!((wheel[0] - TAU).abs() < 1e-12, "{wheel:?}");
+        let (wheel, _) = way(&robot, &[[0.0, 0.0], [-PI - 1e-6, 0.0]]);
+        assert!((wheel[0] + TAU).abs() < 1e-12, "{wheel:?}");
+    }
+
+    #[test]
+    fn joints_whose_mimic_joints_do_not_come_back_go_as_given() {
+        for (kind, multiplier, is_held) in [
+            ("continuous", 0.5, true),
+            ("revolute", 1.0, true),
+            ("prismatic", 0.1, true),
+            ("continuous", -2.0, false),
+            ("prismatic", 0.0, false),
+        ] {
+            let robot = robot(kind, multiplier);
+            let (wheel, held) = way(&robot, &[[3.0, 0.0], [-3.0, 0.0]]);
+            assert_eq!((wheel[0] == 3.0, held.len()), (is_held, usize::from(is_held)), "{kind} {multiplier}");
+            if let Some(held) = held.first() {
+                assert!(held.to_string().contains("'wheel'") && held.to_string().contains("'k'"));
+            }
+            assert!(way(&robot, &[[3.0, 0.0], [2.0, 0.0]]).1.is_empty());
+        }
+    }
+
+    #[test]
+    fn long_turns_are_told() {
+        let robot = robot("fixed", 0.0);
+        let straight = |from: [f64; 2], to: [f64; 2]| {
+            let [from, to] = [from, to].map(|q| robot.configuration(&q).unwrap());
+            MotionSegment::straight(&robot, &from, &to)
+        };
+        let note = |segments| Trajectory::of_segments(segments).unwrap().long_turn_note(&robot);
+        assert_eq!(note(vec![straight([0.0, -3.0], [3.0, 3.0])]), None);
+        let words = note(vec![straight([3.0, 0.0], [-3.0, 0.0])]).unwrap();
+        assert!(words.contains("'wheel' turns by more than half a turn, from 3 to -3:"), "{words}");
+        assert!(note(vec![straight([0.0, 0.0], [PI, 0.0])]).unwrap().contains("by half a turn, from 0 to"));
+        let words = note(vec![
+            straight([0.0, 0.0], [3.0, 0.0]),
+            straight([3.0, 0.0], [-3.0, 0.0]),
+            straight([-3.0, 0.0], [3.0, 0.0]),
+        ]);
+        let words = words.unwrap();
+        assert!(words.starts_with("segment 1: ") && words.contains("in 1 more"), "{words}");
+    }
+
+    #[test]
+    fn continuous_joints_that_mimic_another_one_turn_as_well() {
+        let robot = robot("continuous", -2.0);
+        let [from, to] = [[0.0, 0.0], [2.0, 0.0]].map(|q| robot.configuration(&q).unwrap());
+        let way = Trajectory::of_segments(vec![MotionSegment::straight(&robot, &from, &to)]).unwrap();
+        let words = way.long_turn_note(&robot).unwrap();
+        assert!(words.contains("'k' turns by more than half a turn, from 0 to -4:"), "{words}");
+        let turns = way.continuous_turns(&robot);
+        assert_eq!(
+            turns.iter().map(|turn| (turn.joint.as_str(), turn.to)).collect::<Vec<_>>(),
+            [("wheel", 2.0), ("k", -4.0)]
+        );
+    }
+
+    proptest! {
+        /// The way is by half a turn at most, between the same places, and the goal stays.
+        #[test]
+        fn the_shortest_way_is_short_and_between_the_same_places(from in -60.0..60.0_f64, to in -60.0..60.0_f64) {
+            let robot = robot("continuous", 3.0);
+            let (wheel, held) = way(&robot, &[[from, 0.0], [to, 0.0]]);
+            prop_assert!(held.is_empty() && wheel[1] == to);
+            prop_assert!((wheel[1] - wheel[0]).abs() <= PI + 1e-9);
+            let turns = (wheel[0] - from) / TAU;
+            prop_assert!((turns - turns.round()).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! How robots and obstacles move, and what is proven about it; the third of the right tower.
+//!
+//! | what | type |
+//! |---|---|
+//! | one smooth stretch, t from 0 to 1 | [`MotionSegment`] |
+//! | a rigid obstacle on the move | [`MovingObstacle`] |
+//! | the same on a clock, evenly or through poses | [`ObstacleTrajectory`] |
+//! | stretches one after the other, with times | [`Trajectory`] |
+//! | which way round a continuous joint goes | [`ContinuousDirection`] |
+//! | a proof that a motion is free, as a document | [`Certificate`] |
+
+// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod certificate;
+mod certificate_parts;
+mod continuous_joints;
+mod fingerprint;
+mod join;
+mod moving_obstacle;
+mod obstacle_trajectory;
+mod obstacle_trajectory_text;
+mod segment;
+mod trajectory;
+mod trajectory_document;
+mod trajectory_start;
+mod trajectory_text;
+
+pub use certificate::shown;
+pub use certificate::{Certificate, CertificateError, Proof, SegmentProof};
+pub use certificate_parts::{BodyPart, CertificateParts, JointPart};
+pub use continuous_joints::{ContinuousDirection, ContinuousTurn, HeldTurn, shortest_way};
+pub use fingerprint::Fingerprint;
+pub use join::{Join, JoinError, join};
+pub use moving_obstacle::MovingObstacle;
+pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
+pub use obstacle_trajectory_text::ObstacleTextError;
+pub use segment::floating;
+pub use segment::{MotionSegment, SegmentError, SegmentText};
+pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};
+pub use trajectory_start::{START_TOLERANCE, StartMismatch};
+pub use trajectory_text::TrajectoryTextError;

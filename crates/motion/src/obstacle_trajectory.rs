@@ -1,0 +1,164 @@
+//! An obstacle that moves on a clock: evenly, or through poses at given times.
+
+use clearance_geometry::math::{Point, Pose};
+use clearance_scene::World;
+
+use super::trajectory::Part;
+use super::{MovingObstacle, Trajectory, TrajectoryError};
+
+/// How an obstacle of the world moves on the clock of a [`Trajectory`] (s). A motion without times has a clock of its own: it begins
+/// at 0 and ends at 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObstacleTrajectory {
+    name: String,
+    course: Course,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Course {
+    /// What happens in one unit of time, from 0 on, and goes on evenly.
+    Even(MovingObstacle),
+    /// One more time than pieces.
+    Poses { times: Vec<f64>, pieces: Vec<MovingObstacle> },
+}
+
+/// A turn (rad) between two poses from which on it is not clear which way is the shortest.
+const CLEAR_TURN: f64 = std::f64::consts::PI - 0.01;
+
+/// Why poses are no way.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PosesError {
+    #[error("two poses at least are needed, but there are {0}")]
+    TooFew(usize),
+    #[error("pose {pose}: its time {time} is negative, not finite, or not after that of the last pose")]
+    Time { pose: usize, time: f64 },
+    #[error(
+        "pose {0} is half a turn from the last one, so that it is not clear which way round: give one in between"
+    )]
+    HalfTurn(usize),
+}
+
+impl ObstacleTrajectory {
+    /// A constant twist, for ever: at time 0 the obstacle stands where the world has it. `linear` (m/s) is the velocity of `centre`
+    /// (m, at time 0), `angular` (rad/s) an axis times a speed; all in the robot's root frame.
+    #[must_use]
+    pub fn even(name: &str, centre: Point, linear: [f64; 3], angular: [f64; 3]) -> Self {
+        let name = name.to_owned();
+        let unit =
+            MovingObstacle { name: name.clone(), centre: centre.coords.into(), linear, angular, start: None };
+        Self { name, course: Course::Even(unit) }
+    }
+
+    /// Through poses (robot's root frame) of any frame that moves with the obstacle, each at its time (s); at the first the obstacle
+    /// stands where the world has it. Between two poses the frame's origin goes straight and the frame turns evenly, by the shortest way.
+    pub fn through(name: &str, poses: &[(f64, Pose)]) -> Result<Self, PosesError> {
+        let &[(_, first), _, ..] = poses else { return Err(PosesError::TooFew(poses.len())) };
+        for (pose, &(time, _)) in poses.iter().enumerate() {
+            let later = pose == 0 || time > poses[pose - 1].0;
+            if !(later && time >= 0.0 && time.is_finite()) {
+                return Err(PosesError::Time { pose, time });
+            }
+        }
+        let (centre, back) = (Point::from(first.translation.vector), first.inverse());
+        let pieces = poses.windows(2).enumerate().map(|(i, two)| {
+            let [from, to] = [two[0].1, two[1].1];
+            if from.rotation.angle_to(&to.rotation) > CLEAR_TURN {
+                return Err(PosesError::HalfTurn(i + 1));
+            }
+            // at its first pose it stands where the world has it, without any rounding
+            let start = if i == 0 { Pose::identity() } else { from * back };
+            Ok(MovingObstacle::between(name, centre, &start, &(to * back)))
+        });
+        let pieces = pieces.collect::<Result<_, _>>()?;
+        let times = poses.iter().map(|(time, _)| *time).collect();
+        Ok(Self { name: name.to_owned(), course: Course::Poses { times, pieces } })
+    }
+
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Times between which it moves evenly; none if it always does.
+    fn times(&self) -> &[f64] {
+        match &self.course {
+            Course::Even(_) => &[],
+            Course::Poses { times, .. } => times,
+        }
+    }
+
+    /// What it does between two times, of which it has none of its own in between.
+    fn between(&self, [from, to]: [f64; 2]) -> MovingObstacle {
+        match &self.course {
+            Course::Even(unit) => unit.part([from, to]),
+            Course::Poses { times, pieces } => {
+                let piece = times.partition_point(|time| *time <= from).clamp(1, pieces.len()) - 1;
+                let [begin, end] = [times[piece], times[piece + 1]];
+                pieces[piece].part([from, to].map(|time| (time - begin) / (end - begin)))
+            }
+        }
+    }
+}
+
+impl Trajectory {
+    /// With obstacles of `world` that move on its clock. A segment during which an obstacle comes to one of its poses is cut there:
+    /// [`Self::origin`] tells where it comes from.
+    ///
+    /// # Errors
+    /// When several segments have no times, an obstacle's poses do not last from the beginning to the end, or the world has no such
+    /// obstacle.
+    pub fn with_obstacles(
+        self,
+        world: &World,
+        obstacles: &[ObstacleTrajectory],
+    ) -> Result<Self, TrajectoryError> {
+        let clock = self.clock()?;
+        for obstacle in obstacles {
+            covers(obstacle, [clock[0], clock[clock.len() - 1]])?;
+        }
+        let (mut segments, mut parts, mut times) = (Vec::new(), Vec::new(), vec![clock[0]]);
+        for (segment, motion) in self.segments().iter().enumerate() {
+            let [from, to] = [clock[segment], clock[segment + 1]];
+            let mut begin = from;
+            for end in cuts(obstacles, [from, to]) {
+                let t = [begin, end].map(|time| (time - from) / (to - from));
+                let part = motion.part(t);
+                let mut movers = part.obstacles().to_vec();
+                movers.extend(obstacles.iter().map(|obstacle| obstacle.between([begin, end])));
+                let part = part.with_obstacles(world, movers);
+                segments.push(part.map_err(|error| TrajectoryError::Segment { segment, error })?);
+                let [(segment, from), (_, to)] = t.map(|t| self.origin(segment, t));
+                parts.push(Part { segment, t: [from, to] });
+                times.push(end);
+                begin = end;
+            }
+        }
+        Ok(self.cut(segments, parts, times))
+    }
+}
+
+/// Refuses poses that begin too late or end too early.
+fn covers(obstacle: &ObstacleTrajectory, motion: [f64; 2]) -> Result<(), TrajectoryError> {
+    let (Some(&from), Some(&to)) = (obstacle.times().first(), obstacle.times().last()) else { return Ok(()) };
+    if from <= motion[0] && motion[1] <= to {
+        return Ok(());
+    }
+    Err(TrajectoryError::ObstacleTimes { name: obstacle.name.clone(), poses: [from, to], motion })
+}
+
+/// Where a stretch of time has to end for all obstacles to move evenly in it: those in between, and its end.
+fn cuts(obstacles: &[ObstacleTrajectory], [from, to]: [f64; 2]) -> Vec<f64> {
+    let within = |obstacle: &ObstacleTrajectory| {
+        let times = obstacle.times();
+        let [begin, end] = [times.partition_point(|t| *t <= from), times.partition_point(|t| *t < to)];
+        times[begin.min(end)..end].to_vec()
+    };
+    let mut cuts: Vec<f64> = obstacles.iter().flat_map(within).collect();
+    cuts.push(to);
+    cuts.sort_unstable_by(f64::total_cmp);
+    cuts.dedup();
+    cuts
+}
+
+#[cfg(test)]
+mod tests;

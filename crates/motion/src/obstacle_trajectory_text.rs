@@ -1,0 +1,118 @@
+//! Moving obstacles as they stand in files.
+
+use clearance_files::yaml;
+use clearance_geometry::Shape;
+use clearance_geometry::constants::LARGEST_COORDINATE;
+use clearance_geometry::math::{Point, Pose, pose_from_xyz_quaternion};
+use clearance_scene::{Obstacle, World};
+use serde::Deserialize;
+
+use super::{ObstacleTrajectory, PosesError};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileText {
+    moving_obstacles: Vec<ObstacleText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObstacleText {
+    name: String,
+    linear: Option<[f64; 3]>,
+    angular: Option<[f64; 3]>,
+    centre: Option<[f64; 3]>,
+    poses: Option<Vec<PoseText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PoseText {
+    time: f64,
+    position: [f64; 3],
+    #[serde(default = "no_turn")]
+    orientation: [f64; 4],
+}
+
+fn no_turn() -> [f64; 4] {
+    [0.0, 0.0, 0.0, 1.0]
+}
+
+/// Why a text does not say how obstacles move.
+#[derive(Debug, thiserror::Error)]
+pub enum ObstacleTextError {
+    /// The reader says where.
+    #[error("{0}")]
+    Text(String),
+    #[error("moving_obstacles is empty")]
+    Empty,
+    #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
+    Unknown(String),
+    #[error("obstacle '{0}': give linear or angular (and centre), or poses, but not both")]
+    TwistOrPoses(String),
+    #[error("obstacle '{0}' turns and has several shapes: give the centre that it turns about")]
+    NoCentre(String),
+    #[error("obstacle '{name}': {what} is not finite, larger than {LARGEST_COORDINATE:e}, or no rotation")]
+    Number { name: String, what: String },
+    #[error("obstacle '{name}': {error}")]
+    Poses { name: String, error: PosesError },
+}
+
+impl ObstacleTrajectory {
+    /// Reads YAML or JSON: `moving_obstacles`, a list of obstacles of `world` by `name`, each with a twist (`linear` in m/s, `angular` in
+    /// rad/s, `centre` in m; what is not given is zero, and the centre that of the obstacle's only shape, unless that is a plane) or with `poses`, each of them
+    /// a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; none if not given). All in the robot's root frame, on the
+    /// trajectory's clock: [`Self::even`] and [`Self::through`] say how.
+    pub fn list_from_yaml(text: &str, world: &World) -> Result<Vec<Self>, ObstacleTextError> {
+        let text: FileText = yaml::from_text(text).map_err(ObstacleTextError::Text)?;
+        if text.moving_obstacles.is_empty() {
+            return Err(ObstacleTextError::Empty);
+        }
+        text.moving_obstacles.into_iter().map(|o| o.read(world)).collect()
+    }
+}
+
+impl ObstacleText {
+    fn read(self, world: &World) -> Result<ObstacleTrajectory, ObstacleTextError> {
+        let obstacle = world
+            .obstacle_by_name(&self.name)
+            .ok_or_else(|| ObstacleTextError::Unknown(self.name.clone()))?;
+        let twist = self.linear.is_some() || self.angular.is_some();
+        match &self.poses {
+            Some(poses) if !twist && self.centre.is_none() => through(&self.name, poses),
+            None if twist => self.even(obstacle),
+            _ => Err(ObstacleTextError::TwistOrPoses(self.name)),
+        }
+    }
+
+    fn even(&self, obstacle: &Obstacle) -> Result<ObstacleTrajectory, ObstacleTextError> {
+        let [linear, angular] = [self.linear, self.angular].map(Option::unwrap_or_default);
+        let centre = match (self.centre, &*obstacle.shapes) {
+            (Some(centre), _) => centre,
+            (None, [shape]) if !matches!(shape.shape, Shape::Plane(_)) => {
+                (obstacle.pose_ro * shape.pose_os).translation.vector.into()
+            }
+            // what does not turn moves alike everywhere
+            (None, _) if angular == [0.0; 3] => [0.0; 3],
+            (None, _) => return Err(ObstacleTextError::NoCentre(self.name.clone())),
+        };
+        for (what, numbers) in [("linear", linear), ("angular", angular), ("centre", centre)] {
+            if !numbers.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
+                return Err(ObstacleTextError::Number { name: self.name.clone(), what: what.to_owned() });
+            }
+        }
+        Ok(ObstacleTrajectory::even(&self.name, Point::from(centre), linear, angular))
+    }
+}
+
+fn through(name: &str, poses: &[PoseText]) -> Result<ObstacleTrajectory, ObstacleTextError> {
+    let name = || name.to_owned();
+    let pose = |(i, p): (usize, &PoseText)| {
+        let pose = pose_from_xyz_quaternion(p.position, p.orientation);
+        let number = || ObstacleTextError::Number { name: name(), what: format!("pose {i}") };
+        Ok((p.time, pose.ok_or_else(number)?))
+    };
+    let poses = poses.iter().enumerate().map(pose).collect::<Result<Vec<(f64, Pose)>, _>>()?;
+    ObstacleTrajectory::through(&name(), &poses)
+        .map_err(|error| ObstacleTextError::Poses { name: name(), error })
+}

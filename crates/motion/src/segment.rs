@@ -1,0 +1,476 @@
+//! One smooth stretch of a motion.
+
+use clearance_geometry::constants::LARGEST_COORDINATE;
+use clearance_geometry::math::{Extremes, Rotation, UnitVector, Vector};
+use clearance_robot::{Configuration, ConfigurationError, Deviation, JointKind, RobotModel};
+use clearance_scene::World;
+use serde::{Deserialize, Serialize};
+
+use super::MovingObstacle;
+
+/// Numbers of a polynomial of degree five, the constant first.
+pub type Polynomial = [f64; 6];
+
+/// How all positions of a robot change while t goes from 0 to 1: each a polynomial of degree five at most, but floating joints turn
+/// at even speed, by the shortest way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSegment {
+    positions: Vec<Polynomial>,
+    /// Positions at t = 1 as they were given; empty for polynomials, whose ends are sums.
+    goal: Vec<f64>,
+    /// Index of the first component of each quaternion.
+    quaternions: Vec<usize>,
+    turns: Vec<Turn>,
+    obstacles: Vec<MovingObstacle>,
+    /// How far (rad, m) each position may be off on the way; empty when it is followed exactly.
+    tube: Vec<f64>,
+    /// How fast each position may come to be off (rad, m, a unit of t²); empty where it does not.
+    spread: Vec<f64>,
+    is_straight: bool,
+    /// No position is ever larger than this (rad, m), nor is what it is computed from.
+    size: f64,
+}
+
+/// The turn of a floating joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn {
+    /// Where its quaternion begins.
+    pub first: usize,
+    pub from: Rotation,
+    /// In the frame that the joint turns in.
+    pub axis: UnitVector,
+    pub angle: f64,
+}
+
+/// Why numbers are no motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SegmentError {
+    #[error("the motion has {given} positions, but the robot has {expected}")]
+    WrongLength { given: usize, expected: usize },
+    #[error("joint '{0}': its motion is not finite")]
+    NotFinite(String),
+    #[error(transparent)]
+    Start(#[from] ConfigurationError),
+    #[error(
+        "a joint goes as far as {0:e}, farther than the {LARGEST_COORDINATE:e} that can be computed with"
+    )]
+    TooFar(f64),
+    #[error("the horizon must be zero or more seconds, but is {0}")]
+    Horizon(f64),
+    #[error("floating joint '{0}' can only go straight")]
+    FloatingPolynomial(String),
+    #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
+    Tube { joint: String, value: f64 },
+    #[error("floating joint '{0}' can have no tracking tolerance: give it 0, or leave it out")]
+    FloatingTube(String),
+    #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
+    UnknownObstacle(String),
+    #[error("obstacle '{0}' is to move in two ways")]
+    ObstacleTwice(String),
+    #[error("obstacle '{0}' moves by numbers that are not finite or no rotation")]
+    Obstacle(String),
+}
+
+/// A segment as it stands in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentText {
+    /// Positions at t = 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<Vec<f64>>,
+    /// Positions at t = 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<Vec<f64>>,
+    /// Or a polynomial for each position, the constant first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polynomials: Option<Vec<[f64; 6]>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<MovingObstacle>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tube: Vec<f64>,
+}
+
+impl MotionSegment {
+    /// The straight line in joint space from one configuration of `robot` to another.
+    #[must_use]
+    pub fn straight(robot: &RobotModel, from: &Configuration, to: &Configuration) -> Self {
+        let (from, to) = (from.positions(), to.positions());
+        let segment = Self::new(robot, line(from, to));
+        let turns = Turn::all(&segment.quaternions, from, to);
+        Self { goal: to.to_vec(), turns, ..segment }
+    }
+
+    fn new(robot: &RobotModel, positions: Vec<Polynomial>) -> Self {
+        let is_straight = positions.iter().all(|p| p[2..].iter().all(|c| *c == 0.0));
+        let most = |p: &Polynomial| p.iter().map(|c| c.abs()).sum::<f64>();
+        let following = robot.mimicking_joints().filter_map(|(_, mimic)| {
+            let p = &positions[robot.first_position(mimic.joint)?];
+            Some(mimic.multiplier.abs() * most(p) + mimic.offset.abs())
+        });
+        let size = positions.iter().map(most).chain(following).fold(0.0, f64::greater);
+        let quaternions = floating(robot).map(|(_, first)| first + 3).collect();
+        let (goal, turns, obstacles) = (Vec::new(), Vec::new(), Vec::new());
+        let (tube, spread) = (Vec::new(), Vec::new());
+        Self { positions, goal, quaternions, turns, obstacles, tube, spread, is_straight, size }
+    }
+
+    /// A polynomial for each of the robot's positions.
+    pub fn polynomial(robot: &RobotModel, mut positions: Vec<[f64; 6]>) -> Result<Self, SegmentError> {
+        let expected = robot.position_names().len();
+        if positions.len() != expected {
+            return Err(SegmentError::WrongLength { given: positions.len(), expected });
+        }
+        for (name, numbers) in robot.position_names().iter().zip(&positions) {
+            let most: f64 = numbers.iter().map(|c| c.abs()).sum();
+            if most.is_nan() || most > LARGEST_COORDINATE {
+                return Err(SegmentError::NotFinite(name.clone()));
+            }
+        }
+        for (name, first) in floating(robot) {
+            let stands = |p: &Polynomial| p[1..].iter().all(|c| *c == 0.0);
+            if !positions[first..first + 7].iter().all(stands) {
+                return Err(SegmentError::FloatingPolynomial(name.to_owned()));
+            }
+        }
+        // this makes quaternions as long as they have to be
+        let start: Vec<f64> = positions.iter().map(|p| p[0]).collect();
+        let start = robot.configuration(&start)?;
+        positions.iter_mut().zip(start.positions()).for_each(|(p, q)| p[0] = *q);
+        let segment = Self::new(robot, positions);
+        if segment.size > LARGEST_COORDINATE {
+            return Err(SegmentError::TooFar(segment.size));
+        }
+        Ok(segment)
+    }
+
+    /// With obstacles of `world` that move on the same clock.
+    pub fn with_obstacles(self, world: &World, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
+        for (i, mover) in obstacles.iter().enumerate() {
+            if world.id(&mover.name).is_none() {
+                return Err(SegmentError::UnknownObstacle(mover.name.clone()));
+            }
+            if obstacles[..i].iter().any(|other| other.name == mover.name) {
+                return Err(SegmentError::ObstacleTwice(mover.name.clone()));
+            }
+        }
+        self.with_movers(obstacles)
+    }
+
+    /// As [`Self::with_obstacles`], whether or not there are such obstacles.
+    pub fn with_movers(mut self, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
+        if let Some(bad) = obstacles.iter().find(|o| !o.is_sound()) {
+            return Err(SegmentError::Obstacle(bad.name.clone()));
+        }
+        let largest = obstacles.iter().map(MovingObstacle::size);
+        self.size = largest.fold(self.size, f64::greater);
+        self.obstacles = obstacles;
+        Ok(self)
+    }
+
+    /// With the obstacles that move during another segment.
+    #[must_use]
+    pub fn with_obstacles_of(self, other: &Self) -> Self {
+        let size = other.obstacles.iter().map(MovingObstacle::size).fold(self.size, f64::greater);
+        Self { size, obstacles: other.obstacles.clone(), ..self }
+    }
+
+    /// With a tolerance (rad, m) for each of the robot's positions: the robot may be anywhere within it.
+    pub fn with_tube(mut self, robot: &RobotModel, tube: Vec<f64>) -> Result<Self, SegmentError> {
+        let expected = robot.position_names().len();
+        if tube.len() != expected {
+            return Err(SegmentError::WrongLength { given: tube.len(), expected });
+        }
+        for (joint, &value) in robot.position_names().iter().zip(&tube) {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(SegmentError::Tube { joint: joint.clone(), value });
+            }
+        }
+        for (joint, first) in floating(robot) {
+            if tube[first..first + 7].iter().any(|t| *t != 0.0) {
+                return Err(SegmentError::FloatingTube(joint.to_owned()));
+            }
+        }
+        self.tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
+        Ok(self)
+    }
+
+    /// With accelerations (rad, m, a unit of t²) that each of the positions may have on top of what it does by itself.
+    #[must_use]
+    pub fn with_spread(self, spread: Vec<f64>) -> Self {
+        Self { spread, ..self }
+    }
+
+    /// What it does from one t to another, as a segment of its own.
+    #[must_use]
+    pub(super) fn part(&self, [from, to]: [f64; 2]) -> Self {
+        if [from, to] == [0.0, 1.0] {
+            return self.clone();
+        }
+        let obstacles = self.obstacles.iter().map(|mover| mover.part([from, to])).collect();
+        if !self.goal.is_empty() {
+            // both parts at a cut compute its positions alike, so that they join exactly
+            return Self { obstacles, ..self.between(self.at(from).positions(), self.at(to).positions()) };
+        }
+        let part = |p: &Polynomial| {
+            let (mut c, mut scale) = (taylor(p, from), 1.0);
+            for c in &mut c {
+                *c *= scale;
+                scale *= to - from;
+            }
+            c
+        };
+        Self { positions: self.positions.iter().map(part).collect(), obstacles, ..self.clone() }
+    }
+
+    /// The same robot, tolerances and obstacles, straight from one configuration to another that is no farther from zero than this
+    /// segment's [`Self::size`].
+    pub(super) fn between(&self, from: &[f64], to: &[f64]) -> Self {
+        Self {
+            positions: line(from, to),
+            goal: to.to_vec(),
+            turns: Turn::all(&self.quaternions, from, to),
+            is_straight: true,
+            ..self.clone()
+        }
+    }
+
+    /// With the tolerances and obstacles of a gap, next to a segment of this [`Self::size`].
+    pub(super) fn into_gap(self, tube: Vec<f64>, obstacles: Vec<MovingObstacle>, beside: f64) -> Self {
+        let tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
+        let size = obstacles.iter().map(MovingObstacle::size).fold(self.size.greater(beside), f64::greater);
+        Self { tube, spread: Vec::new(), obstacles, size, ..self }
+    }
+
+    /// The same robot, which stands at the start of this segment, exactly and without any obstacle that moves.
+    #[must_use]
+    pub fn standing_at_start(&self) -> Self {
+        let start: Vec<f64> = self.starts().collect();
+        Self { obstacles: Vec::new(), ..self.nominal().between(&start, &start) }
+    }
+
+    /// The same without tolerances.
+    #[must_use]
+    pub fn nominal(&self) -> Self {
+        Self { tube: Vec::new(), spread: Vec::new(), ..self.clone() }
+    }
+
+    /// Whether the robot may be elsewhere more and more.
+    #[must_use]
+    pub fn widens(&self) -> bool {
+        !self.spread.is_empty()
+    }
+
+    /// Whether the robot may be elsewhere than the motion says.
+    #[must_use]
+    pub fn is_loose(&self) -> bool {
+        !self.tube.is_empty() || !self.spread.is_empty()
+    }
+
+    /// A number (rad, m) not less than any position, nor than what it is computed from.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    #[must_use]
+    pub fn position_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    #[must_use]
+    pub fn obstacles(&self) -> &[MovingObstacle] {
+        &self.obstacles
+    }
+
+    #[must_use]
+    pub fn tube(&self) -> &[f64] {
+        &self.tube
+    }
+
+    /// Index of the first component of each floating joint's quaternion.
+    pub(super) fn quaternions(&self) -> &[usize] {
+        &self.quaternions
+    }
+
+    /// The positions at t = 0, which are always exact.
+    pub(super) fn starts(&self) -> impl Iterator<Item = f64> + '_ {
+        self.positions.iter().map(|p| p[0])
+    }
+
+    /// A position at t = 1, and by how much rounding may have it off; zero where the end was given as a number.
+    pub(super) fn end(&self, position: usize) -> [f64; 2] {
+        if let Some(goal) = self.goal.get(position) {
+            return [*goal, 0.0];
+        }
+        let p = &self.positions[position];
+        if p[1..].iter().all(|c| *c == 0.0) {
+            return [p[0], 0.0];
+        }
+        // a sum of six terms and the products of Horner's scheme: ten roundings
+        let size: f64 = p.iter().map(|c| c.abs()).sum();
+        [value(p, 1.0), 10.0 * f64::EPSILON * size]
+    }
+
+    /// Highest power of t in any position; 1 for a straight line, also if it stands still.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        let of = |p: &Polynomial| p.iter().rposition(|c| *c != 0.0).unwrap_or(0);
+        if self.goal.is_empty() { self.positions.iter().map(of).max().unwrap_or(0) } else { 1 }
+    }
+
+    /// Whether every position goes from its first to its last at even speed.
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
+        self.is_straight
+    }
+
+    /// The turn of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle (rad a unit of t).
+    #[must_use]
+    pub fn turn_of(&self, first: usize) -> Option<(UnitVector, f64)> {
+        let turn = self.turns.iter().find(|turn| turn.first == first + 3)?;
+        Some((turn.axis, turn.angle))
+    }
+
+    /// The fastest (a unit of t) that a position ever changes.
+    #[must_use]
+    pub fn top_speed(&self, position: usize) -> f64 {
+        let p = &self.positions[position];
+        if self.is_straight { p[1].abs() } else { largest_slope(p) }
+    }
+
+    /// The farthest that a position ever is from zero, tolerance included.
+    #[must_use]
+    pub fn range(&self, position: usize) -> f64 {
+        let Deviation { most, off, .. } = self.deviation(position, 0.5, 0.5);
+        value(&self.positions[position], 0.5).abs() + most + off
+    }
+
+    /// Writes the positions at t.
+    ///
+    /// # Panics
+    /// When `positions` is not as long as the robot has positions.
+    pub fn positions_at(&self, t: f64, positions: &mut [f64]) {
+        if t == 1.0 && !self.goal.is_empty() {
+            positions.copy_from_slice(&self.goal);
+            return;
+        }
+        for (position, p) in positions.iter_mut().zip(&self.positions) {
+            *position = if self.is_straight { p[0] + t * p[1] } else { value(p, t) };
+        }
+        for turn in &self.turns {
+            let at = (Rotation::from_axis_angle(&turn.axis, turn.angle * t) * turn.from).coords;
+            positions[turn.first..turn.first + 4].copy_from_slice(at.as_slice());
+        }
+    }
+
+    /// Where it begins and where it ends.
+    #[must_use]
+    pub fn ends(&self) -> [Configuration; 2] {
+        [self.at(0.0), self.at(1.0)]
+    }
+
+    /// The configuration at t.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Configuration {
+        let mut positions = vec![0.0; self.positions.len()];
+        self.positions_at(t, &mut positions);
+        Configuration::trusted(positions)
+    }
+
+    /// By how much a position differs from that at `middle` within `half_width` of it; not for quaternions.
+    #[must_use]
+    #[inline]
+    pub fn deviation(&self, position: usize, middle: f64, half_width: f64) -> Deviation {
+        let p = &self.positions[position];
+        let latest = middle + half_width;
+        let off = self.tube.get(position).copied().unwrap_or(0.0)
+            + self.spread.get(position).map_or(0.0, |a| 0.5 * a * latest * latest);
+        if self.is_straight {
+            return Deviation { velocity: p[1], most: half_width * p[1].abs(), bent: 0.0, off };
+        }
+        let c = taylor(p, middle);
+        let bent = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
+        Deviation { velocity: c[1], most: half_width * c[1].abs() + bent, bent, off }
+    }
+
+    /// As it stands in a file.
+    #[must_use]
+    pub fn text(&self) -> SegmentText {
+        let by_ends = !self.goal.is_empty() || self.positions.is_empty();
+        SegmentText {
+            from: by_ends.then(|| self.starts().collect()),
+            to: by_ends.then(|| self.goal.clone()),
+            polynomials: (!by_ends).then(|| self.positions.clone()),
+            obstacles: self.obstacles.clone(),
+            tube: self.tube.clone(),
+        }
+    }
+}
+
+/// Taylor's numbers at t, by repeated synthetic division.
+#[inline]
+fn taylor(p: &Polynomial, t: f64) -> Polynomial {
+    let mut c = *p;
+    for i in 0..6 {
+        for j in (i..5).rev() {
+            c[j] += t * c[j + 1];
+        }
+    }
+    c
+}
+
+fn line(from: &[f64], to: &[f64]) -> Vec<Polynomial> {
+    from.iter().zip(to).map(|(a, b)| [*a, b - a, 0.0, 0.0, 0.0, 0.0]).collect()
+}
+
+fn value(p: &Polynomial, t: f64) -> f64 {
+    p.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+/// C(i, k) / C(4, k): the part that each coefficient of a polynomial of degree four has in its Bernstein coefficients.
+const SHARES: [[f64; 5]; 5] = [
+    [1.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, 1.0 / 4.0, 0.0, 0.0, 0.0],
+    [1.0, 2.0 / 4.0, 1.0 / 6.0, 0.0, 0.0],
+    [1.0, 3.0 / 4.0, 3.0 / 6.0, 1.0 / 4.0, 0.0],
+    [1.0, 1.0, 1.0, 1.0, 1.0],
+];
+
+/// A number not less than any slope between 0 and 1: the derivative lies within the hull of its Bernstein coefficients.
+fn largest_slope(p: &Polynomial) -> f64 {
+    let derivative = [p[1], 2.0 * p[2], 3.0 * p[3], 4.0 * p[4], 5.0 * p[5]];
+    let coefficient =
+        |shares: &[f64; 5]| shares.iter().zip(&derivative).map(|(s, d)| s * d).sum::<f64>().abs();
+    let size: f64 = derivative.iter().map(|d| d.abs()).sum();
+    SHARES.iter().map(coefficient).fold(0.0, f64::greater) + 1e-14 * size
+}
+
+/// Names of floating joints and where their positions begin.
+pub fn floating(robot: &RobotModel) -> impl Iterator<Item = (&str, usize)> {
+    robot.joint_ids().filter_map(|id| {
+        let joint = robot.joint(id);
+        (joint.kind == JointKind::Floating).then_some(())?;
+        Some((joint.name.as_str(), robot.first_position(id)?))
+    })
+}
+
+impl Turn {
+    fn all(quaternions: &[usize], from: &[f64], to: &[f64]) -> Vec<Self> {
+        quaternions.iter().map(|first| Self::between(*first, from, to)).collect()
+    }
+
+    fn between(first: usize, from: &[f64], to: &[f64]) -> Self {
+        let rotation = |q: &[f64]| {
+            Rotation::from_quaternion(nalgebra::Quaternion::new(
+                q[first + 3],
+                q[first],
+                q[first + 1],
+                q[first + 2],
+            ))
+        };
+        let (from, to) = (rotation(from), rotation(to));
+        let turn = to * from.inverse();
+        let axis = turn.axis().unwrap_or(Vector::z_axis());
+        Self { first, from, axis, angle: turn.angle() }
+    }
+}

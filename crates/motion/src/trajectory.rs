@@ -1,0 +1,337 @@
+//! Stretches one after the other: what ROS calls a joint trajectory.
+
+use clearance_robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
+
+use super::{ContinuousDirection, HeldTurn, JoinError, MotionSegment, SegmentError, join, shortest_way};
+
+/// Segments, and the seconds at which they begin and end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    segments: Vec<MotionSegment>,
+    /// One more than segments; empty where no times were given.
+    times: Vec<f64>,
+    /// By segment, what it is a part of; empty where each is a whole.
+    parts: Vec<Part>,
+}
+
+/// A part of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    pub segment: usize,
+    pub t: [f64; 2],
+}
+
+/// One point of a trajectory, as `trajectory_msgs/JointTrajectoryPoint` has it: velocities and accelerations may be empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrajectoryPoint {
+    pub positions: Vec<f64>,
+    pub velocities: Vec<f64>,
+    pub accelerations: Vec<f64>,
+    /// Seconds.
+    pub time_from_start: f64,
+}
+
+/// Why points are no trajectory.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrajectoryError {
+    #[error("a trajectory needs at least two points, but it has {0}")]
+    TooShort(usize),
+    #[error("point {point}: {error}")]
+    Point { point: usize, error: ConfigurationError },
+    #[error("point {point}: {given} {what} for {expected} joints")]
+    Length { point: usize, what: &'static str, given: usize, expected: usize },
+    #[error("point {point}: its {what} of joint '{joint}' is not finite")]
+    NotFinite { point: usize, what: &'static str, joint: String },
+    #[error("joint_names: {0}")]
+    Names(ConfigurationError),
+    #[error("point {point}: time_from_start {time} s does not come after {previous} s")]
+    Time { point: usize, time: f64, previous: f64 },
+    #[error("point {0} has velocities but the trajectory has no times")]
+    NoTimes(usize),
+    #[error("segment {segment} begins {jump} rad or m off where the last one ends")]
+    Jump { segment: usize, jump: f64 },
+    #[error("obstacle '{name}' is not at the start of segment {segment} where it was at the end of the last")]
+    ObstacleJump { segment: usize, name: String },
+    #[error("obstacles are to move, but the trajectory has no times: give its points time_from_start")]
+    NoClock,
+    #[error(
+        "obstacle '{name}' has poses from time {} to {}, but the motion lasts from {} to {}", poses[0], poses[1], motion[0], motion[1]
+    )]
+    ObstacleTimes { name: String, poses: [f64; 2], motion: [f64; 2] },
+    #[error("the shortest way: {0}")]
+    ShortestWay(ConfigurationError),
+    #[error(transparent)]
+    Held(HeldTurn),
+    #[error("segment {segment}: {error}")]
+    Segment { segment: usize, error: SegmentError },
+}
+
+impl TrajectoryError {
+    /// A segment that does not start where the one before ends.
+    fn at_join(segment: usize, error: JoinError) -> Self {
+        match error {
+            JoinError::Length { before, after } => {
+                let error = SegmentError::WrongLength { given: after, expected: before };
+                Self::Segment { segment, error }
+            }
+            JoinError::Position { from, to, .. } => Self::Jump { segment, jump: (to - from).abs() },
+            JoinError::Obstacle { name, .. } => Self::ObstacleJump { segment, name },
+        }
+    }
+}
+
+impl Trajectory {
+    /// Segments without times, each beginning where the last ends, robot and obstacles.
+    pub fn of_segments(segments: Vec<MotionSegment>) -> Result<Self, TrajectoryError> {
+        if segments.is_empty() {
+            return Err(TrajectoryError::TooShort(0));
+        }
+        for (i, two) in segments.windows(2).enumerate() {
+            join(&two[0], &two[1]).map_err(|error| TrajectoryError::at_join(i + 1, error))?;
+        }
+        Ok(Self { segments, times: Vec::new(), parts: Vec::new() })
+    }
+
+    /// As `trajectory_msgs/JointTrajectory` means it: between two points positions go straight, or as cubic polynomials if both
+    /// have velocities, or as quintic ones if both have accelerations, too. Joints that are not named stay as in `rest`.
+    ///
+    /// Either all times are zero or each comes after the last.
+    pub fn from_points(
+        robot: &RobotModel,
+        joints: &[String],
+        points: &[TrajectoryPoint],
+        rest: &Configuration,
+    ) -> Result<Self, TrajectoryError> {
+        Self::from_points_going(robot, joints, points, rest, ContinuousDirection::AsGiven)
+    }
+
+    /// The same where continuous joints go from point to point as `direction` says.
+    pub fn from_points_going(
+        robot: &RobotModel,
+        joints: &[String],
+        points: &[TrajectoryPoint],
+        rest: &Configuration,
+        direction: ContinuousDirection,
+    ) -> Result<Self, TrajectoryError> {
+        if points.len() < 2 {
+            return Err(TrajectoryError::TooShort(points.len()));
+        }
+        let timed = check_times(points)?;
+        let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(TrajectoryError::Names)?;
+        let configurations = (points.iter().enumerate())
+            .map(|(point, p)| {
+                check_lengths(point, p, joints)?;
+                let refuse = |error| TrajectoryError::Point { point, error };
+                check_rates(&named, p).map_err(refuse)?;
+                named.configuration(rest, &p.positions).map_err(refuse)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let configurations = directed(robot, configurations, direction)?;
+        let segments = (0..points.len() - 1)
+            .map(|i| {
+                let ends = [&points[i], &points[i + 1]];
+                if ends.iter().any(|p| p.velocities.is_empty()) {
+                    return Ok(MotionSegment::straight(robot, &configurations[i], &configurations[i + 1]));
+                }
+                if !timed {
+                    return Err(TrajectoryError::NoTimes(i));
+                }
+                let bent = polynomials(&named, i, ends, [&configurations[i], &configurations[i + 1]])?;
+                MotionSegment::polynomial(robot, bent)
+                    .map_err(|error| TrajectoryError::Segment { segment: i, error })
+            })
+            .collect::<Result<_, _>>()?;
+        let times = if timed { points.iter().map(|p| p.time_from_start).collect() } else { Vec::new() };
+        Ok(Self { segments, times, parts: Vec::new() })
+    }
+
+    #[must_use]
+    pub fn segments(&self) -> &[MotionSegment] {
+        &self.segments
+    }
+
+    /// The same with each segment changed. Obstacles that move from segment to segment are for [`Self::with_obstacles`].
+    pub fn map<E>(self, change: impl FnMut(MotionSegment) -> Result<MotionSegment, E>) -> Result<Self, E> {
+        let segments = self.segments.into_iter().map(change).collect::<Result<_, _>>()?;
+        Ok(Self { segments, times: self.times, parts: self.parts })
+    }
+
+    /// A remark where the first point comes later than the start of the trajectory.
+    #[must_use]
+    pub fn late_start_note(&self) -> Option<String> {
+        let first = *self.times.first().filter(|time| **time > 0.0)?;
+        Some(format!(
+            "the first point is at {first} s: how the robot gets there from where it stands is not checked; \
+             add that as a point with time_from_start 0"
+        ))
+    }
+
+    /// When segments begin and end; a single one without times goes from 0 to 1.
+    pub(super) fn clock(&self) -> Result<Vec<f64>, TrajectoryError> {
+        match (self.times.as_slice(), self.segments.len()) {
+            ([], 1) => Ok(vec![0.0, 1.0]),
+            ([], _) => Err(TrajectoryError::NoClock),
+            (times, _) => Ok(times.to_vec()),
+        }
+    }
+
+    /// The same, cut at more times.
+    pub(super) fn cut(self, segments: Vec<MotionSegment>, parts: Vec<Part>, times: Vec<f64>) -> Self {
+        let times = if self.times.is_empty() { Vec::new() } else { times };
+        Self { segments, times, parts }
+    }
+
+    /// Of a fraction of a segment: which segment it was, and which fraction of it, before moving obstacles cut it.
+    #[must_use]
+    pub fn origin(&self, segment: usize, t: f64) -> (usize, f64) {
+        match self.parts.get(segment) {
+            None => (segment, t),
+            Some(Part { segment, t: [from, to] }) => (*segment, from + t * (to - from)),
+        }
+    }
+
+    /// Seconds from the start at a fraction of a segment; `None` where no times were given.
+    #[must_use]
+    pub fn time(&self, segment: usize, t: f64) -> Option<f64> {
+        let [from, to] = [*self.times.get(segment)?, *self.times.get(segment + 1)?];
+        Some(from + t * (to - from))
+    }
+}
+
+/// Points between which continuous joints go as `direction` says.
+fn directed(
+    robot: &RobotModel,
+    points: Vec<Configuration>,
+    direction: ContinuousDirection,
+) -> Result<Vec<Configuration>, TrajectoryError> {
+    if direction == ContinuousDirection::AsGiven {
+        return Ok(points);
+    }
+    let (points, held) = shortest_way(robot, points).map_err(TrajectoryError::ShortestWay)?;
+    match held.into_iter().next() {
+        Some(held) => Err(TrajectoryError::Held(held)),
+        None => Ok(points),
+    }
+}
+
+/// Whether there are times.
+fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
+    if points.iter().all(|p| p.time_from_start == 0.0) {
+        return Ok(false);
+    }
+    for (i, pair) in points.windows(2).enumerate() {
+        let [previous, time] = [pair[0].time_from_start, pair[1].time_from_start];
+        if !(time > previous && previous >= 0.0 && time.is_finite()) {
+            return Err(TrajectoryError::Time { point: i + 1, time, previous });
+        }
+    }
+    Ok(true)
+}
+
+fn check_lengths(point: usize, p: &TrajectoryPoint, joints: &[String]) -> Result<(), TrajectoryError> {
+    let given =
+        [("positions", &p.positions), ("velocities", &p.velocities), ("accelerations", &p.accelerations)];
+    for (what, numbers) in given {
+        let needed = what == "positions" || !numbers.is_empty();
+        if needed && numbers.len() != joints.len() {
+            let (given, expected) = (numbers.len(), joints.len());
+            return Err(TrajectoryError::Length { point, what, given, expected });
+        }
+        if let Some(i) = numbers.iter().position(|x| !x.is_finite()) {
+            return Err(TrajectoryError::NotFinite { point, what, joint: joints[i].clone() });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses velocities and accelerations of mimic joints that are not those of their leaders, also where they make no curve.
+fn check_rates(named: &NamedJoints, p: &TrajectoryPoint) -> Result<(), ConfigurationError> {
+    for (what, values) in [("velocity", &p.velocities), ("acceleration", &p.accelerations)] {
+        if !values.is_empty() {
+            named.rates(what, values, 1.0)?;
+        }
+    }
+    Ok(())
+}
+
+/// Cubic or quintic pieces from point `first` to the next, both with velocities, in t from 0 to 1.
+fn polynomials(
+    named: &NamedJoints,
+    first: usize,
+    [p, q]: [&TrajectoryPoint; 2],
+    [from, to]: [&Configuration; 2],
+) -> Result<Vec<[f64; 6]>, TrajectoryError> {
+    let seconds = q.time_from_start - p.time_from_start;
+    let per_t = |what: &'static str, [a, b]: [&[f64]; 2], scale: f64| {
+        let of_point = |point: usize, values: &[f64]| {
+            let rates = named.rates(what, values, scale);
+            rates.map_err(|error| TrajectoryError::Point { point, error })
+        };
+        Ok([of_point(first, a)?, of_point(first + 1, b)?])
+    };
+    let velocities = per_t("velocity", [&p.velocities, &q.velocities], seconds)?;
+    let is_cubic = p.accelerations.is_empty() || q.accelerations.is_empty();
+    let accelerations = [&p.accelerations[..], &q.accelerations];
+    let accelerations = (!is_cubic).then(|| per_t("acceleration", accelerations, seconds * seconds));
+    let accelerations = accelerations.transpose()?;
+    let piece = |index: usize| {
+        let ends = [from.positions()[index], to.positions()[index]];
+        // joints that are not named stay where they are
+        let at = |rates: &[Vec<Option<f64>>; 2], scale: f64| {
+            Some([rates[0][index]? * scale, rates[1][index]? * scale])
+        };
+        let Some(velocities) = at(&velocities, seconds) else {
+            return [ends[0], ends[1] - ends[0], 0.0, 0.0, 0.0, 0.0];
+        };
+        match accelerations.as_ref().and_then(|rates| at(rates, seconds * seconds)) {
+            None => cubic(ends, velocities),
+            Some(accelerations) => quintic(ends, velocities, accelerations),
+        }
+    };
+    Ok((0..from.positions().len()).map(piece).collect())
+}
+
+/// The cubic polynomial with these ends and slopes at 0 and 1.
+fn cubic([a, b]: [f64; 2], [v, w]: [f64; 2]) -> [f64; 6] {
+    let d = b - a;
+    [a, v, 3.0 * d - 2.0 * v - w, v + w - 2.0 * d, 0.0, 0.0]
+}
+
+/// The quintic polynomial with these ends, slopes and second derivatives at 0 and 1.
+fn quintic([a, b]: [f64; 2], [v, w]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 6] {
+    let d = b - a;
+    [
+        a,
+        v,
+        0.5 * x,
+        10.0 * d - 6.0 * v - 4.0 * w - 1.5 * x + 0.5 * y,
+        -15.0 * d + 8.0 * v + 7.0 * w + 1.5 * x - y,
+        6.0 * d - 3.0 * (v + w) - 0.5 * (x - y),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values, slopes and second derivatives at both ends.
+    fn ends(p: &[f64; 6]) -> [[f64; 2]; 3] {
+        let at_one = [0, 1, 2].map(|order: i32| {
+            (p.iter().zip(0..))
+                .map(|(c, i)| c * (0..order).map(|k| f64::from(i - k)).product::<f64>())
+                .sum::<f64>()
+        });
+        [[p[0], at_one[0]], [p[1], at_one[1]], [2.0 * p[2], at_one[2]]]
+    }
+
+    #[test]
+    fn polynomials_meet_their_ends() {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        let [positions, velocities, _] = ends(&cubic([0.3, -1.1], [2.0, -0.7]));
+        assert!(near(positions[1], -1.1) && near(velocities[0], 2.0) && near(velocities[1], -0.7));
+        let [positions, velocities, accelerations] = ends(&quintic([0.3, -1.1], [2.0, -0.7], [5.0, -3.0]));
+        assert!(near(positions[0], 0.3) && near(positions[1], -1.1));
+        assert!(near(velocities[0], 2.0) && near(velocities[1], -0.7));
+        assert!(near(accelerations[0], 5.0) && near(accelerations[1], -3.0));
+    }
+}

@@ -1,0 +1,88 @@
+//! Where a robot stands before a trajectory begins.
+
+use std::f64::consts::TAU;
+
+use clearance_robot::{Configuration, ConfigurationError, JointKind, RobotModel};
+
+use super::ContinuousDirection;
+
+/// How far (rad, m) a start may be from the first point: what rounding in files and messages makes.
+pub const START_TOLERANCE: f64 = 1e-6;
+
+/// A start that a message tells beside the points of its trajectory.
+///
+/// Nothing between it and the first point is checked, so the two must be the same.
+#[derive(Clone, Debug)]
+pub(super) struct TrajectoryStart {
+    configuration: Configuration,
+    /// By position: whether the message tells it.
+    given: Vec<bool>,
+}
+
+/// A start that is not the first point.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "trajectory_start has '{name}' at {start}, but the first point has it at {first}, and nothing between the two would be checked: \
+     make the start the first point, or leave trajectory_start out"
+)]
+pub struct StartMismatch {
+    pub name: String,
+    pub start: f64,
+    pub first: f64,
+}
+
+impl TrajectoryStart {
+    /// Positions by name; those without name are as in `rest`.
+    pub fn new(
+        robot: &RobotModel,
+        rest: &Configuration,
+        names: &[String],
+        positions: &[f64],
+    ) -> Result<Self, ConfigurationError> {
+        let named = robot.named_joints(names.iter().map(String::as_str))?;
+        let given = (0..rest.positions().len()).map(|position| named.decides(position)).collect();
+        Ok(Self { configuration: named.configuration(rest, positions)?, given })
+    }
+
+    pub fn configuration(&self) -> &Configuration {
+        &self.configuration
+    }
+
+    /// # Errors
+    /// The first position in which `first` is another configuration.
+    pub fn check(
+        &self,
+        robot: &RobotModel,
+        first: &Configuration,
+        direction: ContinuousDirection,
+    ) -> Result<(), StartMismatch> {
+        let (starts, firsts) = (self.configuration.positions(), first.positions());
+        for joint in robot.joint_ids() {
+            let Some(index) = robot.first_position(joint) else { continue };
+            let kind = &robot.joint(joint).kind;
+            let positions = index..index + kind.position_suffixes().len();
+            // a quaternion and its negative are one rotation
+            let dot: f64 = starts[positions.clone()]
+                .iter()
+                .zip(&firsts[positions.clone()])
+                .skip(3)
+                .map(|(a, b)| a * b)
+                .sum();
+            let sign = if *kind == JointKind::Floating && dot < 0.0 { -1.0 } else { 1.0 };
+            // on the shortest way whole turns are nothing, unless a mimic joint is elsewhere after them
+            let turns = matches!(kind, JointKind::Continuous(_))
+                && direction == ContinuousDirection::Shortest
+                && robot.moved_by_whole_turns(joint).is_none();
+            for (at, i) in positions.zip(0..) {
+                let first = if i < 3 { firsts[at] } else { sign * firsts[at] };
+                let off = first - starts[at];
+                let off = if turns { off - TAU * (off / TAU).round() } else { off };
+                if self.given[at] && off.abs() > START_TOLERANCE {
+                    let name = robot.position_names()[at].clone();
+                    return Err(StartMismatch { name, start: starts[at], first: firsts[at] });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,47 @@
+//! Reads trajectories: the YAML or JSON of ROS's messages.
+
+use clearance_robot::{Configuration, RobotModel};
+
+use super::trajectory_document::TrajectoryDocument;
+use super::{ContinuousDirection, MotionSegment, StartMismatch, Trajectory, TrajectoryError};
+
+/// Why a text is no trajectory.
+#[derive(Debug, thiserror::Error)]
+pub enum TrajectoryTextError {
+    /// The reader says where.
+    #[error("{0}")]
+    Text(String),
+    #[error(transparent)]
+    Trajectory(#[from] TrajectoryError),
+    #[error(transparent)]
+    Start(#[from] StartMismatch),
+}
+
+impl Trajectory {
+    /// Reads a `trajectory_msgs/JointTrajectory`, also within a `moveit_msgs/RobotTrajectory` or `DisplayTrajectory`; joints that it
+    /// does not name stay as in `rest`.
+    pub fn from_yaml(
+        robot: &RobotModel,
+        text: &str,
+        rest: &Configuration,
+    ) -> Result<Self, TrajectoryTextError> {
+        Ok(Self::from_yaml_going(robot, text, rest, ContinuousDirection::AsGiven)?.0)
+    }
+
+    /// The same where continuous joints go from point to point as `direction` says, with remarks about the text.
+    pub fn from_yaml_going(
+        robot: &RobotModel,
+        text: &str,
+        rest: &Configuration,
+        direction: ContinuousDirection,
+    ) -> Result<(Self, Vec<String>), TrajectoryTextError> {
+        let TrajectoryDocument { joint_names, points, rest, start, mut remarks } =
+            TrajectoryDocument::read(text, robot, rest)?;
+        let way = Self::from_points_going(robot, &joint_names, &points, &rest, direction)?;
+        match (start, way.segments().first().map(MotionSegment::ends)) {
+            (Some(start), Some([first, _])) => start.check(robot, &first, direction)?,
+            _ => remarks.extend(way.late_start_note()),
+        }
+        Ok((way, remarks))
+    }
+}

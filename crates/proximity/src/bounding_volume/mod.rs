@@ -1,0 +1,108 @@
+//! Simple solids around parts of a surface, eight at a time.
+//!
+//! | type | the literature's name |
+//! |---|---|
+//! | [`Obb`] | oriented bounding box |
+//! | [`Aabb`] | axis-aligned bounding box |
+//! | [`Rss`] | rectangle swept sphere (RSS) |
+//! | [`Capsule`] | line swept sphere (LSS) |
+//! | [`Sphere`] | bounding sphere; as a swept sphere, a point swept sphere (PSS) |
+//!
+//! A new volume is one file here and one line in this table.
+//!
+//! Volumes live in *frames* that share an origin, their tree's anchor, and differ by a rotation. They are fitted in f64,
+//! rounded outward to f32, and tested in f32 with eight of them in the lanes of a vector; [`Relative::slack`] is what
+//! rounding may do to a test.
+
+mod aabb;
+mod capsule;
+mod obb;
+mod principal_axes;
+mod relative;
+mod rss;
+mod sphere;
+
+pub use aabb::Aabb;
+pub use capsule::Capsule;
+pub use obb::Obb;
+pub use principal_axes::principal_axes;
+pub use relative::{Axes, Relative};
+pub use rss::Rss;
+pub use sphere::Sphere;
+
+use std::fmt::Debug;
+
+use clearance_geometry::math::{RotationMatrix, Vector};
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{LANES, Simd, f32x8};
+
+/// A solid that is cheap to test and holds what it was fitted to.
+pub trait BoundingVolume: Copy + Debug + Send + Sync + 'static {
+    /// The field's short name.
+    const NAME: &'static str;
+
+    /// Eight volumes of one frame, structure of arrays.
+    type Pack: Clone + Debug + Send + Sync;
+
+    /// Eight volumes of one frame as they look from another frame, to be taken one by one.
+    type Seen: Copy;
+
+    /// Eight volumes of a frame, ready to be tested against one that is seen from there.
+    type Facing<S: Simd>: Copy;
+
+    /// Axes of a frame that suits volumes around `points`, as columns.
+    fn axes(points: &[Vector]) -> RotationMatrix;
+
+    /// A volume that holds the convex hull of `points`, in the frame of their coordinates.
+    fn fit(points: &[Vector]) -> Self;
+
+    /// Packs volumes; lanes beyond the last repeat it.
+    fn pack(volumes: &[Self]) -> Self::Pack;
+
+    /// The same volume in all lanes.
+    fn splat(&self) -> Self::Pack;
+
+    /// The volumes of `pack`, whose frame is placed at `relative`, as seen from there.
+    fn seen<S: Simd>(simd: S, pack: &Self::Pack, relative: &Relative) -> Self::Seen;
+
+    /// Prepares `pack` for volumes whose frame is placed at `relative` in its own.
+    fn facing<S: Simd>(simd: S, pack: &Self::Pack, relative: &Relative) -> Self::Facing<S>;
+
+    /// For each volume seen a number never larger than its distance (m) from `other`; cheap rather than tight.
+    fn coarse_bounds<S: Simd>(simd: S, seen: &Self::Seen, other: &Self, relative: &Relative) -> f32x8<S>;
+
+    /// For each volume of a pack, between which numbers (m) it lies along a direction of its frame.
+    fn extents<S: Simd>(simd: S, _pack: &Self::Pack, _direction: &[f32; 3]) -> [f32x8<S>; 2] {
+        [f32x8::splat(simd, f32::NEG_INFINITY), f32x8::splat(simd, f32::INFINITY)]
+    }
+
+    /// For the volume seen in `lane` numbers never larger than its distances (m) from the eight that face it, but for
+    /// rounding of [`Relative::slack`]; negative numbers where they overlap, the more the deeper.
+    ///
+    /// `SEPARATE` asks whether they are apart at all: then the number is as good as any once it is positive.
+    fn bounds<S: Simd, const SEPARATE: bool>(
+        simd: S,
+        facing: &Self::Facing<S>,
+        seen: &Self::Seen,
+        lane: usize,
+        relative: &Relative,
+    ) -> f32x8<S>;
+}
+
+/// One number of each volume in the lanes; lanes beyond the last repeat it.
+fn lanes<V>(volumes: &[V], number: impl Fn(&V) -> f32) -> [f32; LANES] {
+    std::array::from_fn(|lane| number(&volumes[lane.min(volumes.len() - 1)]))
+}
+
+/// The least f32 that is not less than `x`.
+#[allow(clippy::cast_possible_truncation)] // it is rounded up right after
+fn round_up(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
+}
+
+/// Nearest f32.
+#[allow(clippy::cast_possible_truncation)] // rounding is what this does
+fn round(x: f64) -> f32 {
+    x as f32
+}

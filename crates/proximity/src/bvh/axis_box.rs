@@ -1,0 +1,111 @@
+//! Boxes along the axes of one common frame.
+
+use clearance_geometry::math::{Extremes, Point};
+use clearance_geometry::simd::LANES;
+
+/// A box along the axes (m), rounded outward; lower corner above the upper one: nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisBox {
+    pub lo: [f32; 3],
+    pub hi: [f32; 3],
+}
+
+impl AxisBox {
+    pub const EMPTY: Self = Self { lo: [f32::INFINITY; 3], hi: [f32::NEG_INFINITY; 3] };
+
+    /// Everything.
+    pub const ALL: Self = Self { lo: [f32::NEG_INFINITY; 3], hi: [f32::INFINITY; 3] };
+
+    /// The box around points that reach `radius` (m) farther. What is no number makes it unbounded.
+    #[must_use]
+    pub fn around(points: impl IntoIterator<Item = Point>, radius: f64) -> Self {
+        let mut found = Self::EMPTY;
+        for p in points {
+            for i in 0..3 {
+                found.lo[i] = found.lo[i].lesser(down(p[i] - radius));
+                found.hi[i] = found.hi[i].greater(-down(-p[i] - radius));
+            }
+        }
+        found
+    }
+
+    #[must_use]
+    pub fn is_bounded(&self) -> bool {
+        self.lo.iter().chain(&self.hi).all(|c| c.is_finite())
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|i| self.lo[i].lesser(other.lo[i])),
+            hi: std::array::from_fn(|i| self.hi[i].greater(other.hi[i])),
+        }
+    }
+
+    /// The box that reaches `by` (m, not negative) farther on all sides.
+    #[must_use]
+    pub fn grown(&self, by: f64) -> Self {
+        Self { lo: self.lo.map(|c| down(f64::from(c) - by)), hi: self.hi.map(|c| -down(-f64::from(c) - by)) }
+    }
+
+    /// The sum of its edges (m).
+    #[must_use]
+    pub fn girth(&self) -> f32 {
+        (0..3).map(|i| self.hi[i] - self.lo[i]).sum()
+    }
+
+    /// Twice its centre.
+    #[must_use]
+    pub fn doubled_centre(&self) -> [f32; 3] {
+        std::array::from_fn(|i| self.lo[i] + self.hi[i])
+    }
+}
+
+/// Eight boxes, by coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(32))]
+pub struct EightBoxes {
+    pub lo: [[f32; LANES]; 3],
+    pub hi: [[f32; LANES]; 3],
+}
+
+impl EightBoxes {
+    pub const EMPTY: Self = Self { lo: [[f32::INFINITY; LANES]; 3], hi: [[f32::NEG_INFINITY; LANES]; 3] };
+
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, lane: usize) -> AxisBox {
+        let [x, y, z] = &self.lo;
+        let [u, v, w] = &self.hi;
+        AxisBox { lo: [x[lane], y[lane], z[lane]], hi: [u[lane], v[lane], w[lane]] }
+    }
+
+    pub fn set(&mut self, lane: usize, bounds: &AxisBox) {
+        for i in 0..3 {
+            (self.lo[i][lane], self.hi[i][lane]) = (bounds.lo[i], bounds.hi[i]);
+        }
+    }
+
+    /// The smallest box around all.
+    #[must_use]
+    pub fn union(&self) -> AxisBox {
+        (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
+    }
+}
+
+/// The nearest f32 that is not above; negative infinity for what is no number.
+#[allow(clippy::cast_possible_truncation)] // rounded down right after
+fn down(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) <= x {
+        nearest
+    } else if x.is_nan() {
+        f32::NEG_INFINITY
+    } else {
+        nearest.next_down()
+    }
+}
+
+#[cfg(test)]
+mod tests;

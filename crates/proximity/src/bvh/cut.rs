@@ -1,0 +1,102 @@
+//! Where to cut items in two: where the boxes around both parts are met least, for what they hold.
+//!
+//! The surface area heuristic (Goldsmith & Salmon 1987, *Automatic creation of object hierarchies for ray tracing*; Wald
+//! 2007, *On fast construction of SAH-based bounding volume hierarchies*, for the bins), along the principal axes.
+
+use clearance_geometry::math::{Extremes, Vector};
+
+/// Cuts that are compared along an axis, and one.
+const BINS: usize = 32;
+
+/// Neither part has fewer than one in so many, so that trees stay flat.
+const LEAST_SHARE: usize = 8;
+
+/// An item along the axes: its centre and the box around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub centre: Vector,
+    pub lo: Vector,
+    pub hi: Vector,
+}
+
+/// The axis to cut across, and how many items come before the cut: a multiple of `capacity`.
+pub(super) fn best_cut(items: &[Extent], capacity: usize) -> (usize, usize) {
+    let mut best = (f64::INFINITY, 0, items.len() / 2);
+    for axis in 0..3 {
+        if let Some(bins) = Bins::new(items, axis) {
+            bins.compare(axis, items.len(), capacity, &mut best);
+        }
+    }
+    let (_, axis, count) = best;
+    let whole = (count + capacity / 2) / capacity * capacity;
+    (axis, whole.clamp(capacity, (items.len() - 1) / capacity * capacity))
+}
+
+/// What lies between two cuts.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    count: usize,
+    lo: Vector,
+    hi: Vector,
+}
+
+impl Part {
+    fn nothing() -> Self {
+        Self { count: 0, lo: Vector::repeat(f64::INFINITY), hi: Vector::repeat(f64::NEG_INFINITY) }
+    }
+
+    fn add(&mut self, count: usize, lo: &Vector, hi: &Vector) {
+        self.count += count;
+        self.lo = self.lo.inf(lo);
+        self.hi = self.hi.sup(hi);
+    }
+
+    /// Half the surface of the box, for each of the leaves that it takes.
+    #[allow(clippy::cast_precision_loss)] // counts of leaves
+    fn cost(&self, capacity: usize) -> f64 {
+        let d = self.hi - self.lo;
+        (d.x * d.y + d.y * d.z + d.z * d.x) * self.count.div_ceil(capacity) as f64
+    }
+}
+
+/// Items by where their centres are along an axis.
+struct Bins([Part; BINS]);
+
+impl Bins {
+    /// `None` where all centres are in one place.
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn new(items: &[Extent], axis: usize) -> Option<Self> {
+        let place = |item: &Extent| item.centre[axis];
+        let low = items.iter().map(place).fold(f64::INFINITY, f64::lesser);
+        let high = items.iter().map(place).fold(f64::NEG_INFINITY, f64::greater);
+        let scale = BINS as f64 / (high - low);
+        if !scale.is_finite() {
+            return None;
+        }
+        let mut bins = [Part::nothing(); BINS];
+        for item in items {
+            let bin = ((place(item) - low) * scale) as usize;
+            bins[bin.min(BINS - 1)].add(1, &item.lo, &item.hi);
+        }
+        Some(Self(bins))
+    }
+
+    /// Takes the best cut, if it is better than the best so far: its cost, axis, and count before it.
+    fn compare(&self, axis: usize, count: usize, capacity: usize, best: &mut (f64, usize, usize)) {
+        let mut after = [0.0; BINS];
+        let mut part = Part::nothing();
+        for (bin, after) in self.0.iter().zip(&mut after).rev() {
+            part.add(bin.count, &bin.lo, &bin.hi);
+            *after = part.cost(capacity);
+        }
+        let mut before = Part::nothing();
+        for (bin, after) in self.0.iter().zip(&after[1..]) {
+            before.add(bin.count, &bin.lo, &bin.hi);
+            let smaller = before.count.min(count - before.count);
+            let cost = before.cost(capacity) + after;
+            if smaller * LEAST_SHARE >= count && smaller > 0 && cost < best.0 {
+                *best = (cost, axis, before.count);
+            }
+        }
+    }
+}

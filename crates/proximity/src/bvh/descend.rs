@@ -1,0 +1,298 @@
+//! The one traversal: two trees at once, both opened at every step, what may be nearest first.
+
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{LANES, Simd, f32x8, not_beyond};
+
+use super::tree::{NodeRef, Tree};
+use crate::bounding_volume::{Axes, BoundingVolume, Relative};
+
+/// Two subtrees, and a number never larger than their distance (m); negative where their volumes overlap.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    pub lower: f32,
+    pub a: NodeRef,
+    pub b: NodeRef,
+}
+
+/// A question: what it still cares for, and what it does where two leaves meet.
+pub trait Visitor<LA, LB> {
+    /// Whether volumes only have to be told apart; else their distance counts.
+    const SEPARATE: bool;
+
+    /// Subtrees farther apart than this (m) no longer matter. Negative infinity ends the search.
+    fn threshold(&self) -> f32;
+
+    /// A direction (frame of b's tree, not longer than one) in which something near was found, along which volumes are
+    /// probably apart, too; zeros if there is none.
+    fn direction(&self) -> [f32; 3] {
+        [0.0; 3]
+    }
+
+    fn volume_tests(&mut self, count: u32);
+
+    fn leaves<S: Simd>(&mut self, simd: S, a: &LA, b: &LB);
+
+    /// Whether to stop here although something is left.
+    fn interrupted(&mut self) -> bool;
+}
+
+/// Brings all leaves that matter to the visitor. `relative` places the trees; `stack` is scratch.
+///
+/// An interrupted search leaves on the stack what it has not looked at.
+#[inline(always)]
+pub fn descend<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    relative: &Relative,
+    stack: &mut Vec<Entry>,
+    visitor: &mut V,
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    descend_from(simd, (a, b), &[b.root()], relative, stack, visitor);
+}
+
+/// As [`descend`], of what hangs on some nodes of the second tree.
+#[inline(always)]
+pub fn descend_from<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    starts: &[NodeRef],
+    relative: &Relative,
+    stack: &mut Vec<Entry>,
+    visitor: &mut V,
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    stack.clear();
+    for &start in starts {
+        let lower = root_bound::<S, B, LA, LB, V>(simd, (a, b), start, relative);
+        stack.push(Entry { lower, a: a.root(), b: start });
+        visitor.volume_tests(1);
+    }
+    sort(stack);
+    while let Some(&entry) = stack.last() {
+        let threshold = visitor.threshold();
+        if threshold == f32::NEG_INFINITY {
+            stack.clear();
+            return;
+        }
+        if visitor.interrupted() {
+            return;
+        }
+        stack.pop();
+        if entry.lower > threshold {
+            continue;
+        }
+        let base = stack.len();
+        match (entry.a.is_leaf(), entry.b.is_leaf()) {
+            (true, true) => visitor.leaves(simd, &a.leaf(entry.a).content, &b.leaf(entry.b).content),
+            (false, false) => open_both(simd, (a, b), entry, relative, stack, visitor),
+            (true, false) => open_one(simd, (a, entry.a), (b, entry.b), relative, visitor, |lower, child| {
+                stack.push(Entry { lower, a: entry.a, b: child });
+            }),
+            (false, true) => {
+                open_one(simd, (b, entry.b), (a, entry.a), &relative.inverse(), visitor, |lower, child| {
+                    stack.push(Entry { lower, a: child, b: entry.b });
+                });
+            }
+        }
+        if V::SEPARATE {
+            nearest_to_top(&mut stack[base..]);
+        } else {
+            sort(&mut stack[base..]);
+        }
+    }
+}
+
+/// Swaps the nearest to the end: whether anything touches depends little on the order of the rest.
+#[inline(always)]
+fn nearest_to_top(entries: &mut [Entry]) {
+    let Some(last) = entries.len().checked_sub(1) else { return };
+    let mut nearest = last;
+    for (i, entry) in entries.iter().enumerate() {
+        if entry.lower < entries[nearest].lower {
+            nearest = i;
+        }
+    }
+    entries.swap(nearest, last);
+}
+
+/// Sorts by insertion, the nearest last: entries are few.
+#[inline(always)]
+pub(super) fn sort(entries: &mut [Entry]) {
+    for i in 1..entries.len() {
+        let entry = entries[i];
+        let mut place = i;
+        while place > 0 && entries[place - 1].lower < entry.lower {
+            entries[place] = entries[place - 1];
+            place -= 1;
+        }
+        entries[place] = entry;
+    }
+}
+
+/// A number never larger than the distance (m) of a whole tree and what hangs on a node of another.
+#[inline(always)]
+fn root_bound<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    node: NodeRef,
+    trees: &Relative,
+) -> f32
+where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    let ((volume_a, axes_a), (volume_b, axes_b)) = (a.volume(a.root()), b.volume(node));
+    let relative = trees.of_nodes(axes_a, axes_b);
+    let seen = B::seen(simd, &volume_a.splat(), &relative);
+    let facing = B::facing(simd, &volume_b.splat(), &relative);
+    let bounds: [f32; LANES] = bounds::<S, B, LA, LB, V>(simd, &facing, &seen, 0, &relative).into();
+    bounds[0] - relative.slack
+}
+
+/// Every child of one node against every child of the other.
+#[inline(always)]
+fn open_both<S, B, LA, LB, V>(
+    simd: S,
+    (a, b): (&Tree<B, LA>, &Tree<B, LB>),
+    entry: Entry,
+    trees: &Relative,
+    stack: &mut Vec<Entry>,
+    visitor: &mut V,
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LA, LB>,
+{
+    let (node_a, node_b) = (a.node(entry.a), b.node(entry.b));
+    let relative = trees.of_nodes(&node_a.axes, &node_b.axes);
+    let limit = visitor.threshold() + relative.slack;
+    let seen = B::seen(simd, &node_a.pack, &relative);
+    let coarse = B::coarse_bounds(simd, &seen, &node_b.volume, &relative);
+    let mut lanes = not_beyond(coarse, limit) & mask(node_a.child_count);
+    visitor.volume_tests(node_a.child_count + lanes.count_ones() * node_b.child_count);
+    if lanes == 0 {
+        return;
+    }
+    let facing = B::facing(simd, &node_b.pack, &relative);
+    let along =
+        Along::<S>::new::<B, LA, LB, V>(simd, (&node_a.pack, &node_b.pack), &node_b.axes, &relative, visitor);
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes - 1;
+        let bounds = along.and(lane, bounds::<S, B, LA, LB, V>(simd, &facing, &seen, lane, &relative));
+        let near = not_beyond(bounds, limit) & mask(node_b.child_count);
+        each_lane(bounds, near, |j, bound| {
+            let lower = bound - relative.slack;
+            stack.push(Entry { lower, a: node_a.children[lane], b: node_b.children[j] });
+        });
+    }
+}
+
+/// One leaf of a against every child of a node of b.
+#[inline(always)]
+fn open_one<S, B, LA, LB, LV, LW, V>(
+    simd: S,
+    (a, leaf): (&Tree<B, LA>, NodeRef),
+    (b, node): (&Tree<B, LB>, NodeRef),
+    trees: &Relative,
+    visitor: &mut V,
+    mut push: impl FnMut(f32, NodeRef),
+) where
+    S: Simd,
+    B: BoundingVolume,
+    V: Visitor<LV, LW>,
+{
+    let (volume, axes) = a.volume(leaf);
+    let node = b.node(node);
+    let relative = trees.of_nodes(axes, &node.axes);
+    let limit = visitor.threshold() + relative.slack;
+    visitor.volume_tests(node.child_count);
+    let seen = B::seen(simd, &volume.splat(), &relative);
+    let facing = B::facing(simd, &node.pack, &relative);
+    let bounds = bounds::<S, B, LV, LW, V>(simd, &facing, &seen, 0, &relative);
+    let near = not_beyond(bounds, limit) & mask(node.child_count);
+    each_lane(bounds, near, |j, bound| push(bound - relative.slack, node.children[j]));
+}
+
+/// Where volumes lie along the visitor's direction.
+#[derive(Clone, Copy)]
+struct Along<S: Simd> {
+    /// None while there is no direction.
+    of_a: Option<[[f32; LANES]; 2]>,
+    of_b: [f32x8<S>; 2],
+    simd: S,
+}
+
+impl<S: Simd> Along<S> {
+    #[inline(always)]
+    fn new<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+        simd: S,
+        (a, b): (&B::Pack, &B::Pack),
+        axes_b: &Axes,
+        relative: &Relative,
+        visitor: &V,
+    ) -> Self {
+        let zero = f32x8::splat(simd, 0.0);
+        let direction = if V::SEPARATE { [0.0; 3] } else { visitor.direction() };
+        if direction == [0.0; 3] {
+            return Self { of_a: None, of_b: [zero; 2], simd };
+        }
+        let in_b = axes_b.turned(&direction);
+        let offset = relative.offset_along(&in_b);
+        let [low, high] = B::extents(simd, a, &relative.along_a(&in_b));
+        Self {
+            of_a: Some([(low + offset).into(), (high + offset).into()]),
+            of_b: B::extents(simd, b, &in_b),
+            simd,
+        }
+    }
+
+    /// Bounds of a volume of a against eight of b, or their gaps along the direction where these are larger.
+    #[inline(always)]
+    fn and(&self, lane: usize, bounds: f32x8<S>) -> f32x8<S> {
+        let Some([low, high]) = &self.of_a else { return bounds };
+        let [low_b, high_b] = self.of_b;
+        bounds.max(low_b - high[lane & 7]).max(f32x8::splat(self.simd, low[lane & 7]) - high_b)
+    }
+}
+
+#[inline(always)]
+fn bounds<S: Simd, B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+    simd: S,
+    facing: &B::Facing<S>,
+    seen: &B::Seen,
+    lane: usize,
+    relative: &Relative,
+) -> f32x8<S> {
+    if V::SEPARATE {
+        B::bounds::<S, true>(simd, facing, seen, lane, relative)
+    } else {
+        B::bounds::<S, false>(simd, facing, seen, lane, relative)
+    }
+}
+
+#[inline(always)]
+fn each_lane<S: Simd>(numbers: f32x8<S>, mut mask: u64, mut f: impl FnMut(usize, f32)) {
+    if mask == 0 {
+        return;
+    }
+    let numbers: [f32; LANES] = numbers.into();
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        f(lane, numbers[lane & 7]);
+    }
+}
+
+#[inline(always)]
+fn mask(count: u32) -> u64 {
+    (1 << count) - 1
+}

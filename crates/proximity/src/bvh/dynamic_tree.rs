@@ -1,0 +1,480 @@
+//! A tree that changes: numbered items with boxes, eight to a node, put in, moved and taken out in place.
+//!
+//! What is put in goes where it makes boxes grow least (Catto 2019, *Dynamic bounding volume hierarchies*); after as many changes
+//! as there are items the tree is built anew.
+
+use clearance_geometry::math::Extremes;
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, low_byte, mask32x8};
+
+use super::axis_box::{AxisBox, EightBoxes};
+
+/// So few of eight boxes are compared one by one with those of a node.
+const FEW_BOXES: u32 = 3;
+
+/// Changes after which even a small tree is not yet built anew.
+const FEW_CHANGES: usize = 64;
+
+/// Items with boxes.
+#[derive(Clone, Debug, Default)]
+pub struct DynamicTree {
+    /// The root is node 0, if there is one.
+    nodes: Vec<Node>,
+    unused: Vec<u32>,
+    /// By item.
+    seats: Vec<Option<Seat>>,
+    count: usize,
+    changes: usize,
+}
+
+/// Eight boxes, and what is in them.
+#[derive(Clone, Debug)]
+struct Node {
+    boxes: EightBoxes,
+    children: [Child; LANES],
+    /// Where it is a child.
+    seat: Option<Seat>,
+}
+
+/// What a box is around.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Child {
+    Nothing,
+    Item(u32),
+    Node(u32),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seat {
+    node: u32,
+    lane: usize,
+}
+
+impl DynamicTree {
+    /// A tree of items with different numbers.
+    #[must_use]
+    pub fn build(items: &[(u32, AxisBox)]) -> Self {
+        let mut tree = Self::default();
+        tree.fill(&mut items.to_vec());
+        tree
+    }
+
+    /// Number of items.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The root's number, if there are items.
+    #[must_use]
+    pub fn root(&self) -> Option<u32> {
+        (!self.is_empty()).then_some(0)
+    }
+
+    /// Puts an item in, or gives it another box.
+    pub fn set(&mut self, item: u32, bounds: AxisBox) {
+        self.make_room(item);
+        match self.seats[item as usize] {
+            Some(seat) if self.nodes[seat.node as usize].holds(&bounds) => self.sit(seat, item, &bounds),
+            Some(seat) => {
+                self.clear(seat);
+                self.insert(item, bounds);
+            }
+            None => {
+                self.count += 1;
+                self.insert(item, bounds);
+            }
+        }
+        self.note_change();
+    }
+
+    /// Takes an item out, if it is in.
+    pub fn remove(&mut self, item: u32) {
+        let Some(seat) = self.seats.get_mut(item as usize).and_then(Option::take) else { return };
+        self.count -= 1;
+        self.clear(seat);
+        self.note_change();
+    }
+
+    /// The boxes of a node, and what is in them.
+    #[inline]
+    #[must_use]
+    pub fn node(&self, node: u32) -> (&EightBoxes, &[Child; LANES]) {
+        let Node { boxes, children, .. } = &self.nodes[node as usize];
+        (boxes, children)
+    }
+
+    /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
+    pub fn overlapping(
+        &self,
+        level: Level,
+        with: &AxisBox,
+        stack: &mut Vec<u32>,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        dispatch!(level, simd => self.find_overlapping(simd, with, stack, found))
+    }
+
+    /// As [`Self::overlapping`], for a caller that is compiled for its level.
+    #[inline(always)]
+    pub fn find_overlapping<S: Simd>(
+        &self,
+        simd: S,
+        with: &AxisBox,
+        stack: &mut Vec<u32>,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        stack.clear();
+        stack.extend(self.root());
+        let mut tested = 0;
+        while let Some(node) = stack.pop() {
+            tested += LANES as u64;
+            let node = &self.nodes[node as usize];
+            let mut near = node.overlaps(simd, with);
+            while near != 0 {
+                let lane = near.trailing_zeros() as usize;
+                near &= near - 1;
+                match node.children[lane] {
+                    Child::Item(item) => found.push(item),
+                    Child::Node(node) => stack.push(node),
+                    Child::Nothing => {}
+                }
+            }
+        }
+        tested
+    }
+
+    /// As [`Self::find_overlapping`] of those of eight boxes whose bits are set in `among`: items, each with a bit for every
+    /// box that it overlaps.
+    #[inline(always)]
+    pub fn find_overlapping_any<S: Simd>(
+        &self,
+        simd: S,
+        (with, among): (&EightBoxes, u8),
+        stack: &mut Vec<(u32, u8)>,
+        found: &mut Vec<(u32, u8)>,
+    ) -> u64 {
+        stack.clear();
+        stack.extend(self.root().map(|node| (node, among)));
+        let mut tested = 0;
+        while let Some((node, asked)) = stack.pop() {
+            tested += u64::from(asked.count_ones()) * LANES as u64;
+            let node = &self.nodes[node as usize];
+            let (children, mut near) = node.overlaps_any(simd, with, asked);
+            while near != 0 {
+                let lane = near.trailing_zeros() as usize;
+                near &= near - 1;
+                match node.children[lane] {
+                    Child::Item(item) => found.push((item, children[lane])),
+                    Child::Node(node) => stack.push((node, children[lane])),
+                    Child::Nothing => {}
+                }
+            }
+        }
+        tested
+    }
+
+    fn make_room(&mut self, item: u32) {
+        if self.seats.len() <= item as usize {
+            self.seats.resize(item as usize + 1, None);
+        }
+    }
+
+    fn note_change(&mut self) {
+        self.changes += 1;
+        if self.changes > self.count.max(FEW_CHANGES) {
+            let mut items = self.items();
+            *self = Self { seats: vec![None; self.seats.len()], ..Self::default() };
+            self.fill(&mut items);
+        }
+    }
+
+    /// All items with their boxes, by number.
+    #[must_use]
+    pub fn items(&self) -> Vec<(u32, AxisBox)> {
+        let seats = (0..).zip(&self.seats);
+        let placed = seats.filter_map(|(item, seat)| {
+            let seat = (*seat)?;
+            Some((item, self.nodes[seat.node as usize].boxes.lane(seat.lane)))
+        });
+        placed.collect()
+    }
+
+    fn fill(&mut self, items: &mut [(u32, AxisBox)]) {
+        self.count = items.len();
+        if let Some(largest) = items.iter().map(|(item, _)| *item).max() {
+            self.make_room(largest);
+            self.add_node(items, None);
+        }
+    }
+
+    /// A node over items, which are sorted.
+    fn add_node(&mut self, items: &mut [(u32, AxisBox)], seat: Option<Seat>) -> u32 {
+        let number = self.new_node(seat);
+        let mut parts = Vec::with_capacity(LANES);
+        divide(items, LANES, &mut parts);
+        for (lane, part) in parts.into_iter().enumerate() {
+            let bounds = part.iter().fold(AxisBox::EMPTY, |all, (_, bounds)| all.union(bounds));
+            let seat = Seat { node: number, lane };
+            let child = match part {
+                [(item, _)] => {
+                    self.seats[*item as usize] = Some(seat);
+                    Child::Item(*item)
+                }
+                _ => Child::Node(self.add_node(part, Some(seat))),
+            };
+            self.nodes[number as usize].set(lane, child, &bounds);
+        }
+        number
+    }
+
+    fn new_node(&mut self, seat: Option<Seat>) -> u32 {
+        let node = Node::empty(seat);
+        if let Some(unused) = self.unused.pop() {
+            self.nodes[unused as usize] = node;
+            return unused;
+        }
+        self.nodes.push(node);
+        u32::try_from(self.nodes.len() - 1).expect("there are fewer nodes than items")
+    }
+
+    /// Where boxes grow least.
+    fn insert(&mut self, item: u32, bounds: AxisBox) {
+        if self.nodes.is_empty() {
+            self.new_node(None);
+        }
+        let mut number = 0;
+        loop {
+            let node = &mut self.nodes[number as usize];
+            let free = node.children.iter().position(|child| *child == Child::Nothing);
+            let lane = free.unwrap_or_else(|| node.least_growth(&bounds));
+            let seat = Seat { node: number, lane };
+            match node.children[lane] {
+                Child::Nothing => return self.sit(seat, item, &bounds),
+                Child::Node(child) => {
+                    let grown = node.boxes.lane(lane).union(&bounds);
+                    node.set(lane, Child::Node(child), &grown);
+                    number = child;
+                }
+                Child::Item(other) => {
+                    let old = node.boxes.lane(lane);
+                    let pair = self.new_node(Some(seat));
+                    let grown = old.union(&bounds);
+                    self.nodes[number as usize].set(lane, Child::Node(pair), &grown);
+                    self.sit(Seat { node: pair, lane: 0 }, other, &old);
+                    self.sit(Seat { node: pair, lane: 1 }, item, &bounds);
+                    return self.refit(number);
+                }
+            }
+        }
+    }
+
+    fn sit(&mut self, seat: Seat, item: u32, bounds: &AxisBox) {
+        self.nodes[seat.node as usize].set(seat.lane, Child::Item(item), bounds);
+        self.seats[item as usize] = Some(seat);
+        self.refit(seat.node);
+    }
+
+    /// Empties a lane, and takes away nodes that are left with nothing.
+    fn clear(&mut self, mut seat: Seat) {
+        loop {
+            let node = &mut self.nodes[seat.node as usize];
+            node.set(seat.lane, Child::Nothing, &AxisBox::EMPTY);
+            let empty = node.children.iter().all(|child| *child == Child::Nothing);
+            match node.seat.filter(|_| empty) {
+                Some(parent) => {
+                    self.unused.push(seat.node);
+                    seat = parent;
+                }
+                None => return self.refit(seat.node),
+            }
+        }
+    }
+
+    /// Makes the boxes above a node fit.
+    fn refit(&mut self, mut number: u32) {
+        while let Some(seat) = self.nodes[number as usize].seat {
+            let bounds = self.nodes[number as usize].boxes.union();
+            let parent = &mut self.nodes[seat.node as usize];
+            if parent.boxes.lane(seat.lane) == bounds {
+                return;
+            }
+            parent.set(seat.lane, Child::Node(number), &bounds);
+            number = seat.node;
+        }
+    }
+}
+
+/// Divides items among so many lanes by halves, or into groups where a node and those below it have room for them.
+fn divide<'i>(items: &'i mut [(u32, AxisBox)], lanes: usize, parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
+    match items.len() {
+        0 => {}
+        count if lanes == 1 || count == 1 => parts.push(items),
+        count if lanes == LANES && count <= LANES * LANES => group(items, parts),
+        count => {
+            split(items, count / 2);
+            let (front, back) = items.split_at_mut(count / 2);
+            divide(front, lanes / 2, parts);
+            divide(back, lanes / 2, parts);
+        }
+    }
+}
+
+/// Divides items into eight groups: those are joined first whose box will be visited least, of eight items at most unless no two
+/// others are left.
+fn group<'i>(items: &'i mut [(u32, AxisBox)], parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
+    let mut groups: Vec<Group> = (0..).zip(&*items).map(|(i, item)| Group::of(i, item.1)).collect();
+    while groups.len() > LANES {
+        let pairs = (1..groups.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let costs = pairs.map(|(i, j)| (groups[i].cost_with(&groups[j]), (i, j)));
+        let cheapest = costs.min_by(|((a, p), _), ((b, q), _)| a.cmp(b).then(p.total_cmp(q)));
+        let (_, (i, j)) = cheapest.expect("there are more than eight");
+        let other = groups.swap_remove(j);
+        groups[i].join(other);
+    }
+    let sorted: Vec<_> = groups.iter().flat_map(|group| &group.members).map(|&i| items[i]).collect();
+    items.copy_from_slice(&sorted);
+    let mut rest = items;
+    for group in &groups {
+        let (part, others) = rest.split_at_mut(group.members.len());
+        parts.push(part);
+        rest = others;
+    }
+}
+
+/// Items that will have a node of their own, or one that will not.
+struct Group {
+    members: Vec<usize>,
+    bounds: AxisBox,
+    /// How often its node is visited, if it has one.
+    cost: f32,
+}
+
+impl Group {
+    fn of(item: usize, bounds: AxisBox) -> Self {
+        Self { members: vec![item], bounds, cost: 0.0 }
+    }
+
+    fn join(&mut self, other: Self) {
+        self.members.extend(other.members);
+        self.bounds = self.bounds.union(&other.bounds);
+        self.cost = self.bounds.girth();
+    }
+
+    /// Whether two are too many for a node, and how much oftener nodes are visited once they are one (Goldsmith and Salmon 1987, by
+    /// girth instead of area).
+    fn cost_with(&self, other: &Self) -> (bool, f32) {
+        let too_many = self.members.len() + other.members.len() > LANES;
+        (too_many, self.bounds.union(&other.bounds).girth() - self.cost - other.cost)
+    }
+}
+
+/// Sorts so many with the smallest coordinates to the front, along the axis on which centres differ most.
+fn split(items: &mut [(u32, AxisBox)], first: usize) {
+    let centres = || items.iter().map(|(_, bounds)| bounds.doubled_centre());
+    let lo = centres().fold([f32::INFINITY; 3], |lo, c| std::array::from_fn(|i| lo[i].lesser(c[i])));
+    let hi = centres().fold([f32::NEG_INFINITY; 3], |hi, c| std::array::from_fn(|i| hi[i].greater(c[i])));
+    let axis = (0..3).max_by(|&i, &j| (hi[i] - lo[i]).total_cmp(&(hi[j] - lo[j]))).unwrap_or(0);
+    let key = |entry: &(u32, AxisBox)| entry.1.doubled_centre()[axis];
+    items.select_nth_unstable_by(first, |p, q| key(p).total_cmp(&key(q)).then(p.0.cmp(&q.0)));
+}
+
+/// Eight rows of eight bits as columns (Warren 2012, *Hacker's Delight*, section 7-3).
+#[inline(always)]
+fn transposed(mut bits: u64) -> u64 {
+    for (mask, shift) in
+        [(0x00aa_00aa_00aa_00aa, 7), (0x0000_cccc_0000_cccc, 14), (0x0000_0000_f0f0_f0f0, 28)]
+    {
+        let differing = (bits ^ (bits >> shift)) & mask;
+        bits ^= differing ^ (differing << shift);
+    }
+    bits
+}
+
+impl Node {
+    fn empty(seat: Option<Seat>) -> Self {
+        Self { boxes: EightBoxes::EMPTY, children: [Child::Nothing; LANES], seat }
+    }
+
+    fn set(&mut self, lane: usize, child: Child, bounds: &AxisBox) {
+        self.children[lane] = child;
+        self.boxes.set(lane, bounds);
+    }
+
+    fn holds(&self, bounds: &AxisBox) -> bool {
+        let all = self.boxes.union();
+        all.union(bounds) == all
+    }
+
+    fn least_growth(&self, bounds: &AxisBox) -> usize {
+        let growth = |lane: usize| {
+            let old = self.boxes.lane(lane);
+            let grown = old.union(bounds).girth();
+            (grown - old.girth(), grown)
+        };
+        let cost = |lane: &usize| growth(*lane);
+        (0..LANES)
+            .min_by(|i, j| {
+                let ((p, a), (q, b)) = (cost(i), cost(j));
+                p.total_cmp(&q).then(a.total_cmp(&b))
+            })
+            .unwrap_or(0)
+    }
+
+    /// The lanes whose boxes overlap another.
+    #[inline(always)]
+    fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u8 {
+        let apart = self.boxes.beyond(simd, 0, with)
+            | self.boxes.beyond(simd, 1, with)
+            | self.boxes.beyond(simd, 2, with);
+        low_byte(!apart.to_bitmask())
+    }
+
+    /// For each lane a bit for each of the `asked` boxes that overlaps its own, and the lanes that have any.
+    #[inline(always)]
+    fn overlaps_any<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
+        if asked.count_ones() > FEW_BOXES {
+            return self.overlaps_many(simd, with, asked);
+        }
+        let (mut by_box, mut any, mut left) = (0, 0, asked);
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let near = self.overlaps(simd, &with.lane(lane));
+            by_box |= u64::from(near) << (8 * lane);
+            any |= near;
+        }
+        (transposed(by_box).to_le_bytes(), any)
+    }
+
+    /// The same, where many boxes are asked: lane by lane.
+    #[inline(always)]
+    fn overlaps_many<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
+        let (mut near, mut any) = ([0; LANES], 0);
+        for (lane, near) in near.iter_mut().enumerate() {
+            let own = self.boxes.lane(lane);
+            let apart = with.beyond(simd, 0, &own) | with.beyond(simd, 1, &own) | with.beyond(simd, 2, &own);
+            *near = low_byte(!apart.to_bitmask()) & asked;
+            any |= u8::from(*near != 0) << lane;
+        }
+        (near, any)
+    }
+}
+
+impl EightBoxes {
+    /// The lanes whose boxes lie beyond another along one axis.
+    #[inline(always)]
+    fn beyond<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
+        let Self { lo, hi } = self;
+        let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
+        lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,164 @@
+//! Trees of very many points or cubes, built in little time: halves of equal count across the widest axis, all frames along
+//! the axes of the tree.
+//!
+//! Surfaces deserve a careful tree, since they are asked about for as long as a robot lives. A cloud lives for as long as
+//! its camera takes for the next.
+
+use clearance_geometry::math::{Extremes, Point, Vector};
+use clearance_geometry::simd::LANES;
+
+use super::grain_leaf::{Grain, GrainLeaf};
+use super::tree::{Leaf, Node, NodeRef, Tree};
+use crate::bounding_volume::{Axes, BoundingVolume};
+
+impl<B: BoundingVolume> Tree<B, GrainLeaf> {
+    /// A tree over grains, and the order in which its leaves hold them.
+    ///
+    /// # Panics
+    /// When there are no grains, or more than 2³¹ of them.
+    #[must_use]
+    pub fn of_grains(grains: impl Iterator<Item = Grain>) -> (Self, Vec<u32>) {
+        let mut seeds: Vec<Seed> = grains.zip(0..).map(|(grain, number)| Seed { grain, number }).collect();
+        assert!(!seeds.is_empty(), "a tree needs grains");
+        assert!(seeds.len() >> 31 == 0, "grain count fits 31 bits");
+        let whole = Cuboid::around_centres(&seeds);
+        let anchor = Point::from(whole.low.map(f64::from)) + whole.widths() * 0.5;
+        let leaves = Vec::with_capacity(seeds.len() / LANES + 1);
+        let mut builder = Builder { anchor, nodes: Vec::new(), leaves, reach: 0.0 };
+        let (root, _) = builder.subtree(&mut seeds, 0);
+        let Builder { anchor, mut nodes, leaves, reach } = builder;
+        nodes.shrink_to_fit();
+        let order = seeds.iter().map(|seed| seed.number).collect();
+        (Self { anchor, reach, root, nodes, leaves }, order)
+    }
+}
+
+/// A grain, and its number among those that were given.
+#[derive(Clone, Copy)]
+struct Seed {
+    grain: Grain,
+    number: u32,
+}
+
+/// A box along the axes, in the frame of the grains.
+struct Cuboid {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Cuboid {
+    fn around_centres(seeds: &[Seed]) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for seed in seeds {
+            for i in 0..3 {
+                low[i] = low[i].lesser(seed.grain.centre[i]);
+                high[i] = high[i].greater(seed.grain.centre[i]);
+            }
+        }
+        Self { low, high }
+    }
+
+    fn widths(&self) -> Vector {
+        Vector::from(self.high.map(f64::from)) - Vector::from(self.low.map(f64::from))
+    }
+}
+
+struct Builder<B: BoundingVolume> {
+    anchor: Point,
+    nodes: Vec<Node<B>>,
+    leaves: Vec<Leaf<B, GrainLeaf>>,
+    /// How far (m, 1-norm) anything so far is from the anchor.
+    reach: f64,
+}
+
+impl<B: BoundingVolume> Builder<B> {
+    /// Builds what holds some grains, which begin at `start` in the whole; tells the corners of the box around them.
+    fn subtree(&mut self, seeds: &mut [Seed], start: u32) -> (NodeRef, [Vector; 2]) {
+        if seeds.len() <= LANES {
+            return self.leaf(seeds, start);
+        }
+        let ends = parts(seeds);
+        let index = self.nodes.len();
+        self.nodes.push(Node {
+            axes: Axes::IDENTITY,
+            volume: B::fit(&[Vector::zeros()]),
+            pack: B::pack(&[B::fit(&[Vector::zeros()])]),
+            children: [NodeRef::leaf(0); LANES],
+            child_count: 0,
+        });
+        let mut children = [NodeRef::leaf(0); LANES];
+        let mut volumes = Vec::with_capacity(LANES);
+        let mut corners: Option<[Vector; 2]> = None;
+        for (child, part) in ends.windows(2).enumerate() {
+            let from = start + u32::try_from(part[0]).expect("counts fit 32 bits");
+            let (made, [low, high]) = self.subtree(&mut seeds[part[0]..part[1]], from);
+            children[child] = made;
+            // all frames are the same
+            volumes.push(*self.volume(made));
+            corners = Some(corners.map_or([low, high], |[l, h]| [l.inf(&low), h.sup(&high)]));
+        }
+        let corners = corners.expect("there are parts");
+        let child_count = u32::try_from(volumes.len()).expect("at most eight");
+        let (volume, pack) = (around(&corners), B::pack(&volumes));
+        self.nodes[index] = Node { axes: Axes::IDENTITY, volume, pack, children, child_count };
+        (NodeRef::node(index), corners)
+    }
+
+    fn leaf(&mut self, seeds: &[Seed], start: u32) -> (NodeRef, [Vector; 2]) {
+        let mut grains = [seeds[0].grain; LANES];
+        let mut corners = seeds[0].grain.corners(&self.anchor);
+        for (grain, seed) in grains.iter_mut().zip(seeds) {
+            *grain = seed.grain;
+            let [low, high] = grain.corners(&self.anchor);
+            corners = [corners[0].inf(&low), corners[1].sup(&high)];
+        }
+        self.reach = self.reach.greater(corners[0].abs().sup(&corners[1].abs()).sum());
+        self.leaves.push(Leaf {
+            axes: Axes::IDENTITY,
+            volume: around(&corners),
+            content: GrainLeaf::new(&self.anchor, start, &grains[..seeds.len()]),
+        });
+        (NodeRef::leaf(self.leaves.len() - 1), corners)
+    }
+
+    fn volume(&self, of: NodeRef) -> &B {
+        if of.is_leaf() { &self.leaves[of.index()].volume } else { &self.nodes[of.index()].volume }
+    }
+}
+
+/// A volume around a box.
+fn around<B: BoundingVolume>([low, high]: &[Vector; 2]) -> B {
+    let side = |i: usize, bit: usize, axis: usize| if i & bit == 0 { low[axis] } else { high[axis] };
+    let corners: [Vector; 8] =
+        std::array::from_fn(|i| Vector::new(side(i, 1, 0), side(i, 2, 1), side(i, 4, 2)));
+    B::fit(&corners)
+}
+
+/// Sorts grains into at most eight parts near to each other; gives where they end, after a zero.
+fn parts(seeds: &mut [Seed]) -> Vec<usize> {
+    let mut ends = vec![0, seeds.len()];
+    for _ in 0..3 {
+        let mut finer = Vec::with_capacity(2 * ends.len());
+        finer.push(0);
+        for part in ends.windows(2) {
+            if let Some(half) = split(&mut seeds[part[0]..part[1]]) {
+                finer.push(part[0] + half);
+            }
+            finer.push(part[1]);
+        }
+        ends = finer;
+    }
+    ends
+}
+
+/// Sorts the lower half along the widest axis to the front; tells how many that are: a multiple of what a leaf holds, so that
+/// leaves are full.
+fn split(seeds: &mut [Seed]) -> Option<usize> {
+    if seeds.len() <= LANES {
+        return None;
+    }
+    let axis = Cuboid::around_centres(seeds).widths().imax();
+    let half = seeds.len().div_ceil(LANES) / 2 * LANES;
+    seeds.select_nth_unstable_by(half, |p, q| p.grain.centre[axis].total_cmp(&q.grain.centre[axis]));
+    Some(half)
+}

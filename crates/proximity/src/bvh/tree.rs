@@ -1,0 +1,171 @@
+//! What a tree is made of.
+
+use clearance_geometry::math::{MatrixPose, Point, RotationMatrix};
+use clearance_geometry::simd::LANES;
+
+use crate::bounding_volume::{Axes, BoundingVolume, Relative};
+
+/// A tree of volumes `B` over leaves that hold `L`.
+#[derive(Clone, Debug)]
+pub struct Tree<B: BoundingVolume, L> {
+    /// The origin of all frames of the tree, in the frame of the body.
+    pub(super) anchor: Point,
+    /// How far (m, 1-norm) anything in the tree is from the anchor.
+    pub(super) reach: f64,
+    pub(super) root: NodeRef,
+    pub(super) nodes: Vec<Node<B>>,
+    pub(super) leaves: Vec<Leaf<B, L>>,
+}
+
+/// What leaves hold: a few items that are tested together.
+pub trait Content: Sized {
+    /// What a tree is built over.
+    type Item;
+
+    /// Most items in a leaf.
+    const CAPACITY: usize;
+
+    /// Appends points whose convex hull holds the item.
+    fn corners(item: &Self::Item, corners: &mut Vec<Point>);
+
+    /// Axes, as columns, of a frame that suits a leaf with these items; `None` if its volume may choose.
+    fn axes(items: &[&Self::Item]) -> Option<RotationMatrix>;
+
+    /// A leaf with some items of a tree with this anchor; `first` is the first one's number in the order of the tree, and
+    /// the others follow.
+    fn new(anchor: &Point, first: u32, items: &[&Self::Item]) -> Self;
+}
+
+/// Eight children or fewer.
+#[derive(Clone, Debug)]
+pub struct Node<B: BoundingVolume> {
+    pub axes: Axes,
+    /// Around all children, in this node's frame.
+    pub volume: B,
+    /// Around each child, in this node's frame.
+    pub pack: B::Pack,
+    pub children: [NodeRef; LANES],
+    pub child_count: u32,
+}
+
+/// What the tree is about.
+#[derive(Clone, Debug)]
+pub struct Leaf<B, L> {
+    pub axes: Axes,
+    /// Around the content, in this leaf's frame.
+    pub volume: B,
+    pub content: L,
+}
+
+/// The index of a node or of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct NodeRef(u32);
+
+impl NodeRef {
+    const LEAF: u32 = 1 << 31;
+
+    pub(super) fn node(index: usize) -> Self {
+        Self(u32::try_from(index).expect("node count fits 31 bits"))
+    }
+
+    pub(super) fn leaf(index: usize) -> Self {
+        Self(u32::try_from(index).expect("leaf count fits 31 bits") | Self::LEAF)
+    }
+
+    #[must_use]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    pub(super) fn index(self) -> usize {
+        (self.0 & !Self::LEAF) as usize
+    }
+}
+
+impl<B: BoundingVolume, L> Tree<B, L> {
+    #[must_use]
+    pub fn anchor(&self) -> &Point {
+        &self.anchor
+    }
+
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    #[must_use]
+    pub fn root(&self) -> NodeRef {
+        self.root
+    }
+
+    /// # Panics
+    /// When it is a leaf.
+    #[inline(always)]
+    #[must_use]
+    pub fn node(&self, node: NodeRef) -> &Node<B> {
+        &self.nodes[node.0 as usize]
+    }
+
+    /// # Panics
+    /// When it is no leaf.
+    #[inline(always)]
+    #[must_use]
+    pub fn leaf(&self, leaf: NodeRef) -> &Leaf<B, L> {
+        &self.leaves[leaf.index()]
+    }
+
+    #[must_use]
+    pub fn nodes(&self) -> &[Node<B>] {
+        &self.nodes
+    }
+
+    #[must_use]
+    pub fn leaves(&self) -> &[Leaf<B, L>] {
+        &self.leaves
+    }
+
+    /// What lies so many steps below the root, and leaves that lie higher: together they hold all that the tree does.
+    #[must_use]
+    pub fn at_level(&self, level: usize) -> Vec<NodeRef> {
+        let below = |of: NodeRef| {
+            if of.is_leaf() {
+                return vec![of];
+            }
+            let node = self.node(of);
+            node.children[..node.child_count as usize].to_vec()
+        };
+        let mut found = vec![self.root];
+        for _ in 0..level {
+            if found.iter().all(|of| of.is_leaf()) {
+                break;
+            }
+            found = found.into_iter().flat_map(below).collect();
+        }
+        found
+    }
+
+    /// The volume around all that lies below, and the frame it is in.
+    #[inline(always)]
+    #[must_use]
+    pub fn volume(&self, of: NodeRef) -> (&B, &Axes) {
+        if of.is_leaf() {
+            let leaf = self.leaf(of);
+            (&leaf.volume, &leaf.axes)
+        } else {
+            let node = self.node(of);
+            (&node.volume, &node.axes)
+        }
+    }
+
+    /// The frame of this tree in the frame of another, which belongs to body b.
+    #[must_use]
+    pub fn relative<M>(&self, other: &Tree<B, M>, pose_ab: &MatrixPose) -> Relative {
+        Relative::of_trees(pose_ab, (&self.anchor, self.reach), (&other.anchor, other.reach))
+    }
+
+    /// Memory of nodes and leaves, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node<B>>() + self.leaves.capacity() * size_of::<Leaf<B, L>>()
+    }
+}

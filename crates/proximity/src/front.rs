@@ -1,0 +1,261 @@
+//! The elements of two bodies that may be nearest in all poses near one: found once, looked at again while the bodies move
+//! little (Ehmann & Lin 2001 call such a set a front).
+//!
+//! # The bounds
+//!
+//! At the pose where they were listed, each pair has a unit direction n (frame of b) along which a gap of at least g is
+//! between its elements. Later every point x of a has moved, in the frame of b, by u(x) = u(c) + ΔR (x − c) for any point c
+//! of a, and ΔR, the difference of two rotations, stretches nothing by more than its Frobenius norm over √2 (both its
+//! singular values that are not zero are 2 sin θ/2). With r the farthest that the pair's element of a is from c,
+//!
+//! > d ≥ g − n·u(c) − |ΔR| r.
+//!
+//! The common motion of all pairs so cancels between them: their order changes only by what they turn. What is not listed is
+//! granted the motion of a whole body.
+
+mod bounds;
+mod collector;
+mod eight_pairs;
+
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, not_beyond};
+
+use super::body::CollisionBody;
+use super::element::ElementNumber;
+use super::element_pair::{Separation, separation_within};
+use super::incumbent::Incumbent;
+use super::scratch::Scratch;
+use super::search::Goal;
+use super::surface_surface::{Candidates, SurfaceSurface, triangle_slack};
+use crate::bounding_volume::Obb;
+use crate::bvh::Visitor;
+use bounds::Bounds;
+use collector::collect;
+use eight_pairs::EightPairs;
+
+/// The nearest pairs that are kept; more would cost as much as a search.
+const MOST: usize = 512;
+
+/// Two elements, and a number (m) that their distance was not below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Listed {
+    lower: f32,
+    a: ElementNumber,
+    b: ElementNumber,
+}
+
+/// Pairs of elements of two bodies.
+#[derive(Clone, Debug, Default)]
+pub struct Front {
+    /// Where b was in the frame of a when pairs were listed; `None` while nothing is known.
+    listed_at: Option<MatrixPose>,
+    /// Elements that are not listed were farther apart than this (m) there.
+    beyond: f64,
+    with_solids: Group,
+    of_triangles: Group,
+}
+
+/// Listed pairs of one kind.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    listed: Vec<Listed>,
+    bounds: Bounds,
+}
+
+impl Front {
+    /// Whether there is anything in it.
+    #[must_use]
+    pub fn is_collected(&self) -> bool {
+        self.listed_at.is_some()
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.listed_at = None;
+        self.with_solids.listed.clear();
+        self.of_triangles.listed.clear();
+    }
+
+    /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
+    /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front, and there is
+    /// none if it costs more than `most` ([`Work::cost`]).
+    pub fn collect(
+        &mut self,
+        bodies: (&CollisionBody, &CollisionBody),
+        pose_ab: &MatrixPose,
+        nearest: &Separation,
+        (beyond, most): (f64, u64),
+        scratch: &mut Scratch,
+    ) {
+        self.clear();
+        let has_none =
+            |body: &CollisionBody| body.interior.is_some() || body.has_grains() || body.has_planes();
+        if has_none(bodies.0) || has_none(bodies.1) {
+            return;
+        }
+        let lists = (&mut self.with_solids.listed, &mut self.of_triangles.listed);
+        let [near_a, near_b] = &nearest.witness_points;
+        let direction = (near_b - near_a).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        let Some(beyond) = collect(bodies, pose_ab, direction, (beyond, most), scratch, lists) else {
+            return self.clear();
+        };
+        self.beyond = beyond;
+        self.listed_at = Some(*pose_ab);
+        self.with_solids.renew(bodies, pose_ab, near_a, scratch.level());
+        self.of_triangles.renew(bodies, pose_ab, near_a, scratch.level());
+    }
+
+    /// The distance of the bodies at another pose, as a search would find it: `Some(None)` if it is proven larger than
+    /// `limit` (m). `None` where the front does not suffice, or they touch.
+    #[must_use]
+    pub fn distance(
+        &mut self,
+        bodies: (&CollisionBody, &CollisionBody),
+        pose_ab: &MatrixPose,
+        limit: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Option<Separation>> {
+        let moved = bodies.1.bounding_sphere().displacement(self.listed_at.as_ref()?, pose_ab);
+        let certain = self.beyond - moved;
+        if certain <= 0.0 {
+            return None;
+        }
+        let level = scratch.level();
+        let goal = Goal { limit: limit.lesser(certain), ..Goal::EXACT };
+        let Scratch { work, candidates, .. } = scratch;
+        let incumbent = &mut Incumbent::new(goal, work);
+        let look = Look { bodies, pose_ab, level };
+        let of_solids = self.with_solids.bounds.move_to(pose_ab, level);
+        let of_triangles = self.of_triangles.bounds.move_to(pose_ab, level);
+        // the nearest of all before others, which then mostly are beyond it
+        let solids_first = of_solids.lower < of_triangles.lower;
+        let mut unclear = [0; 2];
+        if solids_first {
+            unclear[0] = look.at_solids(&self.with_solids, of_solids.index, incumbent);
+        }
+        unclear[1] = look.at_triangles(&self.of_triangles, of_triangles.index, incumbent, candidates);
+        if !solids_first {
+            unclear[0] = look.at_solids(&self.with_solids, of_solids.index, incumbent);
+        }
+        let found = incumbent.best;
+        if let Some(found) = found {
+            for (group, unclear) in [&mut self.with_solids, &mut self.of_triangles].into_iter().zip(unclear) {
+                if group.bounds.are_worn(unclear) {
+                    group.renew(bodies, pose_ab, &found.witness_points[0], level);
+                }
+            }
+        }
+        match found {
+            Some(found) if found.distance > 0.0 => Some(Some(found)),
+            None if limit <= certain => Some(None),
+            _ => None,
+        }
+    }
+}
+
+impl Group {
+    /// Bounds all pairs anew, from a point of a where it is about nearest.
+    fn renew(
+        &mut self,
+        bodies: (&CollisionBody, &CollisionBody),
+        pose_ab: &MatrixPose,
+        near_a: &Point,
+        level: Level,
+    ) {
+        self.bounds.renew(bodies, pose_ab, near_a, &self.listed, level);
+    }
+}
+
+/// What is looked at anew.
+struct Look<'l> {
+    bodies: (&'l CollisionBody, &'l CollisionBody),
+    pose_ab: &'l MatrixPose,
+    level: Level,
+}
+
+impl Look<'_> {
+    /// Measures the pair with the least bound, and then all that still may be nearer; tells how many these were.
+    fn at_solids(&self, group: &Group, first: usize, incumbent: &mut Incumbent) -> usize {
+        let Some(first) = group.listed.get(first) else { return 0 };
+        self.measure(first, incumbent);
+        let mut unclear = 0;
+        for (pair, bound) in group.listed.iter().zip(group.bounds.now().iter().flatten()) {
+            // what is no number proves nothing
+            if *bound <= incumbent.threshold() || bound.is_nan() {
+                unclear += 1;
+                self.measure(pair, incumbent);
+            }
+        }
+        unclear
+    }
+
+    fn measure(&self, pair: &Listed, incumbent: &mut Incumbent) {
+        incumbent.work.primitive_tests += 1;
+        let (a, b) = (self.bodies.0.core(pair.a), self.bodies.1.core(pair.b));
+        if let Some(found) = separation_within(&a, &b, self.pose_ab, incumbent.bound()) {
+            incumbent.offer_numbered(found, (pair.a, pair.b));
+        }
+    }
+
+    /// As [`Self::at_solids`]; those that may be nearer are screened eight at a time before.
+    fn at_triangles(
+        &self,
+        group: &Group,
+        first: usize,
+        incumbent: &mut Incumbent,
+        candidates: &mut Candidates,
+    ) -> usize {
+        let (Some(a), Some(b)) = (&self.bodies.0.surface, &self.bodies.1.surface) else { return 0 };
+        let Some(first) = group.listed.get(first) else { return 0 };
+        let relative = &a.tree.relative(&b.tree, self.pose_ab);
+        candidates.begin(None);
+        let surfaces = &mut SurfaceSurface { a, b, pose_ab: self.pose_ab, relative, incumbent, candidates };
+        surfaces.measure(first.a.index(), first.b.index());
+        let unclear = dispatch!(self.level, simd => screen_unclear(simd, group, surfaces));
+        surfaces.measure_candidates();
+        unclear
+    }
+}
+
+/// Screens the pairs of triangles that may be nearer, eight at a time; tells how many these are.
+#[inline(always)]
+fn screen_unclear<S: Simd>(
+    simd: S,
+    group: &Group,
+    surfaces: &mut SurfaceSurface<'_, '_, Obb, false>,
+) -> usize {
+    let (mut eight, mut count, mut unclear) = ([group.listed[0]; LANES], 0, 0);
+    for (pairs, bounds) in group.listed.chunks(LANES).zip(group.bounds.now()) {
+        let all = u64::from(u8::MAX >> (LANES - pairs.len()));
+        let mut near = not_beyond(f32x8::simd_from(simd, *bounds), surfaces.threshold()) & all;
+        while near != 0 {
+            eight[count] = pairs[near.trailing_zeros() as usize];
+            (near, count, unclear) = (near & (near - 1), count + 1, unclear + 1);
+            if count == LANES {
+                screen(simd, &eight, surfaces);
+                count = 0;
+            }
+        }
+    }
+    if count > 0 {
+        screen(simd, &eight[..count], surfaces);
+    }
+    unclear
+}
+
+#[inline(always)]
+fn screen<S: Simd>(simd: S, pairs: &[Listed], surfaces: &mut SurfaceSurface<'_, '_, Obb, false>) {
+    let corners = EightPairs::new(surfaces.a, surfaces.b, pairs);
+    let (one, other) = corners.load(simd, surfaces.relative);
+    let mask = u64::from(u8::MAX >> (LANES - pairs.len()));
+    let slack = triangle_slack(surfaces.relative);
+    let numbers = |lane: usize| (pairs[lane].a.index(), pairs[lane].b.index());
+    surfaces.screen(simd, &one, &other, slack, mask, numbers);
+}
+
+impl Listed {
+    fn by_distance(x: &Self, y: &Self) -> std::cmp::Ordering {
+        x.lower.total_cmp(&y.lower).then((x.a, x.b).cmp(&(y.a, y.b)))
+    }
+}

@@ -1,0 +1,54 @@
+//! Eight pairs of triangles in lanes.
+
+use clearance_geometry::math::Point;
+use clearance_geometry::simd::{LANES, Simd};
+
+use super::Listed;
+use crate::bounding_volume::{Obb, Relative};
+use crate::element::ElementNumber;
+use crate::surface::Surface;
+use crate::triangle_lanes::LaneTriangles;
+
+/// Their corners, each in the frame of its own tree.
+#[repr(align(32))]
+pub(super) struct EightPairs {
+    a: [[[f32; LANES]; 3]; 3],
+    b: [[[f32; LANES]; 3]; 3],
+}
+
+impl EightPairs {
+    /// Of fewer than eight the last is repeated.
+    pub fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[Listed]) -> Self {
+        let mut all = Self { a: [[[0.0; LANES]; 3]; 3], b: [[[0.0; LANES]; 3]; 3] };
+        for lane in 0..LANES {
+            let Listed { a: i, b: j, .. } = pairs[lane.min(pairs.len() - 1)];
+            set(&mut all.a, lane, a, i);
+            set(&mut all.b, lane, b, j);
+        }
+        all
+    }
+
+    /// A point of body a, in the frame of b's tree.
+    #[allow(clippy::cast_possible_truncation)] // rounding is meant
+    pub fn point_in_b(a: &Surface<Obb>, relative: &Relative, point: &Point) -> [f32; 3] {
+        let p = point - a.tree.anchor();
+        relative.point(&[p.x as f32, p.y as f32, p.z as f32])
+    }
+
+    /// Both in the frame of b's tree.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, relative: &Relative) -> (LaneTriangles<S>, LaneTriangles<S>) {
+        (LaneTriangles::placed(simd, &self.a, relative), LaneTriangles::load(simd, &self.b))
+    }
+}
+
+/// As the leaves of the surface's tree have them.
+#[allow(clippy::cast_possible_truncation)] // rounding is meant
+fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface<Obb>, number: ElementNumber) {
+    let anchor = surface.tree.anchor();
+    for (corner, p) in corners.iter_mut().zip(surface.triangle(number.index()).corners()) {
+        for i in 0..3 {
+            corner[i][lane] = (p[i] - anchor[i]) as f32;
+        }
+    }
+}

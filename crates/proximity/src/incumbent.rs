@@ -1,0 +1,108 @@
+//! The best answer so far, and what could still better it.
+
+use std::time::Instant;
+
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::{Extremes, Point};
+
+use super::element::ElementNumber;
+use super::element_pair::Separation;
+use super::search::Goal;
+use super::work::Work;
+
+/// Volume tests between two looks at the clock.
+const TESTS_A_LOOK: u64 = 256;
+
+/// What a search has found, and what it still looks for.
+#[derive(Debug)]
+pub(super) struct Incumbent<'w> {
+    goal: Goal,
+    pub best: Option<Separation>,
+    /// The numbers of the elements that the best is about, where it matters which of equal ones is told.
+    pub numbers: Option<(ElementNumber, ElementNumber)>,
+    /// The count of volume tests at which to look at the clock.
+    next_look: u64,
+    pub work: &'w mut Work,
+}
+
+impl<'w> Incumbent<'w> {
+    /// What touches is within any limit.
+    pub fn new(goal: Goal, work: &'w mut Work) -> Self {
+        let goal = Goal { limit: goal.limit.greater(CONTACT_DISTANCE), ..goal };
+        Self { goal, best: None, numbers: None, next_look: work.volume_tests, work }
+    }
+
+    /// Nothing beyond this (m) matters any more; negative infinity once nothing does.
+    pub fn bound(&self) -> f64 {
+        match self.best {
+            Some(best) if best.distance <= self.goal.enough => f64::NEG_INFINITY,
+            Some(best) => self.goal.effort.lower_after(self.work, best.distance),
+            None if self.goal.is_reached => self.goal.effort.lower_after(self.work, self.goal.limit),
+            None => self.goal.limit,
+        }
+    }
+
+    /// Lets nothing farther than `limit` (m) matter any more.
+    pub fn lower_limit(&mut self, limit: f64) {
+        self.goal.limit = self.goal.limit.lesser(limit).greater(CONTACT_DISTANCE);
+    }
+
+    /// [`Self::bound`], rounded up unless nothing matters any more.
+    #[allow(clippy::cast_possible_truncation)] // rounded up right after
+    pub fn threshold(&self) -> f32 {
+        let bound = self.bound();
+        if bound == f64::NEG_INFINITY { f32::NEG_INFINITY } else { (bound as f32).next_up() }
+    }
+
+    pub fn touches(&self) -> bool {
+        self.best.is_some_and(|best| best.distance == 0.0)
+    }
+
+    pub fn is_settled(&self) -> bool {
+        self.bound() == f64::NEG_INFINITY
+    }
+
+    /// Takes `found` if it is nearer than the best so far, or the first within the limit.
+    pub fn offer(&mut self, found: Separation) {
+        if self.is_bettered_by(&found) {
+            self.best = Some(found);
+            self.numbers = None;
+        }
+    }
+
+    /// As [`Self::offer`] of two elements; of equally near ones those with the smaller numbers are taken, so that the answer
+    /// does not depend on the order in which they are met.
+    pub fn offer_numbered(&mut self, found: Separation, numbers: (ElementNumber, ElementNumber)) {
+        let tied = self.best.is_some_and(|best| found.distance == best.distance);
+        if tied && self.numbers.is_some_and(|best| numbers < best) || self.is_bettered_by(&found) {
+            self.best = Some(found);
+            self.numbers = Some(numbers);
+        }
+    }
+
+    /// Takes a common point that is of no elements.
+    pub fn touch_at(&mut self, point: Point) {
+        (self.best, self.numbers) = (Some(Separation::touching_at(point)), None);
+    }
+
+    fn is_bettered_by(&self, found: &Separation) -> bool {
+        match self.best {
+            Some(best) => found.distance < best.distance,
+            None => found.distance <= self.goal.limit,
+        }
+    }
+
+    /// Whether anything within the limit will do.
+    pub fn seeks_any(&self) -> bool {
+        self.goal.enough >= self.goal.limit
+    }
+
+    pub fn interrupted(&mut self) -> bool {
+        let Some(deadline) = self.goal.effort.deadline else { return false };
+        if self.work.volume_tests < self.next_look {
+            return false;
+        }
+        self.next_look = self.work.volume_tests + TESTS_A_LOOK;
+        Instant::now() >= deadline
+    }
+}

@@ -1,0 +1,73 @@
+//! Questions between two posed bodies.
+//!
+//! | question | function | answer |
+//! |---|---|---|
+//! | do they touch? | [`collide`] | a common point, or proof that they are apart |
+//! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
+//! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
+//! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | numbers that it is certainly between |
+//! | how deep are two solids in each other? | [`signed_distance`], [`deepest_overlap`] | least translation that separates, negative |
+//!
+//! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
+//!
+//! Bodies touch when their distance is at most [`CONTACT_DISTANCE`](clearance_geometry::constants::CONTACT_DISTANCE). A mesh is a
+//! surface; a body made with [`CollisionBody::with_solid_meshes`] also counts what lies inside its closed meshes.
+//! `pose_ab` is the pose of body b in the frame of body a; witness points are in the frame of a, first on a. After the
+//! door (finite poses) queries are total: no error, no panic.
+
+// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+pub mod bounding_volume;
+pub mod bvh;
+
+mod body;
+mod bounding_sphere;
+mod collide;
+mod containment;
+mod core;
+mod distance;
+mod element;
+mod element_pair;
+mod front;
+mod gjk;
+mod grain_grains;
+mod grain_lanes;
+mod grains;
+mod incumbent;
+mod narrow_phase;
+mod penetration;
+mod piece;
+mod planes;
+mod postponed;
+mod samples;
+mod scratch;
+mod search;
+mod solid;
+mod solid_grains;
+mod solid_lanes;
+mod solid_solid;
+mod surface;
+mod surface_grains;
+mod surface_solid;
+mod surface_surface;
+mod triangle_lanes;
+mod volumes;
+mod within_margin;
+mod work;
+
+pub use body::CollisionBody;
+pub use bounding_sphere::BoundingSphere;
+pub use collide::collide;
+pub use distance::distance_bounds_below;
+pub use distance::{DistanceBounds, Effort, distance, distance_bounds};
+pub use element::Element;
+pub use element_pair::{Separation, element_contact, element_separation};
+pub use front::Front;
+pub use penetration::{deepest_overlap, signed_distance};
+pub use piece::{Piece, PieceVolume};
+pub use postponed::{ElementPair, Postponed, nearest_in_doubt};
+pub use scratch::Scratch;
+pub use volumes::BodyVolume;
+pub use within_margin::{margin_bounds, pieces_within_margin, within_margin};
+pub use work::Work;

@@ -1,0 +1,44 @@
+//! What a query changes, owned by its caller.
+
+use clearance_geometry::simd::{Level, baseline};
+
+use super::Work;
+use super::surface_surface::Candidates;
+use crate::bvh::{Entry, NodeRef};
+
+/// Memory of one thread's queries: once warm they allocate nothing. Between queries only the counters mean anything.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    /// What all queries so far have cost.
+    pub work: Work,
+    pub(super) stack: Vec<Entry>,
+    pub(super) starts: Vec<NodeRef>,
+    pub(super) candidates: Candidates,
+    pub(super) level: Level,
+}
+
+impl Default for Scratch {
+    /// Uses the best instructions of this machine.
+    fn default() -> Self {
+        Self {
+            work: Work::default(),
+            stack: Vec::new(),
+            starts: Vec::new(),
+            candidates: Candidates::default(),
+            level: Level::new(),
+        }
+    }
+}
+
+impl Scratch {
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Uses no instructions but those of every machine of this kind. Answers are the same, bit by bit.
+    #[must_use]
+    pub fn portable() -> Self {
+        Self { level: baseline(), ..Self::default() }
+    }
+}

@@ -1,0 +1,90 @@
+//! Leaves that hold one solid primitive.
+
+use clearance_geometry::Primitive;
+use clearance_geometry::math::{Point, Pose, RotationMatrix};
+
+use super::core::RoundedCore;
+use super::element::Element;
+use crate::bounding_volume::Axes;
+use crate::bvh::Content;
+
+/// A primitive placed in the frame of its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Solid {
+    pub primitive: Primitive,
+    pub pose: Pose,
+}
+
+/// A solid, and the same in f32.
+#[derive(Clone, Debug)]
+pub(super) struct SolidLeaf {
+    pub core: RoundedCore,
+    /// In the order of the tree.
+    pub number: u32,
+    /// Its axes, in the frame of the tree.
+    pub axes: Axes,
+    /// The centre, from the anchor of the tree.
+    pub centre: [f32; 3],
+    pub hull: Hull,
+}
+
+/// Around a solid, in f32, rounded outward: a box, swept by a disc square to its z axis, swept by a ball.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hull {
+    pub half_extents: [f32; 3],
+    pub disc: f32,
+    pub ball: f32,
+}
+
+impl Hull {
+    /// Of a box around it.
+    #[inline(always)]
+    pub fn half_extents_around(&self) -> [f32; 3] {
+        let ([x, y, z], across) = (self.half_extents, self.disc + self.ball);
+        [x + across, y + across, z + self.ball]
+    }
+}
+
+impl From<&Primitive> for Hull {
+    #[allow(clippy::cast_possible_truncation)] // rounded up right after
+    fn from(primitive: &Primitive) -> Self {
+        let (half_extents, disc, ball) = match *primitive {
+            Primitive::Box { half_extents } => (half_extents, 0.0, 0.0),
+            Primitive::Sphere { radius } => ([0.0; 3], 0.0, radius),
+            Primitive::Cylinder { radius, half_length } | Primitive::Cone { radius, half_length } => {
+                ([0.0, 0.0, half_length], radius, 0.0)
+            }
+            Primitive::Capsule { radius, half_length } => ([0.0, 0.0, half_length], 0.0, radius),
+        };
+        let up = |x: f64| if x == 0.0 { 0.0 } else { (x as f32).next_up() };
+        Self { half_extents: half_extents.map(up), disc: up(disc), ball: up(ball) }
+    }
+}
+
+impl Content for SolidLeaf {
+    type Item = Solid;
+
+    const CAPACITY: usize = 1;
+
+    fn corners(item: &Solid, corners: &mut Vec<Point>) {
+        corners.extend(item.primitive.hull_points().map(|p| item.pose * p));
+    }
+
+    fn axes(items: &[&Solid]) -> Option<RotationMatrix> {
+        let [solid] = items else { return None };
+        Some(*solid.pose.rotation.to_rotation_matrix().matrix())
+    }
+
+    #[allow(clippy::cast_possible_truncation)] // rounding is meant
+    fn new(anchor: &Point, number: u32, items: &[&Solid]) -> Self {
+        let solid = items[0];
+        let centre = solid.pose.translation.vector - anchor.coords;
+        Self {
+            number,
+            core: RoundedCore::from(&Element::Primitive { primitive: solid.primitive, pose: solid.pose }),
+            axes: Axes::from_columns(solid.pose.rotation.to_rotation_matrix().matrix()),
+            centre: std::array::from_fn(|i| centre[i] as f32),
+            hull: Hull::from(&solid.primitive),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The triangles of a body, in f64, and the tree over them.
+
+use clearance_geometry::Triangle;
+use clearance_geometry::math::{MatrixPose, Point};
+
+use super::core::{Core, RoundedCore};
+use super::samples::Samples;
+use crate::bounding_volume::BoundingVolume;
+use crate::bvh::{Tree, TriangleLeaf};
+
+/// Triangles in the order of their tree's leaves, corners shared.
+#[derive(Clone, Debug)]
+pub(super) struct Surface<B: BoundingVolume> {
+    pub tree: Tree<B, TriangleLeaf>,
+    pub samples: Samples,
+    vertices: Vec<Point>,
+    faces: Vec<[u32; 3]>,
+}
+
+impl<B: BoundingVolume> Surface<B> {
+    /// `None` without faces.
+    pub fn new(vertices: Vec<Point>, faces: &[[u32; 3]]) -> Option<Self> {
+        if faces.is_empty() {
+            return None;
+        }
+        let corners: Vec<[Point; 3]> = faces.iter().map(|f| f.map(|v| vertices[v as usize])).collect();
+        let (tree, order) = Tree::build(&corners);
+        let samples = Samples::new(tree.anchor(), &vertices, faces);
+        let faces = order.iter().map(|&i| faces[i as usize]).collect();
+        Some(Self { tree, samples, vertices, faces })
+    }
+
+    /// Number `index` in the order of the leaves.
+    pub fn triangle(&self, index: u32) -> Triangle {
+        let [a, b, c] = self.faces[index as usize];
+        Triangle { a: self.vertex(a), b: self.vertex(b), c: self.vertex(c) }
+    }
+
+    /// As [`Self::triangle`], as a core.
+    pub fn core(&self, index: u32) -> RoundedCore {
+        RoundedCore { core: Core::Triangle(self.triangle(index)), pose: MatrixPose::identity(), radius: 0.0 }
+    }
+
+    pub fn vertex(&self, number: u32) -> Point {
+        self.vertices[number as usize]
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        let own =
+            self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();
+        own + self.tree.bytes() + self.samples.bytes()
+    }
+}

@@ -1,0 +1,323 @@
+//! Kinematics compiled: the joints of a robot as a short list of steps for one state or eight in lanes.
+//!
+//! Compiling moves all that never changes out of the way. Links joined by fixed joints become one *body*; each has a
+//! *seat*, its constant place in the body. Bodies that carry nothing needed are dropped. Where a body's frame sits in
+//! the body is free, so it is chosen to make motion cheap:
+//!
+//! - A turning body has its joint axis as z, so the motion mixes two columns.
+//! - Its x axis is the common normal to its own axis and its first turning child's. The constant turn between the two
+//!   axes then is one about x, the *twist* of Denavit and Hartenberg, and mixes two columns also; what turns about z
+//!   remain on either side join the joint positions.
+//! - A sliding body keeps its parent's orientation and costs no turn at all.
+//!
+//! A joint then takes 33 multiplications instead of 63. Both kinds of [`Real`] run the same steps in the same order:
+//! eight states give the same bits as each one alone.
+//!
+//! Rotations are not renormalised: a step's columns are off by a few roundings of 1.1e-16, which add up to less than
+//! 1e-11 over a chain of 10,000 joints.
+
+mod approach;
+mod between;
+mod compile;
+mod one_state;
+mod territory;
+mod travel;
+
+use std::ops::Mul;
+
+use clearance_geometry::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
+use clearance_geometry::simd::{Real, sin_cos};
+
+pub use approach::Approach;
+pub use between::{Between, Deviation, Deviations, Reach, SideMotion, WaysToRoot};
+use one_state::EightSources;
+pub use one_state::{Columns, PlacedFrame};
+pub use territory::Territory;
+pub use travel::TravelRates;
+
+/// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame<T> {
+    pub r: [[T; 3]; 3],
+    pub t: [T; 3],
+}
+
+/// Where a joint's position comes from: `multiplier * q[index] + offset`, as mimicking joints need it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    pub index: usize,
+    pub multiplier: f64,
+    pub offset: f64,
+}
+
+/// How a joint moves; axes are in the joint frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    Fixed,
+    Revolute(UnitVector, Source),
+    Prismatic(UnitVector, Source),
+    /// Slides along the first two columns, then turns about the third, by three consecutive positions.
+    Planar(RotationMatrix, usize),
+    /// `x y z` and a quaternion `x y z w` of length one: seven consecutive positions.
+    Floating(usize),
+}
+
+/// One joint as the compiler takes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainJoint {
+    pub parent: usize,
+    pub child: usize,
+    /// Pose of the joint frame in the parent link at position zero.
+    pub pose_pj: Pose,
+    pub motion: Motion,
+}
+
+/// Kinematics compiled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// All bodies but the root's, which is body 0: parents first.
+    bodies: Vec<Body>,
+    /// Of the bodies, eight by eight.
+    angles: Vec<EightSources>,
+    /// By link; `None` for links that were dropped.
+    seats: Vec<Option<Seat>>,
+}
+
+impl Chain {
+    /// The body of the root link, which no joint moves.
+    pub const ROOT: usize = 0;
+}
+
+/// A link's constant place in its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seat {
+    pub body: usize,
+    pub place: Frame<f64>,
+}
+
+/// A rigid part and how it hangs on its parent.
+#[derive(Clone, Debug, PartialEq)]
+struct Body {
+    parent: usize,
+    /// The body's origin in the parent body at position zero.
+    origin: [f64; 3],
+    step: Step,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Step {
+    /// A constant turn, then one about the new z axis.
+    Turn(Turn, Source),
+    /// A shift along an axis in the parent body.
+    Shift([f64; 3], Source),
+    /// A constant turn, then seven positions as they are.
+    Float([[f64; 3]; 3], usize),
+}
+
+/// A constant turn between two joint axes.
+#[derive(Clone, Debug, PartialEq)]
+enum Turn {
+    /// The parent is the root: nothing to multiply with.
+    Root([[f64; 3]; 3]),
+    /// About x.
+    Twist {
+        cos: f64,
+        sin: f64,
+    },
+    Full([[f64; 3]; 3]),
+}
+
+impl Chain {
+    /// How many frames [`Self::frames`] computes.
+    #[must_use]
+    pub fn body_count(&self) -> usize {
+        self.bodies.len() + 1
+    }
+
+    /// Where a link sits; `None` if it was not needed.
+    #[must_use]
+    pub fn seat(&self, link: usize) -> Option<&Seat> {
+        self.seats[link].as_ref()
+    }
+
+    /// Computes the frame of every body in the root, by body, without allocating; `q` gives the positions.
+    ///
+    /// # Panics
+    /// When `frames` has no room for every body.
+    #[inline(always)]
+    pub fn frames<T: Real>(&self, token: T::Token, q: impl Fn(usize) -> T, frames: &mut [Frame<T>]) {
+        frames[0] = Frame::splat(token, &Frame::IDENTITY);
+        for (body, i) in self.bodies.iter().zip(1..) {
+            frames[i] = body.frame(
+                token,
+                &q,
+                &frames[body.parent],
+                #[inline(always)]
+                |angle| sin_cos(angle),
+            );
+        }
+    }
+
+    /// The frame of a link in the root, from the frames of all bodies; `None` if the link was not needed.
+    #[inline(always)]
+    pub fn link_frame<T: Real>(&self, link: usize, frames: &[Frame<T>]) -> Option<Frame<T>> {
+        self.seat(link).map(|seat| frames[seat.body].then(&seat.place))
+    }
+}
+
+impl Body {
+    /// The angle that a turning body turns by.
+    fn angle(&self, q: impl Fn(usize) -> f64) -> f64 {
+        if let Step::Turn(_, source) = &self.step { source.value(&q) } else { 0.0 }
+    }
+
+    /// The body's frame in the root; `sin_cos` is asked for a turning body's angle.
+    #[inline(always)]
+    fn frame<T: Real>(
+        &self,
+        token: T::Token,
+        q: impl Fn(usize) -> T,
+        parent: &Frame<T>,
+        sin_cos: impl FnOnce(T) -> (T, T),
+    ) -> Frame<T> {
+        match &self.step {
+            Step::Turn(turn, source) => {
+                let (sin, cos) = sin_cos(source.value(&q));
+                let [x, y, z] = match turn {
+                    Turn::Root(columns) => Frame::splat(token, &Frame { r: *columns, t: self.origin }).r,
+                    Turn::Twist { cos, sin } => {
+                        let [x, y, z] = parent.r;
+                        let [y, z] = mix(y, z, *cos, *sin);
+                        [x, y, z]
+                    }
+                    Turn::Full(columns) => parent.turn_all(*columns),
+                };
+                let [x, y] = mix(x, y, cos, sin);
+                Frame { r: [x, y, z], t: parent.point(self.origin) }
+            }
+            Step::Shift(axis, source) => {
+                let shift = source.value(&q);
+                let [x, y, z] = self.origin;
+                let shifted = [shift * axis[0] + x, shift * axis[1] + y, shift * axis[2] + z];
+                Frame { r: parent.r, t: parent.point(shifted) }
+            }
+            Step::Float(columns, first) => {
+                let at = parent.then(&Frame { r: *columns, t: self.origin });
+                let i = *first;
+                let (t, turn) = ([q(i), q(i + 1), q(i + 2)], [q(i + 3), q(i + 4), q(i + 5), q(i + 6)]);
+                at.then(&floating(token, t, turn))
+            }
+        }
+    }
+}
+
+/// Two axes, turned towards each other's place.
+#[inline(always)]
+fn mix<T, V>(x: [T; 3], y: [T; 3], cos: V, sin: V) -> [[T; 3]; 2]
+where
+    T: Real + Mul<V, Output = T>,
+    V: Copy,
+{
+    [
+        [x[0] * cos + y[0] * sin, x[1] * cos + y[1] * sin, x[2] * cos + y[2] * sin],
+        [y[0] * cos - x[0] * sin, y[1] * cos - x[1] * sin, y[2] * cos - x[2] * sin],
+    ]
+}
+
+impl Source {
+    #[inline(always)]
+    fn value<T: Real>(&self, q: &impl Fn(usize) -> T) -> T {
+        q(self.index) * self.multiplier + self.offset
+    }
+}
+
+/// The frame of a floating joint's child: `x y z` and a quaternion `x y z w` of length one.
+#[inline(always)]
+fn floating<T: Real>(token: T::Token, t: [T; 3], [x, y, z, w]: [T; 4]) -> Frame<T> {
+    let one = T::splat(token, 1.0);
+    let [x2, y2, z2] = [x + x, y + y, z + z];
+    let [xx, yy, zz] = [x * x2, y * y2, z * z2];
+    let [xy, xz, yz] = [x * y2, x * z2, y * z2];
+    let [wx, wy, wz] = [w * x2, w * y2, w * z2];
+    Frame {
+        r: [
+            [one - (yy + zz), xy + wz, xz - wy],
+            [xy - wz, one - (xx + zz), yz + wx],
+            [xz + wy, yz - wx, one - (xx + yy)],
+        ],
+        t,
+    }
+}
+
+impl<T: Real> Frame<T> {
+    /// The same frame in every lane.
+    #[inline(always)]
+    pub fn splat(token: T::Token, frame: &Frame<f64>) -> Self {
+        let Frame { r: [x, y, z], t } = *frame;
+        Self { r: [splat(token, x), splat(token, y), splat(token, z)], t: splat(token, t) }
+    }
+
+    /// A vector of this frame, as seen from outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn turn<V: Copy>(&self, v: [V; 3]) -> [T; 3]
+    where
+        T: Mul<V, Output = T>,
+    {
+        let [x, y, z] = self.r;
+        [
+            x[0] * v[0] + y[0] * v[1] + z[0] * v[2],
+            x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
+            x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
+        ]
+    }
+
+    #[inline(always)]
+    fn turn_all<V: Copy>(&self, [x, y, z]: [[V; 3]; 3]) -> [[T; 3]; 3]
+    where
+        T: Mul<V, Output = T>,
+    {
+        [self.turn(x), self.turn(y), self.turn(z)]
+    }
+
+    /// A point of this frame, as seen from outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn point<V: Copy>(&self, p: [V; 3]) -> [T; 3]
+    where
+        T: Mul<V, Output = T>,
+    {
+        let p = self.turn(p);
+        [self.t[0] + p[0], self.t[1] + p[1], self.t[2] + p[2]]
+    }
+
+    /// A frame within this one, as seen from outside.
+    #[inline(always)]
+    #[must_use]
+    pub fn then<V: Copy>(&self, inner: &Frame<V>) -> Self
+    where
+        T: Mul<V, Output = T>,
+    {
+        Self { r: self.turn_all(inner.r), t: self.point(inner.t) }
+    }
+}
+
+#[inline(always)]
+fn splat<T: Real>(token: T::Token, v: [f64; 3]) -> [T; 3] {
+    [T::splat(token, v[0]), T::splat(token, v[1]), T::splat(token, v[2])]
+}
+
+impl Frame<f64> {
+    pub const IDENTITY: Self = Self { r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], t: [0.0; 3] };
+}
+
+impl From<&Frame<f64>> for MatrixPose {
+    fn from(Frame { r: [x, y, z], t }: &Frame<f64>) -> Self {
+        let column = |v: &[f64; 3]| Vector::from(*v);
+        let rotation = RotationMatrix::from_columns(&[column(x), column(y), column(z)]);
+        Self { rotation, translation: column(t) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

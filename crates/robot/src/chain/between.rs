@@ -1,0 +1,421 @@
+//! The joints between two bodies: where one stands as seen from the other, and how far they can move.
+//!
+//! All is seen from the bodies' lowest common ancestor; joints nearer to the root move both alike. The bounds are derived in
+//! `docs/derivations/motion-bound.md`, whose symbols are used here.
+
+use std::ops::Range;
+
+use clearance_geometry::math::{Extremes, UnitVector, Vector};
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{Simd, f64x8, sin_cos};
+
+use super::{Body, Chain, Columns, Frame, PlacedFrame, Step};
+
+/// The bodies from each body up to the root. Those of a body are the end of the way from a leaf, so that a chain has one way for all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WaysToRoot {
+    /// From leaves to the root, way by way.
+    bodies: Vec<usize>,
+    /// By body: itself first, the root last.
+    ways: Vec<Range<usize>>,
+}
+
+/// Two bodies' ways to their lowest common ancestor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between<'w> {
+    ancestor: usize,
+    /// By side: bodies from the most distal one to the ancestor, which is left out.
+    sides: [&'w [usize]; 2],
+}
+
+/// By how much a position may differ, within an interval, from that in the middle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// Its velocity in the middle, a unit of t.
+    pub velocity: f64,
+    /// δ: how far it goes in the interval, either way.
+    pub most: f64,
+    /// Of that, what lies beyond the way that the velocity in the middle makes.
+    pub bent: f64,
+    /// How far it may be off whatever the interval is; not part of the others.
+    pub off: f64,
+}
+
+/// How positions deviate within an interval.
+pub trait Deviations {
+    /// Of a position; not of quaternions.
+    fn of(&self, position: usize) -> Deviation;
+
+    /// Half the width of the interval, in t.
+    fn half_width(&self) -> f64;
+
+    /// The turn of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle a unit of t.
+    fn turn(&self, first: usize) -> Option<(UnitVector, f64)>;
+}
+
+/// All points within `radius` of a segment; seen from the ancestor.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    pub ends: [Vector; 2],
+    pub radius: f64,
+}
+
+/// How one of the bodies moves, seen from the ancestor.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SideMotion {
+    /// W, of the interval's width alone.
+    pub way: f64,
+    /// What tolerances add to W.
+    pub off: f64,
+    /// R.
+    pub remainder: f64,
+    /// K, of the interval's width alone.
+    pub bent: f64,
+    /// How far (m) the frames on the way are from the ancestor's origin, at most: what rounding is a share of.
+    pub extent: f64,
+    /// Velocity (a unit of t) of what passes through the ancestor's origin, and angular velocity.
+    pub velocity: Vector,
+    pub angular: Vector,
+}
+
+impl Chain {
+    #[must_use]
+    pub fn ways_to_root(&self) -> WaysToRoot {
+        let mut found = WaysToRoot { bodies: Vec::new(), ways: vec![0..0; self.body_count()] };
+        // children before parents: what no way has passed yet is a leaf
+        for leaf in (0..self.body_count()).rev() {
+            if found.ways[leaf].is_empty() {
+                found.add(leaf, |body| self.bodies[body - 1].parent);
+            }
+        }
+        found
+    }
+
+    /// Writes the frames of the bodies between two, and of the two, in their lowest common ancestor.
+    #[inline(always)]
+    pub fn frames_between<S: Simd>(
+        &self,
+        simd: S,
+        between: &Between,
+        positions: &[f64],
+        frames: &mut [PlacedFrame],
+    ) {
+        let q = |i: usize| positions[i];
+        frames[between.ancestor] = PlacedFrame::IDENTITY;
+        for side in between.sides {
+            let mut last = Columns::of(simd, &PlacedFrame::IDENTITY);
+            for eight in side.rchunks(8) {
+                let mut angles = [0.0; 8];
+                for (angle, body) in angles.iter_mut().zip(eight) {
+                    *angle = self.bodies[body - 1].angle(q);
+                }
+                let (sin, cos) = sin_cos(f64x8::simd_from(simd, angles));
+                for (lane, &i) in eight.iter().enumerate().rev() {
+                    last = self.bodies[i - 1].columns(simd, positions, &last, (sin[lane], cos[lane]));
+                    frames[i] = last.placed();
+                }
+            }
+        }
+    }
+
+    /// How one of two bodies moves, from their frames: the body at the end of a side, whose points lie within `reach`.
+    #[must_use]
+    pub fn side_motion(
+        &self,
+        side: &[usize],
+        reach: &Reach,
+        frames: &[PlacedFrame],
+        deviations: &impl Deviations,
+    ) -> SideMotion {
+        let mut motion = SideMotion::default();
+        for &i in side {
+            self.bodies[i - 1].add_motion(&mut motion, reach, &frames[i].frame(), frames, deviations);
+        }
+        motion
+    }
+
+    /// For each joint from a body up to the root: how far anything within `reach` metres of the body's origin may move, at most, by
+    /// the joints before it: bounds W with the reaches of chains that are stretched, which hold wherever joints stand. One more than
+    /// there are joints. `range` tells how far a position ever is from zero.
+    pub fn stretched_ways(
+        &self,
+        mut body: usize,
+        reach: f64,
+        deviations: &impl Deviations,
+        range: impl Fn(usize) -> f64,
+        ways: &mut Vec<f64>,
+    ) {
+        let (mut extent, mut way) = (reach, 0.0);
+        ways.push(way);
+        while body != 0 {
+            let joint = &self.bodies[body - 1];
+            let stretch = joint.add_stretched_way(&mut way, extent, deviations, &range);
+            extent += norm(joint.origin) + stretch;
+            ways.push(way);
+            body = joint.parent;
+        }
+    }
+}
+
+impl WaysToRoot {
+    /// Adds the way from a leaf.
+    fn add(&mut self, leaf: usize, parent: impl Fn(usize) -> usize) {
+        let mut body = leaf;
+        let first = self.bodies.len();
+        self.bodies.push(body);
+        while body != Chain::ROOT {
+            body = parent(body);
+            self.bodies.push(body);
+        }
+        let end = self.bodies.len();
+        for start in first..end {
+            let body = self.bodies[start];
+            if self.ways[body].is_empty() {
+                self.ways[body] = start..end;
+            }
+        }
+    }
+
+    /// The bodies from one up to the root, both included.
+    fn way(&self, body: usize) -> &[usize] {
+        &self.bodies[self.ways[body].clone()]
+    }
+
+    /// How many joints there are between a body and the root.
+    #[must_use]
+    pub fn depth(&self, body: usize) -> usize {
+        self.ways[body].len() - 1
+    }
+
+    /// For each body: the depth of its lowest common ancestor with this one.
+    #[must_use]
+    pub fn common_depths(&self, body: usize) -> Vec<usize> {
+        let mut depths = vec![usize::MAX; self.ways.len()];
+        for above in self.way(body) {
+            depths[*above] = self.depth(*above);
+        }
+        // parents come before their children
+        for other in 0..depths.len() {
+            if depths[other] == usize::MAX {
+                depths[other] = depths[self.way(other)[1]];
+            }
+        }
+        depths
+    }
+
+    /// The ways between two bodies, which have this many joints on either side of their lowest common ancestor.
+    #[must_use]
+    pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> Between<'_> {
+        let side = |i: usize| &self.way(bodies[i])[..joints[i]];
+        Between { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
+    }
+
+    /// The way between a body and the root.
+    #[must_use]
+    pub fn to_root(&self, body: usize) -> Between<'_> {
+        self.between([body, Chain::ROOT], [self.depth(body), 0])
+    }
+
+    /// Number of bodies in all ways that are stored.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        self.bodies.len()
+    }
+}
+
+impl Between<'_> {
+    /// Bodies on the way from one of the two to the ancestor, which is left out.
+    #[must_use]
+    pub fn side(&self, side: usize) -> &[usize] {
+        self.sides[side]
+    }
+}
+
+impl Body {
+    /// Adds how far this joint moves what lies within `extent` of its origin; returns how far it slides itself.
+    fn add_stretched_way(
+        &self,
+        way: &mut f64,
+        extent: f64,
+        deviations: &impl Deviations,
+        range: impl Fn(usize) -> f64,
+    ) -> f64 {
+        match &self.step {
+            Step::Turn(_, source) => {
+                let d = deviations.of(source.index);
+                *way += source.multiplier.abs() * (d.most + d.off) * extent;
+                0.0
+            }
+            Step::Shift(_, source) => {
+                let d = deviations.of(source.index);
+                *way += source.multiplier.abs() * (d.most + d.off);
+                source.multiplier.abs() * range(source.index) + source.offset.abs()
+            }
+            Step::Float(_, first) => {
+                let shift = (0..3).map(|k| deviations.of(first + k).most).sum::<f64>();
+                let turn = deviations.turn(*first).map_or(0.0, |(_, angle)| angle.abs());
+                *way += shift + turn * deviations.half_width() * extent;
+                (0..3).map(|k| range(first + k)).sum()
+            }
+        }
+    }
+
+    /// Adds the motion of this body's joint to that of one that hangs on it.
+    #[inline]
+    fn add_motion(
+        &self,
+        motion: &mut SideMotion,
+        reach: &Reach,
+        frame: &Frame<f64>,
+        frames: &[PlacedFrame],
+        deviations: &impl Deviations,
+    ) {
+        motion.extent = motion.extent.greater(Vector::from(frame.t).abs().sum());
+        match &self.step {
+            Step::Turn(_, source) => {
+                let deviation = deviations.of(source.index).times(source.multiplier);
+                motion.turn(&Vector::from(frame.r[2]), &Vector::from(frame.t), &deviation, reach);
+            }
+            Step::Shift(axis, source) => {
+                let deviation = deviations.of(source.index).times(source.multiplier);
+                motion.shift(
+                    Vector::from(frames[self.parent].frame().turn(*axis)) * deviation.velocity,
+                    &deviation,
+                );
+            }
+            Step::Float(columns, first) => {
+                let joint = frames[self.parent].frame().then(&Frame { r: *columns, t: self.origin });
+                let out = |v: [f64; 3]| Vector::from(joint.turn(v));
+                if let Some((axis, angle)) = deviations.turn(*first) {
+                    let most = angle.abs() * deviations.half_width();
+                    let deviation = Deviation { velocity: angle, most, ..Deviation::default() };
+                    motion.turn(&out(axis.into_inner().into()), &Vector::from(frame.t), &deviation, reach);
+                }
+                let along = [0, 1, 2].map(|k| deviations.of(first + k));
+                let length =
+                    |of: fn(&Deviation) -> f64| along.iter().map(|d| of(d).powi(2)).sum::<f64>().sqrt();
+                let deviation = Deviation {
+                    velocity: 0.0,
+                    most: length(|d| d.most),
+                    bent: length(|d| d.bent),
+                    off: length(|d| d.off),
+                };
+                motion.shift(out(along.map(|d| d.velocity)), &deviation);
+            }
+        }
+    }
+}
+
+impl Deviation {
+    #[inline]
+    fn times(&self, multiplier: f64) -> Self {
+        let size = multiplier.abs();
+        Self {
+            velocity: self.velocity * multiplier,
+            most: self.most * size,
+            bent: self.bent * size,
+            off: self.off * size,
+        }
+    }
+}
+
+impl Reach {
+    /// A number not less than the distance (m) of any of its points from an axis.
+    #[inline]
+    fn farthest_from(&self, axis: &Vector, origin: &Vector) -> f64 {
+        let [p, q] = [axis.cross(&(self.ends[0] - origin)), axis.cross(&(self.ends[1] - origin))];
+        p.norm_squared().greater(q.norm_squared()).sqrt() + self.radius
+    }
+
+    /// How far any of its points is from the origin, at most, in the 1-norm.
+    #[must_use]
+    pub fn extent(&self) -> f64 {
+        self.ends.iter().map(|p| p.abs().sum()).fold(0.0, f64::greater) + 2.0 * self.radius
+    }
+
+    /// The most that any of its points moves a unit of t.
+    #[inline]
+    #[must_use]
+    pub fn speed(&self, velocity: &Vector, angular: &Vector) -> f64 {
+        let [p, q] = [velocity + angular.cross(&self.ends[0]), velocity + angular.cross(&self.ends[1])];
+        p.norm_squared().greater(q.norm_squared()).sqrt() + angular.norm() * self.radius
+    }
+}
+
+impl SideMotion {
+    /// Adds a joint that turns, nearer to the ancestor than those before.
+    #[inline]
+    pub fn turn(&mut self, axis: &Vector, origin: &Vector, deviation: &Deviation, reach: &Reach) {
+        let Deviation { velocity, most, bent, off } = *deviation;
+        let moved = self.way + self.off;
+        let far = reach.farthest_from(axis, origin) + moved;
+        self.remainder += (most + off) * (moved + 0.5 * (most + off) * far);
+        self.way += most * far;
+        self.off += off * far;
+        self.bent += bent * far;
+        let angular = axis * velocity;
+        self.angular += angular;
+        self.velocity += origin.cross(&angular);
+    }
+
+    /// Adds a joint that slides.
+    #[inline]
+    pub fn shift(&mut self, velocity: Vector, deviation: &Deviation) {
+        self.way += deviation.most;
+        self.off += deviation.off;
+        self.bent += deviation.bent;
+        self.velocity += velocity;
+    }
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    Vector::from(v).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Chain;
+    use crate::chain::tests::random_tree;
+    use clearance_geometry::testing::Random;
+
+    /// The ways between all bodies of random trees are those that are found by going up from both.
+    #[test]
+    fn ways_meet_at_the_lowest_common_ancestor() {
+        let mut random = Random::new(31);
+        for _ in 0..100 {
+            let (joints, _, needed) = random_tree(&mut random, 12);
+            let chain = Chain::compile(0, &joints, &needed);
+            let ways = chain.ways_to_root();
+            let up = |mut body: usize| {
+                let mut way = vec![body];
+                while body != Chain::ROOT {
+                    body = chain.bodies[body - 1].parent;
+                    way.push(body);
+                }
+                way
+            };
+            for a in 0..chain.body_count() {
+                let common = ways.common_depths(a);
+                for (b, common) in common.iter().enumerate() {
+                    let (mut first, mut second) = (up(a), up(b));
+                    while first.len() > 1
+                        && second.len() > 1
+                        && first[first.len() - 2..] == second[second.len() - 2..]
+                    {
+                        first.pop();
+                        second.pop();
+                    }
+                    let (ancestor, _) = (first.pop(), second.pop());
+                    let between = ways.between([a, b], [a, b].map(|body| ways.depth(body) - common));
+                    assert_eq!(
+                        (Some(between.ancestor), between.side(0), between.side(1)),
+                        (ancestor, &*first, &*second)
+                    );
+                }
+                let (mut way, root) = (up(a), ways.to_root(a));
+                way.pop();
+                assert_eq!((root.side(0), root.side(1)), (&*way, &[][..]));
+            }
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Kinematics of one state, a vector for each column of a frame: the same operations on each coordinate as of eight states in lanes,
+//! in the same order, hence the same bits.
+
+use clearance_geometry::math::MatrixPose;
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{Simd, f32x8, f64x4, f64x8, sin_cos};
+
+use super::{Body, Chain, Frame, Step, Turn};
+
+/// A frame, whose columns are vectors of which the fourth number means nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns<S: Simd> {
+    r: [f64x4<S>; 3],
+    t: f64x4<S>,
+}
+
+/// The same in memory: written and read whole, for what is taken apart between two joints costs more than the joint.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub struct PlacedFrame([[f64; 4]; 4]);
+
+/// Where the angles of eight bodies come from; of those that do not turn any number.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(align(32))]
+pub(super) struct EightSources {
+    indices: [usize; 8],
+    multipliers: [f64; 8],
+    offsets: [f64; 8],
+    /// How many turn.
+    turning: usize,
+}
+
+impl EightSources {
+    /// Of up to eight bodies.
+    pub fn of(bodies: &[Body]) -> Self {
+        let mut sources = Self { indices: [0; 8], multipliers: [0.0; 8], offsets: [0.0; 8], turning: 0 };
+        for (lane, body) in bodies.iter().enumerate() {
+            if let Step::Turn(_, source) = &body.step {
+                sources.turning += 1;
+                sources.indices[lane] = source.index;
+                (sources.multipliers[lane], sources.offsets[lane]) = (source.multiplier, source.offset);
+            }
+        }
+        sources
+    }
+
+    /// The sines and cosines of the angles.
+    #[inline(always)]
+    fn sines<S: Simd>(&self, simd: S, positions: &[f64]) -> (f64x8<S>, f64x8<S>) {
+        if self.turning == 0 {
+            return (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+        }
+        sin_cos(self.angles(simd, positions))
+    }
+
+    #[inline(always)]
+    fn angles<S: Simd>(&self, simd: S, positions: &[f64]) -> f64x8<S> {
+        // written out, so that no memory is between: what was just written in parts is slow to read as one
+        let q = |lane: usize| positions[self.indices[lane]];
+        let q = f64x8::simd_from(simd, [q(0), q(1), q(2), q(3), q(4), q(5), q(6), q(7)]);
+        q * f64x8::simd_from(simd, self.multipliers) + f64x8::simd_from(simd, self.offsets)
+    }
+}
+
+impl Chain {
+    /// As [`Self::frames`] for one state, to the same bits, with eight joints' sines in lanes. Each frame is shown to `visit` with
+    /// the number of its body, while it is at hand.
+    #[inline(always)]
+    pub fn frames_of_one<S: Simd>(
+        &self,
+        simd: S,
+        positions: &[f64],
+        frames: &mut [PlacedFrame],
+        mut visit: impl FnMut(usize, &Columns<S>),
+    ) {
+        frames[0] = PlacedFrame::IDENTITY;
+        // most bodies hang on the one before: it is kept at hand, for memory just written is slow to read otherwise
+        let mut last = Columns::of(simd, &PlacedFrame::IDENTITY);
+        visit(0, &last);
+        for ((eight, sources), first) in self.bodies.chunks(8).zip(&self.angles).zip((1..).step_by(8)) {
+            let (sin, cos) = sources.sines(simd, positions);
+            for (lane, body) in eight.iter().enumerate() {
+                let at_hand = body.parent + 1 == first + lane;
+                let parent = if at_hand { last } else { Columns::of(simd, &frames[body.parent]) };
+                last = body.columns(simd, positions, &parent, (sin[lane], cos[lane]));
+                frames[first + lane] = last.placed();
+                visit(first + lane, &last);
+            }
+        }
+    }
+}
+
+impl Body {
+    /// The body's frame in the root, from the sine and the cosine of its angle.
+    #[inline(always)]
+    pub fn columns<S: Simd>(
+        &self,
+        simd: S,
+        positions: &[f64],
+        parent: &Columns<S>,
+        (sin, cos): (f64, f64),
+    ) -> Columns<S> {
+        let q = |i: usize| positions[i];
+        match &self.step {
+            Step::Turn(turn, _) => {
+                let [x, y, z] = match turn {
+                    Turn::Root(columns) => columns.map(|column| vector(simd, column)),
+                    Turn::Twist { cos, sin } => {
+                        let [x, y, z] = parent.r;
+                        let [y, z] = mix(y, z, *cos, *sin);
+                        [x, y, z]
+                    }
+                    Turn::Full([x, y, z]) => [parent.turn(*x), parent.turn(*y), parent.turn(*z)],
+                };
+                let [x, y] = mix(x, y, cos, sin);
+                Columns { r: [x, y, z], t: parent.point(self.origin) }
+            }
+            Step::Shift(axis, source) => {
+                let shift = source.value(&q);
+                let [x, y, z] = self.origin;
+                let shifted = [shift * axis[0] + x, shift * axis[1] + y, shift * axis[2] + z];
+                Columns { r: parent.r, t: parent.point(shifted) }
+            }
+            Step::Float(..) => {
+                let frame = self.frame((), q, &parent.placed().frame(), |_| (sin, cos));
+                Columns::of(simd, &PlacedFrame::from(&frame))
+            }
+        }
+    }
+}
+
+impl PlacedFrame {
+    pub const IDENTITY: Self =
+        Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]]);
+
+    #[inline(always)]
+    #[must_use]
+    pub fn frame(&self) -> Frame<f64> {
+        let [x, y, z, t] = self.0.map(|[x, y, z, _]| [x, y, z]);
+        Frame { r: [x, y, z], t }
+    }
+}
+
+impl From<&Frame<f64>> for PlacedFrame {
+    fn from(Frame { r: [x, y, z], t }: &Frame<f64>) -> Self {
+        Self([*x, *y, *z, *t].map(|[x, y, z]| [x, y, z, 0.0]))
+    }
+}
+
+impl From<&PlacedFrame> for MatrixPose {
+    fn from(placed: &PlacedFrame) -> Self {
+        Self::from(&placed.frame())
+    }
+}
+
+impl<S: Simd> Columns<S> {
+    #[inline(always)]
+    pub fn of(simd: S, PlacedFrame([x, y, z, t]): &PlacedFrame) -> Self {
+        let vector = |v: &[f64; 4]| f64x4::from_slice(simd, v);
+        Self { r: [vector(x), vector(y), vector(z)], t: vector(t) }
+    }
+
+    #[inline(always)]
+    pub fn placed(&self) -> PlacedFrame {
+        let [x, y, z] = self.r;
+        PlacedFrame([x.into(), y.into(), z.into(), self.t.into()])
+    }
+
+    /// As [`Frame::turn`].
+    #[inline(always)]
+    pub fn turn(&self, v: [f64; 3]) -> f64x4<S> {
+        let [x, y, z] = self.r;
+        x * v[0] + y * v[1] + z * v[2]
+    }
+
+    /// As [`Frame::point`].
+    #[inline(always)]
+    fn point(&self, p: [f64; 3]) -> f64x4<S> {
+        self.t + self.turn(p)
+    }
+
+    /// In single precision, each twice: the columns, and the way to here from an `origin`, which is but once there.
+    #[inline(always)]
+    pub fn doubled(&self, simd: S, origin: f64x4<S>) -> [f32x8<S>; 4] {
+        let [x, y, z] = self.r;
+        let (t, zero) = (self.t - origin, f64x4::splat(simd, 0.0));
+        [x.narrow(x), y.narrow(y), z.narrow(z), t.narrow(zero)]
+    }
+
+    /// The origin of the frame.
+    #[inline(always)]
+    pub fn origin(&self) -> f64x4<S> {
+        self.t
+    }
+}
+
+#[inline(always)]
+fn vector<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> f64x4<S> {
+    f64x4::simd_from(simd, [x, y, z, 0.0])
+}
+
+/// Two axes, turned towards each other's place.
+#[inline(always)]
+fn mix<S: Simd>(x: f64x4<S>, y: f64x4<S>, cos: f64, sin: f64) -> [f64x4<S>; 2] {
+    [x * cos + y * sin, y * cos - x * sin]
+}

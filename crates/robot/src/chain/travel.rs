@@ -1,0 +1,147 @@
+//! How far bodies may move when joints do: numbers known before any pose is.
+//!
+//! When one joint moves, what hangs on it moves rigidly against the rest: by at most the angle times how far any of it can
+//! ever be from the axis, or by what it slides. So no distance between two points changes by more. Joints may be thought to
+//! move one after the other, so a change of all of them changes no distance by more than the sum. (The bound of conservative advancement: Zhang, Redon, Lee
+//! & Kim 2007, *Continuous collision detection for articulated models using Taylor models and temporal culling*, section 4,
+//! with reaches that hold for all positions.)
+
+use clearance_geometry::math::Extremes;
+
+use super::{Chain, Source, Step};
+
+/// For each position of a robot, by how much (m) any distance changes while it changes by one.
+#[derive(Clone, Debug, Default)]
+pub struct TravelRates {
+    /// Position index, and metres a radian or a metre.
+    rates: Vec<(usize, f64)>,
+    /// Positions that lengthen the chain, and the range in which the rates hold.
+    ranges: Vec<(usize, [f64; 2])>,
+}
+
+impl TravelRates {
+    /// A number (m) that no distance of two points of the robot or its world changes by more than between two states; infinite
+    /// where nothing is known.
+    #[must_use]
+    pub fn between(&self, from: &[f64], to: &[f64]) -> f64 {
+        let held =
+            |i: usize, [low, high]: [f64; 2]| [from[i], to[i]].iter().all(|q| (low..=high).contains(q));
+        if !self.ranges.iter().all(|&(i, range)| held(i, range)) {
+            return f64::INFINITY;
+        }
+        let steps = self.rates.iter().map(|&(i, rate)| (rate, (to[i] - from[i]).abs()));
+        let travel: f64 = steps.filter(|(_, step)| *step != 0.0).map(|(rate, step)| rate * step).sum();
+        // no number is no bound
+        if travel.is_nan() { f64::INFINITY } else { travel * (1.0 + 1e-12) }
+    }
+}
+
+impl Chain {
+    /// The rates for what reaches `reach` (m, by body) from the bodies' origins; `range` tells within which limits a position
+    /// stays, `None` where there are none.
+    #[must_use]
+    pub fn travel_rates(&self, reach: &[f64], range: impl Fn(usize) -> Option<[f64; 2]>) -> TravelRates {
+        let mut travel = TravelRates::default();
+        // of all that hangs on a body, from its origin, however joints stand
+        let mut extent = reach.to_vec();
+        for (i, body) in self.bodies.iter().enumerate().rev() {
+            let below = extent[i + 1];
+            let mut stretch = 0.0;
+            match &body.step {
+                Step::Turn(_, source) => travel.add(source.index, source.multiplier.abs() * below),
+                Step::Shift(_, source) => {
+                    travel.add(source.index, source.multiplier.abs());
+                    stretch = range(source.index).map_or(f64::INFINITY, |range| {
+                        travel.ranges.push((source.index, range));
+                        farthest(source, range)
+                    });
+                }
+                Step::Float(_, first) => {
+                    (0..3).for_each(|k| travel.add(first + k, 1.0));
+                    // unit quaternions differ by twice the sine of a quarter of the angle
+                    (3..7).for_each(|k| travel.add(first + k, 2.0 * below));
+                    stretch = f64::INFINITY;
+                }
+            }
+            let offset = body.origin.iter().map(|c| c * c).sum::<f64>().sqrt();
+            extent[body.parent] = extent[body.parent].greater(offset + stretch + below);
+        }
+        travel
+    }
+}
+
+impl TravelRates {
+    fn add(&mut self, index: usize, rate: f64) {
+        match self.rates.iter_mut().find(|(i, _)| *i == index) {
+            Some((_, known)) => *known += rate,
+            None => self.rates.push((index, rate)),
+        }
+    }
+}
+
+/// The farthest that a position in `range` shifts.
+fn farthest(source: &Source, range: [f64; 2]) -> f64 {
+    range.iter().map(|q| (q * source.multiplier + source.offset).abs()).fold(0.0, f64::greater)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::tests::{frames, random_positions, random_tree};
+    use crate::{ChainJoint, Frame, Motion};
+    use clearance_geometry::math::Vector;
+    use clearance_geometry::testing::Random;
+
+    /// The distance of points of any two bodies changes by no more than the rates say.
+    #[test]
+    fn no_distance_changes_by_more() {
+        let mut random = Random::new(77);
+        let mut tightest = f64::INFINITY;
+        for _ in 0..400 {
+            let (joints, count, needed) = random_tree(&mut random, 9);
+            let chain = Chain::compile(0, &joints, &needed);
+            let reach: Vec<f64> = (0..chain.body_count()).map(|_| random.within(0.3).abs()).collect();
+            let rates = chain.travel_rates(&reach, |_| Some([-5.0, 5.0]));
+            let from = random_positions(&mut random, &joints, count);
+            let to = near(&from, &joints, &mut random);
+            let bound = rates.between(&from, &to);
+            let (before, after) = (frames(&chain, &from), frames(&chain, &to));
+            for a in 0..chain.body_count() {
+                for b in 0..chain.body_count() {
+                    let [p, q] = [a, b].map(|i| (random.direction().into_inner() * reach[i]).into());
+                    let apart =
+                        |f: &[Frame<f64>]| (Vector::from(f[a].point(p)) - Vector::from(f[b].point(q))).norm();
+                    let change = (apart(&after) - apart(&before)).abs();
+                    assert!(change <= bound + 1e-12, "{change} > {bound}");
+                    tightest = tightest.lesser((bound + 1e-12) / (change + 1e-12));
+                }
+            }
+        }
+        assert!(tightest < 1.3, "some bound is nearly reached: {tightest}");
+    }
+
+    #[test]
+    fn beyond_the_range_nothing_is_known() {
+        let slide = Source { index: 0, multiplier: 1.0, offset: 0.0 };
+        let motion = Motion::Prismatic(Vector::x_axis(), slide);
+        let joint =
+            ChainJoint { parent: 0, child: 1, pose_pj: clearance_geometry::math::Pose::identity(), motion };
+        let rates = Chain::compile(0, &[joint], &[true; 2]).travel_rates(&[1.0; 2], |_| Some([0.0, 1.0]));
+        assert!((rates.between(&[0.25], &[0.75]) - 0.5).abs() < 1e-9);
+        assert_eq!(rates.between(&[0.25], &[1.25]), f64::INFINITY);
+        assert_eq!(rates.between(&[0.25], &[f64::NAN]), f64::INFINITY);
+    }
+
+    /// Positions not far from others; quaternions keep their length.
+    fn near(from: &[f64], joints: &[ChainJoint], random: &mut Random) -> Vec<f64> {
+        let step = 10f64.powf(random.within(2.0) - 2.0);
+        let mut to: Vec<f64> = from.iter().map(|q| q + random.within(step)).collect();
+        for joint in joints {
+            if let Motion::Floating(first) = joint.motion {
+                let turn = nalgebra::Vector4::from_column_slice(&to[first + 3..first + 7]).normalize();
+                to[first + 3..first + 7].copy_from_slice(turn.as_slice());
+            }
+        }
+        to
+    }
+}

@@ -1,0 +1,200 @@
+//! Joint positions of a whole robot, checked once.
+
+use clearance_geometry::constants::LARGEST_COORDINATE;
+
+use super::joint::{Joint, JointKind};
+use super::named_values::MimicContradiction;
+use super::{JointId, RobotModel};
+
+/// Finite positions of every free joint (rad, m), in the order of [`RobotModel::position_names`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration(Vec<f64>);
+
+/// Why numbers are no configuration.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConfigurationError {
+    #[error("{given} positions given, but the robot has {expected}: {names}")]
+    WrongLength { given: usize, expected: usize, names: String },
+    #[error("joint '{joint}' has position {value}, which is not finite")]
+    NotFinite { joint: String, value: f64 },
+    #[error(
+        "joint '{joint}' has position {value:e}, farther than the {LARGEST_COORDINATE:e} that can be computed with"
+    )]
+    TooFar { joint: String, value: f64 },
+    #[error("floating joint '{joint}' has a quaternion of length {length}, but it must be 1 within 1e-3")]
+    NotAQuaternion { joint: String, length: f64 },
+    #[error("the robot has no joint '{joint}'{hint}")]
+    UnknownJoint { joint: String, hint: String },
+    #[error("{0}")]
+    LongName(String),
+    #[error("joint '{joint}' is given twice")]
+    Duplicate { joint: String },
+    #[error("joint '{joint}' is fixed and has no position")]
+    Fixed { joint: String },
+    #[error("{given} values are given for {expected} named joints")]
+    WrongCount { given: usize, expected: usize },
+    #[error("{0}")]
+    Mimic(Box<MimicContradiction>),
+    #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
+    Tolerance { joint: String, value: f64 },
+    #[error(
+        "joint '{joint}' has tolerance {value}, but it never moves, since it mimics a fixed joint, or another with multiplier 0: give it 0"
+    )]
+    ToleranceOfStanding { joint: String, value: f64 },
+    #[error(
+        "one tolerance for every joint is not possible, because joint '{joint}' {why}: give tolerances by name (those that can have one: {others})"
+    )]
+    NoToleranceForAll { joint: String, why: &'static str, others: String },
+}
+
+impl Configuration {
+    #[must_use]
+    pub fn positions(&self) -> &[f64] {
+        &self.0
+    }
+
+    /// Positions between others that were checked.
+    pub fn trusted(positions: Vec<f64>) -> Self {
+        Self(positions)
+    }
+}
+
+impl RobotModel {
+    /// Checks `positions`, one for each of [`Self::position_names`].
+    ///
+    /// # Errors
+    /// When there are too many or too few, when one is not finite, or a floating joint's quaternion is none.
+    pub fn configuration(&self, positions: &[f64]) -> Result<Configuration, ConfigurationError> {
+        if positions.len() != self.position_names.len() {
+            return Err(ConfigurationError::WrongLength {
+                given: positions.len(),
+                expected: self.position_names.len(),
+                names: self.position_names.join(", "),
+            });
+        }
+        for (name, &value) in self.position_names.iter().zip(positions) {
+            if !value.is_finite() {
+                return Err(ConfigurationError::NotFinite { joint: name.clone(), value });
+            }
+        }
+        let mut positions = positions.to_vec();
+        self.normalise_quaternions(&mut positions)?;
+        let q = Configuration(positions);
+        self.check_reach(&q)?;
+        Ok(q)
+    }
+
+    /// No joint, following ones included, may be so far that kinematics overflow.
+    fn check_reach(&self, q: &Configuration) -> Result<(), ConfigurationError> {
+        let named = self.position_names.iter().cloned().zip(q.0.iter().copied());
+        let following = (self.joint_ids().filter(|j| self.joint(*j).mimic.is_some()))
+            .filter_map(|j| Some((self.joint(j).name.clone(), self.joint_position(q, j)?)));
+        let near = -LARGEST_COORDINATE..=LARGEST_COORDINATE;
+        // a following joint may have overflowed to no number at all: that is not near either
+        match named.chain(following).find(|(_, value)| !near.contains(value)) {
+            Some((joint, value)) => Err(ConfigurationError::TooFar { joint, value }),
+            None => Ok(()),
+        }
+    }
+
+    /// By position: whether a whole turn changes nothing, also of what follows.
+    #[must_use]
+    pub fn whole_turns(&self) -> Vec<bool> {
+        let mut turns = vec![false; self.position_names.len()];
+        for id in self.joint_ids().filter(|id| self.moved_by_whole_turns(*id).is_none()) {
+            let Some(first) = self.first_position(id) else { continue };
+            match self.joint(id).kind {
+                JointKind::Continuous(_) => turns[first] = true,
+                JointKind::Planar(_) => turns[first + 2] = true,
+                _ => {}
+            }
+        }
+        turns
+    }
+
+    /// A joint that mimics this one and is elsewhere when this one has made a whole turn.
+    #[must_use]
+    pub fn moved_by_whole_turns(&self, leader: JointId) -> Option<&Joint> {
+        let comes_back = |joint: &Joint, multiplier: f64| {
+            multiplier == 0.0 || (matches!(joint.kind, JointKind::Continuous(_)) && multiplier.fract() == 0.0)
+        };
+        (self.mimicking_joints())
+            .find(|(joint, mimic)| mimic.joint == leader && !comes_back(joint, mimic.multiplier))
+            .map(|(joint, _)| joint)
+    }
+
+    /// Every joint at zero, or at the middle of limits that exclude zero.
+    #[must_use]
+    pub fn default_configuration(&self) -> Configuration {
+        let mut positions = vec![0.0; self.position_names.len()];
+        for joint in self.joint_ids() {
+            let Some(first) = self.first_position(joint) else {
+                continue;
+            };
+            match (&self.joint(joint).kind, self.joint(joint).limits) {
+                (JointKind::Floating, _) => positions[first + 6] = 1.0,
+                (_, Some(l)) if !(l.lower..=l.upper).contains(&0.0) => {
+                    positions[first] = l.lower.midpoint(l.upper);
+                }
+                _ => {}
+            }
+        }
+        Configuration(positions)
+    }
+
+    /// The default configuration with some joints set by name.
+    ///
+    /// A joint that mimics another moves that one, or has to be where that one takes it.
+    ///
+    /// # Errors
+    /// When a name is unknown, fixed or given twice, when a mimic joint is not where its leader takes it, and as for
+    /// [`Self::configuration`].
+    pub fn configuration_from_names<'a>(
+        &self,
+        named: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Configuration, ConfigurationError> {
+        self.configuration_over(&self.default_configuration(), named)
+    }
+
+    /// As [`Self::configuration_from_names`], but joints that are not named stay as in `rest`.
+    pub fn configuration_over<'a>(
+        &self,
+        rest: &Configuration,
+        named: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Configuration, ConfigurationError> {
+        let (names, values): (Vec<&str>, Vec<f64>) = named.into_iter().unzip();
+        self.named_joints(names)?.configuration(rest, &values)
+    }
+
+    fn normalise_quaternions(&self, positions: &mut [f64]) -> Result<(), ConfigurationError> {
+        for id in self.joint_ids() {
+            let joint = self.joint(id);
+            let (JointKind::Floating, Some(first)) = (&joint.kind, self.first_position(id)) else {
+                continue;
+            };
+            let quaternion = &mut positions[first + 3..first + 7];
+            let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
+            if (length - 1.0).abs() > 1e-3 {
+                return Err(ConfigurationError::NotAQuaternion { joint: joint.name.clone(), length });
+            }
+            for component in quaternion {
+                *component /= length;
+            }
+        }
+        Ok(())
+    }
+
+    /// The position of a joint with one degree of freedom, mimics resolved: one that follows a fixed joint stays at its offset.
+    /// `None` for other joints.
+    #[must_use]
+    pub fn joint_position(&self, q: &Configuration, joint: JointId) -> Option<f64> {
+        match self.joint(joint).mimic {
+            Some(m) if self.joint(m.joint).kind == JointKind::Fixed => Some(m.offset),
+            Some(m) => Some(m.multiplier * self.joint_position(q, m.joint)? + m.offset),
+            None if self.joint(joint).kind.position_suffixes().len() == 1 => {
+                Some(q.0[self.first_position(joint)?])
+            }
+            None => None,
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! COLLADA: the triangles that the scene shows, in metres.
+//!
+//! Read straight from the XML tree. The crate `dae-parser` insists on the whole schema (it refuses a file without a
+//! creation date, for one), trusts counts when it allocates, and keeps 32-bit floats; what a surface needs of COLLADA
+//! is less than the checks that would have to stand before it.
+//!
+//! The file's unit and the transforms of its nodes are applied. Its `up_axis` is not: RViz and `MoveIt` show the axes as
+//! they stand in the file, and a checker that turned them would check another robot than the one shown.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+use nalgebra::Matrix4;
+use roxmltree::{Node, NodeId};
+
+use super::ReadMesh;
+use super::mesh_builder::MeshBuilder;
+use super::polygon::Triangulator;
+use super::tally::Tally;
+use crate::numbers::{decimal, decimals, shortened};
+use crate::xml::{Expected, Xml, child, children, read_xml, text};
+
+mod accessor;
+mod elements_by_id;
+mod geometry;
+mod scene;
+mod skin;
+
+use elements_by_id::ElementsById;
+
+/// Most text (bytes) that is read, references counted: elements may be referenced over and over.
+const MOST_TEXT: usize = 256 << 20;
+
+/// # Errors
+/// When the file is no COLLADA, contradicts itself, or shows no triangles; with the line.
+pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
+    let mut warnings = Vec::new();
+    let expected = Expected { file: None, language: "a COLLADA file", root: "COLLADA" };
+    let read = read_xml(text, expected, &mut warnings, |xml, _| Collada::new(xml).read());
+    let mut read = read.map_err(|fault| fault.to_string())??;
+    let warned = warnings.iter().map(ToString::to_string);
+    read.remarks.splice(0..0, warned);
+    Ok(read)
+}
+
+/// A COLLADA document and what has been gathered from it.
+struct Collada<'d> {
+    xml: &'d Xml<'d>,
+    ids: ElementsById<'d>,
+    /// Of the geometries that have been read, in their own coordinates.
+    surfaces: HashMap<NodeId, Rc<MeshBuilder>>,
+    shown: MeshBuilder,
+    triangulator: Triangulator,
+    text_left: Cell<usize>,
+    remarks: Vec<String>,
+    tally: Tally,
+}
+
+impl<'d> Collada<'d> {
+    fn new(xml: &'d Xml<'d>) -> Self {
+        Self {
+            xml,
+            ids: ElementsById::new(xml.root()),
+            surfaces: HashMap::new(),
+            shown: MeshBuilder::default(),
+            triangulator: Triangulator::default(),
+            text_left: Cell::new(MOST_TEXT),
+            remarks: Vec::new(),
+            tally: Tally::default(),
+        }
+    }
+
+    fn read(mut self) -> Result<ReadMesh, String> {
+        let metres = self.unit()?;
+        self.note_up_axis()?;
+        let mut instances = Vec::new();
+        let (mut vertices, mut triangles) = (0_usize, 0_usize);
+        for shown in self.shown_geometries(Matrix4::new_scaling(metres))? {
+            let surface = self.surface(shown.geometry)?;
+            vertices = vertices.saturating_add(surface.vertices.len());
+            triangles = triangles.saturating_add(surface.triangles.len());
+            instances.push((surface, shown.to_file));
+        }
+        self.shown.reserve(vertices, triangles)?;
+        for (surface, to_file) in &instances {
+            self.shown.append(surface, to_file)?;
+        }
+        if self.shown.triangles.is_empty() {
+            return Err("the scene shows no triangles".to_owned());
+        }
+        let mesh = self.shown.finish()?;
+        self.remarks.extend(self.tally.remarks());
+        let mut told = HashSet::new();
+        self.remarks.retain(|remark| told.insert(remark.clone()));
+        Ok(ReadMesh { mesh, remarks: self.remarks })
+    }
+
+    /// Metres in one unit of the file.
+    fn unit(&self) -> Result<f64, String> {
+        let asset = self.only_child(self.xml.root(), "asset")?;
+        let Some(unit) = asset.map(|a| self.only_child(a, "unit")).transpose()?.flatten() else {
+            return Ok(1.0);
+        };
+        match unit.attribute("meter").map(decimal) {
+            None => Ok(1.0),
+            Some(Ok(metres)) if metres > 0.0 => Ok(metres),
+            Some(Ok(metres)) => Err(self.at(unit, format!("a unit of {metres} metres"))),
+            Some(Err(reason)) => Err(self.at(unit, format!("unit meter {reason}"))),
+        }
+    }
+
+    fn note_up_axis(&mut self) -> Result<(), String> {
+        let asset = child(self.xml.root(), "asset");
+        let Some(axis) = asset.map(|a| self.only_child(a, "up_axis")).transpose()?.flatten() else {
+            return Ok(());
+        };
+        if let up @ ("X_UP" | "Y_UP") = self.text(axis)?.trim() {
+            self.remarks
+                .push(format!("says {up}; its axes are taken as they stand in the file, as RViz shows them"));
+        }
+        Ok(())
+    }
+
+    /// The child of that name, of which COLLADA allows one.
+    fn only_child(&self, node: Node<'d, 'd>, name: &str) -> Result<Option<Node<'d, 'd>>, String> {
+        let mut named = children(node, name);
+        let first = named.next();
+        match named.next() {
+            Some(second) => {
+                Err(self.at(second, format!("<{}> may have only one of it", node.tag_name().name())))
+            }
+            None => Ok(first),
+        }
+    }
+
+    /// The element of one of these kinds that `#id` names; others may have the same id.
+    fn referenced(&self, node: Node, attribute: &str, kinds: &[&str]) -> Result<Node<'d, 'd>, String> {
+        let url = node.attribute(attribute).unwrap_or_default();
+        let Some(id) = url.strip_prefix('#') else {
+            let url = shortened(url);
+            return Err(self
+                .at(node, format!("{attribute} '{url}' is no '#id' of this file, and no other is opened")));
+        };
+        self.ids.find(id, kinds).ok_or_else(|| {
+            let (id, wanted) = (shortened(id), kinds.join("> or <"));
+            let other =
+                self.ids.any(id.as_str()).map(|kind| format!("; a <{kind}> has it")).unwrap_or_default();
+            self.at(node, format!("no <{wanted}> has the id '{id}'{other}"))
+        })
+    }
+
+    /// A message with the line of `node`.
+    fn at(&self, node: Node, message: impl std::fmt::Display) -> String {
+        format!("line {}: <{}>: {message}", self.xml.line(node), node.tag_name().name())
+    }
+
+    fn text(&self, node: Node<'d, 'd>) -> Result<Cow<'d, str>, String> {
+        let text = text(node).map_err(|reason| self.at(node, reason))?;
+        let left = self.text_left.get().checked_sub(text.len());
+        let left = left.ok_or_else(|| {
+            self.at(
+                node,
+                format!("elements are referenced so often that more than {MOST_TEXT} bytes are read"),
+            )
+        })?;
+        self.text_left.set(left);
+        Ok(text)
+    }
+
+    /// A transform that keeps parallel lines parallel.
+    fn affine(&self, node: Node<'d, 'd>) -> Result<Matrix4<f64>, String> {
+        let matrix = Matrix4::from_row_slice(&self.numbers::<16>(node)?);
+        if matrix.row(3) != Matrix4::identity().row(3) {
+            return Err(self.at(node, "the last row of the matrix is not 0 0 0 1"));
+        }
+        Ok(matrix)
+    }
+
+    fn numbers<const N: usize>(&self, node: Node<'d, 'd>) -> Result<[f64; N], String> {
+        decimals(&self.text(node)?).map_err(|reason| self.at(node, reason))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+//! The immutable robot: links, joints, the order in which poses are computed.
+
+use clearance_geometry::Shape;
+use clearance_geometry::math::{Pose, Vector};
+
+use super::joint::{Joint, Mimic};
+use super::srdf::Srdf;
+use super::{Fault, JointId, LinkId, Place, Warning};
+
+/// A robot as URDF (and SRDF) describe it. Immutable once built; share it behind an `Arc`.
+#[derive(Clone, Debug)]
+pub struct RobotModel {
+    pub(super) name: String,
+    pub(super) links: Vec<Link>,
+    pub(super) joints: Vec<Joint>,
+    pub(super) root: LinkId,
+    /// Joints so ordered that a parent link's pose is known before its children's.
+    pub(super) topological_order: Vec<JointId>,
+    /// First position of each joint in a configuration, by joint; `None` for fixed and mimicking joints.
+    pub(super) first_position: Vec<Option<usize>>,
+    pub(super) position_names: Vec<String>,
+    pub(super) srdf: Option<Srdf>,
+    /// Prefix of link names, beyond their names in URDF and SRDF.
+    pub(super) link_prefix: String,
+    pub(super) warnings: Vec<Warning>,
+}
+
+/// A rigid part of the robot.
+#[derive(Clone, Debug)]
+pub struct Link {
+    pub name: String,
+    pub parent_joint: Option<JointId>,
+    pub collisions: Vec<Collision>,
+    /// Links joined by fixed joints only share this: the topmost such link.
+    pub rigid_body: LinkId,
+}
+
+/// One collision geometry of a link.
+#[derive(Clone, Debug)]
+pub struct Collision {
+    pub name: Option<String>,
+    /// Pose of the shape in the link frame.
+    pub pose_ls: Pose,
+    pub shape: Shape,
+    /// Where a mesh came from.
+    pub mesh_source: Option<MeshSource>,
+}
+
+/// The name of a mesh in the URDF, and the factors by which it was scaled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSource {
+    pub uri: String,
+    pub scale: Vector,
+}
+
+/// Most faults that one error lists.
+const MOST_FAULTS: usize = 20;
+
+/// Why a text is no usable robot: all its faults, as far as one does not hide another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ModelError {
+    pub faults: Vec<Fault>,
+}
+
+impl std::fmt::Display for ModelError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (i, fault) in self.faults.iter().enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+impl From<Fault> for ModelError {
+    fn from(fault: Fault) -> Self {
+        Self { faults: vec![fault] }
+    }
+}
+
+impl ModelError {
+    /// `value`, if there are no faults.
+    pub(super) fn unless_sound<T>(value: T, faults: Vec<Fault>) -> Result<T, Self> {
+        if faults.is_empty() { Ok(value) } else { Err(Self::from(faults)) }
+    }
+}
+
+impl From<Vec<Fault>> for ModelError {
+    /// A text that is wrong throughout has thousands of faults; nobody reads more than the first.
+    fn from(mut faults: Vec<Fault>) -> Self {
+        let more = faults.len().saturating_sub(MOST_FAULTS);
+        faults.truncate(MOST_FAULTS);
+        if more > 0 {
+            faults.push(Fault { place: Place::default(), message: format!("and {more} more faults") });
+        }
+        Self { faults }
+    }
+}
+
+impl RobotModel {
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[must_use]
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    #[must_use]
+    pub fn link(&self, id: LinkId) -> &Link {
+        &self.links[id.index()]
+    }
+
+    #[must_use]
+    pub fn joint(&self, id: JointId) -> &Joint {
+        &self.joints[id.index()]
+    }
+
+    /// The name of a link in URDF and SRDF, without a prefix that was added later.
+    #[must_use]
+    pub fn described_name(&self, id: LinkId) -> &str {
+        let name = &self.link(id).name;
+        name.strip_prefix(&self.link_prefix).unwrap_or(name)
+    }
+
+    /// The link that no joint has as its child; all poses are in its frame.
+    #[must_use]
+    pub fn root(&self) -> LinkId {
+        self.root
+    }
+
+    #[must_use]
+    pub fn link_by_name(&self, name: &str) -> Option<LinkId> {
+        (self.links.iter().zip(0..)).find_map(|(l, i)| (l.name == name).then_some(LinkId(i)))
+    }
+
+    #[must_use]
+    pub fn joint_by_name(&self, name: &str) -> Option<JointId> {
+        (self.joints.iter().zip(0..)).find_map(|(j, i)| (j.name == name).then_some(JointId(i)))
+    }
+
+    pub fn link_ids(&self) -> impl Iterator<Item = LinkId> + use<> {
+        (0..u32::try_from(self.links.len()).unwrap_or(u32::MAX)).map(LinkId)
+    }
+
+    pub fn joint_ids(&self) -> impl Iterator<Item = JointId> + use<> {
+        (0..u32::try_from(self.joints.len()).unwrap_or(u32::MAX)).map(JointId)
+    }
+
+    /// Joints so ordered that a parent link's pose is known before its children's.
+    #[must_use]
+    pub fn topological_order(&self) -> &[JointId] {
+        &self.topological_order
+    }
+
+    /// Names of the numbers of a configuration, in its order: joints that neither are fixed nor mimic another.
+    #[must_use]
+    pub fn position_names(&self) -> &[String] {
+        &self.position_names
+    }
+
+    /// Number of degrees of freedom; mimicking joints do not count, a floating joint counts six.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> usize {
+        (self.joints.iter()).filter(|j| j.mimic.is_none()).map(|j| j.kind.degrees_of_freedom()).sum()
+    }
+
+    /// Where a joint's positions begin in a configuration; `None` for fixed and mimicking joints.
+    #[must_use]
+    pub fn first_position(&self, joint: JointId) -> Option<usize> {
+        self.first_position[joint.index()]
+    }
+
+    /// Names of joints that follow others; their values in a joint state are not needed.
+    pub fn mimicking_joints(&self) -> impl Iterator<Item = (&Joint, Mimic)> {
+        self.joints.iter().filter_map(|j| Some((j, j.mimic?)))
+    }
+
+    #[must_use]
+    pub fn srdf(&self) -> Option<&Srdf> {
+        self.srdf.as_ref()
+    }
+
+    /// What was odd but accepted while loading.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// Whether two links are joined by fixed joints only, hence can never move against each other.
+    #[must_use]
+    pub fn same_rigid_body(&self, a: LinkId, b: LinkId) -> bool {
+        self.link(a).rigid_body == self.link(b).rigid_body
+    }
+
+    /// Whether the rigid bodies of two links are joined by one moving joint.
+    #[must_use]
+    pub fn adjacent_rigid_bodies(&self, a: LinkId, b: LinkId) -> bool {
+        let is_parent = |parent: LinkId, child: LinkId| {
+            let top = self.link(self.link(child).rigid_body);
+            top.parent_joint
+                .is_some_and(|j| self.link(self.joint(j).parent).rigid_body == self.link(parent).rigid_body)
+        };
+        is_parent(a, b) || is_parent(b, a)
+    }
+}

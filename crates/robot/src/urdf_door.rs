@@ -1,0 +1,239 @@
+//! The door for URDF: everything `urdf-rs` would take in silence is judged here, with its line.
+//!
+//! `urdf-rs` drops numbers it cannot read, knows no lines, stumbles over visuals and inertias that no collision query
+//! needs, and its XML reader panics on some namespaces. So the text is read twice: here as XML, to find faults and where
+//! they stand; then, reduced to what collision checking needs and known to be sound, by `urdf-rs`.
+
+use std::collections::HashMap;
+
+use clearance_geometry::math::Rotation;
+use roxmltree::Node;
+
+use super::name_length::check_name_length;
+use super::numbers::shortened;
+use super::xml::{Expected, Xml, own_children, read_xml};
+use super::{Fault, ModelError, Place, Warning};
+
+mod joint;
+mod link;
+mod unread;
+mod writer;
+
+use writer::Writer;
+
+/// A URDF without faults of its own, before links and joints are put together.
+#[derive(Debug, Default)]
+pub(super) struct SoundUrdf {
+    /// Links with their collisions, and joints; nothing else, each with sound attributes.
+    pub text: String,
+    /// By link, in the order of the text.
+    pub links: Vec<LinkNotes>,
+    /// By joint, in the order of the text.
+    pub joints: Vec<JointNotes>,
+    pub warnings: Vec<Warning>,
+}
+
+/// What `urdf-rs` does not keep of a link.
+#[derive(Debug)]
+pub(super) struct LinkNotes {
+    pub place: Place,
+    /// By collision, in the order of the text.
+    pub collisions: Vec<CollisionNotes>,
+}
+
+/// What `urdf-rs` does not keep of a collision.
+#[derive(Debug)]
+pub(super) struct CollisionNotes {
+    pub place: Place,
+    /// The rotation of `quat_xyzw`, in place of roll, pitch and yaw.
+    pub rotation: Option<Rotation>,
+}
+
+/// What `urdf-rs` does not keep of a joint.
+#[derive(Debug)]
+pub(super) struct JointNotes {
+    pub place: Place,
+    pub rotation: Option<Rotation>,
+    /// Whether there is a `<limit>` that counts.
+    pub limited: bool,
+}
+
+/// Reads a URDF as XML and reports all its faults, as far as they can be told without meshes.
+pub(super) fn check(text: &str, file: Option<&str>) -> Result<SoundUrdf, ModelError> {
+    let mut warnings = Vec::new();
+    let expected = Expected { file, language: "a URDF", root: "robot" };
+    let checked = read_xml(text, expected, &mut warnings, |xml, _| Door::new(xml).check())?;
+    let mut urdf = checked?;
+    urdf.warnings.splice(0..0, warnings);
+    Ok(urdf)
+}
+
+/// The check under way: faults and warnings so far, and the sound text so far.
+struct Door<'d> {
+    xml: &'d Xml<'d>,
+    version: (u32, u32),
+    faults: Vec<Fault>,
+    sound: SoundUrdf,
+    writer: Writer,
+    /// Links with `<visual>` and without `<collision>`.
+    without_collision: Vec<(String, Node<'d, 'd>)>,
+}
+
+/// Elements that only an SRDF has.
+const SRDF_ELEMENTS: [&str; 8] = [
+    "group",
+    "group_state",
+    "end_effector",
+    "virtual_joint",
+    "passive_joint",
+    "disable_collisions",
+    "enable_collisions",
+    "disable_default_collisions",
+];
+
+/// Most links that the warning about missing collision geometry names.
+const MOST_NAMED: usize = 20;
+
+impl<'d> Door<'d> {
+    fn new(xml: &'d Xml<'d>) -> Self {
+        Self {
+            xml,
+            version: (1, 0),
+            faults: Vec::new(),
+            sound: SoundUrdf::default(),
+            writer: Writer::default(),
+            without_collision: Vec::new(),
+        }
+    }
+
+    fn check(mut self) -> Result<SoundUrdf, ModelError> {
+        let root = self.xml.root();
+        self.check_root(root)?;
+        let name = root.attribute("name").unwrap_or_default();
+        if name.is_empty() {
+            self.warn(root, "", "the robot has no name");
+        }
+        if let Err(excess) = check_name_length(name) {
+            self.fault(root, "robot", excess);
+        }
+        let version = format!("{}.{}", self.version.0, self.version.1);
+        self.writer.open("robot", &[("name", name), ("version", &version)]);
+        let links = self.named(root, "link");
+        for (name, link) in &links {
+            self.check_link(name, *link);
+        }
+        self.warn_of_links_without_collision();
+        let known = links.iter().map(|(name, _)| name.as_str()).collect();
+        for (name, joint) in self.named(root, "joint") {
+            self.check_joint(&name, joint, &known);
+        }
+        self.writer.close("robot");
+        self.warn_of_unread(root);
+        if links.is_empty() && self.faults.is_empty() {
+            let of_srdf = |n: &Node| n.is_element() && SRDF_ELEMENTS.contains(&n.tag_name().name());
+            let message = match root.children().find(of_srdf) {
+                Some(element) => format!(
+                    "the text is an SRDF (it has <{}> and no <link>), not a URDF: give it with --srdf, or publish it on \
+                     robot_description_semantic",
+                    element.tag_name().name()
+                ),
+                None => "the robot has no <link>".to_owned(),
+            };
+            self.fault(root, "", message);
+        }
+        self.sound.text = self.writer.finish();
+        ModelError::unless_sound(self.sound, self.faults)
+    }
+
+    /// One warning for all links that are displayed and never checked.
+    fn warn_of_links_without_collision(&mut self) {
+        let Some((_, first)) = self.without_collision.first() else { return };
+        let named = self.without_collision.iter().take(MOST_NAMED);
+        let mut names: Vec<String> = named.map(|(name, _)| format!("'{}'", shortened(name))).collect();
+        let count = self.without_collision.len();
+        if count > MOST_NAMED {
+            names.push(format!("and {} more", count - MOST_NAMED));
+        }
+        let links = if count == 1 { "1 link has" } else { &format!("{count} links have") };
+        let message = format!(
+            "{links} <visual> but no <collision> geometry and can not be checked: {}; \
+             add <collision> elements to those that could touch something",
+            names.join(", ")
+        );
+        // first, so that a list that is cut keeps it
+        self.sound.warnings.insert(0, self.xml.warning(*first, "", message));
+    }
+
+    /// Faults that make all others meaningless: no URDF at all.
+    fn check_root(&mut self, root: Node<'d, 'd>) -> Result<(), Fault> {
+        self.xml.reject_xacro()?;
+        self.version = match root.attribute("version").map(str::trim) {
+            None | Some("1.0") => (1, 0),
+            Some("1") => {
+                self.warn(root, "", "URDF version '1' is read as 1.0");
+                (1, 0)
+            }
+            Some("1.1") => (1, 1),
+            Some("1.2") => (1, 2),
+            Some(other) => {
+                let message =
+                    format!("URDF version '{}' is not known; those are 1.0, 1.1 and 1.2", shortened(other));
+                return Err(self.xml.fault(root, "", message));
+            }
+        };
+        Ok(())
+    }
+
+    /// The links or joints with their names; a missing or repeated name is a fault, and such an element is left out.
+    fn named(&mut self, root: Node<'d, 'd>, kind: &str) -> Vec<(String, Node<'d, 'd>)> {
+        let mut first_lines: HashMap<&str, u32> = HashMap::new();
+        let mut named = Vec::new();
+        for node in own_children(root, kind) {
+            let line = self.xml.line(node);
+            match node.attribute("name").map(str::trim) {
+                None | Some("") => self.fault(node, "", format!("a {kind} has no name")),
+                Some(name) if is_unexpanded(name) => {
+                    let message = format!("the {kind} name '{}' is unexpanded xacro", shortened(name));
+                    self.fault(node, "", message);
+                }
+                Some(name) => {
+                    if let Err(excess) = check_name_length(name) {
+                        self.fault(node, kind, excess);
+                    } else if let Some(first) = first_lines.insert(name, line) {
+                        let message = format!("another {kind} has this name, at line {first}");
+                        self.fault(node, format!("{kind} '{name}'"), message);
+                    } else {
+                        named.push((name.to_owned(), node));
+                    }
+                }
+            }
+        }
+        named
+    }
+
+    fn fault(&mut self, node: Node, element: impl Into<String>, message: impl Into<String>) {
+        self.faults.push(self.xml.fault(node, element, message));
+    }
+
+    fn warn(&mut self, node: Node, element: impl Into<String>, message: impl Into<String>) {
+        self.sound.warnings.push(self.xml.warning(node, element, message));
+    }
+
+    /// The first child of that name; further ones are told and ignored.
+    fn only_child(&mut self, node: Node<'d, 'd>, name: &str, element: &str) -> Option<Node<'d, 'd>> {
+        let mut all = own_children(node, name);
+        let first = all.next();
+        if let Some(second) = all.next() {
+            self.warn(second, element, format!("a second <{name}> is ignored"));
+        }
+        first
+    }
+}
+
+/// Whether a text holds what xacro should have replaced.
+fn is_unexpanded(text: &str) -> bool {
+    text.contains("${") || text.contains("$(")
+}
+
+#[cfg(test)]
+mod tests;

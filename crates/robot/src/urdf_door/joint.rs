@@ -1,0 +1,158 @@
+//! Joints: type, links, axis, limits, mimic.
+
+use std::collections::HashSet;
+
+use clearance_geometry::constants::AXIS_LENGTH_SLACK;
+use clearance_geometry::math::Vector;
+use roxmltree::Node;
+
+use super::{Door, JointNotes};
+use crate::numbers::shortened;
+
+const TYPES: [&str; 6] = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"];
+
+impl<'d> Door<'d> {
+    pub(super) fn check_joint(&mut self, name: &str, joint: Node<'d, 'd>, links: &HashSet<&str>) {
+        let element = format!("joint '{name}'");
+        let kind = self.check_type(joint, &element);
+        self.writer.open("joint", &[("name", name), ("type", kind)]);
+        let rotation = self.check_origin(joint, &element);
+        for end in ["parent", "child"] {
+            let link = self.check_end(joint, &element, end, links);
+            self.writer.element(end, &[("link", link)]);
+        }
+        if matches!(kind, "revolute" | "continuous" | "prismatic" | "planar") {
+            self.check_axis(joint, &element);
+        }
+        let limited = match kind {
+            "revolute" | "prismatic" => self.check_limit(joint, &element, kind),
+            _ => false,
+        };
+        self.check_mimic(joint, &element, kind);
+        self.writer.close("joint");
+        self.sound.joints.push(JointNotes { place: self.xml.place(joint, element), rotation, limited });
+    }
+
+    fn check_type(&mut self, joint: Node<'d, 'd>, element: &str) -> &'static str {
+        let given = joint.attribute("type");
+        if let Some(known) = TYPES.into_iter().find(|t| Some(*t) == given) {
+            return known;
+        }
+        let message = match given {
+            None => format!("has no type; the types are {}", TYPES.join(", ")),
+            Some(other) => {
+                format!("type '{}' is not known; the types are {}", shortened(other), TYPES.join(", "))
+            }
+        };
+        self.fault(joint, element, message);
+        "fixed"
+    }
+
+    fn check_end(&mut self, joint: Node<'d, 'd>, element: &str, end: &str, links: &HashSet<&str>) -> &'d str {
+        let Some(node) = self.only_child(joint, end, element) else {
+            self.fault(joint, element, format!("has no <{end}>"));
+            return "";
+        };
+        let link = node.attribute("link").map(str::trim).unwrap_or_default();
+        if link.is_empty() {
+            self.fault(node, element, format!("<{end}> names no link"));
+        } else if !links.contains(link) {
+            let message = format!("{end} link '{}' does not exist", shortened(link));
+            self.fault(node, element, message);
+        }
+        link
+    }
+
+    fn check_axis(&mut self, joint: Node<'d, 'd>, element: &str) {
+        let Some(axis) = self.only_child(joint, "axis", element) else {
+            return;
+        };
+        let xyz = axis.attribute("xyz").unwrap_or("1 0 0");
+        let Some(components) = self.numbers::<3>(axis, element, "axis xyz", xyz) else {
+            return;
+        };
+        let length = Vector::from(components).norm();
+        if !length.is_finite() || length < 1e-9 {
+            let message = format!("axis '{}' has no usable length", shortened(xyz));
+            self.fault(axis, element, message);
+        } else if (length - 1.0).abs() > AXIS_LENGTH_SLACK {
+            let message = format!("axis '{}' has length {length}; only its direction counts", shortened(xyz));
+            self.warn(axis, element, message);
+        }
+        self.writer.element("axis", &[("xyz", xyz)]);
+    }
+
+    /// Checks `<limit>` as urdfdom does; `true` when it bounds the joint.
+    fn check_limit(&mut self, joint: Node<'d, 'd>, element: &str, kind: &str) -> bool {
+        const NAMES: [&str; 5] = ["lower", "upper", "effort", "velocity", "acceleration"];
+        let Some(limit) = self.only_child(joint, "limit", element) else {
+            self.fault(joint, element, format!("is {kind} and has no <limit>"));
+            return false;
+        };
+        let values = NAMES.map(|name| self.limit_value(limit, element, name));
+        let [lower, upper, _, velocity, _] = values;
+        let unbounded = self.version >= (1, 2) && (lower.is_none() || upper.is_none());
+        if unbounded && (lower.is_some() || upper.is_some()) {
+            self.warn(
+                limit,
+                element,
+                "limit has only one of lower and upper: the joint is taken as unbounded",
+            );
+        } else if !unbounded {
+            self.check_bounds(limit, element, lower, upper);
+        }
+        // urdf-rs insists on a velocity
+        let attributes: Vec<(&str, &str)> = (NAMES.iter().zip(values))
+            .filter_map(|(name, value)| value.and(Some((*name, limit.attribute(*name)?))))
+            .chain(velocity.is_none().then_some(("velocity", "inf")))
+            .collect();
+        self.writer.element("limit", &attributes);
+        !unbounded
+    }
+
+    /// A number of `<limit>`; only positions may be negative.
+    fn limit_value(&mut self, limit: Node<'d, 'd>, element: &str, name: &str) -> Option<f64> {
+        let text = limit.attribute(name)?;
+        let [value] = self.numbers(limit, element, &format!("limit {name}"), text)?;
+        if value < 0.0 && !matches!(name, "lower" | "upper") {
+            self.fault(limit, element, format!("limit {name} is negative"));
+        }
+        Some(value)
+    }
+
+    fn check_bounds(&mut self, limit: Node<'d, 'd>, element: &str, lower: Option<f64>, upper: Option<f64>) {
+        if lower.is_none() && upper.is_none() {
+            let message = "limit has neither lower nor upper, which URDF takes as 0: the joint cannot move";
+            self.warn(limit, element, message);
+        }
+        let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
+        if lower > upper {
+            let message = format!("limit lower {lower} is greater than limit upper {upper}");
+            self.fault(limit, element, message);
+        }
+    }
+
+    fn check_mimic(&mut self, joint: Node<'d, 'd>, element: &str, kind: &str) {
+        let Some(mimic) = self.only_child(joint, "mimic", element) else {
+            return;
+        };
+        match kind {
+            "fixed" => {
+                return self.warn(mimic, element, "a fixed joint mimics none: <mimic> is ignored");
+            }
+            "floating" | "planar" => {
+                return self.fault(mimic, element, format!("a {kind} joint cannot mimic another"));
+            }
+            _ => {}
+        }
+        let leader = mimic.attribute("joint").map(str::trim).unwrap_or_default();
+        if leader.is_empty() {
+            self.fault(mimic, element, "<mimic> names no joint");
+        }
+        let multiplier = mimic.attribute("multiplier").unwrap_or("1");
+        let offset = mimic.attribute("offset").unwrap_or("0");
+        self.numbers::<1>(mimic, element, "mimic multiplier", multiplier);
+        self.numbers::<1>(mimic, element, "mimic offset", offset);
+        self.writer.element("mimic", &[("joint", leader), ("multiplier", multiplier), ("offset", offset)]);
+    }
+}

@@ -1,0 +1,18 @@
+//! Odd but usable input, said out loud.
+
+use clearance_files::readable_text::on_one_line;
+
+use super::Place;
+
+/// Something in a URDF, SRDF or mesh that was accepted and should be looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    pub place: Place,
+    pub message: String,
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&on_one_line(&format!("{}{}", self.place, self.message)))
+    }
+}

@@ -1,0 +1,77 @@
+//! Messages as bytes: CDR with the four bytes before it that say so.
+
+use std::io;
+
+use byteorder::LittleEndian;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Plain CDR, little end first.
+const HEADER: [u8; 4] = [0, 1, 0, 0];
+
+/// A message as it goes over the wire.
+pub fn encode<M: Serialize>(message: &M) -> Result<Vec<u8>, String> {
+    let mut bytes = HEADER.to_vec();
+    cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, message).map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+/// Bytes that a message takes; of one that can not be written, those before the fault.
+pub fn size_of(message: &impl Serialize) -> usize {
+    let mut counter = Counter(HEADER.len());
+    let _ = cdr_encoding::to_writer::<_, LittleEndian, _>(&mut counter, message);
+    counter.0
+}
+
+/// Counts what is written.
+struct Counter(usize);
+
+impl io::Write for Counter {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The message that bytes of zero are: no text, empty lists, numbers of zero. A message with a large array of fixed length has none.
+pub fn blank<M: DeserializeOwned>() -> Result<M, String> {
+    const ZEROS: [u8; 4096] = [0; 4096];
+    cdr_encoding::from_bytes::<M, LittleEndian>(&ZEROS)
+        .map(|(message, _)| message)
+        .map_err(|error| error.to_string())
+}
+
+/// A message out of a stranger's bytes.
+pub fn decode<M: DeserializeOwned>(bytes: &[u8]) -> Result<M, String> {
+    let body = bytes.strip_prefix(&HEADER).ok_or("is not plain CDR, little end first")?;
+    let decoded = cdr_encoding::from_bytes::<M, LittleEndian>(body);
+    decoded.map(|(message, _)| message).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use ros2_client::rcl_interfaces::{GetParametersResponse, ListParametersResponse};
+    use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetPlanningSceneResponse, GetStateValidityResponse};
+
+    use super::*;
+    use crate::clearance_srvs::{CheckStatesResponse, CheckTrajectoryResponse, GetDistancesResponse};
+
+    /// A blank message is short, and is itself again after the wire.
+    fn is_blank<M: Serialize + DeserializeOwned>() -> bool {
+        let bytes = encode(&blank::<M>().unwrap()).unwrap();
+        bytes.len() < 1000 && encode(&decode::<M>(&bytes).unwrap()).unwrap() == bytes
+    }
+
+    #[test]
+    fn every_answer_that_may_be_long_has_a_blank_one() {
+        assert!(is_blank::<GetPlanningSceneResponse>() && is_blank::<GetStateValidityResponse>());
+        assert!(is_blank::<CheckStatesResponse>() && is_blank::<GetDistancesResponse>());
+        assert!(is_blank::<CheckTrajectoryResponse>());
+        assert!(is_blank::<GetParametersResponse>());
+        assert!(is_blank::<ListParametersResponse>());
+    }
+}

@@ -1,0 +1,116 @@
+//! What requests are about: the robot, its surroundings, and where it is now. No I/O.
+
+use std::sync::PoisonError;
+use std::time::{Duration, Instant};
+
+use clearance_checker::CollisionChecker;
+use clearance_monitor::{Judgement, Now, Reason};
+use clearance_robot::quoted_list;
+use clearance_robot::{Configuration, NamedJoints, RobotModel};
+
+use super::monitor_loop::CurrentJudgement;
+use super::refusal::{Refusal, bad};
+
+/// The robot, its surroundings, and where it is now.
+pub struct Cell<'a> {
+    pub checker: &'a CollisionChecker,
+    /// Where the robot is, or why that is not known.
+    pub now: Result<&'a Configuration, String>,
+    /// Whether joint states arrive that cannot be right: the robot is elsewhere than at its defaults, nobody knows where.
+    pub is_contradicted: bool,
+}
+
+/// What is known at `now`, which is less than what the monitor said last if it has been busy since.
+pub fn known(current: &CurrentJudgement, now: Now) -> Option<Judgement> {
+    let judgement = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    judgement.map(|judgement| judgement.aged(now))
+}
+
+impl<'a> Cell<'a> {
+    pub fn of(judgement: Option<&'a Judgement>) -> Result<Self, Refusal> {
+        let reason = judgement.and_then(|judgement| judgement.status.reason());
+        let why = reason.unwrap_or(&Reason::NoModel { fault: None });
+        let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+        // while another robot is being built, none counts, also if checking is disabled
+        if judgement.is_some_and(|judgement| judgement.is_swapping) {
+            return Err(Refusal::NoModel(Reason::ModelSwap.to_string()));
+        }
+        let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
+        if !revision.has_geometry() {
+            return Err(Refusal::NoModel(Reason::NoGeometry.to_string()));
+        }
+        if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
+            return Err(Refusal::of_world(stale));
+        }
+        let placement = judgement.and_then(|judgement| judgement.placement.as_ref());
+        let now = placement.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
+        let is_contradicted = now.is_err() && why.is_about_positions();
+        Ok(Self { checker: &revision.checker, now, is_contradicted })
+    }
+
+    pub fn robot(&self) -> &'a RobotModel {
+        self.checker.robot()
+    }
+
+    /// The joints that a request names.
+    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Refusal> {
+        let named = self.robot().named_joints(names.iter().map(String::as_str));
+        named.map_err(|error| bad(format!("{field}: {error}")))
+    }
+
+    /// Where joints are that are not named, and a note if that is not known.
+    ///
+    /// # Errors
+    /// When a joint is not named, and joint states contradict each other.
+    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Refusal> {
+        let robot = self.robot();
+        let why = match &self.now {
+            Ok(now) => return Ok(((*now).clone(), None)),
+            Err(why) => why,
+        };
+        let others = undecided(robot, named);
+        if self.is_contradicted && !others.is_empty() {
+            return Err(Refusal::NoJointState(why.clone()));
+        }
+        let note = (!others.is_empty()).then(|| {
+            format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
+        });
+        Ok((robot.default_configuration(), note))
+    }
+}
+
+/// The positions that named joints leave open.
+pub fn undecided(robot: &RobotModel, named: &NamedJoints) -> Vec<String> {
+    let names = robot.position_names().iter().enumerate();
+    names.filter(|(position, _)| !named.decides(*position)).map(|(_, name)| name.clone()).collect()
+}
+
+/// The revisions of the robot and of the world that a judgement is about.
+pub fn revisions(judgement: Option<&Judgement>) -> (u64, u64) {
+    let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+    revision.map_or((0, 0), |revision| (revision.model, revision.world))
+}
+
+/// Refuses numbers that are not one for each joint.
+pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Refusal> {
+    if numbers.len() == joints.len() {
+        return Ok(());
+    }
+    Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
+}
+
+/// Refuses a number of the given unit that is not finite or negative.
+pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")))
+}
+
+/// When a timeout (s) is over that began at `started`: one of 0 after the usual time, if there is one; one beyond all clocks never.
+pub fn deadline(timeout: f64, usual: Option<Duration>, started: Instant) -> Result<Option<Instant>, Refusal> {
+    not_negative("timeout", "s", timeout)?;
+    // a tiny one is over at once
+    let timeout = if timeout > 0.0 { Duration::try_from_secs_f64(timeout).ok() } else { usual };
+    Ok(timeout.and_then(|timeout| started.checked_add(timeout)))
+}

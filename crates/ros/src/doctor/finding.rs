@@ -1,0 +1,93 @@
+//! What the doctor says.
+
+use std::collections::BTreeMap;
+
+use clearance_files::readable_text::on_one_line;
+use serde::Serialize;
+
+/// One thing that was looked at.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    pub verdict: Verdict,
+    /// What was looked at, such as `joint_states`.
+    pub about: String,
+    pub text: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    Good,
+    /// Worth knowing.
+    Note,
+    /// The node can not work like this, or not with these peers.
+    Wrong,
+}
+
+impl Verdict {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Note => "note",
+            Self::Wrong => "wrong",
+        }
+    }
+}
+
+/// Findings of which no peer can make more than a person reads, or anything that a terminal obeys.
+pub fn bounded(findings: Vec<Finding>) -> Vec<Finding> {
+    const MOST: usize = 20;
+    const LONGEST: usize = 1000;
+    let readable = |text: &str| {
+        let mut readable = on_one_line(&text.chars().take(LONGEST).collect::<String>()).into_owned();
+        if text.chars().nth(LONGEST).is_some() {
+            readable.push('…');
+        }
+        readable
+    };
+    let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
+    let mut told = Vec::new();
+    for Finding { verdict, about, text } in findings {
+        let count = counts.entry((about.clone(), verdict.word())).or_default();
+        *count += 1;
+        if *count <= MOST {
+            told.push(Finding { verdict, about, text: readable(&text) });
+        }
+    }
+    for ((about, word), count) in counts {
+        if count > MOST {
+            told.push(note(&about, format!("{} more of the kind '{word}' are not listed", count - MOST)));
+        }
+    }
+    told
+}
+
+pub fn good(about: &str, text: impl Into<String>) -> Finding {
+    Finding { verdict: Verdict::Good, about: about.to_owned(), text: text.into() }
+}
+
+pub fn note(about: &str, text: impl Into<String>) -> Finding {
+    Finding { verdict: Verdict::Note, about: about.to_owned(), text: text.into() }
+}
+
+pub fn wrong(about: &str, text: impl Into<String>) -> Finding {
+    Finding { verdict: Verdict::Wrong, about: about.to_owned(), text: text.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_peers_make_up_is_told_briefly_and_is_no_terminals_command() {
+        let many = (0..5000).map(|number| wrong("peers", format!("peer {number}")));
+        let long = good("joint_states", format!("\u{1b}[2J{}", "x".repeat(100_000)));
+        let told = bounded(many.chain([long, good("robot", "'ur5e'")]).collect());
+        assert_eq!(told.len(), 20 + 2 + 1);
+        assert!(told.last().unwrap().text.starts_with("4980 more of the kind 'wrong'"), "{told:?}");
+        let long = &told[20].text;
+        assert!(long.starts_with(r"\u{1b}[2J") && long.ends_with('…') && long.chars().count() == 1006);
+        assert_eq!(told[21], good("robot", "'ur5e'"));
+        assert_eq!(bounded(told.clone())[..20], told[..20]);
+    }
+}

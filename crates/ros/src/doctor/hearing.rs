@@ -1,0 +1,147 @@
+//! What there is to hear.
+
+use std::cell::RefCell;
+use std::time::Duration;
+
+use clearance_monitor::{Now, SourceId, Time};
+use clearance_scene::TransformTree;
+use futures_lite::future;
+use log::Level;
+use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
+use smol::Timer;
+
+use crate::clock::RosClock;
+use crate::environment::Environment;
+use crate::logging;
+use crate::messages::time_of;
+use crate::middleware::{Announcement, MessageKind, Middleware, Quality, Subscription};
+use crate::names::Names;
+use crate::run::{NODE_NAME, NodeError};
+use crate::scene::note_transforms;
+use crate::thread_priority::ThreadPriority;
+
+/// Everything that came in that time.
+#[derive(Default)]
+pub struct Heard {
+    pub description: Option<String>,
+    pub semantic: Option<String>,
+    /// The first ones, and when they came.
+    pub joint_states: Vec<(JointState, SourceId, Now)>,
+    /// How many came.
+    pub joint_state_count: u32,
+    pub transforms: TransformTree,
+    /// What simulated time there is, if it was asked for.
+    pub simulated_time: Option<Time>,
+    /// How many nodes bear the node's name.
+    pub namesakes: usize,
+    /// What the middleware complained about.
+    pub complaints: Vec<String>,
+}
+
+/// Hears what there is to hear, for a while.
+pub fn listen(
+    environment: Environment,
+    names: &Names,
+    (describe, use_sim_time): (bool, bool),
+    patience: Duration,
+) -> Result<Heard, NodeError> {
+    /// Joint states, and names and numbers in all of them, that are kept for the monitor.
+    const MOST: usize = 10_000;
+    const MOST_NUMBERS: usize = 1_000_000;
+    const MOST_COMPLAINTS: usize = 100;
+    let lines = logging::listen();
+    let middleware = Middleware::join(
+        Announcement::make(environment, ThreadPriority::Normal)?,
+        names.namespace(),
+        &format!("{NODE_NAME}_doctor"),
+    )?;
+    let text = MessageKind("std_msgs", "String");
+    let states = middleware.subscription::<JointState>(
+        &names.resolve("joint_states")?,
+        MessageKind("sensor_msgs", "JointState"),
+        Quality::BestEffort,
+    )?;
+    let [descriptions, semantics] = ["robot_description", "robot_description_semantic"].map(|name| {
+        let name = names.resolve(name)?;
+        Ok::<_, NodeError>(middleware.subscription::<StringMessage>(&name, text, Quality::Latched)?)
+    });
+    let (descriptions, semantics) = (descriptions?, semantics?);
+    let kind = MessageKind("tf2_msgs", "TFMessage");
+    let [moving, fixed] =
+        [("tf", Quality::BestEffort), ("tf_static", Quality::Kept)].map(|(name, quality)| {
+            Ok::<_, NodeError>(middleware.subscription::<TFMessage>(&names.resolve(name)?, kind, quality)?)
+        });
+    let (moving, fixed) = (moving?, fixed?);
+    let clock = RosClock::new(use_sim_time);
+    let kind = MessageKind("rosgraph_msgs", "Clock");
+    let clock_topic = names.resolve("/clock")?;
+    let subscribe = || middleware.subscription::<Clock>(&clock_topic, kind, Quality::BestEffort);
+    let ticks = use_sim_time.then(subscribe).transpose()?;
+    let tree = RefCell::new(TransformTree::default());
+    let mut heard = Heard::default();
+    let Heard { description, semantic, joint_states, joint_state_count, complaints, .. } = &mut heard;
+    let mut numbers = 0;
+    smol::block_on(future::or(drop_after(patience), async {
+        let hear_states = async {
+            loop {
+                let (state, origin) = states.next().await;
+                *joint_state_count = joint_state_count.saturating_add(1);
+                numbers +=
+                    state.name.len() + state.position.len() + state.velocity.len() + state.effort.len();
+                if joint_states.is_empty() || (joint_states.len() < MOST && numbers < MOST_NUMBERS) {
+                    joint_states.push((state, origin.publisher, clock.read()));
+                }
+            }
+        };
+        let hear_description = async {
+            if describe {
+                loop {
+                    *description = Some(descriptions.next().await.0.data);
+                }
+            }
+        };
+        let hear_semantic = async {
+            loop {
+                *semantic = Some(semantics.next().await.0.data);
+            }
+        };
+        let hear_transforms = async |topic: &Subscription<TFMessage>, fixed: bool| {
+            loop {
+                let (message, _) = topic.next().await;
+                note_transforms(&mut tree.borrow_mut(), message, clock.now(), fixed);
+            }
+        };
+        let hear_complaints = async {
+            while let Some(line) = lines.receive().await {
+                let is_new = complaints.len() < MOST_COMPLAINTS && !complaints.contains(&line.text);
+                if line.level <= Level::Warn && is_new {
+                    complaints.push(line.text);
+                }
+            }
+        };
+        let follow_clock = async {
+            if let Some(ticks) = &ticks {
+                loop {
+                    clock.on_simulation_time(time_of(&ticks.next().await.0.clock));
+                }
+            }
+        };
+        let robot = future::zip(future::zip(hear_description, hear_semantic), follow_clock);
+        let transforms = future::zip(hear_transforms(&moving, false), hear_transforms(&fixed, true));
+        let topics = future::zip(hear_states, future::zip(robot, transforms));
+        future::zip(topics, future::zip(hear_complaints, middleware.meet_peers())).await;
+    }));
+    heard.transforms = tree.into_inner();
+    heard.simulated_time = use_sim_time.then(|| clock.now()).flatten();
+    heard.namesakes = middleware.publishers_elsewhere(&names.resolve("~/state")?);
+    drop((states, descriptions, semantics, moving, fixed, ticks));
+    middleware.leave();
+    Ok(heard)
+}
+
+async fn drop_after(patience: Duration) {
+    Timer::after(patience).await;
+}

@@ -1,0 +1,95 @@
+//! Log lines, on stderr and for `/rosout`.
+
+use std::sync::{Mutex, PoisonError};
+
+use clearance_files::readable_text;
+use log::{Level, LevelFilter, Log, Metadata, Record};
+
+use super::mailbox::{self, Receiver, Sender};
+use super::middleware;
+
+/// Lines that wait for the network at most; later ones stand on stderr alone.
+const WAITING: usize = 1000;
+
+/// Who tells the network, if somebody does.
+static TELLER: Mutex<Option<Sender<Line>>> = Mutex::new(None);
+
+/// A line of this program's log.
+#[derive(Clone, Debug)]
+pub struct Line {
+    pub level: Level,
+    pub text: String,
+    pub file: &'static str,
+    pub line: u32,
+}
+
+/// Sets up the log. The DDS library is heard only when something is wrong: it warns of every datagram over 1500 bytes, and
+/// on an interface without multicast of every message.
+pub fn start(level: LevelFilter) {
+    let quiet = level.min(LevelFilter::Warn);
+    let very_quiet = level.min(LevelFilter::Error);
+    let stderr = env_logger::Builder::new()
+        .filter_level(level)
+        .filter_module("rustdds", very_quiet)
+        .filter_module("ros2_client", quiet)
+        // of empty texts it says that they end nowhere
+        .filter_module("cdr_encoding", quiet)
+        // it misses ROS_DISTRO, which says nothing about the peers
+        .filter_module("ros2_client::distributions", very_quiet)
+        .format_timestamp_millis()
+        .format_target(false)
+        .build();
+    // what ends the network's threads is heeded even where nothing is printed
+    let most = stderr.filter().max(LevelFilter::Error);
+    match log::set_boxed_logger(Box::new(Both { stderr })) {
+        Ok(()) => log::set_max_level(most),
+        Err(_) => log::debug!("the log was set up before"),
+    }
+}
+
+/// From now on lines are also given here, for the network.
+#[must_use]
+pub fn listen() -> Receiver<Line> {
+    let (teller, lines) = mailbox::bounded(WAITING);
+    *TELLER.lock().unwrap_or_else(PoisonError::into_inner) = Some(teller);
+    lines
+}
+
+/// The same record with another text.
+fn with_text<'r>(record: &Record<'r>, text: std::fmt::Arguments<'r>) -> Record<'r> {
+    let mut copy = Record::builder();
+    copy.metadata(record.metadata().clone()).args(text);
+    copy.module_path(record.module_path()).file(record.file()).line(record.line()).build()
+}
+
+struct Both {
+    stderr: env_logger::Logger,
+}
+
+impl Log for Both {
+    fn enabled(&self, metadata: &Metadata) -> bool {
+        self.stderr.enabled(metadata)
+    }
+
+    fn log(&self, record: &Record) {
+        let text = readable_text::lines(&record.args().to_string()).into_owned();
+        self.stderr.log(&with_text(record, format_args!("{text}")));
+        middleware::heed(record);
+        // what others log is about the network itself: telling it there could go on for ever
+        if record.level() > Level::Info || !record.target().starts_with("clearance") {
+            return;
+        }
+        if let Some(teller) = &*TELLER.lock().unwrap_or_else(PoisonError::into_inner) {
+            let _ = teller.send(Line {
+                level: record.level(),
+                text,
+                file: record.file_static().unwrap_or_default(),
+                line: record.line().unwrap_or_default(),
+            });
+        }
+    }
+
+    fn flush(&self) {
+        self.stderr.flush();
+    }
+}

@@ -1,0 +1,126 @@
+//! Messages about the world that were lost on their way: nobody knows what they said.
+
+use std::collections::BTreeMap;
+
+use clearance_monitor::Reason;
+use clearance_scene::SceneUpdate;
+
+use super::recording::SceneDoor;
+
+type Counts = BTreeMap<&'static str, u64>;
+
+/// How many of each topic, until all that they may have said is told anew.
+#[derive(Debug, Default)]
+pub struct LostMessages {
+    now: Counts,
+    /// Those of the scene that is in force, and how many came since.
+    in_force: Counts,
+    since: Counts,
+}
+
+impl LostMessages {
+    pub fn note(&mut self, topic: &'static str, count: u64) {
+        if count > 0 {
+            add(&mut self.now, topic, count);
+            add(&mut self.since, topic, count);
+        }
+    }
+
+    /// Everything was told that this says.
+    pub fn heed(&mut self, update: &SceneUpdate) {
+        match update {
+            // nothing of what links hold, nor of matrices and paddings
+            SceneUpdate::World(_) => drop(self.now.remove(SceneDoor::CollisionObject.name())),
+            whole if whole.is_whole_of_robot() => self.now.clear(),
+            // what links hold stays as it is
+            SceneUpdate::Scene(scene) if !scene.is_diff => {
+                let of_world =
+                    [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
+                self.now.retain(|topic, _| !of_world.contains(topic));
+            }
+            _ => {}
+        }
+    }
+
+    /// What was heeded is in force.
+    pub fn note_in_use(&mut self) {
+        self.in_force = self.now.clone();
+        self.since.clear();
+    }
+
+    /// What was heeded last did not come into force.
+    pub fn go_back(&mut self) {
+        self.now = self.in_force.clone();
+        for (topic, count) in &self.since {
+            add(&mut self.now, topic, *count);
+        }
+    }
+
+    /// Why the world is incomplete, if messages were lost.
+    #[must_use]
+    pub fn reason(&self) -> Option<Reason> {
+        let topics: Vec<String> =
+            self.now.iter().map(|(topic, count)| format!("{count} of {topic}")).collect();
+        (!topics.is_empty()).then_some(Reason::LostMessages { topics })
+    }
+
+    /// What is told of them.
+    pub fn told(&self) -> impl Iterator<Item = String> {
+        self.now.iter().map(|(topic, count)| {
+            format!("{topic}: {count} messages were lost: what they changed is missing here until a whole scene comes")
+        })
+    }
+}
+
+fn add(counts: &mut Counts, topic: &'static str, count: u64) {
+    let known = counts.entry(topic).or_default();
+    *known = known.saturating_add(count);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use clearance_scene::SceneChange;
+
+    fn told(lost: &LostMessages) -> Vec<String> {
+        lost.told().map(|text| text.split(" messages").next().unwrap_or_default().to_owned()).collect()
+    }
+
+    fn scene(is_diff: bool) -> SceneUpdate {
+        SceneUpdate::Scene(Box::new(SceneChange { is_diff, ..SceneChange::default() }))
+    }
+
+    #[test]
+    fn they_are_counted_by_topic_until_what_they_said_is_told_anew() {
+        let mut lost = LostMessages::default();
+        let [object, attached] =
+            [SceneDoor::CollisionObject, SceneDoor::AttachedCollisionObject].map(SceneDoor::name);
+        for (topic, count) in [(object, 2), ("a", 0), (object, u64::MAX), (attached, 1)] {
+            lost.note(topic, count);
+        }
+        let of_objects = format!("collision_object: {}", u64::MAX);
+        assert_eq!(told(&lost), ["attached_collision_object: 1", &of_objects]);
+        lost.heed(&scene(true));
+        assert_eq!(told(&lost).len(), 2);
+        lost.heed(&SceneUpdate::World(Box::default()));
+        assert_eq!(told(&lost), ["attached_collision_object: 1"]);
+        lost.heed(&scene(false));
+        assert!(told(&lost).is_empty());
+    }
+
+    #[test]
+    fn a_scene_that_did_not_come_into_force_told_nothing() {
+        let mut lost = LostMessages::default();
+        lost.note("a", 2);
+        lost.note_in_use();
+        lost.note("b", 1);
+        lost.heed(&scene(false));
+        lost.go_back();
+        assert_eq!(told(&lost), ["a: 2", "b: 1"]);
+        lost.heed(&scene(false));
+        lost.note_in_use();
+        lost.go_back();
+        assert!(told(&lost).is_empty());
+    }
+}

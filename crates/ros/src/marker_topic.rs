@@ -1,0 +1,149 @@
+//! `~/markers`, drawn and sent on a thread of their own: with colliding meshes and a thousand lines that takes longer than a check, and joint
+//! states would wait for it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use clearance_monitor::Judgement;
+use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
+
+use super::mailbox::{self, Receiver, Sender};
+use super::markers::Display;
+use super::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality};
+use super::names::Names;
+use super::parameters::Parameters;
+use super::waiting::wait_at_most;
+
+/// What the display is to show.
+#[derive(Debug)]
+enum Picture {
+    /// For so long.
+    Of(Box<Judgement>, Duration),
+    /// Nothing any more.
+    Nothing(Box<Judgement>),
+}
+
+/// What becomes of judgements, on the monitor's thread.
+#[derive(Debug)]
+pub struct MarkerFeed {
+    pictures: Sender<Picture>,
+    /// Status and steady time of the last picture, while there is one.
+    shown: Option<(&'static str, Duration)>,
+    dropped: Arc<AtomicU64>,
+}
+
+/// Draws what the feed brings, until that ends.
+pub struct MarkerDesk {
+    pictures: Receiver<Picture>,
+    publisher: Publisher<MarkerArray>,
+    display: Display,
+    dropped: Arc<AtomicU64>,
+}
+
+/// Both ends of the topic.
+pub fn open(middleware: &Middleware, names: &Names) -> Result<(MarkerFeed, MarkerDesk), MiddlewareError> {
+    let kind = MessageKind("visualization_msgs", "MarkerArray");
+    let publisher = middleware.publisher(&names.resolve("~/markers")?, kind, Quality::Reliable)?;
+    let (feed, pictures) = feed();
+    let dropped = Arc::clone(&feed.dropped);
+    Ok((feed, MarkerDesk { pictures, publisher, display: Display::default(), dropped }))
+}
+
+/// One picture waits at most: an older one is worth nothing.
+fn feed() -> (MarkerFeed, Receiver<Picture>) {
+    let (sender, pictures) = mailbox::bounded(1);
+    (MarkerFeed { pictures: sender, shown: None, dropped: Arc::default() }, pictures)
+}
+
+impl MarkerFeed {
+    /// Has a judgement shown, if it is time to, and at every change of status. While the last one is being drawn, the next will do.
+    pub fn show(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) {
+        let judged = || Box::new(judgement.clone());
+        if !parameters.publish_markers {
+            if self.shown.is_some() && self.pictures.send(Picture::Nothing(judged())).is_ok() {
+                self.shown = None;
+            }
+            return;
+        }
+        let status = judgement.status.word();
+        let period = Duration::try_from_secs_f64(1.0 / parameters.marker_rate).unwrap_or_default();
+        let early = |at: Duration| steady.saturating_sub(at) < period;
+        if self.shown.is_some_and(|(last, at)| last == status && early(at)) {
+            return;
+        }
+        // a marker outlives the longest wait for its successor
+        let heartbeat = parameters.monitor_settings().heartbeat_period();
+        let lifetime = 3 * period.max(heartbeat) + Duration::from_secs(1);
+        if self.pictures.send(Picture::Of(judged(), lifetime)).is_ok() {
+            self.shown = Some((status, steady));
+        }
+    }
+
+    /// How many messages had to be dropped since this was asked last.
+    pub fn take_dropped(&self) -> u64 {
+        self.dropped.swap(0, Ordering::Relaxed)
+    }
+}
+
+impl MarkerDesk {
+    pub fn work(mut self) {
+        while let Some(Some(picture)) = wait_at_most(Duration::MAX, self.pictures.receive()) {
+            let markers = match picture {
+                Picture::Of(judgement, lifetime) => self.display.update(&judgement, lifetime),
+                Picture::Nothing(judgement) => self.display.clear(&judgement),
+            };
+            let sent = self.publisher.publish(markers);
+            self.dropped.fetch_add(u64::from(!sent), Ordering::Relaxed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clearance_monitor::{Monitor, MonitorSettings, Now};
+
+    fn judgement(steady: Duration) -> Judgement {
+        Monitor::new(MonitorSettings::default(), || Duration::ZERO).on_heartbeat(Now { ros: None, steady })
+    }
+
+    fn taken(pictures: &Receiver<Picture>) -> Option<Picture> {
+        wait_at_most(Duration::ZERO, pictures.receive()).flatten()
+    }
+
+    #[test]
+    fn pictures_come_at_their_rate_and_none_waits_behind_another() {
+        let (mut feed, pictures) = feed();
+        let parameters = Parameters { marker_rate: 10.0, ..Parameters::default() };
+        let mut show = |milliseconds| {
+            let steady = Duration::from_millis(milliseconds);
+            feed.show(&judgement(steady), &parameters, steady);
+        };
+        show(0);
+        show(99);
+        assert!(taken(&pictures).is_some() && taken(&pictures).is_none());
+        show(100);
+        show(200);
+        assert!(taken(&pictures).is_some() && taken(&pictures).is_none());
+        // what found the last one still waiting did not count as shown
+        show(201);
+        assert!(taken(&pictures).is_some());
+    }
+
+    #[test]
+    fn what_is_turned_off_is_taken_away_once() {
+        let (mut feed, pictures) = feed();
+        let on = Parameters::default();
+        let off = Parameters { publish_markers: false, ..Parameters::default() };
+        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        assert!(taken(&pictures).is_none());
+        feed.show(&judgement(Duration::ZERO), &on, Duration::ZERO);
+        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        assert!(matches!(taken(&pictures), Some(Picture::Of(..))));
+        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        assert!(matches!(taken(&pictures), Some(Picture::Nothing(_))));
+        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        assert!(taken(&pictures).is_none());
+    }
+}

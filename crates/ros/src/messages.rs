@@ -1,0 +1,221 @@
+//! Judgements as ROS messages, but for markers and diagnostics; and joint states the other way.
+
+use clearance_checker::{Body, CollisionChecker, CollisionReport, PairDistance};
+use clearance_geometry::math::Point;
+use clearance_monitor::{JointStateInput, Judgement, SourceId, Status, Time};
+use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Time as StampMessage;
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point as PointMessage;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
+
+use super::clearance_msgs::{self, BodyPair, CollisionState, SkippedPairs};
+
+/// Pairs in one message at most: `RustDDS` loses messages of more than about 250 kB.
+pub const PAIRS_TOLD: usize = 1000;
+
+/// What geometry is checked.
+const FIDELITY: &str = "mesh";
+
+/// The same where distances are not exact.
+const ROUGH_FIDELITY: &str = "mesh, distances as lower bounds";
+
+const NANOSECONDS: i64 = 1_000_000_000;
+
+/// A stamp as it is sent; beyond the year 2038 it stays there.
+#[must_use]
+pub fn stamp_message(time: Time) -> StampMessage {
+    let nanosecond = time.nanoseconds().rem_euclid(NANOSECONDS);
+    let second = time.nanoseconds().div_euclid(NANOSECONDS);
+    StampMessage {
+        sec: i32::try_from(second).unwrap_or(if second < 0 { i32::MIN } else { i32::MAX }),
+        nanosec: u32::try_from(nanosecond).unwrap_or_default(),
+    }
+}
+
+/// A stamp as it was sent.
+#[must_use]
+pub fn time_of(stamp: &StampMessage) -> Time {
+    Time::from_nanoseconds(i64::from(stamp.sec) * NANOSECONDS + i64::from(stamp.nanosec))
+}
+
+#[must_use]
+pub fn point_message(point: &Point) -> PointMessage {
+    PointMessage { x: point.x, y: point.y, z: point.z }
+}
+
+#[must_use]
+pub fn joint_state_input(message: JointState, source: SourceId) -> JointStateInput {
+    JointStateInput {
+        source,
+        stamp: time_of(&message.header.stamp),
+        names: message.name,
+        positions: message.position,
+        velocities: message.velocity,
+    }
+}
+
+/// The header of everything that is said about one joint state.
+#[must_use]
+pub fn header(judgement: &Judgement) -> Header {
+    let frame = judgement.revision.as_ref().map(|revision| revision.frame().to_owned());
+    Header { stamp: stamp_message(judgement.stamp.unwrap_or_default()), frame_id: frame.unwrap_or_default() }
+}
+
+fn fidelity(judgement: &Judgement) -> &'static str {
+    let is_exact = judgement.evidence.as_ref().is_none_or(|evidence| evidence.is_exact);
+    if is_exact { FIDELITY } else { ROUGH_FIDELITY }
+}
+
+/// `~/state`: everything.
+#[must_use]
+pub fn collision_state(judgement: &Judgement) -> CollisionState {
+    let mut message = CollisionState {
+        header: header(judgement),
+        status: match judgement.status {
+            Status::Free => CollisionState::FREE,
+            Status::Colliding => CollisionState::COLLIDING,
+            Status::Unknown(_) => CollisionState::UNKNOWN,
+        },
+        age: judgement.age.unwrap_or_default(),
+        warnings: judgement.warnings.to_vec(),
+        fidelity: fidelity(judgement).to_owned(),
+        ..CollisionState::default()
+    };
+    if let Some(reason) = judgement.status.reason() {
+        message.reason = reason.to_string();
+        reason.code().clone_into(&mut message.reason_code);
+    }
+    let Some(revision) = &judgement.revision else {
+        return message;
+    };
+    message.model_revision = revision.model;
+    message.world_revision = revision.world;
+    add_skipped(&mut message, &revision.checker);
+    if let Some(evidence) = &judgement.evidence {
+        let open = undecided(&evidence.report);
+        message.pairs_checked = count(revision.checker.pairs().len().saturating_sub(open));
+        if open > 0 {
+            message.warnings.push(format!(
+                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those that are told"
+            ));
+        }
+        message.compute_time = evidence.compute_time.as_secs_f64();
+        add_findings(&mut message, &revision.checker, &evidence.report);
+        if let Some(ahead) = &evidence.look_ahead {
+            message.time_to_contact_known = true;
+            message.time_to_contact = ahead.free_for;
+            // the look-ahead has no velocities of obstacles
+            message.time_to_contact_considers_obstacle_motion = false;
+            let pair = ahead.first.map(|(a, b)| pair_message(&revision.checker, a, b));
+            message.first_contact_pair = pair.unwrap_or_default();
+        }
+    }
+    message
+}
+
+/// How many pairs of bodies a deadline left open.
+fn undecided(report: &CollisionReport) -> usize {
+    let mut open: Vec<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
+    open.sort_unstable();
+    open.dedup();
+    open.len()
+}
+
+fn add_skipped(message: &mut CollisionState, checker: &CollisionChecker) {
+    message.skipped = (checker.pairs().skipped())
+        .filter(|(_, count)| *count > 0)
+        .map(|(reason, pairs)| SkippedPairs { reason: reason.to_string(), count: count(pairs) })
+        .collect();
+    message.pairs_skipped = message.skipped.iter().map(|s| s.count).sum();
+}
+
+fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report: &CollisionReport) {
+    message.colliding_pairs =
+        (report.colliding_pairs.iter().take(PAIRS_TOLD)).map(|&(a, b)| pair_message(checker, a, b)).collect();
+    message.pair_distances =
+        (report.pair_distances.iter().take(PAIRS_TOLD)).map(|pair| distance_message(checker, pair)).collect();
+    for (what, pairs) in [("colliding", report.colliding_pairs.len()), ("near", report.pair_distances.len())]
+    {
+        if pairs > PAIRS_TOLD {
+            message.warnings.push(format!("only {PAIRS_TOLD} of {pairs} {what} pairs are listed"));
+        }
+    }
+    if let Some(nearest) = &report.nearest {
+        message.distance_known = true;
+        message.nearest = distance_message(checker, nearest);
+    }
+}
+
+/// What a body is, as messages name it.
+#[must_use]
+pub fn body_type(body: Body) -> u8 {
+    match body {
+        Body::Link(_) => BodyPair::LINK,
+        Body::Attached(_) => BodyPair::ATTACHED,
+        Body::Obstacle(_) => BodyPair::OBSTACLE,
+    }
+}
+
+#[must_use]
+pub fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
+    BodyPair {
+        body_a: checker.body_name(a).to_owned(),
+        type_a: body_type(a),
+        body_b: checker.body_name(b).to_owned(),
+        type_b: body_type(b),
+    }
+}
+
+#[must_use]
+pub fn distance_message(checker: &CollisionChecker, pair: &PairDistance) -> clearance_msgs::PairDistance {
+    clearance_msgs::PairDistance {
+        pair: pair_message(checker, pair.a, pair.b),
+        distance: pair.distance,
+        witness_points: pair.witness_points.each_ref().map(point_message),
+    }
+}
+
+fn count(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clearance_monitor::{Expiry, LeftOut};
+
+    #[test]
+    fn stamps_go_both_ways() {
+        for nanoseconds in [0, 1, -1, 1_500_000_000, -1_500_000_000, 1_700_000_000_123_456_789] {
+            let time = Time::from_nanoseconds(nanoseconds);
+            let message = stamp_message(time);
+            assert!(i64::from(message.nanosec) < NANOSECONDS);
+            assert_eq!(time_of(&message), time);
+        }
+        assert_eq!(stamp_message(Time::from_nanoseconds(i64::MAX)).sec, i32::MAX);
+    }
+
+    #[test]
+    fn a_judgement_about_nothing_is_unknown() {
+        let judgement = Judgement {
+            status: Status::Unknown(clearance_monitor::Reason::NoModel { fault: None }),
+            stamp: None,
+            age: None,
+            evidence: None,
+            placement: None,
+            speed_scale: 0.0,
+            left_out: LeftOut::Nothing,
+            is_swapping: false,
+            stale_world: None,
+            revision: None,
+            warnings: [].into(),
+            expiry: Expiry::default(),
+        };
+        let message = collision_state(&judgement);
+        assert_eq!(message.status, CollisionState::UNKNOWN);
+        assert_eq!(message.reason_code, "no_model");
+        assert_eq!(message.model_revision, 0);
+        assert!(!message.distance_known);
+        assert!(judgement.distance().is_nan());
+    }
+}

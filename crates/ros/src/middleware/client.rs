@@ -1,0 +1,43 @@
+//! Calls of other nodes' services.
+
+use std::time::Duration;
+
+use futures_lite::future;
+use smol::Timer;
+
+use super::Message;
+use super::bell;
+use crate::names::FullName;
+use crate::thread_priority::ThreadPriority;
+
+/// Asks one service.
+pub struct Client<Request: Message, Response: Message> {
+    inner: ros2_client::Client<Request, Response>,
+    name: FullName,
+    priority: ThreadPriority,
+}
+
+impl<Request: Message + 'static, Response: Message + 'static> Client<Request, Response> {
+    pub(super) fn new(
+        inner: ros2_client::Client<Request, Response>,
+        name: FullName,
+        priority: ThreadPriority,
+    ) -> Self {
+        Self { inner, name, priority }
+    }
+
+    /// Asks, and waits for the answer for so long at most; in words, why there is none. A server that does not know this client yet may
+    /// not hear it: ask again.
+    pub async fn call(&self, request: Request, patience: Duration) -> Result<Response, String> {
+        let answer = async {
+            bell::wait(self.priority, self.inner.async_call_service(request))
+                .await
+                .map_err(|error| format!("{} was called in vain: {error}", self.name))
+        };
+        let silence = async {
+            Timer::after(patience).await;
+            Err(format!("{} did not answer within {patience:?}", self.name))
+        };
+        future::or(answer, silence).await
+    }
+}

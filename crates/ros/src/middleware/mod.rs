@@ -1,0 +1,511 @@
+//! The one module that names the ROS 2 client library: participants, topics, services, qualities of service.
+//!
+//! Another release of ros2-client, or another middleware, is a change here.
+
+mod action_server;
+mod announcement;
+mod answering;
+mod bell;
+mod client;
+mod complaints;
+mod deafness;
+mod first_request;
+mod fragments;
+mod peers;
+mod rtps;
+mod scout;
+mod server;
+
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, UNIX_EPOCH};
+
+use futures_lite::future;
+use log::Level;
+use ros2_client::action::ActionServerQosPolicies;
+use ros2_client::builtin_interfaces::Time as StampMessage;
+use ros2_client::log::Log as LogMessage;
+use ros2_client::qos::{Durability, History, Reliability, WhenFull};
+use ros2_client::{
+    ActionTypeName, Context, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping,
+};
+use ros2_client::{RosoutRaw as _, ServiceTypeName};
+use rustdds::policy::ResourceLimits;
+use rustdds::{QosPolicies, QosPolicyBuilder, RTPSEntity, TopicKind};
+
+pub use self::complaints::Complaints;
+use self::peers::Peers;
+use super::arrivals::Arrivals;
+use super::logging::Line;
+use super::names::{FullName, NameError};
+use super::thread_priority::ThreadPriority;
+use clearance_monitor::{SourceId, Time};
+
+pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
+pub use self::announcement::Announcement;
+pub use self::client::Client;
+pub use self::deafness::{deafness, heed, is_deaf};
+pub use self::server::{RequestId, Server};
+pub use ros2_client::Message;
+pub use ros2_client::builtin_interfaces::Time as Stamp;
+
+/// Something that the middleware refused, in words.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}: {why}")]
+pub struct MiddlewareError {
+    what: String,
+    why: String,
+}
+
+fn refused<E: std::fmt::Display>(what: impl Into<String>) -> impl FnOnce(E) -> MiddlewareError {
+    move |why| MiddlewareError { what: what.into(), why: why.to_string() }
+}
+
+impl From<NameError> for MiddlewareError {
+    fn from(error: NameError) -> Self {
+        Self { what: "a name is wrong".to_owned(), why: error.to_string() }
+    }
+}
+
+/// How a topic is carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// Latest samples, lost ones stay lost: a subscription of this kind hears every publisher.
+    BestEffort,
+    /// Every sample arrives: a publisher of this kind is heard by every subscription.
+    Reliable,
+    /// The last sample is kept for those who come later.
+    Latched,
+    /// As `Latched`, of many samples: those who come later hear the whole story.
+    Kept,
+    /// As `BestEffort`, of samples so large that few may be held at a time.
+    Bulk,
+    /// As `Reliable`, of samples so large that few may be held at a time.
+    ReliableBulk,
+    /// As `Latched`, of samples so large that few may be held at a time.
+    LatchedBulk,
+}
+
+impl Quality {
+    /// Samples kept for each topic.
+    const DEPTH: usize = 10;
+    /// The same of a story.
+    const STORY: usize = 100;
+    /// Large samples held for each topic, instead of the 64 that `RustDDS` holds of any.
+    const BULK: i32 = 4;
+
+    fn profile(self) -> QosProfile {
+        // a subscriber that has stopped reading must never hold up the monitor: its samples are dropped instead
+        let reliable = Reliability::Reliable { when_full: WhenFull::Fail };
+        let base = QosProfile::subscription_default();
+        match self {
+            Self::BestEffort => base.history(History::KeepLast { depth: Self::DEPTH }),
+            Self::Bulk => base.history(History::KeepLast { depth: 1 }),
+            Self::ReliableBulk => base.reliability(reliable).history(History::KeepLast { depth: 1 }),
+            Self::Kept => (base.reliability(reliable))
+                .durability(Durability::TransientLocal)
+                .history(History::KeepLast { depth: Self::STORY }),
+            Self::Reliable => base.reliability(reliable).history(History::KeepLast { depth: Self::DEPTH }),
+            Self::Latched | Self::LatchedBulk => (base.reliability(reliable))
+                .durability(Durability::TransientLocal)
+                .history(History::KeepLast { depth: 1 }),
+        }
+    }
+}
+
+/// One ROS node on the network.
+#[derive(Clone)]
+pub struct Middleware {
+    node: Arc<Mutex<Node>>,
+    context: Context,
+    peers: Arc<Peers>,
+    /// Of the library's threads, and of all that speaks with them while it does.
+    priority: ThreadPriority,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // the guarded values are valid between any two statements
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Middleware {
+    /// Joins the network under a node name.
+    pub fn join(announcement: Announcement, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
+        let (reach, priority) = (announcement.environment().reach, announcement.priority());
+        let participant = announcement.heard();
+        let _lent = priority.lend();
+        let context =
+            Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
+        let name = NodeName::new(namespace, node)
+            .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
+        // the library's own parameter services know no descriptions or ranges; see `parameter_services`
+        let options = NodeOptions::new().start_parameter_services(false);
+        let peers = Arc::new(Peers::new(reach, namespace, node));
+        let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
+        Ok(Self { node: Arc::new(Mutex::new(node)), context, peers, priority })
+    }
+
+    /// Leaves the network, so that peers know at once. All endpoints have to be gone.
+    ///
+    /// `RustDDS` ends its sending thread when it drops the participant, even if what was said last is not sent yet: on a busy machine
+    /// the goodbye is lost, and peers keep the node until its lease runs out. There is no call that waits for that thread, so it gets
+    /// time to send what the endpoints said when they went.
+    pub fn leave(self) {
+        const GRACE: Duration = Duration::from_millis(100);
+        std::thread::sleep(GRACE);
+        drop(self);
+    }
+
+    /// A topic, with as many samples held as its quality allows.
+    fn topic(
+        &self,
+        node: &Node,
+        name: &FullName,
+        kind: MessageKind,
+        quality: Quality,
+    ) -> Result<rustdds::Topic, MiddlewareError> {
+        let why = || format!("cannot create topic {name}");
+        let profile = quality.profile();
+        if !matches!(quality, Quality::Bulk | Quality::ReliableBulk | Quality::LatchedBulk) {
+            let topic = node.create_topic(&name_of(name)?, kind.type_name(), &profile);
+            return topic.map_err(refused(why()));
+        }
+        // the client library knows no such limits
+        let limits = ResourceLimits {
+            max_samples: Quality::BULK,
+            max_instances: Quality::BULK,
+            max_samples_per_instance: Quality::BULK,
+        };
+        let limits = QosPolicyBuilder::new().resource_limits(limits).build();
+        let policies = QosPolicies::from(&profile).modify_by(&limits);
+        let (topic, type_name) = (format!("rt{name}"), kind.type_name().dds_msg_type());
+        (self.context.domain_participant())
+            .create_topic(topic, type_name, &policies, TopicKind::NoKey)
+            .map_err(refused(why()))
+    }
+
+    /// Publishes messages of `kind`, such as `std_msgs/Bool`, under a full name.
+    pub fn publisher<M: Message>(
+        &self,
+        name: &FullName,
+        kind: MessageKind,
+        quality: Quality,
+    ) -> Result<Publisher<M>, MiddlewareError> {
+        let _lent = self.priority.lend();
+        let mut node = lock(&self.node);
+        let profile = quality.profile();
+        let topic = self.topic(&node, name, kind, quality)?;
+        let inner = node
+            .create_publisher(&topic, Some(profile))
+            .map_err(refused(format!("cannot publish {name}")))?;
+        self.peers.note(inner.guid(), name, &kind.type_name().dds_msg_type());
+        Ok(Publisher { inner, name: name.clone(), priority: self.priority })
+    }
+
+    /// Hears messages of `kind` under a full name.
+    pub fn subscription<M: Message + 'static>(
+        &self,
+        name: &FullName,
+        kind: MessageKind,
+        quality: Quality,
+    ) -> Result<Subscription<M>, MiddlewareError> {
+        let _lent = self.priority.lend();
+        let mut node = lock(&self.node);
+        let profile = quality.profile();
+        let topic = self.topic(&node, name, kind, quality)?;
+        let inner = node
+            .create_subscription(&topic, Some(profile))
+            .map_err(refused(format!("cannot subscribe to {name}")))?;
+        self.peers.note(inner.guid(), name, &kind.type_name().dds_msg_type());
+        if !matches!(quality, Quality::BestEffort | Quality::Bulk) {
+            self.peers.note_reliably_read(format!("rt{name}"));
+        }
+        Ok(Subscription {
+            inner,
+            name: name.clone(),
+            complaints: Complaints::default(),
+            arrivals: Mutex::default(),
+            priority: self.priority,
+        })
+    }
+
+    /// Serves requests of the service type `package/kind` under a full name.
+    pub fn server<Request, Response>(
+        &self,
+        name: &FullName,
+        (package, kind): (&str, &str),
+    ) -> Result<Server<Request, Response>, MiddlewareError>
+    where
+        Request: Message + Clone + 'static,
+        Response: Message + 'static,
+    {
+        let _lent = self.priority.lend();
+        let inner = lock(&self.node)
+            .create_server(
+                ServiceMapping::Enhanced,
+                &name_of(name)?,
+                &ServiceTypeName::new(package, kind),
+                // a best-effort reader would lose what a client sends before it is known here
+                Quality::Reliable.profile(),
+                Quality::Reliable.profile(),
+            )
+            .map_err(refused(format!("cannot serve {name}")))?;
+        self.peers.note_reliably_read(format!("rq{name}Request"));
+        Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
+    }
+
+    /// Asks a service of the type `package/kind` of other nodes.
+    pub fn client<Request, Response>(
+        &self,
+        name: &FullName,
+        (package, kind): (&str, &str),
+    ) -> Result<Client<Request, Response>, MiddlewareError>
+    where
+        Request: Message + Clone + 'static,
+        Response: Message + 'static,
+    {
+        let _lent = self.priority.lend();
+        let inner = lock(&self.node)
+            .create_client(
+                ServiceMapping::Enhanced,
+                &name_of(name)?,
+                &ServiceTypeName::new(package, kind),
+                Quality::Reliable.profile(),
+                Quality::Reliable.profile(),
+            )
+            .map_err(refused(format!("cannot ask {name}")))?;
+        self.peers.note_reliably_read(format!("rr{name}Reply"));
+        Ok(Client::new(inner, name.clone(), self.priority))
+    }
+
+    /// Serves the action type `package/kind` under a full name.
+    pub fn action_server<Goal, Outcome, Progress>(
+        &self,
+        name: &FullName,
+        (package, kind): (&str, &str),
+    ) -> Result<ActionServer<Goal, Outcome, Progress>, MiddlewareError>
+    where
+        Goal: Message + Clone + 'static,
+        Outcome: Message + Clone + 'static,
+        Progress: Message + 'static,
+    {
+        let qualities = ActionServerQosPolicies {
+            goal_service: Quality::Reliable.profile(),
+            result_service: Quality::Reliable.profile(),
+            cancel_service: Quality::Reliable.profile(),
+            feedback_publisher: Quality::Reliable.profile(),
+            status_publisher: Quality::Latched.profile(),
+        };
+        let kind = ActionTypeName::new(package, kind);
+        let _lent = self.priority.lend();
+        let inner = lock(&self.node)
+            .create_action_server(ServiceMapping::Enhanced, &name_of(name)?, &kind, qualities)
+            .map_err(refused(format!("cannot serve {name}")))?;
+        for service in ["send_goal", "cancel_goal", "get_result"] {
+            self.peers.note_reliably_read(format!("rq{name}/_action/{service}Request"));
+        }
+        Ok(ActionServer::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
+    }
+
+    /// Tells a line of the log on `/rosout`, in the name of a logger.
+    pub fn tell(&self, logger: &str, line: &Line, stamp: Time) {
+        let writer = lock(&self.node).logging_handle().rosout_writer();
+        let Some(writer) = writer.as_ref() else { return };
+        let _lent = self.priority.lend();
+        // who is not heard stands on stderr at least
+        let _ = writer.publish(LogMessage {
+            stamp: StampMessage::from_nanos(stamp.nanoseconds()),
+            level: match line.level {
+                Level::Error => LogMessage::ERROR,
+                Level::Warn => LogMessage::WARN,
+                Level::Info => LogMessage::INFO,
+                Level::Debug | Level::Trace => LogMessage::DEBUG,
+            },
+            name: logger.to_owned(),
+            msg: line.text.clone(),
+            file: line.file.to_owned(),
+            function: String::new(),
+            line: line.line,
+        });
+    }
+
+    /// How many others publish on a topic, as far as they are known.
+    pub fn publishers_elsewhere(&self, topic: &FullName) -> usize {
+        let dds_topic = format!("rt{topic}");
+        let participant = self.context.domain_participant();
+        let own = participant.guid().prefix;
+        (participant.discovered_writers().iter())
+            .filter(|writer| writer.publication_topic_data.topic_name == dds_topic)
+            .filter(|writer| writer.writer_proxy.remote_writer_guid.prefix != own)
+            .count()
+    }
+
+    /// Whether something was sent by this very program.
+    pub fn is_own(&self, source: SourceId) -> bool {
+        self.context.domain_participant().guid().prefix == rustdds::GUID::from_bytes(source.0).prefix
+    }
+
+    /// Others who serve a service, as far as they are known.
+    pub fn servers_elsewhere(&self, service: &FullName) -> BTreeSet<SourceId> {
+        let requests = format!("rq{service}Request");
+        let participant = self.context.domain_participant();
+        let own = participant.guid().prefix;
+        (participant.discovered_readers().iter())
+            .filter(|reader| reader.subscription_topic_data.topic_name() == &requests)
+            .map(|reader| reader.reader_proxy.remote_reader_guid)
+            .filter(|reader| reader.prefix != own)
+            .map(|reader| SourceId(reader.to_bytes()))
+            .collect()
+    }
+
+    /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.
+    pub async fn meet_peers(&self) {
+        self.peers.meet(&self.context.domain_participant(), self.priority).await;
+    }
+}
+
+fn name_of(name: &FullName) -> Result<Name, MiddlewareError> {
+    Name::parse(name.as_str()).map_err(refused(format!("'{name}' is no ROS name")))
+}
+
+/// The package and name of a message type.
+#[derive(Clone, Copy, Debug)]
+pub struct MessageKind(pub &'static str, pub &'static str);
+
+impl MessageKind {
+    fn type_name(self) -> MessageTypeName {
+        MessageTypeName::new(self.0, self.1)
+    }
+}
+
+/// Sends messages on one topic.
+pub struct Publisher<M: Message> {
+    inner: ros2_client::Publisher<M>,
+    name: FullName,
+    priority: ThreadPriority,
+}
+
+impl<M: Message> Publisher<M> {
+    /// What its messages name as their origin.
+    #[must_use]
+    pub fn source(&self) -> SourceId {
+        SourceId(self.inner.guid().to_bytes())
+    }
+
+    /// Sends, or says why not; never waits. `false` when the message was dropped.
+    pub fn publish(&self, message: M) -> bool {
+        let _lent = self.priority.lend();
+        match self.inner.publish(message) {
+            Ok(()) => true,
+            Err(error) => {
+                log::debug!("a message on {} was dropped: {error}", self.name);
+                false
+            }
+        }
+    }
+}
+
+/// Where a message came from.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    pub publisher: SourceId,
+    /// When it was received.
+    pub received: Instant,
+    /// Its publisher counts its messages; none of a message that no network carried.
+    pub number: Option<i64>,
+}
+
+impl Origin {
+    /// Of a message that comes from this very program, just now.
+    #[must_use]
+    pub fn here(publisher: SourceId) -> Self {
+        Self { publisher, received: Instant::now(), number: None }
+    }
+
+    /// How long it lay here before now.
+    #[must_use]
+    pub fn waited(&self) -> Duration {
+        self.received.elapsed()
+    }
+}
+
+/// A message arrived that cannot be decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unreadable;
+
+/// Receives messages of one topic: of each publisher in the order in which it sent them.
+///
+/// A best-effort sample that arrives after a newer one of its publisher is skipped, as RTPS 2.5, 8.4.12.1 demands of best-effort readers;
+/// `RustDDS` 0.15.1 delivers it as if it were newer. It counts as lost.
+pub struct Subscription<M> {
+    inner: ros2_client::Subscription<M>,
+    name: FullName,
+    complaints: Complaints,
+    arrivals: Mutex<Arrivals>,
+    priority: ThreadPriority,
+}
+
+impl<M: Message + 'static> Subscription<M> {
+    /// The next message, waiting for it. A message that cannot be decoded is logged and skipped.
+    pub async fn next(&self) -> (M, Origin) {
+        loop {
+            if let Ok(received) = self.next_or_unreadable().await {
+                return received;
+            }
+        }
+    }
+
+    /// The next message, waiting for it, or word that one arrived that cannot be decoded; that is logged.
+    pub async fn next_or_unreadable(&self) -> Result<(M, Origin), Unreadable> {
+        loop {
+            // a topic that is never silent must not starve what waits beside it, such as the order to end
+            future::yield_now().await;
+            match bell::wait(self.priority, self.inner.async_take()).await {
+                Ok((_, info)) if self.is_overtaken(&info) => {}
+                Ok((message, info)) => return Ok((message, origin(&info))),
+                Err(error) => {
+                    self.complain(&error);
+                    return Err(Unreadable);
+                }
+            }
+        }
+    }
+
+    /// The next message if it is there already.
+    pub fn try_next(&self) -> Option<(M, Origin)> {
+        let _lent = self.priority.lend();
+        loop {
+            match self.inner.take() {
+                Ok(Some((_, info))) if self.is_overtaken(&info) => {}
+                Ok(taken) => return taken.map(|(message, info)| (message, origin(&info))),
+                Err(error) => self.complain(&error),
+            }
+        }
+    }
+
+    fn is_overtaken(&self, info: &ros2_client::MessageInfo) -> bool {
+        let (publisher, number) = (SourceId(info.publisher_gid().to_bytes16()), info.sequence_number());
+        let is_overtaken = lock(&self.arrivals).is_overtaken(publisher, number);
+        if is_overtaken {
+            log::debug!("message {number} on {} came after a newer one of its publisher", self.name);
+        }
+        is_overtaken
+    }
+
+    fn complain(&self, error: &ros2_client::ReadError) {
+        self.complaints.warn(|| format!("a message on {} could not be read: {error}", self.name));
+    }
+}
+
+fn origin(info: &ros2_client::MessageInfo) -> Origin {
+    // the middleware's thread notes the system's time when it has a message whole; earlier nobody knows of it
+    let since_epoch = info.received_timestamp().and_then(|t| u64::try_from(t.to_nanos()).ok());
+    let received = since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds));
+    let waited = received.and_then(|received| received.elapsed().ok()).unwrap_or_default();
+    let now = Instant::now();
+    Origin {
+        publisher: SourceId(info.publisher_gid().to_bytes16()),
+        received: now.checked_sub(waited).unwrap_or(now),
+        number: Some(info.sequence_number()),
+    }
+}

@@ -1,0 +1,197 @@
+//! What the scene lacks because messages about it were rejected.
+
+use std::collections::BTreeMap;
+
+use clearance_scene::{Gap, SceneRejection, SceneUpdate, Subject};
+
+/// Gaps remembered at most, so that a hostile network can not fill the memory.
+const MOST: usize = 1000;
+
+/// Gaps listed at most, the first by name.
+const TOLD: usize = 20;
+
+/// Gaps in the scene, until updates make up for them.
+#[derive(Debug, Default)]
+pub struct MissingObjects {
+    /// By subject and name: the gap and the fault of the last message that left it.
+    gaps: BTreeMap<(Subject, String), (Gap, String)>,
+    /// How many more there were. They are not known by name: only a whole scene makes up for them.
+    unnamed: usize,
+}
+
+impl MissingObjects {
+    /// Takes note of an update, if the message could be read as one, and of what was rejected of it.
+    pub fn heed(&mut self, source: &str, update: Option<&SceneUpdate>, refusals: &[SceneRejection]) {
+        if let Some(update) = update {
+            for (gap, fault) in std::mem::take(&mut self.gaps).into_values() {
+                let is_rejected = refusals.iter().any(|refusal| is_about(refusal, &gap));
+                if let Some(left) = update.left_of(gap, is_rejected) {
+                    self.note(left, fault);
+                }
+            }
+            if update.is_whole_of_robot() {
+                self.unnamed = 0;
+            }
+        }
+        for refusal in refusals {
+            if let Some(gap) = &refusal.gap {
+                self.note(gap.clone(), format!("{source}: {refusal}"));
+            }
+        }
+    }
+
+    /// Takes note of an update of which nothing came into force, and why.
+    pub fn note_unused(&mut self, source: &str, update: &SceneUpdate, why: &str) {
+        for gap in update.announced() {
+            let refusal = SceneRejection::of(&gap.name, why);
+            self.note(gap, format!("{source}: {refusal}"));
+        }
+    }
+
+    fn note(&mut self, gap: Gap, fault: String) {
+        let key = (gap.subject, gap.name.clone());
+        let is_full = self.gaps.len() >= MOST;
+        match self.gaps.get_mut(&key) {
+            Some((known, known_fault)) => {
+                known.extent = known.extent.max(gap.extent);
+                *known_fault = fault;
+            }
+            None if is_full => self.unnamed += 1,
+            None => drop(self.gaps.insert(key, (gap, fault))),
+        }
+    }
+
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.gaps.len() + self.unnamed
+    }
+
+    /// The fault of each gap, and how many more there are.
+    pub fn told(&self) -> impl Iterator<Item = String> {
+        let more = self.len().saturating_sub(TOLD);
+        let rest =
+            (more > 0).then(|| format!("and {more} more objects are missing, because they were refused"));
+        self.gaps.values().take(TOLD).map(|(_, fault)| fault.clone()).chain(rest)
+    }
+}
+
+fn is_about(refusal: &SceneRejection, gap: &Gap) -> bool {
+    let is_same = |other: &Gap| (other.subject, &other.name) == (gap.subject, &gap.name);
+    refusal.gap.as_ref().is_some_and(is_same) || refusal.object.as_deref() == Some(&gap.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clearance_scene::{
+        AttachedChange, ObjectChange, OctomapPlacement, Operation, SceneChange, WorldChange,
+    };
+
+    fn object(id: &str, operation: Operation) -> SceneUpdate {
+        SceneUpdate::Object(Box::new(ObjectChange::named(id, operation)))
+    }
+
+    fn add(id: &str) -> SceneUpdate {
+        object(id, Operation::Add)
+    }
+
+    fn attach(id: &str) -> SceneUpdate {
+        let (link, touch_links) = (String::new(), Vec::new());
+        let object = ObjectChange::named(id, Operation::Add);
+        SceneUpdate::Attached(Box::new(AttachedChange { link, object, touch_links }))
+    }
+
+    fn no_link(id: &str) -> SceneRejection {
+        SceneRejection::of(id, "no link").of_attached().of_pose()
+    }
+
+    fn told(missing: &MissingObjects) -> Vec<String> {
+        missing.told().collect()
+    }
+
+    #[test]
+    fn an_object_is_missing_until_something_about_it_is_right() {
+        let mut missing = MissingObjects::default();
+        missing.heed("topic", Some(&add("a")), &[SceneRejection::of("a", "no shapes")]);
+        missing.heed("topic", Some(&attach("held")), &[no_link("held")]);
+        missing.heed("topic", Some(&add("b")), &[]);
+        assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
+        // a world says nothing of what links hold
+        missing.heed("topic", Some(&SceneUpdate::World(Box::default())), &[]);
+        assert_eq!(told(&missing), ["topic: object 'held': no link"]);
+        missing.heed("topic", Some(&attach("held")), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn what_is_moved_still_lacks_its_shapes() {
+        let mut missing = MissingObjects::default();
+        let append = object("a", Operation::Append);
+        missing.heed("topic", Some(&append), &[SceneRejection::of("a", "a mesh")]);
+        // neither does a rejected move make less of it
+        let elsewhere = object("a", Operation::Move);
+        missing.heed("topic", Some(&elsewhere), &[SceneRejection::of("a", "a frame").of_pose()]);
+        missing.heed("topic", Some(&elsewhere), &[]);
+        assert_eq!(told(&missing).len(), 1);
+        missing.heed("topic", Some(&object("a", Operation::Remove)), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn an_object_without_a_name_is_missing_until_all_are_removed() {
+        let mut missing = MissingObjects::default();
+        let gap = Gap::new(Subject::Object, "", clearance_scene::Extent::Shapes);
+        let unnamed = SceneRejection { gap: Some(gap), ..SceneRejection::new("id is empty") };
+        missing.heed("topic", Some(&add("")), &[unnamed]);
+        missing.heed("topic", Some(&add("b")), &[]);
+        assert_eq!(told(&missing), ["topic: id is empty"]);
+        missing.heed("topic", Some(&object("", Operation::Remove)), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn an_update_that_came_to_nothing_is_missing_as_if_it_had_been_rejected() {
+        let mut missing = MissingObjects::default();
+        let objects = ["a", "b"].map(|id| ObjectChange::named(id, Operation::Add)).into();
+        let world = WorldChange { objects, octomap: None };
+        let update = SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..Default::default() }));
+        missing.note_unused("service", &update, "there is no robot yet");
+        assert_eq!(told(&missing).len(), 2);
+        missing.heed("service", Some(&update), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn an_octomap_is_missing_until_one_comes() {
+        let mut missing = MissingObjects::default();
+        let octomap = OctomapPlacement {
+            frame: String::new(),
+            pose_fo: clearance_geometry::math::Pose::identity(),
+            shape: None,
+            is_blank: false,
+        };
+        let with = |octomap| {
+            let world = WorldChange { objects: Vec::new(), octomap };
+            SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..SceneChange::default() }))
+        };
+        missing.heed("topic", None, &[SceneRejection::of_octomap("broken")]);
+        missing.heed("topic", Some(&with(None)), &[]);
+        assert_eq!(told(&missing).len(), 1);
+        missing.heed("topic", Some(&with(Some(octomap))), &[]);
+        assert!(told(&missing).is_empty());
+    }
+
+    #[test]
+    fn of_very_many_some_are_told_and_the_rest_counted() {
+        let mut missing = MissingObjects::default();
+        let refusals: Vec<_> =
+            (0..MOST + 7).map(|i| SceneRejection::of(&format!("{i:05}"), "no shapes")).collect();
+        missing.heed("topic", None, &refusals);
+        let lines = told(&missing);
+        assert_eq!((lines.len(), missing.gaps.len()), (TOLD + 1, MOST));
+        assert!(lines[TOLD].contains(&format!("and {} more", MOST + 7 - TOLD)), "{}", lines[TOLD]);
+        let whole = SceneUpdate::Scene(Box::default());
+        missing.heed("topic", Some(&whole), &[]);
+        assert!(told(&missing).is_empty());
+    }
+}

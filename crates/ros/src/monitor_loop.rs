@@ -1,0 +1,351 @@
+//! Joint states to the monitor, judgements to the topics: the thread that must never wait for anything else.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clearance_monitor::{Judgement, Monitor, MonitorSettings, Now, Reason, Revision, SourceId, Trail};
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use serde::{Deserialize, Serialize};
+
+use super::activity::Activity;
+use super::arrivals::Arrivals;
+use super::clock::RosClock;
+use super::diagnostics::diagnostics;
+use super::flood::Flood;
+use super::mailbox::{Receiver, Sender};
+use super::messages::joint_state_input;
+use super::middleware::{Origin, Subscription};
+use super::parameters::Parameters;
+use super::publishers::Publishers;
+use super::recording::{Happening, Judged, Tape, Tidings};
+use super::scene::Transforms;
+use super::scene_keeper::CloudReports;
+use super::waiting::wait_at_most;
+
+/// What the other threads tell the monitor.
+pub enum Event {
+    Checker(Arc<Revision>),
+    /// Another robot was described: its checker or its fault follows.
+    ModelSwap,
+    ModelFault(String),
+    /// A description came that is another one than the last of its topic; and how many of them the loader has taken or refused.
+    Described,
+    Heeded(u64),
+    /// Progress of messages about the world, from receipt until they are in force.
+    WorldUpdate(WorldUpdate),
+    /// Whether states are checked; who asked is told when it is so.
+    Enabled(bool, Sender<()>),
+    /// Somebody waits for what came before to count: tell when it is said.
+    Say(Sender<()>),
+    /// What sensors see, what was rejected of the last changes of the world, and why the world is known to be incomplete, if it is.
+    World(CloudReports, Vec<String>, Option<Reason>),
+    Parameters(Box<Parameters>),
+    /// The process takes this much memory (MiB), and may take that much; the sender waits until it is published.
+    Memory {
+        used: u64,
+        limit: u64,
+        published: Sender<()>,
+    },
+    Stop,
+}
+
+/// Progress of messages about the world, from receipt until they are in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WorldUpdate {
+    /// One was received, at this time (ns) by the steady clock.
+    Received { steady: u64 },
+    /// The one that was received last asks for nothing.
+    Withdrawn,
+    /// So many, the oldest ones, are in force with what the loader tells next.
+    Completing(usize),
+}
+
+impl WorldUpdate {
+    pub fn tell(self, monitor: &mut Monitor) {
+        match self {
+            Self::Received { steady } => monitor.note_world_update(Duration::from_nanos(steady)),
+            Self::Withdrawn => monitor.note_world_update_withdrawn(),
+            Self::Completing(updates) => monitor.note_world_updates_completing(updates),
+        }
+    }
+}
+
+/// The last judgement, for those who ask about the same robot and world.
+pub type CurrentJudgement = Arc<Mutex<Option<Judgement>>>;
+
+/// Sees every judgement and the settings that it was made with, for a display beside ROS. It must be quick.
+pub type Observer = Box<dyn FnMut(&Judgement, &MonitorSettings) + Send>;
+
+/// Time between two diagnostics while the status stays.
+const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
+
+/// When a joint state waited longer than this, checks take longer than joint states come: only the newest counts then.
+const LONGEST_WAIT: Duration = Duration::from_millis(20);
+
+/// Everything that the monitor's thread holds.
+pub struct MonitorLoop {
+    pub node: String,
+    pub monitor: Monitor,
+    pub parameters: Parameters,
+    pub clock: Arc<RosClock>,
+    pub joint_states: Subscription<JointState>,
+    pub transforms: Transforms,
+    pub own_motion: OwnMotion,
+    pub events: Receiver<Event>,
+    pub publishers: Publishers,
+    pub current: CurrentJudgement,
+    pub trail: Arc<Mutex<Trail>>,
+    pub observer: Option<Observer>,
+    pub tape: Tape,
+    pub report: Report,
+}
+
+/// Joint states that this program makes itself: they come straight here, and are passed over on the topic.
+pub struct OwnMotion {
+    pub source: Option<SourceId>,
+    pub joint_states: Receiver<JointState>,
+}
+
+/// What the next diagnostics will tell.
+#[derive(Default)]
+pub struct Report {
+    activity: Activity,
+    arrivals: Arrivals,
+    clouds: CloudReports,
+    /// Status and code of the reason that were logged last.
+    logged: Option<(&'static str, Option<&'static str>)>,
+    changes: Flood,
+    /// Status and steady time of the last diagnostics.
+    last: Option<(&'static str, Duration)>,
+    /// The next ones do not wait.
+    is_due: bool,
+}
+
+impl Report {
+    fn note_arrival(&mut self, origin: &Origin) {
+        if let Some(number) = origin.number {
+            self.activity.note_lost(self.arrivals.missing_before(origin.publisher, number));
+        }
+    }
+}
+
+/// What woke the thread.
+enum Wake {
+    Event(Event),
+    JointState(JointState, Origin),
+    Heartbeat,
+}
+
+impl MonitorLoop {
+    /// Runs until it is told to stop.
+    pub fn run(mut self) {
+        loop {
+            match self.wake() {
+                Wake::Event(Event::Stop) => return,
+                Wake::Event(event) => self.heed(event),
+                Wake::JointState(message, origin) => self.judge(message, origin),
+                Wake::Heartbeat => self.beat(),
+            }
+        }
+    }
+
+    fn wake(&self) -> Wake {
+        let due = self.monitor.time_to_heartbeat(self.clock.read());
+        let event = async { Wake::Event(self.events.receive().await.unwrap_or(Event::Stop)) };
+        let joint_state = async {
+            loop {
+                let (message, origin) = self.joint_states.next().await;
+                if Some(origin.publisher) != self.own_motion.source {
+                    return Wake::JointState(message, origin);
+                }
+            }
+        };
+        let own_joint_state = async {
+            match (self.own_motion.joint_states.receive().await, self.own_motion.source) {
+                (Some(message), Some(source)) => Wake::JointState(message, Origin::here(source)),
+                _ => future::pending().await,
+            }
+        };
+        let news = future::or(event, future::or(own_joint_state, joint_state));
+        wait_at_most(due, news).unwrap_or(Wake::Heartbeat)
+    }
+
+    fn heed(&mut self, event: Event) {
+        self.note(&event);
+        match event {
+            Event::Stop => {}
+            Event::Checker(revision) => self.monitor.set_checker(revision),
+            Event::ModelSwap => self.monitor.note_model_swap(),
+            Event::Described => self.monitor.note_description(),
+            Event::Heeded(descriptions) => self.monitor.note_heeded(descriptions),
+            Event::WorldUpdate(update) => update.tell(&mut self.monitor),
+            Event::Enabled(enabled, heeded) => {
+                self.monitor.set_enabled(enabled);
+                self.beat();
+                // who no longer waits need not be told
+                let _ = heeded.send(());
+            }
+            Event::Say(said) => {
+                self.beat();
+                let _ = said.send(());
+            }
+            Event::Memory { used, limit, published } => {
+                self.monitor.note_memory(used, limit);
+                self.beat();
+                let _ = published.send(());
+            }
+            Event::ModelFault(fault) => {
+                self.report.is_due = true;
+                self.monitor.note_model_fault(fault);
+            }
+            Event::World(clouds, faults, incomplete) => {
+                self.report.clouds = clouds;
+                self.monitor.note_world_faults(faults, incomplete);
+            }
+            Event::Parameters(parameters) => {
+                self.monitor.set_settings(parameters.monitor_settings());
+                self.parameters = *parameters;
+            }
+        }
+    }
+
+    fn beat(&mut self) {
+        self.look_at_transforms();
+        let now = self.clock.read();
+        let judgement = self.monitor.on_heartbeat(now);
+        let (judgement, _) = self.say(judgement, now, None);
+        self.say_diagnostics(&judgement);
+    }
+
+    fn look_at_transforms(&mut self) {
+        if !self.monitor.heeds_transforms() {
+            return;
+        }
+        let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);
+        // a recording has it where it stands among the transforms
+        self.tape.note(|| Happening::Looked);
+        self.monitor.note_transforms(&tree);
+    }
+
+    /// Tells the recorder what is heeded, and when.
+    fn note(&self, event: &Event) {
+        let told = match event {
+            // what is said then is recorded as any answer
+            Event::Stop | Event::Say(_) => return,
+            Event::Checker(_) => Tidings::Checker,
+            Event::ModelSwap => Tidings::ModelSwap,
+            Event::Described => Tidings::Described,
+            Event::Heeded(_) => Tidings::Heeded,
+            Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
+            Event::World(..) => Tidings::World,
+            Event::WorldUpdate(update) => Tidings::WorldUpdate(*update),
+            Event::Memory { used, limit, .. } => Tidings::Memory { used: *used, limit: *limit },
+            Event::Enabled(enabled, _) => return self.tape.note(|| Happening::Enabled(*enabled)),
+            Event::Parameters(parameters) => {
+                return self.tape.note(|| Happening::Parameters(parameters.clone()));
+            }
+        };
+        self.tape.note(|| Happening::Told(told));
+    }
+
+    fn judge(&mut self, mut message: JointState, mut origin: Origin) {
+        self.report.note_arrival(&origin);
+        if origin.waited() > LONGEST_WAIT {
+            while let Some(newer) = self.joint_states.try_next() {
+                if Some(newer.1.publisher) == self.own_motion.source {
+                    continue;
+                }
+                self.report.note_arrival(&newer.1);
+                self.report.activity.note_passed_over();
+                // the newer one may be about other joints
+                self.hear(message, origin.publisher);
+                (message, origin) = newer;
+            }
+        }
+        self.look_at_transforms();
+        let heard = self.tape.is_on().then(|| (message.clone(), origin.publisher));
+        let input = joint_state_input(message, origin.publisher);
+        let now = self.clock.read();
+        let judgement = self.monitor.on_joint_state(input, now);
+        let (judgement, said_at) = self.say(judgement, now, heard);
+        let latency = said_at.saturating_duration_since(origin.received);
+        self.report.activity.note_judged(&judgement, latency);
+        self.say_diagnostics(&judgement);
+        self.monitor.prepare();
+    }
+
+    /// Takes note of a joint state that is not judged by itself.
+    fn hear(&mut self, message: JointState, source: SourceId) {
+        let now = self.clock.read();
+        self.tape.note(|| Happening::Heard { now, message: Box::new(message.clone()), source });
+        self.monitor.hear(joint_state_input(message, source), now);
+    }
+
+    /// Says what was judged at `now`, from a joint state if one was heard, as it holds after the check; gives that, and the moment at which
+    /// `~/state` was said. A recording has the judgement itself: how long a check takes is the machine's.
+    fn say(
+        &mut self,
+        judgement: Judgement,
+        now: Now,
+        heard: Option<(JointState, SourceId)>,
+    ) -> (Judgement, Instant) {
+        let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
+        *current = Some(judgement.clone());
+        self.trail.lock().unwrap_or_else(PoisonError::into_inner).note(&judgement);
+        // a recording has it before whatever is made of it
+        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
+        drop(current);
+        let now = self.clock.read();
+        let judgement = judgement.aged(now).with_warning(self.tape.fault());
+        self.log_change(&judgement);
+        if let Some(remark) = self.monitor.take_contact_remark() {
+            log::warn!("{remark}");
+        }
+        let said = self.publishers.say(&judgement, &self.parameters, now.steady);
+        self.report.activity.note_dropped(said.dropped);
+        if let Some(observe) = &mut self.observer {
+            observe(&judgement, &self.parameters.monitor_settings());
+        }
+        (judgement, said.state_at)
+    }
+
+    /// One line for a change of status or of the reason why it is unknown; of a flood of them only some, and then what it came to.
+    fn log_change(&mut self, judgement: &Judgement) {
+        let reason = judgement.status.reason();
+        let now = (judgement.status.word(), reason.map(Reason::code));
+        if self.report.logged == Some(now) || !self.report.changes.admit(self.clock.steady()) {
+            return;
+        }
+        self.report.logged = Some(now);
+        match (judgement.status.word(), reason) {
+            (status, Some(reason)) => log::warn!("{status}: {reason}"),
+            (status, None) => match judgement.foremost() {
+                Some(foremost) => log::info!("{status}: {foremost}"),
+                None => log::info!("{status}"),
+            },
+        }
+    }
+
+    /// Once a second, and at every change of status.
+    fn say_diagnostics(&mut self, judgement: &Judgement) {
+        let steady = self.clock.steady();
+        let status = judgement.status.word();
+        let since = |at: Duration| steady.saturating_sub(at);
+        let report = &mut self.report;
+        let is_told = |(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD;
+        if !std::mem::take(&mut report.is_due) && report.last.is_some_and(is_told) {
+            return;
+        }
+        let interval = report.last.map_or(steady, |(_, at)| since(at));
+        report.last = Some((status, steady));
+        let now = self.clock.now().unwrap_or_default();
+        let fault = self.monitor.model_fault();
+        let message =
+            diagnostics(&self.node, now, judgement, &report.activity, interval, fault, &report.clouds);
+        report.activity.begin_anew();
+        let sent = self.publishers.say_diagnostics(message);
+        report.activity.note_dropped(u64::from(!sent));
+    }
+}

@@ -1,0 +1,222 @@
+//! `~/check_motion` and `~/check_trajectory`, the latter also as an action: requests come and answers go on the thread of the services;
+//! checks are made one after the other on a thread of their own, so that no motion, however long, delays anything else.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use clearance_checker::Workspace;
+use clearance_monitor::Judgement;
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
+use smol::LocalExecutor;
+use smol::channel::{self, Receiver, Sender};
+
+use super::cell::known;
+use super::clearance_srvs::{
+    CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
+};
+use super::clock::RosClock;
+use super::middleware::{
+    GoalId, MessageKind, Middleware, MiddlewareError, Publisher, Quality, RequestId, Server,
+};
+use super::monitor_loop::CurrentJudgement;
+use super::motion_requests::{Answered, answer_motion, answer_trajectory};
+use super::names::Names;
+use super::parameter_services::ParameterStore;
+use super::refusal::Refusal;
+use super::trajectory_action::{Begun, Goal, TrajectoryAction};
+
+/// Requests that wait at most; who comes then is told at once that the node is busy.
+const WAITING: usize = 16;
+
+/// A request that waits for its answer.
+enum Request {
+    Motion(RequestId, CheckMotionRequest),
+    Trajectory(RequestId, CheckTrajectoryRequest),
+    Goal(Goal),
+}
+
+enum Answer {
+    Motion(RequestId, Box<Answered>),
+    Trajectory(RequestId, Box<Answered>),
+    /// A goal is worked on from now on.
+    Begun(Begun),
+    Goal(GoalId, Box<Answered>),
+}
+
+/// The side that speaks with clients.
+pub struct MotionServices {
+    motions: Server<CheckMotionRequest, CheckMotionResponse>,
+    trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
+    goals: TrajectoryAction,
+    certificates: Publisher<StringMessage>,
+    swept_volumes: Publisher<MarkerArray>,
+    requests: Sender<Request>,
+    answers: Receiver<Answer>,
+}
+
+/// The side that checks. It holds nothing of the network: the node ends without waiting for it.
+pub struct MotionDesk {
+    requests: Receiver<Request>,
+    answers: Sender<Answer>,
+    current: CurrentJudgement,
+    clock: Arc<RosClock>,
+    parameters: ParameterStore,
+    workspace: Option<Workspace>,
+}
+
+impl MotionServices {
+    /// Both sides; `current` is what checks are made against.
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        current: CurrentJudgement,
+        clock: Arc<RosClock>,
+        parameters: ParameterStore,
+    ) -> Result<(Self, MotionDesk), MiddlewareError> {
+        let (requests, requests_in) = channel::bounded(WAITING);
+        // never more than two for each request that waited
+        let (answers, answers_in) = channel::unbounded();
+        let string = MessageKind("std_msgs", "String");
+        let markers = MessageKind("visualization_msgs", "MarkerArray");
+        let services = Self {
+            motions: middleware
+                .server(&names.resolve("~/check_motion")?, ("clearance_msgs", "CheckMotion"))?,
+            trajectories: middleware
+                .server(&names.resolve("~/check_trajectory")?, ("clearance_msgs", "CheckTrajectory"))?,
+            goals: TrajectoryAction::offer(middleware, names, Arc::clone(&clock))?,
+            certificates: middleware.publisher(
+                &names.resolve("~/certificates")?,
+                string,
+                Quality::Reliable,
+            )?,
+            swept_volumes: middleware.publisher(
+                &names.resolve("~/swept_volume")?,
+                markers,
+                Quality::Reliable,
+            )?,
+            requests,
+            answers: answers_in,
+        };
+        let desk = MotionDesk { requests: requests_in, answers, current, clock, parameters, workspace: None };
+        Ok((services, desk))
+    }
+
+    /// Serves for ever.
+    pub async fn serve(&self) {
+        // each answer waits for its own client only
+        let sending = LocalExecutor::new();
+        let motions = async {
+            loop {
+                let (id, request) = self.motions.next().await;
+                self.enqueue(Request::Motion(id, request), &sending);
+            }
+        };
+        let trajectories = async {
+            loop {
+                let (id, request) = self.trajectories.next().await;
+                self.enqueue(Request::Trajectory(id, request), &sending);
+            }
+        };
+        let answers = async {
+            while let Ok(answer) = self.answers.recv().await {
+                self.send(answer, &sending);
+            }
+        };
+        let goals = self.goals.serve(&sending, |goal| self.requests.try_send(Request::Goal(goal)).is_ok());
+        let services = future::zip(future::zip(motions, trajectories), answers);
+        sending.run(future::zip(services, goals)).await;
+    }
+
+    fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
+        // a desk that has ended is busy for ever
+        if let Err(refused) = self.requests.try_send(request) {
+            let answered = Answered::from(&Refusal::Busy(WAITING));
+            self.send(refused.into_inner().answered(answered), sending);
+        }
+    }
+
+    fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
+        match answer {
+            Answer::Motion(id, answered) => {
+                let CheckTrajectoryResponse { motion, turns, .. } = self.publish_more(*answered);
+                sending.spawn(self.motions.answer(id, CheckMotionResponse { motion, turns })).detach();
+            }
+            Answer::Trajectory(id, answered) => {
+                let response = self.publish_more(*answered);
+                sending.spawn(self.trajectories.answer(id, response)).detach();
+            }
+            Answer::Begun(begun) => self.goals.follow(begun, sending),
+            Answer::Goal(id, answered) => {
+                let response = self.publish_more(*answered);
+                self.goals.end(id, &response, sending);
+            }
+        }
+    }
+
+    /// Publishes what was asked for beside the answer, and gives the answer.
+    fn publish_more(&self, answered: Answered) -> CheckTrajectoryResponse {
+        let Answered { response, certificate, swept_volume } = answered;
+        if let Some(data) = certificate {
+            self.certificates.publish(StringMessage { data });
+        }
+        if let Some(markers) = swept_volume {
+            self.swept_volumes.publish(markers);
+        }
+        response
+    }
+}
+
+impl MotionDesk {
+    /// Checks what is asked until there is no one left to ask.
+    pub fn work(mut self) {
+        while let Ok(request) = self.requests.recv_blocking() {
+            let judgement = known(&self.current, self.clock.read());
+            // a goal that was canceled while it waited has its result
+            if matches!(&request, Request::Goal(goal) if goal.watch.is_stopped()) {
+                continue;
+            }
+            if let Request::Goal(goal) = &request
+                && self.answers.send_blocking(Answer::Begun(Begun::of(goal))).is_err()
+            {
+                return;
+            }
+            let answer = self.answer(request, judgement.as_ref());
+            if self.answers.send_blocking(answer).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
+        let usual = self.parameters.get().continuous_direction();
+        let answered = self.guarded(|workspace| match &request {
+            Request::Motion(_, request) => answer_motion(request, usual, judgement, workspace),
+            Request::Trajectory(_, request) => answer_trajectory(request, None, judgement, workspace),
+            Request::Goal(Goal { request, watch, .. }) => {
+                answer_trajectory(request, Some(watch.clone()), judgement, workspace)
+            }
+        });
+        request.answered(answered)
+    }
+
+    /// A request is a stranger's text: what it breaks must not take the node with it.
+    fn guarded(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> Answered) -> Answered {
+        catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace))).unwrap_or_else(|_| {
+            log::error!("a motion could not be checked: the program failed inside");
+            self.workspace = None;
+            Answered::from(&Refusal::Internal)
+        })
+    }
+}
+
+impl Request {
+    fn answered(self, answered: Answered) -> Answer {
+        match self {
+            Self::Motion(id, _) => Answer::Motion(id, Box::new(answered)),
+            Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(answered)),
+            Self::Goal(goal) => Answer::Goal(goal.id, Box::new(answered)),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! The topics on which judgements are said.
+
+use std::time::{Duration, Instant};
+
+use clearance_monitor::Judgement;
+use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::DiagnosticArray;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64};
+
+use super::clearance_msgs::CollisionState;
+use super::marker_topic::MarkerFeed;
+use super::messages::collision_state;
+use super::middleware::{Message, MessageKind, Middleware, MiddlewareError, Publisher, Quality};
+use super::names::Names;
+use super::parameters::Parameters;
+
+/// Everything this node says.
+pub struct Publishers {
+    state: Publisher<CollisionState>,
+    is_free: Publisher<Bool>,
+    distance: Publisher<Float64>,
+    speed_scale: Publisher<Float64>,
+    time_to_contact: Publisher<Float64>,
+    /// Whether someone may still hold a time to contact that is not zero.
+    looked_ahead: bool,
+    markers: MarkerFeed,
+    diagnostics: Publisher<DiagnosticArray>,
+}
+
+/// What became of what was said.
+pub struct Said {
+    /// Messages that had to be dropped.
+    pub dropped: u64,
+    /// When `~/state` was handed to the middleware, which sends on a thread of its own.
+    pub state_at: Instant,
+}
+
+impl Publishers {
+    /// `markers` are drawn elsewhere.
+    pub fn open(
+        middleware: &Middleware,
+        names: &Names,
+        markers: MarkerFeed,
+    ) -> Result<Self, MiddlewareError> {
+        fn publisher<M: Message>(
+            middleware: &Middleware,
+            names: &Names,
+            name: &str,
+            kind: MessageKind,
+        ) -> Result<Publisher<M>, MiddlewareError> {
+            middleware.publisher(&names.resolve(name)?, kind, Quality::Reliable)
+        }
+        let float64 = MessageKind("std_msgs", "Float64");
+        let diagnostic = MessageKind("diagnostic_msgs", "DiagnosticArray");
+        let state = MessageKind("clearance_msgs", "CollisionState");
+        Ok(Self {
+            state: publisher(middleware, names, "~/state", state)?,
+            is_free: publisher(middleware, names, "~/is_free", MessageKind("std_msgs", "Bool"))?,
+            distance: publisher(middleware, names, "~/distance", float64)?,
+            speed_scale: publisher(middleware, names, "~/speed_scale", float64)?,
+            time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
+            looked_ahead: false,
+            markers,
+            diagnostics: publisher(middleware, names, "/diagnostics", diagnostic)?,
+        })
+    }
+
+    /// Says a judgement on all topics.
+    pub fn say(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) -> Said {
+        let mut dropped = self.markers.take_dropped();
+        let mut note = |sent: bool| dropped += u64::from(!sent);
+        // what stops a robot goes first
+        note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
+        note(self.speed_scale.publish(Float64 { data: judgement.speed_scale }));
+        note(self.state.publish(collision_state(judgement)));
+        let state_at = Instant::now();
+        note(self.distance.publish(Float64 { data: judgement.distance() }));
+        let looks_ahead = parameters.look_ahead_horizon > 0.0;
+        // once it is turned off, zero is said once more
+        if looks_ahead || self.looked_ahead {
+            let data = if looks_ahead { judgement.time_to_contact() } else { 0.0 };
+            note(self.time_to_contact.publish(Float64 { data }));
+        }
+        self.looked_ahead = looks_ahead;
+        self.markers.show(judgement, parameters, steady);
+        Said { dropped, state_at }
+    }
+
+    pub fn say_diagnostics(&self, diagnostics: DiagnosticArray) -> bool {
+        self.diagnostics.publish(diagnostics)
+    }
+}

@@ -1,0 +1,208 @@
+//! Recordings as they are read: a stranger's file, step by step, never held in memory as a whole.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use clearance_files::input_files;
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+
+use super::step::Step;
+use crate::cdr;
+
+/// The private name of the topic that holds the steps.
+pub const STEPS: &str = "recording";
+
+/// Largest record (bytes) that is read: the largest file that is attached, and what is said of it.
+const LARGEST_RECORD: usize = (512 << 20) + (1 << 20);
+
+/// Messages that one step is about at most, and their bytes.
+const MESSAGES_OF_A_STEP: usize = 100_000;
+const BYTES_OF_A_STEP: usize = 1 << 30;
+
+/// Declared kinds of messages at most, and the bytes of one.
+const MOST_SCHEMAS: usize = 1000;
+const BYTES_OF_A_SCHEMA: usize = 1 << 20;
+
+/// Why a recording can not be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {why}", file.display())]
+pub struct ReadError {
+    file: PathBuf,
+    why: String,
+}
+
+impl ReadError {
+    pub fn new(file: &Path, why: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), why: why.into() }
+    }
+}
+
+/// A message as it stands in a file.
+#[derive(Clone, Debug)]
+pub struct RawMessage {
+    pub topic: String,
+    /// The full name of its type.
+    pub kind: String,
+    pub schema: Vec<u8>,
+    pub log_time: u64,
+    pub data: Vec<u8>,
+}
+
+/// What stands in a recording, in its order.
+#[derive(Debug)]
+pub enum Entry {
+    Attachment {
+        name: String,
+        data: Vec<u8>,
+    },
+    /// A step, the messages before it, and the message that it is itself.
+    Step {
+        step: Box<Step>,
+        messages: Vec<RawMessage>,
+        itself: RawMessage,
+    },
+}
+
+/// Reads a recording from its beginning.
+pub struct RecordingFile {
+    path: PathBuf,
+    file: File,
+    reader: LinearReader,
+    schemas: HashMap<u16, (String, Vec<u8>)>,
+    /// By channel: topic and schema.
+    channels: HashMap<u16, (String, u16)>,
+    /// What waits for its step, and its bytes.
+    messages: Vec<RawMessage>,
+    bytes: usize,
+    at_end: bool,
+    /// Whether it was finished, as every complete one is.
+    has_footer: bool,
+    is_cut_off: bool,
+}
+
+impl RecordingFile {
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let file = input_files::open(path).map_err(|e| ReadError { file: e.file, why: e.reason })?;
+        let options = LinearReaderOptions::default()
+            .with_skip_end_magic(true)
+            .with_validate_chunk_crcs(true)
+            .with_record_length_limit(LARGEST_RECORD);
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            reader: LinearReader::new_with_options(options),
+            schemas: HashMap::new(),
+            channels: HashMap::new(),
+            messages: Vec::new(),
+            bytes: 0,
+            at_end: false,
+            has_footer: false,
+            is_cut_off: false,
+        })
+    }
+
+    /// Whether the file ended before it was finished.
+    #[must_use]
+    pub fn is_cut_off(&self) -> bool {
+        self.is_cut_off
+    }
+
+    pub fn refuse(&self, why: impl Into<String>) -> ReadError {
+        ReadError { file: self.path.clone(), why: why.into() }
+    }
+
+    /// The next entry; `None` at the end, also of a file that was cut off.
+    pub fn next(&mut self) -> Result<Option<Entry>, ReadError> {
+        loop {
+            let Some(record) = self.next_record()? else {
+                self.is_cut_off |= !self.has_footer;
+                return Ok(None);
+            };
+            self.has_footer |= matches!(record, Record::Footer(_));
+            if let Some(entry) = self.note(record)? {
+                return Ok(Some(entry));
+            }
+        }
+    }
+
+    fn next_record(&mut self) -> Result<Option<Record<'static>>, ReadError> {
+        loop {
+            let wanted = match self.reader.next_event() {
+                None => return Ok(None),
+                Some(Ok(LinearReadEvent::ReadRequest(wanted))) => wanted,
+                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
+                    let record = mcap::parse_record(opcode, data).map(Record::into_owned);
+                    return record.map(Some).map_err(|error| damaged(&self.path, &error));
+                }
+                // what a file that was cut off lacks can be anything
+                Some(Err(_)) if self.at_end => {
+                    self.is_cut_off = true;
+                    return Ok(None);
+                }
+                Some(Err(mcap::McapError::BadMagic)) => {
+                    return Err(self.refuse("is no MCAP file"));
+                }
+                Some(Err(error)) => return Err(damaged(&self.path, &error)),
+            };
+            let space = self.reader.insert(wanted);
+            let read = self.file.read(space);
+            let read = read.map_err(|error| ReadError { file: self.path.clone(), why: error.to_string() })?;
+            self.reader.notify_read(read);
+            self.at_end = read == 0;
+        }
+    }
+
+    fn note(&mut self, record: Record<'static>) -> Result<Option<Entry>, ReadError> {
+        match record {
+            Record::Schema { header, data } => {
+                if data.len() > BYTES_OF_A_SCHEMA || self.schemas.len() >= MOST_SCHEMAS {
+                    return Err(self.refuse("its schemas are too many or too large"));
+                }
+                self.schemas.insert(header.id, (header.name, data.into_owned()));
+            }
+            Record::Channel(channel) => {
+                self.channels.insert(channel.id, (channel.topic, channel.schema_id));
+            }
+            Record::Attachment { header, data, .. } => {
+                return Ok(Some(Entry::Attachment { name: header.name, data: data.into_owned() }));
+            }
+            Record::Message { header, data } => {
+                let (topic, schema) = (self.channels.get(&header.channel_id))
+                    .ok_or_else(|| self.refuse(format!("channel {} is not declared", header.channel_id)))?;
+                let (kind, schema) = self.schemas.get(schema).cloned().unwrap_or_default();
+                let (topic, data) = (topic.clone(), data.into_owned());
+                let is_step = topic.rsplit('/').next() == Some(STEPS) && kind == "std_msgs/msg/String";
+                let message = RawMessage { topic, kind, schema, log_time: header.log_time, data };
+                if is_step {
+                    return self.step(message).map(Some);
+                }
+                self.bytes += message.data.len() + message.schema.len();
+                if self.messages.len() >= MESSAGES_OF_A_STEP || self.bytes > BYTES_OF_A_STEP {
+                    return Err(self.refuse(format!(
+                        "too many messages stand in it without one on a topic '{STEPS}': it is no recording of clearance"
+                    )));
+                }
+                self.messages.push(message);
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    fn step(&mut self, itself: RawMessage) -> Result<Entry, ReadError> {
+        let wrong = |why: String| self.refuse(format!("{}: {why}", itself.topic));
+        let text: StringMessage = cdr::decode(&itself.data).map_err(wrong)?;
+        let step = serde_json::from_str(&text.data)
+            .map_err(|error| wrong(format!("is no step of this version of clearance: {error}")))?;
+        self.bytes = 0;
+        Ok(Entry::Step { step: Box::new(step), messages: std::mem::take(&mut self.messages), itself })
+    }
+}
+
+fn damaged(path: &Path, error: &mcap::McapError) -> ReadError {
+    ReadError { file: path.to_owned(), why: format!("is damaged: {error}") }
+}

@@ -1,0 +1,517 @@
+//! A recording run again: the same loader and the same monitor, in the order in which everything counted.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use clearance_checker::MeshModel;
+use clearance_monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time, Trail};
+use clearance_robot::{MeshFiles, MeshUse, RecordedMeshes, RobotModel};
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as StringMessage};
+use serde_json::{Map, Value as Json};
+
+use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
+use super::step::{Clocks, CloudStep, Late, OrderStep, SceneDoor, Step, Tidings, parameters_from_json};
+use crate::cdr;
+use crate::clearance_msgs::CollisionState;
+use crate::loader::{Loader, Surroundings};
+use crate::messages::{collision_state, joint_state_input};
+use crate::monitor_loop::{Event, WorldUpdate};
+use crate::order::Order;
+use crate::outlook::{Pass, places_of};
+use crate::parameters::Parameters;
+use crate::scene::{
+    CloudMessage, attached_order, clear_octomap, note_transforms, object_order, octomap_order, scene_order,
+    unreadable_order, world_order,
+};
+use crate::scene_keeper::Glimpse;
+use crate::scene_order::SceneOrder;
+
+/// What a recording has beside its messages: files, and what the node was given.
+#[derive(Debug)]
+pub struct Archive {
+    files: HashMap<String, Arc<[u8]>>,
+    meshes: Arc<RecordedMeshes>,
+    /// What the command line gave the node.
+    pub given: Json,
+    /// The version that recorded it.
+    pub version: String,
+}
+
+/// What the command line makes of an archive.
+pub struct Prepared {
+    pub robot: Option<RobotModel>,
+    pub mesh_files: MeshFiles,
+    pub surroundings: Surroundings,
+    pub mesh_model: MeshModel,
+}
+
+impl std::fmt::Debug for Prepared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Prepared").field("robot", &self.robot).finish_non_exhaustive()
+    }
+}
+
+/// What came out of running a recording again.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Outcome {
+    /// Answers that are the same.
+    pub same: u64,
+    /// Those among them that came without all pairs at their deadline: of these, only whether they were free and how fast the robot
+    /// might be is compared.
+    pub late: u64,
+    /// The first that is not; nothing behind it was run.
+    pub difference: Option<Difference>,
+    /// Steps that the recorder lost; nothing behind them was run, since nobody knows what they were.
+    pub lost: Option<u64>,
+    /// Whether the file ended before it was finished.
+    pub cut_off: bool,
+    /// The version that recorded it.
+    pub version: String,
+}
+
+/// An answer that is not what it was.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Difference {
+    /// Counted from 1.
+    pub answer: u64,
+    /// Nanoseconds since 1970.
+    pub time: u64,
+    /// What of it differs.
+    pub field: String,
+    pub recorded: String,
+    pub replayed: String,
+}
+
+impl Archive {
+    /// Reads all but the messages.
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let mut file = RecordingFile::open(path)?;
+        let (mut files, mut uses, mut started) = (HashMap::new(), Vec::new(), None);
+        while let Some(entry) = file.next()? {
+            match entry {
+                Entry::Attachment { name, data } => drop(files.insert(name, Arc::<[u8]>::from(data))),
+                Entry::Step { step, .. } => match *step {
+                    Step::Mesh { folder, uri, file } => uses.push(MeshUse { folder, uri, file }),
+                    Step::Started { version, given, .. } if started.is_none() => {
+                        started = Some((version, given));
+                    }
+                    _ => {}
+                },
+            }
+        }
+        let (version, given) =
+            started.ok_or_else(|| file.refuse("holds no beginning of a recording by clearance"))?;
+        let mut meshes = RecordedMeshes::default();
+        for found in uses {
+            let name = found.file.display().to_string();
+            if let Some(bytes) = files.get(&name) {
+                meshes.insert(found, Arc::clone(bytes));
+            }
+        }
+        Ok(Self { files, meshes: Arc::new(meshes), given, version })
+    }
+
+    /// An attached file.
+    ///
+    /// # Errors
+    /// When there is none of this name.
+    pub fn file(&self, path: &Path) -> Result<Arc<[u8]>, String> {
+        let name = path.display().to_string();
+        self.files.get(&name).cloned().ok_or_else(|| format!("{name}: is not in the recording"))
+    }
+
+    /// The meshes that were read.
+    #[must_use]
+    pub fn meshes(&self) -> MeshFiles {
+        MeshFiles::recorded(Arc::clone(&self.meshes))
+    }
+}
+
+/// Runs a recording again, up to the first answer that differs.
+pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
+    let mut file = RecordingFile::open(path)?;
+    let mut prepared = Some(prepared);
+    let mut run: Option<Run> = None;
+    let mut outcome = Outcome::default();
+    while let Some(entry) = file.next()? {
+        let Entry::Step { step, messages, itself } = entry else { continue };
+        match (*step, &mut run) {
+            (Step::Started { parameters, version, .. }, None) => {
+                let parameters = parameters_from_json(&parameters).map_err(|why| file.refuse(why))?;
+                let prepared = prepared.take().ok_or_else(|| file.refuse("begins twice"))?;
+                run = Some(Run::new(prepared, &parameters).map_err(|why| file.refuse(why))?);
+                outcome.version = version;
+            }
+            (Step::Lost { steps }, _) => {
+                outcome.lost = Some(steps);
+                return Ok(outcome);
+            }
+            (Step::Ended { .. }, _) => return Ok(outcome),
+            (_, None) => return Err(file.refuse("does not begin with the start of a node")),
+            (step, Some(run)) => {
+                let mut messages = Messages(messages.into_iter());
+                let time = itself.log_time;
+                let done = run.follow(step, &mut messages).map_err(|why| file.refuse(why))?;
+                match done {
+                    Done::Nothing => {}
+                    Done::Same(late) => {
+                        outcome.same += 1;
+                        outcome.late += u64::from(late == Late::Pairs);
+                    }
+                    Done::Differs { field, recorded, replayed } => {
+                        let answer = outcome.same + 1;
+                        outcome.difference = Some(Difference { answer, time, field, recorded, replayed });
+                        return Ok(outcome);
+                    }
+                }
+            }
+        }
+    }
+    outcome.cut_off = file.is_cut_off();
+    Ok(outcome)
+}
+
+/// The node without its network.
+struct Run {
+    monitor: Monitor,
+    loader: Loader,
+    /// What the loader has told and the monitor has not heeded yet.
+    told: VecDeque<Event>,
+    transforms: clearance_scene::TransformTree,
+    judgement: Option<Judgement>,
+    trail: Trail,
+}
+
+/// What came of one step.
+enum Done {
+    Nothing,
+    Same(Late),
+    Differs { field: String, recorded: String, replayed: String },
+}
+
+impl Run {
+    fn new(prepared: Prepared, parameters: &Parameters) -> Result<Self, String> {
+        let Prepared { robot, mesh_files, surroundings, mesh_model } = prepared;
+        let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
+        let mut loader = Loader::new((mesh_files, surroundings, mesh_model));
+        if let Some(robot) = robot {
+            let glimpse = Glimpse::first(parameters, Now { ros: None, steady: Duration::ZERO });
+            monitor.set_checker(loader.take_given(robot, &glimpse)?);
+        }
+        let transforms = clearance_scene::TransformTree::default();
+        Ok(Self {
+            monitor,
+            loader,
+            told: VecDeque::new(),
+            transforms,
+            judgement: None,
+            trail: Trail::default(),
+        })
+    }
+
+    fn follow(&mut self, step: Step, messages: &mut Messages) -> Result<Done, String> {
+        match step {
+            Step::Pass { now, parameters, orders, clouds } => {
+                let pass = self.pass(now, &parameters, (orders, clouds), messages)?;
+                self.loader.carry_out(pass, |event| self.told.push_back(event));
+            }
+            Step::Told(tidings) => return Ok(self.heed(&tidings)),
+            Step::Parameters(parameters) => {
+                self.monitor.set_settings(parameters_from_json(&parameters)?.monitor_settings());
+            }
+            Step::Transforms { now, fixed } => {
+                let now = now.map(Time::from_nanoseconds);
+                drop(note_transforms(&mut self.transforms, messages.next("a transform")?, now, fixed));
+            }
+            Step::Enabled(enabled) => self.monitor.set_enabled(enabled),
+            Step::Looked => self.monitor.note_transforms(&self.transforms),
+            Step::Heard { now, source } => {
+                self.monitor.hear(messages.joint_state(&source)?, now.into());
+            }
+            Step::JointState { now, source, late } => {
+                self.monitor.leave_out(late.into());
+                let judgement = self.monitor.on_joint_state(messages.joint_state(&source)?, now.into());
+                self.monitor.prepare();
+                return self.compare(judgement, late, messages);
+            }
+            Step::Heartbeat { now, late } => {
+                self.monitor.leave_out(late.into());
+                let judgement = self.monitor.on_heartbeat(now.into());
+                return self.compare(judgement, late, messages);
+            }
+            Step::Started { .. } => return Err("begins twice".to_owned()),
+            Step::Mesh { .. } | Step::Clock | Step::Lost { .. } | Step::Ended { .. } => {}
+        }
+        Ok(Done::Nothing)
+    }
+
+    fn pass(
+        &self,
+        now: Clocks,
+        parameters: &Map<String, Json>,
+        (orders, clouds): (Vec<OrderStep>, Vec<CloudStep>),
+        messages: &mut Messages,
+    ) -> Result<Pass, String> {
+        let orders = orders.into_iter().map(|order| read_order(order, messages)).collect::<Result<_, _>>()?;
+        let mut read = BTreeMap::new();
+        for CloudStep { topic, came } in clouds {
+            let cloud = Arc::new(messages.next("a cloud")?);
+            read.insert(topic, CloudMessage { cloud, came: came.into(), since: Instant::now() });
+        }
+        let glimpse = Glimpse {
+            now: now.into(),
+            parameters: parameters_from_json(parameters)?,
+            transforms: self.transforms.clone(),
+            judgement: self.judgement.clone(),
+            places: places_of(&read, &self.trail),
+        };
+        Ok(Pass { glimpse, orders, clouds: read })
+    }
+
+    /// The monitor heeds what the loader told it next, which must be what it was.
+    fn heed(&mut self, recorded: &Tidings) -> Done {
+        let differs = |replayed: String| Done::Differs {
+            field: "what the loader made of its orders".to_owned(),
+            recorded: format!("{recorded:?}"),
+            replayed,
+        };
+        if *recorded == Tidings::Described {
+            self.monitor.note_description();
+            return Done::Nothing;
+        }
+        if let Tidings::Memory { used, limit } = *recorded {
+            self.monitor.note_memory(used, limit);
+            return Done::Nothing;
+        }
+        if let Tidings::WorldUpdate(update @ (WorldUpdate::Received { .. } | WorldUpdate::Withdrawn)) =
+            *recorded
+        {
+            update.tell(&mut self.monitor);
+            return Done::Nothing;
+        }
+        self.heed_untold(recorded);
+        match (recorded, self.told.pop_front()) {
+            (Tidings::Checker, Some(Event::Checker(revision))) => self.monitor.set_checker(revision),
+            (Tidings::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
+            (Tidings::Heeded, Some(Event::Heeded(descriptions))) => self.monitor.note_heeded(descriptions),
+            // the words name folders that are not here
+            (Tidings::ModelFault(fault), Some(Event::ModelFault(_))) => {
+                self.monitor.note_model_fault(fault.clone());
+            }
+            (Tidings::WorldUpdate(told), Some(Event::WorldUpdate(update))) if *told == update => {
+                update.tell(&mut self.monitor);
+            }
+            (Tidings::World, Some(Event::World(_, faults, incomplete))) => {
+                self.monitor.note_world_faults(faults, incomplete);
+            }
+            (_, Some(Event::ModelFault(fault))) => return differs(format!("ModelFault: {fault}")),
+            (_, Some(Event::Checker(_))) => return differs("Checker".to_owned()),
+            (_, Some(Event::ModelSwap)) => return differs("ModelSwap".to_owned()),
+            (_, Some(Event::World(..))) => return differs("World".to_owned()),
+            (_, Some(Event::Heeded(_))) => return differs("Heeded".to_owned()),
+            (_, Some(Event::WorldUpdate(update))) => return differs(format!("{update:?}")),
+            // no loader tells that
+            (
+                _,
+                Some(
+                    Event::Parameters(_)
+                    | Event::Enabled(..)
+                    | Event::Say(_)
+                    | Event::Described
+                    | Event::Memory { .. }
+                    | Event::Stop,
+                )
+                | None,
+            ) => {
+                return differs("nothing".to_owned());
+            }
+        }
+        Done::Nothing
+    }
+
+    /// Applies events that recordings of older versions do not contain.
+    fn heed_untold(&mut self, recorded: &Tidings) {
+        loop {
+            match self.told.front() {
+                Some(Event::Heeded(descriptions)) if *recorded != Tidings::Heeded => {
+                    self.monitor.note_heeded(*descriptions);
+                }
+                Some(Event::WorldUpdate(update)) if !matches!(recorded, Tidings::WorldUpdate(_)) => {
+                    update.tell(&mut self.monitor);
+                }
+                _ => return,
+            }
+            self.told.pop_front();
+        }
+    }
+
+    fn compare(&mut self, judgement: Judgement, late: Late, messages: &mut Messages) -> Result<Done, String> {
+        let difference = difference(&judgement, late, messages)?;
+        self.trail.note(&judgement);
+        self.judgement = Some(judgement);
+        Ok(difference.unwrap_or(Done::Same(late)))
+    }
+}
+
+/// What of an answer is not as it was recorded, if anything is.
+fn difference(judgement: &Judgement, late: Late, messages: &mut Messages) -> Result<Option<Done>, String> {
+    let differs = |field: &str, recorded: &Json, replayed: &Json| {
+        let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
+        (recorded != replayed).then(|| Done::Differs { field: field.to_owned(), recorded, replayed })
+    };
+    let raw = messages.raw("an answer")?;
+    let names = fields(&raw.schema);
+    let recorded = json(&state(&raw)?)?;
+    let replayed = json(&collision_state(judgement))?;
+    for (field, replayed) in replayed.as_object().into_iter().flatten() {
+        // how long it took is no part of the answer; fields that came later have nothing to be compared with
+        if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
+            continue;
+        }
+        let is_older = !names.iter().any(|name| name == NEWEST_FIELD);
+        if is_older && field == "warnings" && warns_of_all(replayed, &recorded[field]) {
+            continue;
+        }
+        if let Some(difference) = differs(field, &recorded[field], replayed) {
+            return Ok(Some(difference));
+        }
+    }
+    let is_free: Bool = messages.next("is_free")?;
+    let distance: Float64 = messages.next("distance")?;
+    let number = |field: &str, was: f64, is: f64| {
+        let told = |number: f64| Json::from(number.to_string());
+        let is_same = was.to_bits() == is.to_bits() || (was.is_nan() && is.is_nan());
+        (!is_same).then(|| differs(field, &told(was), &told(is)))?
+    };
+    if let Some(difference) = differs("is_free", &is_free.data.into(), &judgement.status.is_free().into()) {
+        return Ok(Some(difference));
+    }
+    if late != Late::Pairs
+        && let Some(difference) = number("distance", distance.data, judgement.distance())
+    {
+        return Ok(Some(difference));
+    }
+    // recordings of older versions lack it
+    if messages.is_empty() {
+        return Ok(None);
+    }
+    let speed_scale: Float64 = messages.next("speed_scale")?;
+    Ok(number("speed_scale", speed_scale.data, judgement.speed_scale))
+}
+
+/// A field that this version records: versions without it warn of less.
+const NEWEST_FIELD: &str = "time_to_contact_considers_obstacle_motion";
+
+/// Whether a list has everything that another one has.
+fn warns_of_all(list: &Json, other: &Json) -> bool {
+    let texts = |list: &Json| list.as_array().cloned().unwrap_or_default();
+    let list = texts(list);
+    texts(other).iter().all(|text| list.contains(text))
+}
+
+fn json(state: &CollisionState) -> Result<Json, String> {
+    serde_json::to_value(state).map_err(|error| error.to_string())
+}
+
+/// A recorded answer. Those of older versions lack the fields that were added at the end since.
+fn state(raw: &RawMessage) -> Result<CollisionState, String> {
+    const ROOM: usize = 4096;
+    if raw.kind != "clearance_msgs/msg/CollisionState" {
+        return Err(format!("{}: is a {}, no CollisionState", raw.topic, raw.kind));
+    }
+    let mut bytes = raw.data.clone();
+    bytes.extend([0; ROOM]);
+    cdr::decode(&bytes).map_err(|why| format!("{}: {why}", raw.topic))
+}
+
+/// The names of the fields that a message had when it was recorded.
+fn fields(schema: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(schema);
+    let own = text.split("\n====").next().unwrap_or_default();
+    let declarations = own.lines().filter_map(|line| line.split('#').next());
+    let names =
+        declarations.filter(|line| !line.contains('=')).filter_map(|line| line.split_whitespace().nth(1));
+    names.map(str::to_owned).collect()
+}
+
+fn source_id(hexadecimal: &str) -> Result<SourceId, String> {
+    let wrong = || "the publisher of a joint state is not 32 hexadecimal digits".to_owned();
+    let number = u128::from_str_radix(hexadecimal, 16).map_err(|_| wrong())?;
+    (hexadecimal.len() == 32).then(|| SourceId(number.to_be_bytes())).ok_or_else(wrong)
+}
+
+fn read_order(order: OrderStep, messages: &mut Messages) -> Result<Order, String> {
+    let text =
+        |messages: &mut Messages| messages.next::<StringMessage>("a description").map(|text| text.data);
+    Ok(match order {
+        OrderStep::Description => Order::Description(text(messages)?),
+        OrderStep::Semantic => Order::Semantic(text(messages)?),
+        OrderStep::Parameters => Order::Parameters,
+        OrderStep::Clouds => Order::Clouds,
+        OrderStep::Display => Order::Display,
+        OrderStep::Frames => Order::Frames,
+        OrderStep::ClearOctomap => Order::Scene(Box::new(clear_octomap())),
+        OrderStep::Unreadable { by } => Order::Scene(Box::new(unreadable_order(by))),
+        OrderStep::Scene { by, came, unknown_is_occupied, lost } => {
+            let order = read_scene_order(by, came, unknown_is_occupied, messages)?;
+            Order::Scene(Box::new(order.after(lost)))
+        }
+    })
+}
+
+fn read_scene_order(
+    by: SceneDoor,
+    came: Clocks,
+    unknown: bool,
+    messages: &mut Messages,
+) -> Result<SceneOrder, String> {
+    let (name, came) = (by.name(), came.into());
+    Ok(match by {
+        SceneDoor::CollisionObject => object_order(&messages.next(name)?),
+        SceneDoor::AttachedCollisionObject => attached_order(&messages.next(name)?),
+        SceneDoor::PlanningSceneWorld => world_order(messages.next(name)?, unknown, came),
+        SceneDoor::PlanningScene | SceneDoor::ApplyPlanningScene | SceneDoor::GetPlanningScene => {
+            scene_order(by, messages.next(name)?, unknown, came)
+        }
+        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => {
+            octomap_order(by, messages.next(name)?, unknown, came)
+        }
+    })
+}
+
+/// The messages that a step is about, in their order.
+struct Messages(std::vec::IntoIter<RawMessage>);
+
+impl Messages {
+    fn raw(&mut self, what: &str) -> Result<RawMessage, String> {
+        self.0.next().ok_or_else(|| format!("{what} is missing before a step"))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.as_slice().is_empty()
+    }
+
+    fn joint_state(&mut self, source: &str) -> Result<JointStateInput, String> {
+        let message: JointState = self.next("a joint state")?;
+        Ok(joint_state_input(message, source_id(source)?))
+    }
+
+    fn next<M: serde::de::DeserializeOwned>(&mut self, what: &str) -> Result<M, String> {
+        let raw = self.raw(what)?;
+        cdr::decode(&raw.data).map_err(|why| format!("{} ({what}): {why}", raw.topic))
+    }
+}
+
+/// The path that an argument named, as a recording has it.
+#[must_use]
+pub fn recorded_path(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().or_else(|_| std::path::absolute(folder));
+    match (folder, path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}

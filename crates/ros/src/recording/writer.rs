@@ -1,0 +1,432 @@
+//! From happenings to a file, on a thread of its own.
+
+use std::collections::BTreeMap;
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{self, BufWriter};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use clearance_files::input_files::{self, MESH_LIMIT};
+use clearance_monitor::{Now, SourceId};
+use mcap::records::MessageHeader;
+use mcap::{Attachment, Compression, WriteOptions};
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as StringMessage};
+use serde::Serialize;
+
+use super::messages::schema;
+use super::step::{Clocks, CloudStep, OrderStep, Step, parameters_to_json};
+use super::tape::{Backlog, Given, Happening, Item, Judged, Original, Tape, system_time};
+use crate::cdr;
+use crate::mailbox::{self, Receiver};
+use crate::names::Names;
+use crate::parameters::Parameters;
+use crate::waiting::wait_at_most;
+
+/// Things that wait to be written at most.
+const LONGEST_QUEUE: usize = 20_000;
+
+/// What a file that is cut off may lack at its end.
+const FLUSH_PERIOD: Duration = Duration::from_secs(1);
+
+/// Time between two looks at whether it is enough.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
+
+/// Names that are tried when a file is there already.
+const TRIES: u32 = 10_000;
+
+const MEGABYTE: f64 = 1e6;
+
+/// What is recorded, where, and for how long.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordingSettings {
+    pub file: PathBuf,
+    /// Size (MB) at which the recording ends; 0 means never.
+    pub max_size: f64,
+    /// Time (s) after which the recording ends; 0 means never.
+    pub max_duration: f64,
+}
+
+/// Writes a recording until it is told to finish.
+#[derive(Debug)]
+pub struct Recorder {
+    thread: JoinHandle<()>,
+    backlog: Arc<Backlog>,
+}
+
+impl Recorder {
+    /// Begins a new file: one that is there already is left alone, and a number is added to the name.
+    ///
+    /// # Errors
+    /// When the file can not be made.
+    pub fn start(
+        settings: &RecordingSettings,
+        names: &Names,
+        given: Given,
+        parameters: &Parameters,
+    ) -> Result<(Tape, Self), String> {
+        let refused =
+            |error: &dyn std::fmt::Display| format!("record_file: {}: {error}", settings.file.display());
+        let created = create(&settings.file).map_err(|error| refused(&error))?;
+        Self::write_to(created, settings, (names, given, parameters)).map_err(|error| refused(&error))
+    }
+
+    /// Begins to write to a file that was made.
+    pub(super) fn write_to(
+        (file, path): (File, PathBuf),
+        settings: &RecordingSettings,
+        (names, given, parameters): (&Names, Given, &Parameters),
+    ) -> Result<(Tape, Self), Box<dyn std::error::Error>> {
+        let topics = Topics::new(names);
+        let measured = file.try_clone()?;
+        let mcap = mcap_writer(file)?;
+        let (items, items_in) = mailbox::bounded(LONGEST_QUEUE);
+        let backlog = Arc::new(Backlog::default());
+        let tape = Tape::to(items, Arc::clone(&backlog));
+        let ends = Arc::clone(&backlog);
+        let mut writer = Writer { mcap, channels: BTreeMap::new(), topics, written: 0 };
+        let started = Step::Started {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            node: names.full_node_name(),
+            parameters: parameters_to_json(parameters),
+            given: given.arguments,
+        };
+        let limits =
+            Limits { settings: settings.clone(), path: path.clone(), measured, began: Instant::now() };
+        log::info!("recording to {}", path.display());
+        let record = move || {
+            let begun = given.files.iter().try_for_each(|file| writer.attach(file, file));
+            let begun = begun.and_then(|()| writer.step(&started, system_time()));
+            let written = begun.and_then(|()| follow(&mut writer, &items_in, &backlog, &limits));
+            let refuse = |error: &str| format!("recording to {} ended: {error}", path.display());
+            if let Err(error) = &written {
+                backlog.set_fault(Some(refuse(error)));
+            }
+            // from here on nobody listens: what is told is passed over
+            drop(items_in);
+            let why = written.as_deref().unwrap_or("the recording failed").to_owned();
+            let ended = writer.step(&Step::Ended { why }, system_time());
+            let finished = ended.and_then(|()| writer.mcap.finish().map(drop).map_err(|e| e.to_string()));
+            match written.and_then(|why| finished.map(|()| why)) {
+                Ok(why) => log::info!("{} is complete: {why}", path.display()),
+                Err(error) => {
+                    let fault = refuse(&error);
+                    log::error!("{fault}");
+                    backlog.set_fault(Some(fault));
+                }
+            }
+        };
+        let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(record);
+        Ok((tape, Self { thread: thread?, backlog: ends }))
+    }
+
+    #[cfg(test)]
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.thread.is_finished()
+    }
+
+    /// Writes what was told so far, and waits until it is written.
+    pub fn finish(self) {
+        self.backlog.ended.store(true, Ordering::Relaxed);
+        if self.thread.join().is_err() {
+            log::error!("the recorder failed inside the program: its file ends before the node did");
+        }
+    }
+}
+
+/// When a recording is long enough.
+struct Limits {
+    settings: RecordingSettings,
+    path: PathBuf,
+    measured: File,
+    began: Instant,
+}
+
+impl Limits {
+    /// Why what is written will not be found, if it will not.
+    fn is_gone(&self) -> Option<String> {
+        let identity = |metadata: Metadata| (metadata.dev(), metadata.ino());
+        let written = self.measured.metadata().map(identity);
+        let found = self.path.metadata().map(identity);
+        let is_there = matches!((written, found), (Ok(written), Ok(found)) if written == found);
+        let path = self.path.display();
+        (!is_there)
+            .then(|| format!("the recording {path} was moved or removed: what is recorded now may be lost"))
+    }
+
+    fn reached(&self) -> Option<String> {
+        let RecordingSettings { max_size, max_duration, .. } = self.settings;
+        #[expect(clippy::cast_precision_loss, reason = "a file's size is far below 2^52")]
+        let megabytes = self.measured.metadata().map_or(0.0, |metadata| metadata.len() as f64 / MEGABYTE);
+        if max_size > 0.0 && megabytes >= max_size {
+            return Some(format!("record_max_size: {max_size} MB are reached"));
+        }
+        if max_duration > 0.0 && self.began.elapsed().as_secs_f64() >= max_duration {
+            return Some(format!("record_max_duration: {max_duration} s are over"));
+        }
+        None
+    }
+}
+
+/// Writes what comes until nothing can come any more, or it is enough; says why it ended.
+fn follow(
+    writer: &mut Writer,
+    items: &Receiver<Item>,
+    backlog: &Backlog,
+    limits: &Limits,
+) -> Result<String, String> {
+    let mut flushed = Instant::now();
+    let mut missing: u64 = 0;
+    loop {
+        // what was told before the end is written; asked in this order, nothing of it is missed
+        let ended = backlog.ended.load(Ordering::Relaxed);
+        let item = wait_at_most(if ended { Duration::ZERO } else { LONGEST_WAIT }, items.receive());
+        let lost = backlog.lost.swap(0, Ordering::Relaxed);
+        if lost > 0 {
+            missing += lost;
+            log::warn!("the recording misses {lost} steps here: the disk is slower than what happens");
+            writer.step(&Step::Lost { steps: lost }, system_time())?;
+        }
+        match item {
+            Some(Some(item)) => {
+                backlog.bytes.fetch_sub(item.bytes, Ordering::Relaxed);
+                writer.write(item.what, item.at)?;
+            }
+            None if !ended => {}
+            None | Some(None) => return Ok("the node ended".to_owned()),
+        }
+        if flushed.elapsed() >= FLUSH_PERIOD {
+            flushed = Instant::now();
+            writer.mcap.flush().map_err(|error| error.to_string())?;
+            let gap = || {
+                (missing > 0).then(|| {
+                    format!("the recording misses {missing} steps: the disk is slower than what happens")
+                })
+            };
+            backlog.set_fault(limits.is_gone().or_else(gap));
+            if let Some(why) = limits.reached() {
+                return Ok(why);
+            }
+        }
+    }
+}
+
+/// A file that was not there before.
+fn create(path: &Path) -> io::Result<(File, PathBuf)> {
+    input_files::check_target(path).map_err(|error| io::Error::other(error.reason))?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or_else(|| "mcap".into(), |extension| extension.to_string_lossy());
+    for number in 0..TRIES {
+        let name = match number {
+            0 => path.to_owned(),
+            _ => path.with_file_name(format!("{stem}_{number}.{extension}")),
+        };
+        match OpenOptions::new().write(true).create_new(true).open(&name) {
+            Ok(file) => return Ok((file, name)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("{TRIES} files of this name are there already")))
+}
+
+pub(super) fn mcap_writer(file: File) -> mcap::McapResult<mcap::Writer<BufWriter<File>>> {
+    let options = WriteOptions::new()
+        .profile("ros2")
+        .library(concat!("clearance ", env!("CARGO_PKG_VERSION")))
+        .compression(Some(Compression::Zstd))
+        .compression_threads(0)
+        // chunks are written whole: a file that is cut off ends with a chunk that is short, not with one that says nothing of its length
+        .disable_seeking(true);
+    options.create(BufWriter::new(file))
+}
+
+/// Where messages stand in the file.
+struct Topics {
+    names: Names,
+    node: String,
+}
+
+impl Topics {
+    fn new(names: &Names) -> Self {
+        Self { names: names.clone(), node: names.full_node_name() }
+    }
+
+    /// The full name of a topic, after remaps.
+    fn named(&self, name: &str) -> String {
+        self.names.resolve(name).map_or_else(|_| name.to_owned(), |name| name.as_str().to_owned())
+    }
+
+    /// The topic of the steps, which no remap moves: a reader finds it by its name.
+    fn steps(&self) -> String {
+        format!("{}/{}", self.node, super::mcap_file::STEPS)
+    }
+}
+
+/// The file.
+struct Writer {
+    mcap: mcap::Writer<BufWriter<File>>,
+    /// By topic.
+    channels: BTreeMap<String, u16>,
+    topics: Topics,
+    /// Messages.
+    written: u32,
+}
+
+impl Writer {
+    fn write(&mut self, what: Happening, at: u64) -> Result<(), String> {
+        let step = match what {
+            Happening::Meshes(meshes) => {
+                for mesh in meshes {
+                    self.attach(&mesh.file, &mesh.file)?;
+                    let (folder, uri, file) = (mesh.folder, mesh.uri, mesh.file);
+                    self.step(&Step::Mesh { folder, uri, file }, at)?;
+                }
+                return Ok(());
+            }
+            Happening::Pass { now, parameters, orders, clouds } => {
+                for (order, original) in &orders {
+                    if let Some(original) = original {
+                        self.original(order, original, now, at)?;
+                    }
+                }
+                for (topic, came, cloud) in &clouds {
+                    let topic = self.topics.named(topic);
+                    self.message(
+                        &topic,
+                        "sensor_msgs/msg/PointCloud2",
+                        cloud.as_ref(),
+                        before(at, now, *came),
+                    )?;
+                }
+                let clouds =
+                    clouds.into_iter().map(|(topic, came, _)| CloudStep { topic, came: came.into() });
+                Step::Pass {
+                    now: now.into(),
+                    parameters: parameters_to_json(&parameters),
+                    orders: orders.into_iter().map(|(order, _)| order).collect(),
+                    clouds: clouds.collect(),
+                }
+            }
+            Happening::Told(tidings) => Step::Told(tidings),
+            Happening::Parameters(parameters) => Step::Parameters(parameters_to_json(&parameters)),
+            Happening::Enabled(enabled) => Step::Enabled(enabled),
+            Happening::Looked => Step::Looked,
+            Happening::Heard { now, message, source } => {
+                Step::Heard { now: now.into(), source: self.joint_state(&message, source, at)? }
+            }
+            Happening::Judged(judged) => self.judged(*judged, at)?,
+            Happening::Transforms { message, now, fixed } => {
+                let topic = self.topics.named(if fixed { "tf_static" } else { "tf" });
+                self.message(&topic, "tf2_msgs/msg/TFMessage", &message, at)?;
+                Step::Transforms { now: now.map(clearance_monitor::Time::nanoseconds), fixed }
+            }
+            Happening::Clock(message) => {
+                self.message("/clock", "rosgraph_msgs/msg/Clock", &message, at)?;
+                Step::Clock
+            }
+        };
+        self.step(&step, at)
+    }
+
+    /// What was heard, if it was a joint state, and what was said.
+    fn judged(&mut self, judged: Judged, at: u64) -> Result<Step, String> {
+        let Judged { now, heard, answer } = judged;
+        let (now, late) = (now.into(), answer.left_out.into());
+        let step = match heard {
+            Some((message, source)) => {
+                Step::JointState { now, source: self.joint_state(&message, source, at)?, late }
+            }
+            None => Step::Heartbeat { now, late },
+        };
+        let [state, is_free, distance, speed_scale] =
+            ["~/state", "~/is_free", "~/distance", "~/speed_scale"].map(|name| self.topics.named(name));
+        let kind = "clearance_msgs/msg/CollisionState";
+        self.message(&state, kind, &answer.state, at)?;
+        self.message(&is_free, "std_msgs/msg/Bool", &Bool { data: answer.is_free }, at)?;
+        self.message(&distance, "std_msgs/msg/Float64", &Float64 { data: answer.distance }, at)?;
+        self.message(&speed_scale, "std_msgs/msg/Float64", &Float64 { data: answer.speed_scale }, at)?;
+        Ok(step)
+    }
+
+    /// A joint state as it came; its publisher in hexadecimal digits.
+    fn joint_state(&mut self, message: &JointState, source: SourceId, at: u64) -> Result<String, String> {
+        let topic = self.topics.named("joint_states");
+        self.message(&topic, "sensor_msgs/msg/JointState", message, at)?;
+        Ok(format!("{:032x}", u128::from_be_bytes(source.0)))
+    }
+
+    fn original(&mut self, order: &OrderStep, original: &Original, now: Now, at: u64) -> Result<(), String> {
+        let (topic, at) = match order {
+            OrderStep::Scene { by, came, .. } => (by.name(), before(at, now, (*came).into())),
+            OrderStep::Semantic => ("robot_description_semantic", at),
+            _ => ("robot_description", at),
+        };
+        let topic = self.topics.named(topic);
+        match original {
+            Original::Text(text) => {
+                self.message(&topic, "std_msgs/msg/String", &StringMessage { data: text.clone() }, at)
+            }
+            Original::Scene(message) => self.message(&topic, "moveit_msgs/msg/PlanningScene", message, at),
+            Original::World(message) => {
+                self.message(&topic, "moveit_msgs/msg/PlanningSceneWorld", message, at)
+            }
+            Original::Object(message) => self.message(&topic, "moveit_msgs/msg/CollisionObject", message, at),
+            Original::Attached(message) => {
+                self.message(&topic, "moveit_msgs/msg/AttachedCollisionObject", message, at)
+            }
+            Original::Octomap(message) => self.message(&topic, "octomap_msgs/msg/Octomap", message, at),
+        }
+    }
+
+    fn step(&mut self, step: &Step, at: u64) -> Result<(), String> {
+        let data = serde_json::to_string(step).map_err(|error| error.to_string())?;
+        let topic = self.topics.steps();
+        self.message(&topic, "std_msgs/msg/String", &StringMessage { data }, at)
+    }
+
+    fn message<M: Serialize>(&mut self, topic: &str, kind: &str, message: &M, at: u64) -> Result<(), String> {
+        let bytes = cdr::encode(message)?;
+        let channel = self.channel(topic, kind).map_err(|error| error.to_string())?;
+        let header =
+            MessageHeader { channel_id: channel, sequence: self.written, log_time: at, publish_time: at };
+        self.written = self.written.wrapping_add(1);
+        self.mcap.write_to_known_channel(&header, &bytes).map_err(|error| error.to_string())
+    }
+
+    fn channel(&mut self, topic: &str, kind: &str) -> mcap::McapResult<u16> {
+        if let Some(channel) = self.channels.get(topic) {
+            return Ok(*channel);
+        }
+        let schema = self.mcap.add_schema(kind, "ros2msg", schema(kind).as_bytes())?;
+        let channel = self.mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
+        self.channels.insert(topic.to_owned(), channel);
+        Ok(channel)
+    }
+
+    /// Puts a copy of a file into this one. One that can not be read leaves a recording that can be looked at, but not run again.
+    fn attach(&mut self, file: &Path, name: &Path) -> Result<(), String> {
+        let bytes = match input_files::read(file, MESH_LIMIT) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                log::error!("the recording lacks {error}");
+                return Ok(());
+            }
+        };
+        let (log_time, name) = (system_time(), name.display().to_string());
+        let media_type = "application/octet-stream".to_owned();
+        let attachment = Attachment { log_time, create_time: log_time, name, media_type, data: bytes.into() };
+        self.mcap.attach(&attachment).map_err(|error| error.to_string())
+    }
+}
+
+/// When something came, on the clock of the recording, which shows `at` when the others show `now`.
+fn before(at: u64, now: Now, came: Now) -> u64 {
+    let [now, came] = [now, came].map(|now| Clocks::from(now).steady);
+    at.saturating_sub(now.saturating_sub(came))
+}

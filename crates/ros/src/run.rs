@@ -1,0 +1,447 @@
+//! The node as a whole: its threads, their channels, its beginning and its end.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clearance_checker::MeshModel;
+use clearance_monitor::Monitor;
+use clearance_robot::{MeshFiles, RobotModel};
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
+use smol::channel::{self, Receiver, Sender};
+
+use super::arguments::RosArguments;
+use super::clock::RosClock;
+use super::enable_service::EnableService;
+use super::link_volumes::LinkVolumes;
+use super::loader::{Loader, Surroundings};
+use super::logging::{self, Line};
+use super::mailbox;
+use super::marker_topic;
+use super::memory_limit::{Components, MemoryWatch, OutOfMemory};
+use super::middleware::{
+    self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
+};
+use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
+use super::motion::{self, Motion};
+use super::motion_services::MotionServices;
+use super::names::{FullName, NameError, Names};
+use super::order::Order;
+use super::outlook::Outlook;
+use super::parameter_files;
+use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
+use super::parameters::Parameters;
+use super::publishers::Publishers;
+use super::recording::{Given, Recorder, Tape};
+use super::scene::{Monitored, SceneServices, SceneTopics, Shared};
+use super::scene_keeper::Glimpse;
+use super::simulation_clock;
+use super::startup::Startup;
+use super::state_services::StateServices;
+use super::termination::hand_signals_to;
+use super::thread_priority::ThreadPriority;
+use super::threads::{End, Part, run_together, until};
+
+/// The node's name unless it is remapped.
+pub const NODE_NAME: &str = "clearance";
+
+/// Everything that is decided before a node starts.
+pub struct NodeOptions {
+    /// Begun before anything that takes time.
+    pub startup: Startup,
+    /// The participant that the node's endpoints will belong to.
+    pub announcement: Announcement,
+    pub arguments: RosArguments,
+    /// The parameters in force at the start.
+    pub parameters: Parameters,
+    /// Without a robot it is awaited on `robot_description`.
+    pub robot: Option<RobotModel>,
+    /// Where meshes of a described robot are looked up.
+    pub mesh_files: MeshFiles,
+    pub surroundings: Surroundings,
+    pub mesh_model: MeshModel,
+    /// A motion to publish on `joint_states`.
+    pub motion: Option<Motion>,
+    pub observer: Option<Observer>,
+    /// Called once, when everything that can be rejected was read and the node is on the network.
+    pub on_start: Option<Box<dyn FnOnce() + Send>>,
+    /// What a recording needs to run again.
+    pub given: Given,
+}
+
+impl std::fmt::Debug for NodeOptions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("NodeOptions")
+            .field("announcement", &self.announcement)
+            .field("arguments", &self.arguments)
+            .field("parameters", &self.parameters)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Why a node did not start or did not end well.
+#[derive(Debug, thiserror::Error)]
+pub enum NodeError {
+    /// What the user gave is wrong.
+    #[error("{0}")]
+    Input(String),
+    /// The network or this program failed.
+    #[error("{0}")]
+    Internal(String),
+    /// The process took more memory than it may.
+    #[error("{0}")]
+    OutOfMemory(String),
+}
+
+fn input(error: impl std::fmt::Display) -> NodeError {
+    NodeError::Input(error.to_string())
+}
+
+impl From<MiddlewareError> for NodeError {
+    fn from(error: MiddlewareError) -> Self {
+        Self::Internal(error.to_string())
+    }
+}
+
+impl From<NameError> for NodeError {
+    fn from(error: NameError) -> Self {
+        input(error)
+    }
+}
+
+const JOINT_STATE: MessageKind = MessageKind("sensor_msgs", "JointState");
+const STRING: MessageKind = MessageKind("std_msgs", "String");
+
+/// Why a node ends by itself.
+const DEAF: &str = "the threads of the network library have ended, as they do when the process was suspended (Ctrl-Z and fg, a debugger) or a packet was \
+                    broken: start the node again";
+
+/// Runs a node until SIGINT or SIGTERM.
+pub fn run(options: NodeOptions) -> Result<(), NodeError> {
+    let names = Names::new(NODE_NAME, &options.arguments.remaps)?;
+    let (parameters, priority) = (options.parameters, options.announcement.priority());
+    let clock = Arc::new(RosClock::new(parameters.use_sim_time));
+    let (events, events_in) = mailbox::unbounded();
+    let (orders, orders_in) = channel::unbounded();
+    let [(changes, changes_in), (watch, watch_in)] = [channel::unbounded(), channel::unbounded()];
+    let (stop, stopped) = channel::bounded(1);
+    let end = End { events: events.clone(), orders: orders.clone(), stop };
+    let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, [changes, watch]);
+    let store = ParameterStore::new(parameters.clone(), on_change);
+
+    let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
+    let current = CurrentJudgement::default();
+    let is_given = options.robot.is_some();
+    let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
+    if let Some(robot) = options.robot {
+        let glimpse = Glimpse::first(&parameters, clock.read());
+        monitor.set_checker(loader.take_given(robot, &glimpse).map_err(NodeError::Input)?);
+    }
+    hand_signals_to(end.clone());
+    let meshes = options.given.meshes.clone();
+    let (tape, recorder) = record(&parameters, &names, options.given)?;
+    let shared = Shared::new(loader.current_scene(), store.clone(), Arc::clone(&clock), tape.clone());
+    let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
+    outlook.note_meshes();
+    let current_robot = loader.current_robot();
+    let components = Components { scene: loader.current_scene(), tape: tape.clone() };
+    let memory = MemoryWatch::new(store.clone(), events.clone(), components);
+    let out_of_memory = memory.out_of_memory();
+    let domain = options.announcement.environment().domain;
+    let middleware = Middleware::join(options.announcement, names.namespace(), names.node())?;
+    let joint_states = names.resolve("joint_states")?;
+    let motion = with_publisher(options.motion, &middleware, &joint_states)?;
+    let (own_states, own_states_in) = mailbox::bounded(1);
+    let (markers, marker_desk) = marker_topic::open(&middleware, &names)?;
+    let monitor_loop = MonitorLoop {
+        node: names.full_node_name(),
+        monitor,
+        parameters,
+        clock: Arc::clone(&clock),
+        joint_states: middleware.subscription(&joint_states, JOINT_STATE, Quality::BestEffort)?,
+        transforms: Arc::clone(&shared.transforms),
+        own_motion: OwnMotion {
+            source: motion.as_ref().map(|(_, publisher)| publisher.source()),
+            joint_states: own_states_in,
+        },
+        events: events_in,
+        publishers: Publishers::open(&middleware, &names, markers)?,
+        current: Arc::clone(&current),
+        trail: Arc::clone(&shared.trail),
+        observer: options.observer,
+        tape: tape.clone(),
+        report: Report::default(),
+    };
+    loader.tell_on(Monitored::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
+    let (scenes, validity_desk) =
+        SceneServices::offer(&middleware, &names, Arc::clone(&current), shared.clone())?;
+    let topics = SceneTopics::open(&middleware, &names, shared, (orders.clone(), events.clone()), watch_in)?;
+    let (states, state_desk) =
+        StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
+    let (motions, motion_desk) =
+        MotionServices::offer(&middleware, &names, current, Arc::clone(&clock), store.clone())?;
+    let small = (motions, states, EnableService::offer(&middleware, &names, end.events.clone())?);
+    let ordering = (orders, (!is_given).then(|| end.events.clone()));
+    let services =
+        Services::open(&middleware, &names, (store, tape, Arc::clone(&clock), small), ordering, changes_in)?;
+    let mut parts = vec![
+        Part::new("monitor", move || run_first(monitor_loop, priority)),
+        Part::new("markers", move || marker_desk.work()),
+        Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
+    ];
+    if let Some((motion, publisher)) = motion {
+        let stopped = stopped.clone();
+        parts.push(Part::new("motion", move || {
+            let play = motion::play(&motion, &current_robot, &clock, &publisher, &own_states);
+            smol::block_on(until(&stopped, play));
+        }));
+    }
+    parts.push(task("memory", &stopped, async move || memory.work().await));
+    parts.push(desk("motions", &stopped, move || motion_desk.work()));
+    parts.push(desk("states", &stopped, move || state_desk.work()));
+    parts.push(desk("validity", &stopped, move || validity_desk.work()));
+    parts.push(task("network", &stopped, middleware::deafness));
+    let world = async move || future::zip(topics.listen(), scenes.serve(&topics)).await;
+    parts.push(task("world", &stopped, world));
+    parts.push(task("services", &stopped, async move || Box::pin(services.serve()).await));
+
+    let node = names.full_node_name();
+    if let Some(on_start) = options.on_start {
+        on_start();
+    }
+    log::info!("{node} listens to {joint_states} in domain {domain}");
+    drop(options.startup);
+    let ended = run_together(parts, &end).map_err(NodeError::Internal);
+    if let Some(recorder) = recorder {
+        recorder.finish();
+    }
+    ended?;
+    leave(middleware, &out_of_memory)?;
+    log::info!("{node} has ended");
+    Ok(())
+}
+
+/// Tells peers of the end.
+///
+/// # Errors
+/// When the node ended by itself.
+fn leave(middleware: Middleware, out_of_memory: &OutOfMemory) -> Result<(), NodeError> {
+    if middleware::is_deaf() {
+        return Err(NodeError::Internal(DEAF.to_owned()));
+    }
+    middleware.leave();
+    out_of_memory.get().map_or(Ok(()), |why| Err(NodeError::OutOfMemory(why.clone())))
+}
+
+fn run_first(monitor_loop: MonitorLoop, priority: ThreadPriority) {
+    if let Err(why) = priority.apply() {
+        log::error!("the monitor's thread runs at no higher priority than others: {why}");
+    }
+    monitor_loop.run();
+}
+
+/// A part that goes on until it is told to stop.
+fn task<T>(
+    name: &'static str,
+    stopped: &Receiver<()>,
+    work: impl AsyncFnOnce() -> T + Send + 'static,
+) -> Part {
+    let stopped = stopped.clone();
+    Part::new(name, move || smol::block_on(until(&stopped, work())))
+}
+
+/// A part that checks what is asked; a check that takes hours does not hold up the end.
+fn desk(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
+    task(name, stopped, || smol::unblock(work))
+}
+
+/// A motion, and by what it is published.
+fn with_publisher(
+    motion: Option<Motion>,
+    middleware: &Middleware,
+    joint_states: &FullName,
+) -> Result<Option<(Motion, Publisher<JointState>)>, MiddlewareError> {
+    let published =
+        |motion| Ok((motion, middleware.publisher(joint_states, JOINT_STATE, Quality::Reliable)?));
+    motion.map(published).transpose()
+}
+
+/// A recorder and the way to it, if the parameters want one.
+fn record(
+    parameters: &Parameters,
+    names: &Names,
+    given: Given,
+) -> Result<(Tape, Option<Recorder>), NodeError> {
+    let Some(settings) = parameters.recording() else {
+        return Ok((Tape::default(), None));
+    };
+    let (tape, recorder) = Recorder::start(&settings, names, given, parameters).map_err(NodeError::Input)?;
+    Ok((tape, Some(recorder)))
+}
+
+/// The parameters that files and `-p` ask for.
+///
+/// # Errors
+/// When a file can not be read, or a value is none that the parameter can have.
+pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeError> {
+    for ignored in &arguments.ignored {
+        log::warn!("{ignored} has no effect here");
+    }
+    let names = Names::new(NODE_NAME, &arguments.remaps)?;
+    let (parameters, passed_over) =
+        parameter_files::initial(Parameters::default(), &arguments.parameters, &names).map_err(input)?;
+    for parameter in passed_over {
+        log::warn!("passed over, for this node has no such parameter: {parameter}");
+    }
+    Ok(parameters)
+}
+
+/// Stands for a description that cannot be decoded.
+const UNREADABLE: &str = "(the message could not be decoded: is its text UTF-8?)";
+
+/// What is neither urgent nor slow, on one thread: descriptions, parameters, simulated time, complaints about peers.
+struct Services {
+    middleware: Middleware,
+    descriptions: Subscription<StringMessage>,
+    semantics: Subscription<StringMessage>,
+    parameters: ParameterServices,
+    motions: MotionServices,
+    states: StateServices,
+    enable: EnableService,
+    store: ParameterStore,
+    tape: Tape,
+    clock: Arc<RosClock>,
+    clock_topic: FullName,
+    orders: Sender<Order>,
+    /// The monitor, unless the robot was given on the command line.
+    heeds_descriptions: Option<mailbox::Sender<Event>>,
+    changes: Receiver<()>,
+    lines: mailbox::Receiver<Line>,
+    /// The node's name as loggers have it.
+    logger: String,
+}
+
+impl Services {
+    fn open(
+        middleware: &Middleware,
+        names: &Names,
+        (store, tape, clock, (motions, states, enable)): (
+            ParameterStore,
+            Tape,
+            Arc<RosClock>,
+            (MotionServices, StateServices, EnableService),
+        ),
+        (orders, heeds_descriptions): (Sender<Order>, Option<mailbox::Sender<Event>>),
+        changes: Receiver<()>,
+    ) -> Result<Self, NodeError> {
+        let latched = |name| -> Result<_, NodeError> {
+            Ok(middleware.subscription(&names.resolve(name)?, STRING, Quality::Latched)?)
+        };
+        Ok(Self {
+            descriptions: latched("robot_description")?,
+            semantics: latched("robot_description_semantic")?,
+            parameters: ParameterServices::offer(middleware, names, store.clone(), Arc::clone(&clock))?,
+            motions,
+            states,
+            enable,
+            clock_topic: names.resolve("/clock")?,
+            middleware: middleware.clone(),
+            store,
+            tape,
+            clock,
+            orders,
+            heeds_descriptions,
+            changes,
+            lines: logging::listen(),
+            logger: names.full_node_name().trim_start_matches('/').replace('/', "."),
+        })
+    }
+
+    async fn serve(self) {
+        let follow_clock = async {
+            let Self { middleware, clock_topic, clock, store, tape, changes, .. } = &self;
+            let followed = simulation_clock::follow(middleware, clock_topic, clock, (store, tape), changes);
+            if let Err(error) = followed.await {
+                log::error!("simulated time can not be followed: {error}");
+            }
+        };
+        let descriptions = self.forward(&self.descriptions, Order::Description);
+        let semantics = self.forward(&self.semantics, Order::Semantic);
+        let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
+        let tell = async {
+            while let Some(line) = self.lines.receive().await {
+                self.middleware.tell(&self.logger, &line, self.clock.now().unwrap_or_default());
+            }
+        };
+        let checks = future::zip(self.motions.serve(), self.states.serve());
+        let serve = future::zip(self.parameters.serve(), checks);
+        let serve = future::zip(future::zip(serve, self.enable.serve()), tell);
+        let meet = Box::pin(self.middleware.meet_peers());
+        future::zip(future::zip(listen, serve), meet).await;
+    }
+
+    /// Turns descriptions on a topic into orders. The monitor hears of another one before the loader has time for it.
+    async fn forward(&self, topic: &Subscription<StringMessage>, order: fn(String) -> Order) {
+        let mut last = None;
+        loop {
+            // one that cannot be decoded is refused like any other that is no robot
+            let received = topic.next_or_unreadable().await.map(|(StringMessage { data }, _)| data);
+            let text = received.unwrap_or_else(|_| UNREADABLE.to_owned());
+            if last.as_ref() != Some(&text) {
+                if let Some(events) = &self.heeds_descriptions {
+                    // whoever no longer listens has ended
+                    let _ = events.send(Event::Described);
+                }
+                last = Some(text.clone());
+            }
+            if self.orders.send(order(text)).await.is_err() {
+                return;
+            }
+        }
+    }
+}
+
+/// Brings changed parameters to everyone they concern.
+fn on_change(
+    initial: Parameters,
+    clock: Arc<RosClock>,
+    End { events, orders, .. }: &End,
+    changes: [Sender<()>; 2],
+) -> OnChange {
+    let (events, orders) = (events.clone(), orders.clone());
+    let last = Mutex::new(initial);
+    Box::new(move |parameters| {
+        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+        clock.use_sim_time(parameters.use_sim_time);
+        // whoever no longer listens has ended
+        let _ = events.send(Event::Parameters(Box::new(parameters.clone())));
+        if what_is_built(&last) != what_is_built(parameters) {
+            let _ = orders.try_send(Order::Parameters);
+        }
+        if last.link_volume_level != parameters.link_volume_level {
+            let _ = orders.try_send(Order::Display);
+        }
+        for changes in &changes {
+            let _ = changes.try_send(());
+        }
+        *last = parameters.clone();
+    })
+}
+
+/// The parameters that a checker is built with, and what it has to be told.
+fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
+    (
+        (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
+        (parameters.joint_prefix.clone(), parameters.link_prefix.clone()),
+        (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
+        (parameters.require_planning_scene, parameters.planning_scene_service.clone()),
+        (parameters.blind_cloud, parameters.rejected_obstacle, parameters.lost_messages),
+    )
+}
+
+/// Time since this was first asked.
+fn stopwatch() -> Duration {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed()
+}

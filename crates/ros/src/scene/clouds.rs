@@ -1,0 +1,150 @@
+//! `sensor_msgs/PointCloud2` of any layout.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clearance_monitor::{Now, Time};
+use clearance_scene::{ByteOrder, CloudPoints, Column, Columns, NumberKind};
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
+
+use crate::messages::time_of;
+
+/// The last cloud of each topic that nobody has looked at yet: one that comes takes the place of the one before.
+#[derive(Default)]
+pub struct CloudMessages {
+    by_topic: Mutex<BTreeMap<String, CloudMessage>>,
+}
+
+/// A cloud and when it came.
+pub struct CloudMessage {
+    pub cloud: Arc<PointCloud2>,
+    pub came: Now,
+    pub since: Instant,
+}
+
+impl CloudMessage {
+    /// When it was seen: by its stamp, if it has one.
+    #[must_use]
+    pub fn stamp(&self) -> Time {
+        match time_of(&self.cloud.header.stamp) {
+            Time::ZERO => self.came.ros.unwrap_or_default(),
+            stamp => stamp,
+        }
+    }
+}
+
+/// What became of the last cloud of one topic, for diagnostics.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CloudReport {
+    /// Points that are avoided.
+    pub points: usize,
+    /// Points that are no place: NaN, infinite, far away, or several at the sensor itself.
+    pub not_finite: usize,
+    pub cropped: usize,
+    pub of_robot: usize,
+    /// From the message to a checker that knows it.
+    pub latency: Duration,
+    /// Why the last one was not taken, if it was not.
+    pub fault: Option<String>,
+    /// Why the last one shows nothing of the room, if it does not.
+    pub blind: Option<String>,
+}
+
+impl CloudMessages {
+    /// Puts a cloud down.
+    pub fn put(&self, topic: &str, message: CloudMessage) {
+        self.lock().insert(topic.to_owned(), message);
+    }
+
+    /// All clouds that have come since.
+    pub fn take(&self) -> BTreeMap<String, CloudMessage> {
+        std::mem::take(&mut *self.lock())
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, CloudMessage>> {
+        self.by_topic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// How far (m) from the origin of its frame a point may be that stands for no return: many drivers write zeros there.
+const AT_ORIGIN: f32 = 1e-6;
+
+/// Whether a point is at the origin of the cloud's frame, where the sensor itself is.
+#[must_use]
+pub fn is_at_origin(point: &[f32; 3]) -> bool {
+    point.iter().all(|coordinate| coordinate.abs() <= AT_ORIGIN)
+}
+
+/// The points of a cloud, in its own frame. Several at its origin are dropped like NaN; a single one stays: the cells of a map are
+/// there once.
+///
+/// # Errors
+/// The field that is wrong, by name.
+pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
+    let (width, height) = (size(cloud.width), size(cloud.height));
+    let (point_step, row_step) = (size(cloud.point_step), size(cloud.row_step));
+    // drivers mark what they did not see by large numbers as well
+    let mut points = CloudPoints { drops_far: true, ..CloudPoints::default() };
+    let mut xyz = [0, 1, 2].map(|_| None);
+    for (column, name) in xyz.iter_mut().zip(["x", "y", "z"]) {
+        *column = Some(coordinate(cloud, name, point_step)?);
+    }
+    if width == 0 || height == 0 {
+        return Ok(points);
+    }
+    let row = width.checked_mul(point_step).filter(|_| point_step > 0);
+    let row = row.ok_or_else(|| format!("point_step is {point_step}: points have no size"))?;
+    if row_step < row {
+        return Err(format!("row_step is {row_step}, but {width} points of {point_step} bytes take {row}"));
+    }
+    // the last row needs no padding
+    let needed = row_step.checked_mul(height - 1).and_then(|before| before.checked_add(row));
+    if needed.is_none_or(|needed| needed > cloud.data.len()) {
+        let bytes = cloud.data.len();
+        return Err(format!("data has {bytes} bytes, too few for {height} rows of {width} points"));
+    }
+    let order = if cloud.is_bigendian { ByteOrder::Big } else { ByteOrder::Little };
+    for row in 0..height {
+        let place = |column: Option<Column>| {
+            let Column { first, stride, kind } = column.expect("all three were found");
+            Column { first: first + row * row_step, stride, kind }
+        };
+        let columns = Columns { xyz: xyz.map(place), order };
+        points.read(&cloud.data, &columns, width).map_err(|error| format!("data: {error}"))?;
+    }
+    let at_origin = points.points.iter().filter(|point| is_at_origin(point)).count();
+    if at_origin > 1 {
+        points.points.retain(|point| !is_at_origin(point));
+        points.dropped += at_origin;
+    }
+    Ok(points)
+}
+
+fn coordinate(cloud: &PointCloud2, name: &str, point_step: usize) -> Result<Column, String> {
+    let mut named = cloud.fields.iter().filter(|field| field.name == name);
+    let field = named.next().ok_or_else(|| format!("fields: there is no field '{name}'"))?;
+    if named.next().is_some() {
+        return Err(format!("fields: field '{name}' is there twice"));
+    }
+    let kind = match field.datatype {
+        PointField::FLOAT32 => NumberKind::F32,
+        PointField::FLOAT64 => NumberKind::F64,
+        other => {
+            return Err(format!(
+                "fields: field '{name}' has datatype {other}, but coordinates are FLOAT32 (7) or FLOAT64 (8)"
+            ));
+        }
+    };
+    let first = size(field.offset);
+    if first.checked_add(kind.size()).is_none_or(|end| end > point_step) {
+        return Err(format!(
+            "fields: field '{name}' at offset {first} reaches out of point_step {point_step}"
+        ));
+    }
+    Ok(Column { first, stride: point_step, kind })
+}
+
+fn size(number: u32) -> usize {
+    usize::try_from(number).unwrap_or(usize::MAX)
+}

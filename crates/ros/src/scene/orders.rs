@@ -1,0 +1,96 @@
+//! Messages about the world as orders of the loader: the same for those that come now, and those of a recording.
+
+use clearance_monitor::{Now, Sight, Time};
+use clearance_scene::{Extent, Gap, SceneRejection, SceneUpdate, Subject};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
+};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
+
+use super::octomaps::octomap_placement;
+use super::reading::{attached_change, object_change, scene_change, world_change};
+use crate::messages::time_of;
+use crate::recording::SceneDoor;
+use crate::scene_order::SceneOrder;
+
+#[must_use]
+pub fn object_order(message: &CollisionObject) -> SceneOrder {
+    let order = SceneOrder::on(SceneDoor::CollisionObject.name());
+    match object_change(message) {
+        Ok(change) => order.to(SceneUpdate::Object(Box::new(change))),
+        Err(refusal) => order.refused(vec![refusal]),
+    }
+}
+
+#[must_use]
+pub fn attached_order(message: &AttachedCollisionObject) -> SceneOrder {
+    let order = SceneOrder::on(SceneDoor::AttachedCollisionObject.name());
+    match attached_change(message) {
+        Ok(change) => order.to(SceneUpdate::Attached(Box::new(change))),
+        Err(refusal) => order.refused(vec![refusal]),
+    }
+}
+
+/// Of a message that came at `came`.
+#[must_use]
+pub fn world_order(message: PlanningSceneWorld, unknown_is_occupied: bool, came: Now) -> SceneOrder {
+    let read = world_change(&message, unknown_is_occupied);
+    let order = SceneOrder::on(SceneDoor::PlanningSceneWorld.name());
+    let order = order.to(SceneUpdate::World(Box::new(read.change)));
+    order.refused(read.refusals).with_octomap(message.octomap, sight(Time::ZERO, came))
+}
+
+/// To apply a whole or partial scene.
+#[must_use]
+pub fn scene_order(
+    by: SceneDoor,
+    message: PlanningScene,
+    unknown_is_occupied: bool,
+    came: Now,
+) -> SceneOrder {
+    let mut read = scene_change(&message, unknown_is_occupied);
+    read.change.keeps_octomap = by == SceneDoor::GetPlanningScene && read.change.world.octomap.is_none();
+    let order = SceneOrder::on(by.name()).to(SceneUpdate::Scene(Box::new(read.change)));
+    order.refused(read.refusals).with_octomap(message.world.octomap, sight(Time::ZERO, came))
+}
+
+#[must_use]
+pub fn octomap_order(by: SceneDoor, message: Octomap, unknown_is_occupied: bool, came: Now) -> SceneOrder {
+    let order = SceneOrder::on(by.name());
+    match octomap_placement(&message, unknown_is_occupied) {
+        Err(refusal) => order.refused(vec![refusal]),
+        Ok(placement) => {
+            let sight = sight(time_of(&message.header.stamp), came);
+            let header = message.header.clone();
+            let octomap = OctomapWithPose { header, octomap: message, ..OctomapWithPose::default() };
+            order.to(SceneUpdate::Octomap(Some(placement))).with_octomap(octomap, sight)
+        }
+    }
+}
+
+/// Of a message that cannot be decoded: something that was announced is missing from the scene.
+#[must_use]
+pub fn unreadable_order(by: SceneDoor) -> SceneOrder {
+    const WHY: &str = "a message could not be decoded: is it of this type, and are its texts UTF-8?";
+    let announced = |subject| SceneRejection::new(WHY).leaving(Gap::new(subject, "", Extent::Shapes));
+    let rejection = match by {
+        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => SceneRejection::of_octomap(WHY),
+        SceneDoor::AttachedCollisionObject => announced(Subject::Attached),
+        _ => announced(Subject::Object),
+    };
+    SceneOrder::on(by.name()).refused(vec![rejection])
+}
+
+/// The service of this name.
+pub const CLEAR_OCTOMAP: &str = "clear_octomap";
+
+#[must_use]
+pub fn clear_octomap() -> SceneOrder {
+    SceneOrder::on(CLEAR_OCTOMAP).to(SceneUpdate::Octomap(None))
+}
+
+/// When what is in a message was seen; without a stamp it is new.
+fn sight(stamp: Time, came: Now) -> Sight {
+    let stamp = if stamp == Time::ZERO { came.ros.unwrap_or_default() } else { stamp };
+    Sight { stamp, at: came.steady }
+}

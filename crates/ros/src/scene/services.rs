@@ -1,0 +1,223 @@
+//! `get_planning_scene`, `apply_planning_scene`, `clear_octomap` and `check_state_validity`: requests come and answers go on the
+//! thread of the topics about the world; states are checked on a thread of their own.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, PoisonError};
+use std::time::Instant;
+
+use futures_lite::future;
+use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{
+    ApplyPlanningSceneRequest, ApplyPlanningSceneResponse, GetPlanningSceneRequest, GetPlanningSceneResponse,
+    GetStateValidityRequest, GetStateValidityResponse,
+};
+use serde::{Deserialize, Serialize};
+use smol::LocalExecutor;
+use smol::channel::{self, Receiver, Sender};
+use smol::lock::Semaphore;
+
+use super::orders::clear_octomap;
+use super::telling::{Told, scene_message};
+use super::topics::{SceneTopics, Shared};
+use super::validity::{Situation, constraints_given, state_validity};
+use crate::cell::known;
+use crate::flood::Flood;
+use crate::middleware::{Complaints, Message, Middleware, MiddlewareError, RequestId, Server};
+use crate::monitor_loop::CurrentJudgement;
+use crate::names::Names;
+use crate::recording::{OrderStep, SceneDoor};
+use crate::refusal::shortened;
+use crate::scene_keeper::{CurrentScene, SceneInForce};
+
+/// Questions about states that wait at most; who comes then is told at once that the state is not valid.
+const WAITING: usize = 64;
+
+/// Scenes that are being sent, each of which may be large, at most.
+const MOST_SCENES: usize = 8;
+
+/// `std_srvs/srv/Empty`, either way: ROS sends one byte where there is nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Empty {
+    structure_needs_at_least_one_member: u8,
+}
+
+impl Message for Empty {}
+
+/// The side that speaks with clients.
+pub struct SceneServices {
+    get: Server<GetPlanningSceneRequest, GetPlanningSceneResponse>,
+    apply: Server<ApplyPlanningSceneRequest, ApplyPlanningSceneResponse>,
+    clear: Server<Empty, Empty>,
+    validity: Server<GetStateValidityRequest, GetStateValidityResponse>,
+    scene: CurrentScene,
+    judgement: CurrentJudgement,
+    questions: Sender<(RequestId, GetStateValidityRequest)>,
+    answers: Receiver<(RequestId, GetStateValidityResponse)>,
+    busy: Complaints,
+    empty: Complaints,
+}
+
+/// The side that checks states.
+pub struct ValidityDesk {
+    questions: Receiver<(RequestId, GetStateValidityRequest)>,
+    answers: Sender<(RequestId, GetStateValidityResponse)>,
+    scene: CurrentScene,
+    judgement: CurrentJudgement,
+    shared: Shared,
+}
+
+impl SceneServices {
+    /// Both sides.
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        judgement: CurrentJudgement,
+        shared: Shared,
+    ) -> Result<(Self, ValidityDesk), MiddlewareError> {
+        let scene = Arc::clone(&shared.scene);
+        let (questions, questions_in) = channel::bounded(WAITING);
+        let (answers, answers_in) = channel::unbounded();
+        let moveit = |kind| ("moveit_msgs", kind);
+        let services = Self {
+            get: middleware.server(&names.resolve("get_planning_scene")?, moveit("GetPlanningScene"))?,
+            apply: middleware
+                .server(&names.resolve("apply_planning_scene")?, moveit("ApplyPlanningScene"))?,
+            clear: middleware.server(&names.resolve("clear_octomap")?, ("std_srvs", "Empty"))?,
+            validity: middleware
+                .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
+            scene: Arc::clone(&scene),
+            judgement: Arc::clone(&judgement),
+            questions,
+            answers: answers_in,
+            busy: Complaints::default(),
+            empty: Complaints::default(),
+        };
+        Ok((services, ValidityDesk { questions: questions_in, answers, scene, judgement, shared }))
+    }
+
+    /// Serves for ever.
+    pub async fn serve(&self, topics: &SceneTopics) {
+        // each answer waits for its own client only
+        let answering = LocalExecutor::new();
+        let scenes_on_their_way = Arc::new(Semaphore::new(MOST_SCENES));
+        let get = async {
+            loop {
+                let (id, request) = self.get.next().await;
+                let on_its_way = scenes_on_their_way.acquire_arc().await;
+                let response = GetPlanningSceneResponse { scene: self.told(request.components.components) };
+                let answer = async move {
+                    self.get.answer(id, response).await;
+                    drop(on_its_way);
+                };
+                answering.spawn(answer).detach();
+            }
+        };
+        let apply = async {
+            loop {
+                let (id, request) = self.apply.next().await;
+                topics.note_update(Instant::now());
+                let order = topics.scene(SceneDoor::ApplyPlanningScene, request.scene);
+                let answer = async move {
+                    let success = topics.have_done(order).await;
+                    self.apply.answer(id, ApplyPlanningSceneResponse { success }).await;
+                };
+                answering.spawn(answer).detach();
+            }
+        };
+        let clear = async {
+            loop {
+                let (id, _) = self.clear.next().await;
+                topics.note_update(Instant::now());
+                let answer = async move {
+                    topics.have_done(clear_octomap().made_of(Some((OrderStep::ClearOctomap, None)))).await;
+                    self.clear.answer(id, Empty::default()).await;
+                };
+                answering.spawn(answer).detach();
+            }
+        };
+        let questions = async {
+            loop {
+                let question = self.validity.next().await;
+                if let Err(refused) = self.questions.try_send(question) {
+                    self.busy.warn(|| {
+                        format!("check_state_validity: not valid: {WAITING} requests are waiting already: ask again later")
+                    });
+                    let (id, _) = refused.into_inner();
+                    answering.spawn(self.validity.answer(id, GetStateValidityResponse::default())).detach();
+                }
+            }
+        };
+        let answers = async {
+            while let Ok((id, response)) = self.answers.recv().await {
+                answering.spawn(self.validity.answer(id, response)).detach();
+            }
+        };
+        let scenes = future::zip(future::zip(get, apply), clear);
+        answering.run(future::zip(scenes, future::zip(questions, answers))).await;
+    }
+
+    fn told(&self, components: u32) -> ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene {
+        let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let Some(scene) = scene else {
+            self.empty.warn(|| "get_planning_scene: there is no robot model yet".to_owned());
+            return ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene::default();
+        };
+        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let placement = judgement.and_then(|judgement| {
+            let same = judgement.revision?.model == scene.revision.model;
+            judgement.placement.filter(|_| same)
+        });
+        let SceneInForce { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
+        let told = Told {
+            robot: revision.checker.robot(),
+            scene: state,
+            padding: parameters.padding,
+            configuration: placement.as_ref().map(|evidence| &evidence.configuration),
+            octomap: octomap.as_deref(),
+        };
+        scene_message(&told, components)
+    }
+}
+
+impl ValidityDesk {
+    /// Checks what is asked until there is no one left to ask.
+    pub fn work(self) {
+        let mut flood = Flood::default();
+        let mut warn = |why: &str| {
+            if flood.admit(self.shared.clock.read().steady) {
+                log::warn!("check_state_validity: not valid: {why}");
+            }
+        };
+        while let Ok((id, request)) = self.questions.recv_blocking() {
+            if constraints_given(&request.constraints) {
+                warn("constraints are not evaluated here; leave them out");
+            }
+            let answered = catch_unwind(AssertUnwindSafe(|| self.answer(&request)));
+            let response = match answered {
+                Ok(Ok(response)) => response,
+                Ok(Err(why)) => {
+                    warn(&shortened(why));
+                    GetStateValidityResponse::default()
+                }
+                Err(_) => {
+                    log::error!("check_state_validity: checking failed inside the program");
+                    GetStateValidityResponse::default()
+                }
+            };
+            if self.answers.send_blocking((id, response)).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn answer(&self, request: &GetStateValidityRequest) -> Result<GetStateValidityResponse, String> {
+        let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let scene = scene.ok_or("there is no robot model yet")?;
+        let now = self.shared.clock.read();
+        let judgement = known(&self.judgement, now);
+        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        state_validity(
+            request,
+            &Situation { scene: &scene, judgement: judgement.as_ref(), transforms: &transforms, now },
+        )
+    }
+}

@@ -1,0 +1,319 @@
+//! Whether a state is valid, as `moveit_msgs/GetStateValidity` asks. No I/O.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use clearance_checker::{Body, CollisionChecker, Contact, Question};
+use clearance_geometry::math::{Point, Pose, Vector};
+use clearance_monitor::{Evidence, Judgement, Now, Reason};
+use clearance_robot::quoted_list;
+use clearance_robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
+use clearance_scene::AttachedId;
+use clearance_scene::{
+    Applied, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate, TransformTree,
+};
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Vector3;
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, ContactInformation, RobotState};
+use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::MultiDOFJointState;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
+
+use super::reading::{robot_state_change, transform_pose};
+use crate::cell::undecided;
+use crate::checker_of_scene::checker_of;
+use crate::messages::{point_message, stamp_message};
+use crate::scene_keeper::SceneInForce;
+
+/// Contacts told at most: the answer must not grow with the number of bodies.
+const CONTACTS_TOLD: usize = 200;
+
+/// What a question is asked about.
+pub struct Situation<'s> {
+    pub scene: &'s SceneInForce,
+    pub judgement: Option<&'s Judgement>,
+    pub transforms: &'s TransformTree,
+    pub now: Now,
+}
+
+/// Answers a question, or says why the state can not be judged.
+pub fn state_validity(
+    request: &GetStateValidityRequest,
+    situation: &Situation,
+) -> Result<GetStateValidityResponse, String> {
+    let SceneInForce { revision, scene, .. } = situation.scene;
+    let robot = revision.checker.robot();
+    if let Some(reason) = unknown_world(situation) {
+        return Err(reason.to_string());
+    }
+    let group = links_of_group(robot, &request.group_name)?;
+    let q = configuration(robot, &request.robot_state, situation)?;
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&q, &mut poses);
+    let changed = with_request(&request.robot_state, scene, &poses, situation)?;
+    let built;
+    let checker = match &changed {
+        None => &revision.checker,
+        Some(changed) => {
+            let SceneInForce { mesh_model, parameters, .. } = situation.scene;
+            built = checker_of(robot, changed, *mesh_model, parameters, Some(&revision.checker))?;
+            &built
+        }
+    };
+    let mut workspace = checker.workspace();
+    let report = checker.check(&q, Question::PairDistances { limit: 0.0 }, &mut workspace);
+    let in_group = |body: Body| group.as_ref().is_none_or(|links| moves(checker, body, links));
+    let colliding = report.colliding_pairs.iter().filter(|(a, b)| in_group(*a) || in_group(*b));
+    let colliding: Vec<_> = colliding.copied().collect();
+    let contact = |bodies: &(Body, Body)| {
+        let found = checker.contact(&q, *bodies, &mut workspace);
+        contact(checker, *bodies, found, &poses, situation.now)
+    };
+    let unanswered = constraints_given(&request.constraints);
+    Ok(GetStateValidityResponse {
+        valid: colliding.is_empty() && report.undecided.is_empty() && !unanswered,
+        contacts: colliding.iter().take(CONTACTS_TOLD).map(contact).collect(),
+        ..GetStateValidityResponse::default()
+    })
+}
+
+/// Why it is not known what is around the robot, or which robot it is.
+fn unknown_world(situation: &Situation) -> Option<Reason> {
+    let Situation { scene, judgement, now, .. } = situation;
+    if judgement.is_some_and(|judgement| judgement.is_swapping) {
+        return Some(Reason::ModelSwap);
+    }
+    if !scene.revision.has_geometry() {
+        return Some(Reason::NoGeometry);
+    }
+    let stale = judgement.and_then(|judgement| judgement.stale_world.clone());
+    // a scene that the monitor has not taken note of yet may be incomplete
+    let judged = judgement.and_then(|judgement| judgement.revision.as_ref());
+    let is_judged = judged.is_some_and(|judged| Arc::ptr_eq(judged, &scene.revision));
+    let incomplete = scene.revision.incomplete.clone().filter(|_| !is_judged);
+    scene.revision.stale_world(*now).or(incomplete).or(stale)
+}
+
+/// Whether an answer would have to evaluate constraints.
+pub fn constraints_given(constraints: &Constraints) -> bool {
+    let Constraints { joint_constraints, position_constraints, orientation_constraints, .. } = constraints;
+    !(joint_constraints.is_empty()
+        && position_constraints.is_empty()
+        && orientation_constraints.is_empty()
+        && constraints.visibility_constraints.is_empty())
+}
+
+/// The links that a group moves: those below its joints; `None` for the whole robot.
+fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkId>>, String> {
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let groups = robot.srdf().map_or(&[][..], |srdf| &srdf.groups);
+    let group = groups.iter().find(|group| group.name == name).ok_or_else(|| {
+        let known: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { quoted_list(&known) };
+        format!(
+            "group_name: the robot has no group {}; the SRDF has {known}",
+            quoted_list(&[name.to_owned()])
+        )
+    })?;
+    // what mimics a joint of the group, or is mimicked by one, moves with it
+    let driver = |id: JointId| match robot.joint(id).mimic {
+        Some(mimic) => (mimic.multiplier != 0.0).then_some(mimic.joint),
+        None => Some(id),
+    };
+    let drivers: HashSet<JointId> = group.joints.iter().filter_map(|&id| driver(id)).collect();
+    let mut links: HashSet<LinkId> = HashSet::new();
+    for &id in robot.topological_order() {
+        let joint = robot.joint(id);
+        let moves = group.joints.contains(&id) || driver(id).is_some_and(|driver| drivers.contains(&driver));
+        if moves || links.contains(&joint.parent) {
+            links.insert(joint.child);
+        }
+    }
+    if group.links.contains(&robot.root()) {
+        links.insert(robot.root());
+    }
+    if links.is_empty() {
+        // no pair of the group: nothing would be proven
+        return Err(format!(
+            "group_name: group {} has no joint and no link of the robot's URDF",
+            quoted_list(&[name.to_owned()])
+        ));
+    }
+    Ok(Some(links))
+}
+
+/// Whether a body moves with one of these links.
+fn moves(checker: &CollisionChecker, body: Body, links: &HashSet<LinkId>) -> bool {
+    match body {
+        Body::Link(link) => links.contains(&link),
+        Body::Attached(id) => carrier(checker, id).is_some_and(|link| links.contains(&link)),
+        Body::Obstacle(_) => false,
+    }
+}
+
+/// The link that carries an object.
+fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
+    checker.robot().link_by_name(&checker.world().attached_object(id).link)
+}
+
+/// The positions of the request over the current ones.
+fn configuration(
+    robot: &Arc<RobotModel>,
+    state: &RobotState,
+    situation: &Situation,
+) -> Result<Configuration, String> {
+    let given = &state.joint_state;
+    if given.name.len() != given.position.len() {
+        let (names, positions) = (given.name.len(), given.position.len());
+        return Err(format!("robot_state.joint_state has {names} names and {positions} positions"));
+    }
+    let placed = placed_joints(robot, &state.multi_dof_joint_state)
+        .map_err(|why| format!("robot_state.multi_dof_joint_state: {why}"))?;
+    let field = if placed.is_empty() { "robot_state.joint_state" } else { "robot_state" };
+    let refuse = |error| format!("{field}: {error}");
+    let single = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
+    let several = placed.iter().map(|(name, position)| (name.as_str(), *position));
+    let (names, positions): (Vec<&str>, Vec<f64>) = single.chain(several).unzip();
+    let named = robot.named_joints(names).map_err(refuse)?;
+    let usual;
+    let rest = if let Some(evidence) = placement(situation) {
+        &evidence.configuration
+    } else {
+        let missing = undecided(robot, &named);
+        if !missing.is_empty() {
+            return Err(format!(
+                "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
+                quoted_list(&missing)
+            ));
+        }
+        usual = robot.default_configuration();
+        &usual
+    };
+    named.configuration(rest, &positions).map_err(refuse)
+}
+
+/// Where the robot is now, if that is known.
+fn placement<'s>(situation: &Situation<'s>) -> Option<&'s Evidence> {
+    let judgement = situation.judgement?;
+    let same = judgement.revision.as_ref()?.model == situation.scene.revision.model;
+    judgement.placement.as_deref().filter(|_| same)
+}
+
+/// The positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must stand at zero.
+fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(String, f64)>, String> {
+    let (names, transforms) = (&given.joint_names, &given.transforms);
+    if names.len() != transforms.len() {
+        return Err(format!("{} joint_names and {} transforms", names.len(), transforms.len()));
+    }
+    let mut placed = Vec::new();
+    for (name, transform) in names.iter().zip(transforms) {
+        let quoted = quoted_list(std::slice::from_ref(name));
+        let pose = transform_pose(transform).map_err(|why| format!("{quoted}: {why}"))?;
+        let is_virtual = robot.srdf().is_some_and(|srdf| srdf.virtual_joints.iter().any(|j| j.name == *name));
+        if is_virtual && robot.joint_by_name(name).is_none() {
+            if pose != Pose::identity() {
+                return Err(format!(
+                    "virtual joint {quoted} can not be moved here: leave it out, or at zero"
+                ));
+            }
+            continue;
+        }
+        let frame = &given.header.frame_id;
+        if !robot.is_model_frame(frame) {
+            let frame = quoted_list(std::slice::from_ref(frame));
+            let root = &robot.link(robot.root()).name;
+            return Err(format!("header.frame_id is {frame}, but must be '{root}' or empty"));
+        }
+        placed.extend(robot.positions_of_transform(name, &pose).map_err(|error| error.to_string())?);
+    }
+    Ok(placed)
+}
+
+/// The scene with what the request says that the robot holds; `None` if that changes nothing. As in `MoveIt`, what the robot no longer holds in it
+/// is gone, and not put into the world.
+fn with_request(
+    state: &RobotState,
+    scene: &Scene,
+    poses: &LinkPoses,
+    situation: &Situation,
+) -> Result<Option<Scene>, String> {
+    let named = |refusal: &SceneRejection| format!("robot_state.attached_collision_objects: {refusal}");
+    let mut read = robot_state_change(state);
+    if let Some(refusal) = read.refusals.first() {
+        return Err(named(refusal));
+    }
+    let SceneInForce { revision, parameters, .. } = situation.scene;
+    let robot = revision.checker.robot();
+    let (transforms, now) = (situation.transforms, situation.now.ros);
+    let context_at = |poses| SceneContext::new(robot, poses, transforms, now, parameters.transform_ttl);
+    let asked = context_at(Some(poses));
+    // what is taken up from the world is taken up where the robot is now
+    let placement = placement(situation);
+    let today = context_at(placement.map(|evidence| &evidence.poses));
+    let (mut changed, mut applied) = (scene.clone(), Applied::default());
+    let attached = std::mem::take(&mut read.change.attached);
+    // what a state that is no difference may not say is refused with the rest of it
+    let is_diff = read.change.is_diff;
+    let (possible, refused): (Vec<_>, Vec<_>) =
+        attached.into_iter().partition(|change| is_diff || change.object.operation == Operation::Add);
+    read.change.attached = refused;
+    changed.change_robot_state(&read.change, true, &asked, &mut applied);
+    for change in possible {
+        let ObjectChange { operation, shapes, .. } = &change.object;
+        if *operation == Operation::Remove {
+            changed.let_go(&change, &asked).map_err(|refusal| named(&refusal))?;
+            applied.changed = true;
+            continue;
+        }
+        let context = if shapes.is_empty() { &today } else { &asked };
+        let taken = changed.apply(&SceneUpdate::Attached(Box::new(change)), context);
+        applied.changed |= taken.changed;
+        applied.refusals.extend(taken.refusals);
+    }
+    match applied.refusals.first() {
+        Some(refusal) => Err(named(refusal)),
+        None => Ok(applied.changed.then_some(changed)),
+    }
+}
+
+/// What is known about a contact. Where no normal is known, it points from the middle of the first body towards the contact; where no
+/// depth is, it is zero.
+fn contact(
+    checker: &CollisionChecker,
+    (a, b): (Body, Body),
+    found: Option<Contact>,
+    poses: &LinkPoses,
+    now: Now,
+) -> ContactInformation {
+    let robot = checker.robot();
+    let middle = match a {
+        Body::Link(link) => Point::from(poses.pose(link).translation.vector),
+        Body::Attached(id) => {
+            let pose_rl = carrier(checker, id).map_or(Pose::identity(), |link| *poses.pose(link));
+            Point::from((pose_rl * checker.world().attached_object(id).pose_lo).translation.vector)
+        }
+        Body::Obstacle(_) => Point::origin(),
+    };
+    let position = found.map_or(middle, |found| found.point);
+    let outward = || (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
+    let normal = found.and_then(|found| found.normal).unwrap_or_else(outward);
+    let kind = |body| match body {
+        Body::Link(_) => ContactInformation::ROBOT_LINK,
+        Body::Attached(_) => ContactInformation::ROBOT_ATTACHED,
+        Body::Obstacle(_) => ContactInformation::WORLD_OBJECT,
+    };
+    ContactInformation {
+        header: Header {
+            stamp: stamp_message(now.ros.unwrap_or_default()),
+            frame_id: robot.link(robot.root()).name.clone(),
+        },
+        position: point_message(&position),
+        normal: Vector3 { x: normal.x, y: normal.y, z: normal.z },
+        depth: found.and_then(|found| found.depth).unwrap_or(0.0),
+        contact_body_1: checker.body_name(a).to_owned(),
+        body_type_1: kind(a),
+        contact_body_2: checker.body_name(b).to_owned(),
+        body_type_2: kind(b),
+    }
+}

@@ -1,0 +1,396 @@
+//! The scene in force: what messages and sensors make of it, and who has to hear of it.
+
+mod clouds;
+mod incomplete;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use clearance_checker::MeshModel;
+use clearance_geometry::math::Extremes;
+use clearance_monitor::cloud::SelfFilter;
+use clearance_monitor::{Evidence, Judgement, Now, Revision, Sight, WorldSource};
+use clearance_robot::{LinkPoses, RobotModel};
+use clearance_scene::{
+    OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate, Subject, TransformTree, Unfit,
+};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
+use smol::channel::Sender;
+
+use super::flood::Flood;
+use super::lost_messages::LostMessages;
+use super::missing_objects::MissingObjects;
+use super::outlook::Places;
+use super::parameters::Parameters;
+use super::scene::{CloudReport, OCTOMAP_SOURCE};
+use super::scene_order::SceneOrder;
+use super::whole_scene::WholeScene;
+use clouds::Cloud;
+
+/// Orders that wait for a robot at most; later ones are refused.
+const WAITING: usize = 1000;
+
+/// Refusals of one message that are told at most.
+const TOLD: usize = 20;
+
+/// What is known at one moment, in whose light orders are followed.
+#[derive(Debug)]
+pub struct Glimpse {
+    pub now: Now,
+    pub parameters: Parameters,
+    pub transforms: TransformTree,
+    pub judgement: Option<Judgement>,
+    /// Where which robot was at the stamps of clouds, by their topics.
+    pub places: Places,
+}
+
+/// What is checked, and the scene that it was made of.
+pub struct SceneInForce {
+    pub revision: Arc<Revision>,
+    pub scene: Scene,
+    pub octomap: Option<Arc<OctomapWithPose>>,
+    pub mesh_model: MeshModel,
+    /// Those that it was built with.
+    pub parameters: Parameters,
+}
+
+/// The scene in force, for those who tell of it.
+pub type CurrentScene = Arc<Mutex<Option<Arc<SceneInForce>>>>;
+
+/// Keeps the scene; belongs to the loader's thread.
+#[derive(Default)]
+pub struct SceneKeeper {
+    pub state: Scene,
+    pub octomap: Option<Arc<OctomapWithPose>>,
+    /// When the octomap was seen last, if one came since it was cleared.
+    octomap_seen: Option<Sight>,
+    /// Whether the octomap in force tells of any place.
+    octomap_shows_room: bool,
+    /// Why the last octomap of a topic shows nothing of the room, if it does not.
+    blind_octomap: Option<String>,
+    clouds: BTreeMap<String, Cloud>,
+    filter: Option<SelfFilter>,
+    /// What came before there was a robot.
+    waiting: VecDeque<SceneOrder>,
+    /// What was refused of the last message that changed the scene, or was meant to.
+    faults: Vec<String>,
+    /// What of the scene does not fit to another robot that came, until a whole scene comes.
+    unfit: Vec<String>,
+    /// What the robot before held and this one can not, until a whole scene comes.
+    dropped_objects: Vec<String>,
+    /// What failed as a whole, until a whole scene comes.
+    failure: Option<String>,
+    /// What of the last message changes nothing, though it was meant to.
+    ineffective: Vec<String>,
+    missing: MissingObjects,
+    lost: LostMessages,
+    /// Messages with faults that were logged of late.
+    flood: Flood,
+    /// Sources whose word was dropped because it was too old.
+    dropped: Vec<String>,
+    whole: WholeScene,
+    /// Whether a message or sensor ever changed the scene.
+    touched: bool,
+    unanswered: Vec<(Sender<bool>, bool)>,
+}
+
+/// What sensors have to say for themselves.
+pub type CloudReports = Vec<(String, CloudReport)>;
+
+impl SceneKeeper {
+    /// Whether the scene is still that of the files.
+    #[must_use]
+    pub fn is_untouched(&self) -> bool {
+        !self.touched
+    }
+
+    /// The scene as it was: what was made of it last can not be checked.
+    pub fn go_back(&mut self, scene: &Scene, fault: &str) {
+        self.stay_in(scene.clone());
+        self.note_failure(fault);
+    }
+
+    /// The scene as it was, since another robot is refused.
+    pub fn stay_in(&mut self, scene: Scene) {
+        self.state = scene;
+        self.whole.go_back();
+        self.lost.go_back();
+        for (_, succeeded) in &mut self.unanswered {
+            *succeeded = false;
+        }
+    }
+
+    /// Whom the parameters have asked for a whole scene.
+    pub fn ask(&mut self, service: &str) {
+        self.whole.ask(service);
+    }
+
+    /// Orders by these topics came to nothing: the robot that they waited for is refused.
+    pub fn note_in_vain(&mut self, topics: &[&'static str]) {
+        for topic in topics {
+            self.lost.note(topic, 1);
+        }
+    }
+
+    /// Another robot stands in the same scene.
+    pub fn fit_to(&mut self, robot: &RobotModel) {
+        let Unfit { dropped, warnings } = self.state.fit_to(robot);
+        for warning in dropped.iter().chain(&warnings) {
+            log::warn!("{warning}");
+        }
+        self.dropped_objects.extend(dropped);
+        self.dropped_objects.truncate(TOLD);
+        self.unfit = warnings.into_iter().take(TOLD).collect();
+    }
+
+    /// Frees what was built of the robot before.
+    pub fn release_robot(&mut self) {
+        self.filter = None;
+    }
+
+    /// Puts an order aside until there is a robot.
+    pub fn wait(&mut self, order: SceneOrder) {
+        if order.is_waited_for() {
+            log::warn!("{}: there is no robot model yet", order.source);
+            if let Some(update) = &order.update {
+                self.missing.note_unused(order.source, update, "there was no robot model yet");
+            }
+            if let Some(done) = order.done {
+                let _ = done.try_send(false);
+            }
+        } else if self.waiting.len() < WAITING {
+            self.waiting.push_back(order);
+        } else {
+            log::warn!("{}: dropped: {WAITING} messages wait for a robot model already", order.source);
+            self.lost.note(order.source, 1);
+        }
+    }
+
+    /// What was put aside.
+    pub fn awaited(&mut self) -> impl Iterator<Item = SceneOrder> + use<> {
+        std::mem::take(&mut self.waiting).into_iter()
+    }
+
+    /// Does what a message asks for; whether that changed anything.
+    pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
+        let SceneOrder { source, mut update, mut refusals, lost, mut octomap, done, .. } = order;
+        self.lost.note(source, lost);
+        if self.note_blindness(source, update.as_ref()) && glimpse.parameters.blind_makes_unknown() {
+            // the last map that showed something stays in force
+            self.octomap_seen = octomap.take().map(|(_, sight)| sight);
+            update = None;
+        }
+        let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
+        let (mut changed, mut warnings) = (false, Vec::new());
+        if let Some(update) = &update {
+            let evidence = glimpse.evidence(robot);
+            let poses = evidence.as_ref().map(|e| &e.poses);
+            let Glimpse { now, parameters, transforms, .. } = glimpse;
+            let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
+            let applied = self.state.apply(update, &context);
+            changed = applied.changed;
+            refusals.extend(applied.refusals);
+            self.ineffective = applied.ineffective.iter().map(|text| format!("{source}: {text}")).collect();
+            warnings.extend_from_slice(&self.ineffective);
+            warnings.extend(applied.warnings.iter().map(|warning| format!("{source}: {warning}")));
+        }
+        let after = self.state.world.obstacle_by_name(OCTOMAP);
+        let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+        if !is_same {
+            self.note_octomap(octomap, &refusals, update.as_ref());
+        }
+        self.note_refusals(source, &refusals, update.as_ref());
+        if let Some(update) = &update {
+            self.whole.heed(update);
+            self.lost.heed(update);
+            if update.is_whole() {
+                self.unfit.clear();
+            }
+            if update.is_whole_of_robot() {
+                self.dropped_objects.clear();
+                self.failure = None;
+            }
+        }
+        warnings.extend_from_slice(&self.faults);
+        if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
+            for warning in warnings {
+                log::warn!("{warning}");
+            }
+        }
+        self.touched |= changed;
+        if let Some(done) = done {
+            self.unanswered.push((done, refusals.is_empty()));
+        }
+        changed
+    }
+
+    /// Takes what files hold in place of what they held for another robot; in the room it stays where it was.
+    pub fn begin_with(&mut self, mut state: Scene, robot: &Arc<RobotModel>, glimpse: &Glimpse) {
+        let Glimpse { now, parameters, transforms, .. } = glimpse;
+        let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
+        state.stand_as(&self.state, &context);
+        self.state = state;
+    }
+
+    /// Puts obstacles where they belong now that the robot may be elsewhere; whether any had to be.
+    pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
+        let Glimpse { now, parameters, transforms, .. } = glimpse;
+        let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
+        self.state.follow_frames(&context)
+    }
+
+    /// Another octomap is in force, or none.
+    fn note_octomap(
+        &mut self,
+        octomap: Option<(OctomapWithPose, Sight)>,
+        refusals: &[SceneRejection],
+        update: Option<&SceneUpdate>,
+    ) {
+        let is_rejected = |refusal: &SceneRejection| {
+            refusal.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap)
+        };
+        if refusals.iter().any(is_rejected) {
+            return;
+        }
+        let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
+        self.dropped.retain(|name| name != OCTOMAP_SOURCE);
+        self.octomap_shows_room = octomap.is_some() && update.shows_room();
+        self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
+        self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
+    }
+
+    /// Takes note of whether an octomap of a topic shows nothing, after one that showed something. A scene that takes the map away means it.
+    fn note_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
+        let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
+        let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
+        let showed_room = self.octomap_shows_room || self.blind_octomap.is_some();
+        let is_blind = is_of_sensor && !update.shows_room() && showed_room;
+        let cause = || format!("the octree of {source} has no leaf, neither occupied nor free");
+        self.blind_octomap = is_blind.then(cause);
+        is_blind
+    }
+
+    fn note_refusals(&mut self, source: &str, refusals: &[SceneRejection], update: Option<&SceneUpdate>) {
+        self.missing.heed(source, update, refusals);
+        self.faults = refusals.iter().take(TOLD).map(|refusal| format!("{source}: {refusal}")).collect();
+        if refusals.len() > TOLD {
+            self.faults.push(format!("{source}: and {} more faults", refusals.len() - TOLD));
+        }
+    }
+
+    /// Whether somebody waits for what came to be in force.
+    #[must_use]
+    pub fn is_asked(&self) -> bool {
+        !self.unanswered.is_empty()
+    }
+
+    /// Answers who waited for what is in force now.
+    pub fn answer(&mut self) {
+        for (done, succeeded) in self.unanswered.drain(..) {
+            // a client that has gone needs no answer
+            let _ = done.try_send(succeeded);
+        }
+    }
+
+    /// Takes away what is too old, if the parameters want that; whether anything was.
+    pub fn drop_stale(&mut self, now: Now, parameters: &Parameters) -> bool {
+        if !parameters.drops_stale_sources() {
+            let any = !self.dropped.is_empty();
+            self.dropped.clear();
+            return any;
+        }
+        let mut changed = false;
+        for source in self.watched(parameters) {
+            if source.seen.is_none() || source.freshness(now).is_ok() || self.dropped.contains(&source.name) {
+                continue;
+            }
+            log::warn!("what '{}' saw is dropped: it is older than {} s", source.name, source.ttl);
+            if source.name == OCTOMAP_SOURCE {
+                self.octomap = None;
+                let _ = self.state.world.remove(OCTOMAP);
+            } else {
+                self.state.set_sensed(&source.name, None);
+            }
+            self.dropped.push(source.name);
+            changed = true;
+        }
+        changed
+    }
+
+    /// How long it takes until something has to be dropped, if nothing comes.
+    #[must_use]
+    pub fn time_to_drop(&self, now: Now, parameters: &Parameters) -> Option<Duration> {
+        if !parameters.drops_stale_sources() {
+            return None;
+        }
+        let waiting = self.watched(parameters).into_iter().filter(|s| !self.dropped.contains(&s.name));
+        let left = waiting.filter_map(|source| Some((source.ttl - source.age(now)?).greater(0.0)));
+        let left = left.fold(f64::INFINITY, f64::lesser);
+        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
+    }
+
+    /// Everyone whose word grows old.
+    fn watched(&self, parameters: &Parameters) -> Vec<WorldSource> {
+        let cloud = |topic: &String| WorldSource {
+            name: topic.clone(),
+            seen: self.clouds.get(topic).and_then(|cloud| cloud.seen),
+            ttl: parameters.point_cloud_ttl,
+        };
+        let octomap = self.octomap_seen.filter(|_| parameters.octomap_ttl > 0.0).map(|seen| WorldSource {
+            name: OCTOMAP_SOURCE.to_owned(),
+            seen: Some(seen),
+            ttl: parameters.octomap_ttl,
+        });
+        parameters.point_cloud_topics.iter().map(cloud).chain(octomap).collect()
+    }
+
+    /// Those who have to see the world for it to count as known.
+    #[must_use]
+    pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
+        let mut watched = self.watched(parameters);
+        watched.retain(|source| !self.dropped.contains(&source.name));
+        watched.extend(self.whole.awaited(parameters));
+        watched
+    }
+
+    /// What has to be known about the world.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let told = |name: &String| {
+            format!("what '{name}' saw was dropped, because it was too old: it is not avoided any more")
+        };
+        self.dropped.iter().map(told).collect()
+    }
+
+    /// What came is in use from now on.
+    pub fn note_in_use(&mut self) -> CloudReports {
+        self.whole.note_in_use();
+        self.lost.note_in_use();
+        for cloud in self.clouds.values_mut() {
+            if let Some(since) = cloud.since.take() {
+                cloud.report.latency = since.elapsed();
+            }
+        }
+        self.clouds.iter().map(|(topic, cloud)| (topic.clone(), cloud.report.clone())).collect()
+    }
+}
+
+impl Glimpse {
+    /// What the monitor knows about where the robot is.
+    fn evidence(&self, robot: &Arc<RobotModel>) -> Option<Arc<Evidence>> {
+        let judgement = self.judgement.as_ref()?;
+        let same = judgement.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
+        judgement.placement.clone().filter(|_| same)
+    }
+
+    /// Where the links were when a cloud was seen, as far as that is remembered, or are now.
+    fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<LinkPoses> {
+        let now = self.evidence(robot)?;
+        let then = self.places.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));
+        let Some((_, then)) = then else { return Some(now.poses.clone()) };
+        let mut poses = LinkPoses::new(robot);
+        robot.forward_kinematics(then, &mut poses);
+        Some(poses)
+    }
+}

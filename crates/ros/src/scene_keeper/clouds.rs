@@ -1,0 +1,259 @@
+//! Point clouds of sensors as obstacles of the scene.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use clearance_geometry::Shape;
+use clearance_geometry::math::Pose;
+use clearance_monitor::cloud::{SelfFilter, Sieve};
+use clearance_monitor::{Now, Sight, Time};
+use clearance_robot::RobotModel;
+use clearance_scene::Obstacle;
+use clearance_scene::SceneContext;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
+
+use super::{Glimpse, SceneKeeper};
+use crate::parameters::Parameters;
+use crate::scene::{CloudMessage, CloudReport, decode, is_at_origin};
+
+/// The last cloud of one topic.
+#[derive(Default)]
+pub(super) struct Cloud {
+    pub seen: Option<Sight>,
+    pub report: CloudReport,
+    /// When the message came that is being made use of.
+    pub since: Option<Instant>,
+    complained: Option<Instant>,
+}
+
+impl SceneKeeper {
+    /// Lets the newest clouds take the place of those before; whether any did.
+    ///
+    /// A cloud that shows nothing of the room leaves the last one before it in force, unless the parameter `blind_cloud` says that it is
+    /// to be taken as it is.
+    pub fn see(
+        &mut self,
+        messages: BTreeMap<String, CloudMessage>,
+        robot: &Arc<RobotModel>,
+        glimpse: &Glimpse,
+    ) -> bool {
+        let parameters = &glimpse.parameters;
+        let mut changed = self.forget_unwatched(parameters);
+        for (topic, message) in messages {
+            if !parameters.point_cloud_topics.contains(&topic) {
+                continue;
+            }
+            let (since, stamp) = (message.since, message.stamp());
+            let seen = check_stamp(stamp, message.came, parameters)
+                .and_then(|()| self.sieve(&topic, &message.cloud, robot, glimpse));
+            let cloud = self.clouds.entry(topic.clone()).or_default();
+            match seen {
+                Ok((obstacle, report)) => {
+                    let is_kept = report.blind.is_some() && parameters.blind_makes_unknown();
+                    cloud.report = report;
+                    cloud.seen = Some(Sight { stamp, at: message.came.steady });
+                    cloud.since = Some(since);
+                    if let Some(cause) = cloud.report.blind.clone() {
+                        cloud.complain(&topic, &cause);
+                    }
+                    if is_kept {
+                        continue;
+                    }
+                    self.state.set_sensed(&topic, obstacle);
+                    let context = SceneContext::new(
+                        robot,
+                        None,
+                        &glimpse.transforms,
+                        glimpse.now.ros,
+                        parameters.transform_ttl,
+                    );
+                    self.state.anchor(&topic, &message.cloud.header.frame_id, &context);
+                    self.dropped.retain(|name| *name != topic);
+                    changed = true;
+                }
+                Err(fault) => {
+                    cloud.complain(&topic, &fault);
+                    cloud.report.fault = Some(fault);
+                }
+            }
+        }
+        self.touched |= changed;
+        changed
+    }
+
+    /// Clouds of topics that nobody asks for any more go.
+    fn forget_unwatched(&mut self, parameters: &Parameters) -> bool {
+        let watched = &parameters.point_cloud_topics;
+        let gone: Vec<String> =
+            self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();
+        for topic in &gone {
+            self.clouds.remove(topic);
+            self.state.set_sensed(topic, None);
+        }
+        !gone.is_empty()
+    }
+
+    fn sieve(
+        &mut self,
+        topic: &str,
+        message: &PointCloud2,
+        robot: &Arc<RobotModel>,
+        glimpse: &Glimpse,
+    ) -> Result<(Option<Obstacle>, CloudReport), String> {
+        let Glimpse { now, parameters, transforms, .. } = glimpse;
+        let points = decode(message)?;
+        let poses =
+            glimpse.poses_at(robot, topic).ok_or("no fresh joint state tells which points are the robot")?;
+        let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
+        let frame = &message.header.frame_id;
+        let pose_rc =
+            context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
+        let filter = match self.filter.take().filter(|filter| Arc::ptr_eq(filter.robot(), robot)) {
+            Some(filter) => filter,
+            None => SelfFilter::new(Arc::clone(robot)),
+        };
+        let filter = self.filter.insert(filter);
+        filter.hold(&self.state.world);
+        let sieve = sieve(parameters);
+        let sifted = sieve.sift(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
+        let is_origin_cropped = |p: &[f32; 3]| is_at_origin(p) && sieve.crops(*p, &pose_rc);
+        let others_cropped = sifted.cropped - points.points.iter().filter(|p| is_origin_cropped(p)).count();
+        let report = CloudReport {
+            points: sifted.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
+            not_finite: points.dropped,
+            cropped: sifted.cropped,
+            of_robot: sifted.of_robot,
+            blind: blindness(points.dropped, &points.points, others_cropped),
+            ..CloudReport::default()
+        };
+        let shape = sifted.cloud.map(Shape::Points);
+        Ok((shape.map(|shape| Obstacle::of_shape(topic, Pose::identity(), shape)), report))
+    }
+}
+
+impl Cloud {
+    /// One line in the log, of many like it only some.
+    fn complain(&mut self, topic: &str, fault: &str) {
+        const PAUSE: Duration = Duration::from_secs(1);
+        if self.complained.is_none_or(|at| at.elapsed() > PAUSE) {
+            self.complained = Some(Instant::now());
+            log::warn!("a cloud of '{topic}' is not taken: {fault}");
+        }
+    }
+}
+
+/// Rejects a cloud of another clock: nothing tells how old it is.
+fn check_stamp(stamp: Time, came: Now, parameters: &Parameters) -> Result<(), String> {
+    let ahead = came.ros.map_or(0.0, |ros| stamp.seconds_since(ros));
+    if ahead > parameters.point_cloud_ttl {
+        return Err(format!(
+            "header.stamp lies {ahead:.3} s in the future: synchronise the clocks, or set use_sim_time if its publisher does"
+        ));
+    }
+    Ok(())
+}
+
+fn sieve(parameters: &Parameters) -> Sieve {
+    let corner = |numbers: &[f64]| <[f64; 3]>::try_from(numbers).ok();
+    Sieve {
+        point_radius: parameters.point_radius,
+        crop_min: corner(&parameters.cloud_crop_min),
+        crop_max: corner(&parameters.cloud_crop_max),
+        self_filter_padding: parameters.self_filter_padding,
+        voxel_size: parameters.cloud_voxel_size,
+    }
+}
+
+/// Why a cloud shows nothing of the room, if it does not.
+///
+/// `cropped` are points outside of the crop box, beside one at the sensor itself, which shows nothing anyway. Points of the robot prove that the sensor works: a cloud of them alone is of an empty room.
+fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<String> {
+    let seen: Vec<&[f32; 3]> = points.iter().filter(|point| !is_at_origin(point)).collect();
+    let all = no_place + points.len();
+    if all == 0 {
+        return Some("it has no points".to_owned());
+    }
+    if seen.is_empty() {
+        return Some(format!(
+            "none of its {all} points is a place: they are NaN, infinite, too far away, or zero, where the sensor is"
+        ));
+    }
+    let others = all - seen.len();
+    let others = if others > 0 { format!(", and {others} more are no place") } else { String::new() };
+    if cropped == seen.len() {
+        let count = seen.len();
+        return Some(format!(
+            "all of its {count} points are outside of cloud_crop_min and cloud_crop_max{others}"
+        ));
+    }
+    range_limit(&seen).map(|range| {
+        let count = seen.len();
+        format!(
+            "all of its {count} points are {range:.3} m away, as if that were the range of the sensor{others}"
+        )
+    })
+}
+
+/// The distance (m) of all points from the origin of the cloud's frame, if there are some and it is the same: no surface but a sphere
+/// around the sensor is everywhere so far away, but a sensor that saw nothing may report its range in all directions.
+fn range_limit(points: &[&[f32; 3]]) -> Option<f64> {
+    /// Two points of a wall may be equally far away.
+    const SOME: usize = 3;
+    /// Of the range: what rounding to 32 bits does to it.
+    const ROUNDING: f64 = 1e-5;
+    let mut ranges = points.iter().map(|p| p.iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt());
+    let first = ranges.next().filter(|_| points.len() >= SOME)?;
+    ranges.all(|range| (range - first).abs() <= ROUNDING * first).then_some(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cloud_without_a_usable_point_is_blind_for_the_cause_it_names() {
+        let place = [[1.0, 2.0, 3.0]];
+        assert_eq!(blindness(0, &place, 0), None);
+        assert_eq!(blindness(9, &place, 0), None);
+        let cause = |no_place, points, cropped| blindness(no_place, points, cropped).unwrap();
+        assert!(cause(0, &[], 0).contains("no points"));
+        assert!(cause(7, &[], 0).contains("none of its 7 points"));
+        assert!(cause(7, &[[0.0, 1e-7, -0.0]], 0).contains("none of its 8 points"));
+        let cropped = cause(2, &place, 1);
+        assert!(cropped.contains("all of its 1 points") && cropped.contains("and 2 more"), "{cropped}");
+        let with_zero = [place[0], [0.0; 3]];
+        assert!(cause(0, &with_zero, 1).contains("all of its 1 points are outside"));
+        assert_eq!(blindness(0, &with_zero, 0), None);
+    }
+
+    fn at_range(range: f32, count: u16) -> Vec<[f32; 3]> {
+        let direction = |i| f32::from(i) * 0.1;
+        (0..count).map(direction).map(|a| [a.cos(), a.sin(), 0.0].map(|c| range * c)).collect()
+    }
+
+    #[test]
+    fn points_that_all_lie_at_the_range_limit_are_a_blind_sensor() {
+        for count in [3, 10, 31, 32, 1000] {
+            let cause = blindness(0, &at_range(12.5, count), 0).unwrap();
+            assert!(cause.contains("12.500 m away"), "{cause}");
+        }
+        // one place again and again, as zeros in the frame of another link
+        assert!(blindness(0, &[[0.3, -0.2, 1.1]; 3], 0).is_some());
+        let mut with_zero = at_range(12.5, 100);
+        with_zero.push([0.0; 3]);
+        assert!(blindness(400, &with_zero, 0).unwrap().contains("100 points are 12.500 m away"));
+    }
+
+    #[test]
+    fn whatever_is_seen_at_several_ranges_is_no_range_limit() {
+        // a few points may be so by chance
+        assert_eq!(blindness(0, &at_range(12.5, 2), 0), None);
+        let mut one_is_nearer = at_range(12.5, 100);
+        one_is_nearer[50] = [1.0, 0.0, 0.0];
+        assert_eq!(blindness(0, &one_is_nearer, 0), None);
+        // what is seen of a wall is at many ranges, also where all of it is at one depth
+        let wall: Vec<[f32; 3]> = (0..100u16).map(|i| [2.0, f32::from(i) * 0.01, 0.0]).collect();
+        assert_eq!(blindness(500, &wall, 0), None);
+    }
+}

@@ -1,0 +1,162 @@
+//! `~/check_states` and `~/get_distances`: requests come and answers go on the thread of the services; checks are made one request
+//! after the other on a thread of their own, so that neither a long batch delays anything else nor a long motion delays a batch.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use clearance_checker::Workspace;
+use clearance_monitor::Judgement;
+use futures_lite::future;
+use smol::LocalExecutor;
+use smol::channel::{self, Receiver, Sender};
+
+use super::cell::known;
+use super::clearance_srvs::{
+    CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
+};
+use super::clock::RosClock;
+use super::middleware::{Middleware, MiddlewareError, RequestId, Server};
+use super::monitor_loop::CurrentJudgement;
+use super::names::Names;
+use super::refusal::Refusal;
+use super::state_requests::{answer_distances, answer_states, refused_distances, refused_states};
+
+/// Requests that wait at most; who comes then is told at once that the node is busy.
+const WAITING: usize = 16;
+
+/// A request that waits for its answer.
+enum Request {
+    States(RequestId, CheckStatesRequest),
+    Distances(RequestId, GetDistancesRequest),
+}
+
+enum Answer {
+    States(RequestId, CheckStatesResponse),
+    Distances(RequestId, GetDistancesResponse),
+}
+
+/// The side that speaks with clients.
+pub struct StateServices {
+    states: Server<CheckStatesRequest, CheckStatesResponse>,
+    distances: Server<GetDistancesRequest, GetDistancesResponse>,
+    requests: Sender<Request>,
+    answers: Receiver<Answer>,
+}
+
+/// The side that checks. It holds nothing of the network: the node ends without waiting for it.
+pub struct StateDesk {
+    requests: Receiver<Request>,
+    answers: Sender<Answer>,
+    current: CurrentJudgement,
+    clock: Arc<RosClock>,
+    workspace: Option<Workspace>,
+}
+
+impl StateServices {
+    /// Both sides; `current` is what checks are made against.
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        current: CurrentJudgement,
+        clock: Arc<RosClock>,
+    ) -> Result<(Self, StateDesk), MiddlewareError> {
+        let (requests, requests_in) = channel::bounded(WAITING);
+        // never more than requests that waited
+        let (answers, answers_in) = channel::unbounded();
+        let services = Self {
+            states: middleware
+                .server(&names.resolve("~/check_states")?, ("clearance_msgs", "CheckStates"))?,
+            distances: middleware
+                .server(&names.resolve("~/get_distances")?, ("clearance_msgs", "GetDistances"))?,
+            requests,
+            answers: answers_in,
+        };
+        Ok((services, StateDesk { requests: requests_in, answers, current, clock, workspace: None }))
+    }
+
+    /// Serves for ever.
+    pub async fn serve(&self) {
+        // each answer waits for its own client only
+        let sending = LocalExecutor::new();
+        let states = async {
+            loop {
+                let (id, request) = self.states.next().await;
+                self.enqueue(Request::States(id, request), &sending);
+            }
+        };
+        let distances = async {
+            loop {
+                let (id, request) = self.distances.next().await;
+                self.enqueue(Request::Distances(id, request), &sending);
+            }
+        };
+        let answers = async {
+            while let Ok(answer) = self.answers.recv().await {
+                self.send(answer, &sending);
+            }
+        };
+        sending.run(future::zip(future::zip(states, distances), answers)).await;
+    }
+
+    fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
+        // a desk that has ended is busy for ever
+        if let Err(refused) = self.requests.try_send(request) {
+            self.send(refused.into_inner().refused(&Refusal::Busy(WAITING)), sending);
+        }
+    }
+
+    fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
+        let send = async move {
+            match answer {
+                Answer::States(id, response) => self.states.answer(id, response).await,
+                Answer::Distances(id, response) => self.distances.answer(id, response).await,
+            }
+        };
+        sending.spawn(send).detach();
+    }
+}
+
+impl StateDesk {
+    /// Checks what is asked until there is no one left to ask.
+    pub fn work(mut self) {
+        while let Ok(request) = self.requests.recv_blocking() {
+            let judgement = known(&self.current, self.clock.read());
+            let answer = self.answer(request, judgement.as_ref());
+            if self.answers.send_blocking(answer).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
+        match request {
+            Request::States(id, request) => {
+                let response = self.guarded(|workspace| answer_states(&request, judgement, workspace));
+                Answer::States(id, response.unwrap_or_else(|| refused_states(&Refusal::Internal)))
+            }
+            Request::Distances(id, request) => {
+                let response = self.guarded(|workspace| answer_distances(&request, judgement, workspace));
+                Answer::Distances(id, response.unwrap_or_else(|| refused_distances(&Refusal::Internal)))
+            }
+        }
+    }
+
+    /// A request is a stranger's text: what it breaks must not take the node with it.
+    fn guarded<T>(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> T) -> Option<T> {
+        let answered = catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace)));
+        if answered.is_err() {
+            log::error!("states could not be checked: the program failed inside");
+            self.workspace = None;
+        }
+        answered.ok()
+    }
+}
+
+impl Request {
+    fn refused(self, refusal: &Refusal) -> Answer {
+        match self {
+            Self::States(id, _) => Answer::States(id, refused_states(refusal)),
+            Self::Distances(id, _) => Answer::Distances(id, refused_distances(refusal)),
+        }
+    }
+}

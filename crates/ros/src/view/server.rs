@@ -1,0 +1,155 @@
+//! The server of the view: one thread, a bounded number of connections, none of them for ever.
+
+use std::convert::Infallible;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use futures_lite::future;
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use smol::channel::{self, Receiver, Sender};
+use smol::lock::Semaphore;
+use smol::net::{TcpListener, TcpStream};
+use smol::{LocalExecutor, Timer};
+use smol_hyper::rt::{FuturesIo, SmolTimer};
+
+use super::ViewAddress;
+use super::site::{Site, VIEWERS};
+use super::slot::Slot;
+use super::watched_stream::WatchedStream;
+use crate::Observer;
+
+/// Connections at once; a page needs two beside its updates.
+const CONNECTIONS: usize = 4 * VIEWERS;
+
+/// How long a browser may take for its request.
+const REQUEST_TIME: Duration = Duration::from_secs(5);
+
+/// How long a browser may take nothing of what it asked for.
+const STANDSTILL: Duration = Duration::from_secs(5);
+
+/// Bytes of a request, and of an answer on its way, at most.
+const BUFFER: usize = 64 << 10;
+
+/// A view that can not be opened.
+#[derive(Debug, thiserror::Error)]
+#[error("the view can not be served at {address}: {error}")]
+pub struct ViewError {
+    address: SocketAddr,
+    error: std::io::Error,
+}
+
+/// A view that is being served, until this is dropped.
+#[derive(Debug)]
+pub struct View {
+    url: String,
+    slot: Arc<Slot>,
+    stop: Sender<()>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl View {
+    /// Serves robot and world at an address.
+    pub fn open(address: &ViewAddress) -> Result<Self, ViewError> {
+        let failed = |error| ViewError { address: address.socket, error };
+        let (listener, socket) = listen(address).map_err(failed)?;
+        let slot = Arc::new(Slot::default());
+        let (stop, stopped) = channel::bounded(1);
+        let site = Arc::new(Site::new(Arc::clone(&slot)));
+        let thread = thread::Builder::new().name("view".to_owned());
+        let thread = thread.spawn(move || serve(&listener, &site, &stopped)).map_err(failed)?;
+        Ok(Self { url: format!("http://{socket}/"), slot, stop, thread: Some(thread) })
+    }
+
+    /// Where browsers find it.
+    #[must_use]
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// What takes judgements to the view; it never waits.
+    #[must_use]
+    pub fn observer(&self) -> Observer {
+        let slot = Arc::clone(&self.slot);
+        Box::new(move |judgement, settings| slot.put(judgement, settings))
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        self.stop.close();
+        if let Some(thread) = self.thread.take() {
+            // a view that failed took nothing with it
+            let _ = thread.join();
+        }
+    }
+}
+
+fn listen(address: &ViewAddress) -> std::io::Result<(TcpListener, SocketAddr)> {
+    let bind = |socket: SocketAddr| std::net::TcpListener::bind(socket);
+    let listener = match bind(address.socket) {
+        Err(error) if address.any_port && error.kind() == std::io::ErrorKind::AddrInUse => {
+            bind(SocketAddr::new(address.socket.ip(), 0))?
+        }
+        other => other?,
+    };
+    let socket = listener.local_addr()?;
+    Ok((listener.try_into()?, socket))
+}
+
+fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
+    let executor = LocalExecutor::new();
+    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let accept = async {
+        loop {
+            // whoever comes when all places are taken waits in the system's queue
+            let place = places.acquire_arc().await;
+            match listener.accept().await {
+                Ok((stream, _)) => {
+                    let site = Arc::clone(site);
+                    let connection = async move {
+                        converse(stream, &site).await;
+                        drop(place);
+                    };
+                    executor.spawn(connection).detach();
+                }
+                Err(error) => {
+                    log::debug!("the view: a browser did not get through: {error}");
+                    Timer::after(Duration::from_millis(100)).await;
+                }
+            }
+        }
+    };
+    let stop = async {
+        // nothing is ever sent: closing the channel is the sign
+        let _ = stopped.recv().await;
+    };
+    smol::block_on(executor.run(future::or(stop, accept)));
+}
+
+/// Answers one request.
+async fn converse(stream: TcpStream, site: &Arc<Site>) {
+    let stream = WatchedStream::new(stream);
+    let blocked = stream.blocked();
+    let answers = {
+        let site = Arc::clone(site);
+        service_fn(move |request| {
+            let site = Arc::clone(&site);
+            async move { Ok::<_, Infallible>(site.answer(request).await) }
+        })
+    };
+    let connection = http1::Builder::new()
+        .timer(SmolTimer::new())
+        .header_read_timeout(REQUEST_TIME)
+        .keep_alive(false)
+        .max_buf_size(BUFFER)
+        .serve_connection(FuturesIo::new(stream), answers);
+    let talk = async {
+        if let Err(error) = connection.await {
+            log::debug!("the view: a browser has gone: {error}");
+        }
+    };
+    future::or(talk, blocked.for_long(STANDSTILL)).await;
+}

@@ -1,0 +1,31 @@
+//! The last judgement, handed over without a lock: whoever is slow sees the newest one, never a queue of old ones.
+
+use std::time::Instant;
+
+use arc_swap::{ArcSwapOption, Guard};
+use clearance_monitor::{Judgement, MonitorSettings};
+
+/// A judgement and when it was made.
+#[derive(Debug)]
+pub struct Said {
+    pub judgement: Judgement,
+    pub at: Instant,
+    /// What it was made with: when it is stale, and when the next one comes at the latest.
+    pub settings: MonitorSettings,
+}
+
+/// Holds what was said last.
+#[derive(Debug, Default)]
+pub struct Slot(ArcSwapOption<Said>);
+
+impl Slot {
+    /// Leaves a judgement here.
+    pub fn put(&self, judgement: &Judgement, settings: &MonitorSettings) {
+        let said = Said { judgement: judgement.clone(), at: Instant::now(), settings: settings.clone() };
+        self.0.store(Some(said.into()));
+    }
+
+    pub fn last(&self) -> Guard<Option<std::sync::Arc<Said>>> {
+        self.0.load()
+    }
+}

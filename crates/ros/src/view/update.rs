@@ -1,0 +1,154 @@
+//! A judgement as the page reads it.
+
+use std::time::{Duration, Instant};
+
+use clearance_checker::{Body, CollisionChecker, CollisionReport, PairDistance};
+use clearance_geometry::math::Point;
+use clearance_monitor::{Evidence, Judgement, MonitorSettings, Reason, Revision};
+use clearance_robot::LinkPoses;
+use serde::Serialize;
+
+use super::scene::{pose_numbers, short};
+use super::slot::Said;
+
+/// Near pairs in one update at most, and colliding pairs.
+const PAIRS_SHOWN: usize = 200;
+
+/// Lengths in metres, times in seconds.
+#[derive(Serialize)]
+struct Update<'a> {
+    status: &'static str,
+    reason: Option<String>,
+    reason_code: Option<&'static str>,
+    warnings: &'a [String],
+    /// Which geometry this is about; 0 without a robot.
+    model: u64,
+    world: u64,
+    /// Age of the joint state.
+    age: Option<f64>,
+    /// By link, as in the robot's document; absent when it is not known where the robot is.
+    poses: Option<Vec<[f32; 7]>>,
+    #[serde(flatten)]
+    findings: Option<Findings<'a>>,
+}
+
+#[derive(Serialize)]
+struct Findings<'a> {
+    compute_time: f64,
+    pairs_checked: usize,
+    /// Proven time before which nothing touches, after the joint state's stamp.
+    free_for: Option<f64>,
+    nearest: Option<Pair<'a>>,
+    near: Vec<Pair<'a>>,
+    near_count: usize,
+    colliding: Vec<[Name<'a>; 2]>,
+    colliding_count: usize,
+}
+
+#[derive(Serialize)]
+struct Pair<'a> {
+    bodies: [Name<'a>; 2],
+    distance: f64,
+    witness_points: [[f32; 3]; 2],
+}
+
+/// The kind of a body and its name: of one kind no two have the same.
+type Name<'a> = (&'static str, &'a str);
+
+/// How long the monitor may be silent before its last word says nothing any more.
+fn patience(heartbeat: Duration) -> Duration {
+    2 * heartbeat + Duration::from_secs(1)
+}
+
+/// What is known now, as JSON; without a judgement, that nothing is.
+pub fn update(said: Option<&Said>, now: Instant) -> String {
+    let Some(Said { judgement, at, settings }) = said else {
+        return json(&nothing_known("the node has not said anything yet".to_owned(), "silent"));
+    };
+    let silence = now.saturating_duration_since(*at);
+    if silence > patience(settings.heartbeat_period()) {
+        let reason = format!("the node has been silent for {:.1} s", silence.as_secs_f64());
+        return json(&nothing_known(reason, "silent"));
+    }
+    let age = judgement.age.map(|age| age + silence.as_secs_f64());
+    if let Some(stale) = age.and_then(|age| gone_stale(judgement, age, settings)) {
+        return json(&nothing_known(stale.to_string(), stale.code()));
+    }
+    let Judgement { status, placement, evidence, revision, warnings, .. } = judgement;
+    let reason = status.reason();
+    let (model, world) = revision.as_ref().map_or((0, 0), |r| (r.model, r.world));
+    let both = |evidence: &'_ Option<_>| evidence.clone().zip(revision.as_ref());
+    let poses = both(placement).map(|(placement, revision)| poses(revision, &placement.poses));
+    let findings = evidence.as_deref().zip(revision.as_deref());
+    json(&Update {
+        status: status.word(),
+        reason: reason.map(ToString::to_string),
+        reason_code: reason.map(Reason::code),
+        warnings,
+        model,
+        world,
+        age,
+        poses,
+        findings: findings.map(|(evidence, revision)| found(evidence, &revision.checker)),
+    })
+}
+
+/// What was right when it was said may have become stale since.
+fn gone_stale(judgement: &Judgement, age: f64, settings: &MonitorSettings) -> Option<Reason> {
+    let stale_after = settings.stale_after;
+    let is_stale = judgement.evidence.is_some() && age > stale_after;
+    is_stale.then(|| Reason::Stale { joints: Vec::new(), age, stale_after, also: None })
+}
+
+fn nothing_known(reason: String, code: &'static str) -> Update<'static> {
+    Update {
+        status: "UNKNOWN",
+        reason: Some(reason),
+        reason_code: Some(code),
+        warnings: &[],
+        model: 0,
+        world: 0,
+        age: None,
+        poses: None,
+        findings: None,
+    }
+}
+
+fn json(update: &Update) -> String {
+    // plain structs of numbers and names: nothing in them can fail
+    serde_json::to_string(update).unwrap_or_default()
+}
+
+fn poses(revision: &Revision, poses: &LinkPoses) -> Vec<[f32; 7]> {
+    revision.checker.robot().link_ids().map(|link| pose_numbers(poses.pose(link))).collect()
+}
+
+fn found<'a>(evidence: &'a Evidence, checker: &'a CollisionChecker) -> Findings<'a> {
+    let CollisionReport { nearest, pair_distances, colliding_pairs, .. } = &evidence.report;
+    let mut near: Vec<&PairDistance> = pair_distances.iter().collect();
+    near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    let name = |body| (kind(body), checker.body_name(body));
+    let pair = |pair: &PairDistance| Pair {
+        bodies: [name(pair.a), name(pair.b)],
+        distance: pair.distance,
+        witness_points: pair.witness_points.map(|point: Point| point.coords.map(short).into()),
+    };
+    Findings {
+        compute_time: evidence.compute_time.as_secs_f64(),
+        pairs_checked: checker.pairs().len(),
+        free_for: evidence.look_ahead.map(|ahead| ahead.free_for),
+        nearest: nearest.as_ref().map(pair),
+        near: near.into_iter().take(PAIRS_SHOWN).map(pair).collect(),
+        near_count: pair_distances.len(),
+        colliding: colliding_pairs.iter().take(PAIRS_SHOWN).map(|&(a, b)| [name(a), name(b)]).collect(),
+        colliding_count: colliding_pairs.len(),
+    }
+}
+
+fn kind(body: Body) -> &'static str {
+    match body {
+        Body::Link(_) => "link",
+        Body::Attached(_) => "attached",
+        Body::Obstacle(_) => "obstacle",
+    }
+}

@@ -1,0 +1,310 @@
+//! PCD, the files of the Point Cloud Library (PCL).
+
+use clearance_files::ply_format::words::{next_line, quoted, words};
+use clearance_files::ply_format::{ByteOrder, NumberKind};
+
+use super::lzf;
+use super::points::{CloudError, CloudPoints, Column, Columns};
+
+/// What stands before the data.
+#[derive(Debug, Default)]
+struct Header {
+    names: Vec<String>,
+    sizes: Vec<usize>,
+    types: Vec<char>,
+    counts: Vec<usize>,
+    width: Option<usize>,
+    height: Option<usize>,
+    points: Option<usize>,
+    viewpoint: Option<[f64; 7]>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Storage {
+    Ascii,
+    Binary,
+    Compressed,
+}
+
+/// One field of a point, which may hold several numbers.
+#[derive(Clone, Debug)]
+struct Field {
+    name: String,
+    kind: Option<NumberKind>,
+    /// Bytes of one number.
+    size: usize,
+    count: usize,
+    /// Bytes before it in a point's record.
+    offset: usize,
+    /// Numbers before it in a point's line.
+    place: usize,
+}
+
+/// Whether the first line that is no comment is one of a PCD header.
+pub(super) fn is_pcd(bytes: &[u8]) -> bool {
+    let mut rest = bytes;
+    while let Some((line, after)) = next_line(rest) {
+        let word = line.split_whitespace().next().unwrap_or_default();
+        match word {
+            "VERSION" | "FIELDS" | "COLUMNS" => return true,
+            _ if word.is_empty() || word.starts_with('#') => rest = after,
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// # Errors
+/// When the header is incomplete or contradicts itself, or the data does not hold as many points as it says.
+pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
+    let (header, storage, data) = Header::read(bytes)?;
+    let fields = header.fields()?;
+    let count = header.point_count()?;
+    let mut cloud = CloudPoints::default();
+    match storage {
+        Storage::Ascii => read_ascii(data, &fields, count, &mut cloud)?,
+        Storage::Binary => read_binary(data, &fields, count, &mut cloud)?,
+        Storage::Compressed => read_compressed(data, &fields, count, &mut cloud)?,
+    }
+    // as the Point Cloud Library, which reads where the sensor was and leaves the points where they are
+    if header.viewpoint.is_some_and(|v| v != [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]) {
+        cloud.remarks.push("its VIEWPOINT is not applied: points are taken as they are".to_owned());
+    }
+    Ok(cloud)
+}
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<(Self, Storage, &[u8]), CloudError> {
+        let mut header = Self::default();
+        let mut rest = bytes;
+        while let Some((line, after)) = next_line(rest) {
+            rest = after;
+            let mut words = line.split_whitespace();
+            let Some(key) = words.next() else { continue };
+            let values: Vec<&str> = words.collect();
+            match key {
+                "DATA" => return Ok((header, storage(&values)?, rest)),
+                "VERSION" => {}
+                "FIELDS" | "COLUMNS" => header.names = values.iter().map(|&v| v.to_owned()).collect(),
+                "SIZE" => header.sizes = numbers(key, &values)?,
+                "COUNT" => header.counts = numbers(key, &values)?,
+                "TYPE" => header.types = values.iter().filter_map(|v| v.chars().next()).collect(),
+                "WIDTH" => header.width = numbers(key, &values)?.first().copied(),
+                "HEIGHT" => header.height = numbers(key, &values)?.first().copied(),
+                "POINTS" => header.points = numbers(key, &values)?.first().copied(),
+                "VIEWPOINT" => header.viewpoint = numbers(key, &values)?.try_into().ok(),
+                _ if key.starts_with('#') => {}
+                _ => return Err(CloudError(format!("the header has {}, which no PCD has", quoted(key)))),
+            }
+        }
+        Err(CloudError("the header has no DATA".to_owned()))
+    }
+
+    fn fields(&self) -> Result<Vec<Field>, CloudError> {
+        for (key, given) in
+            [("SIZE", self.sizes.len()), ("TYPE", self.types.len()), ("COUNT", self.counts.len())]
+        {
+            if given != 0 && given != self.names.len() {
+                return Err(CloudError(format!("{key} has {given} values for {} FIELDS", self.names.len())));
+            }
+        }
+        let mut fields = Vec::<Field>::new();
+        for (i, name) in self.names.iter().enumerate() {
+            // the oldest files have neither sizes nor types: 32-bit floats
+            let size = self.sizes.get(i).copied().unwrap_or(4);
+            let kind = number_kind(self.types.get(i).copied().unwrap_or('F'), size);
+            let count = self.counts.get(i).copied().unwrap_or(1);
+            let (offset, place) = match fields.last() {
+                Some(last) => last.end().ok_or_else(too_long)?,
+                None => (0, 0),
+            };
+            fields.push(Field { name: name.clone(), kind, size, count, offset, place });
+        }
+        fields.last().map_or(Some((0, 0)), Field::end).ok_or_else(too_long)?;
+        Ok(fields)
+    }
+
+    fn point_count(&self) -> Result<usize, CloudError> {
+        let grid = match (self.width, self.height) {
+            (Some(width), height) => Some(width.checked_mul(height.unwrap_or(1)).ok_or_else(too_long)?),
+            (None, Some(height)) => {
+                return Err(CloudError(format!("HEIGHT is {height}, but WIDTH is missing")));
+            }
+            (None, None) => None,
+        };
+        match (grid, self.points) {
+            (Some(grid), Some(points)) if grid != points => {
+                Err(CloudError(format!("WIDTH and HEIGHT make {grid} points, but POINTS is {points}")))
+            }
+            (Some(count), _) | (None, Some(count)) => Ok(count),
+            (None, None) => Err(CloudError("the header has neither POINTS nor WIDTH".to_owned())),
+        }
+    }
+}
+
+impl Field {
+    /// Bytes and numbers of a point up to the end of this field; `None` when they cannot be counted.
+    fn end(&self) -> Option<(usize, usize)> {
+        let offset = self.offset.checked_add(self.size.checked_mul(self.count)?)?;
+        Some((offset, self.place.checked_add(self.count)?))
+    }
+}
+
+fn too_long() -> CloudError {
+    CloudError("the header announces more than can be counted".to_owned())
+}
+
+fn storage(values: &[&str]) -> Result<Storage, CloudError> {
+    match values {
+        ["ascii"] => Ok(Storage::Ascii),
+        ["binary"] => Ok(Storage::Binary),
+        ["binary_compressed"] => Ok(Storage::Compressed),
+        other => Err(CloudError(format!(
+            "DATA is {}, but must be ascii, binary or binary_compressed",
+            quoted(&other.join(" "))
+        ))),
+    }
+}
+
+fn numbers<T: std::str::FromStr>(key: &str, values: &[&str]) -> Result<Vec<T>, CloudError> {
+    (values.iter())
+        .map(|v| v.parse().map_err(|_| CloudError(format!("{key} has {}, which is no number", quoted(v)))))
+        .collect()
+}
+
+fn number_kind(kind: char, size: usize) -> Option<NumberKind> {
+    Some(match (kind, size) {
+        ('I', 1) => NumberKind::I8,
+        ('U', 1) => NumberKind::U8,
+        ('I', 2) => NumberKind::I16,
+        ('U', 2) => NumberKind::U16,
+        ('I', 4) => NumberKind::I32,
+        ('U', 4) => NumberKind::U32,
+        ('I', 8) => NumberKind::I64,
+        ('U', 8) => NumberKind::U64,
+        ('F', 4) => NumberKind::F32,
+        ('F', 8) => NumberKind::F64,
+        _ => return None,
+    })
+}
+
+/// The fields x, y and z, each with how its number is stored.
+fn coordinates(fields: &[Field]) -> Result<[(&Field, NumberKind); 3], CloudError> {
+    let find = |name: &str| -> Result<_, CloudError> {
+        let mut named = fields.iter().filter(|f| f.name == name);
+        let (Some(field), None) = (named.next(), named.next()) else {
+            return Err(CloudError(format!("FIELDS must have {name} once")));
+        };
+        match field.kind {
+            Some(kind) if field.count == 1 => Ok((field, kind)),
+            _ => Err(CloudError(format!("field {name}: its SIZE, TYPE and COUNT are of no single number"))),
+        }
+    };
+    Ok([find("x")?, find("y")?, find("z")?])
+}
+
+fn read_ascii(
+    data: &[u8],
+    fields: &[Field],
+    count: usize,
+    cloud: &mut CloudPoints,
+) -> Result<(), CloudError> {
+    let xyz = coordinates(fields)?;
+    let numbers = fields.last().and_then(Field::end).map_or(0, |(_, numbers)| numbers);
+    let mut rest = data;
+    let mut read = 0;
+    while let Some((line, after)) = next_line(rest) {
+        rest = after;
+        let line: Vec<&str> = words(line.as_bytes()).collect();
+        if line.is_empty() {
+            continue;
+        }
+        if read == count {
+            cloud.remarks.push(format!("more follows after the {count} points that it announces"));
+            break;
+        }
+        if line.len() < numbers {
+            return Err(CloudError(format!(
+                "point {read} has {} numbers, but must have {numbers}",
+                line.len()
+            )));
+        }
+        let mut point = [0.0; 3];
+        for (coordinate, (field, kind)) in point.iter_mut().zip(xyz) {
+            let word = line[field.place];
+            *coordinate = (kind.parse(word)).ok_or_else(|| {
+                CloudError(format!("point {read}: {} is {}, which is no number", field.name, quoted(word)))
+            })?;
+        }
+        cloud.push(point)?;
+        read += 1;
+    }
+    let cut = || CloudError(format!("the file ends after {read} of {count} points"));
+    (read == count).then_some(()).ok_or_else(cut)
+}
+
+fn read_binary(
+    data: &[u8],
+    fields: &[Field],
+    count: usize,
+    cloud: &mut CloudPoints,
+) -> Result<(), CloudError> {
+    let stride = fields.last().and_then(Field::end).map_or(0, |(bytes, _)| bytes);
+    let xyz = coordinates(fields)?.map(|(field, kind)| Column { first: field.offset, stride, kind });
+    let expected = stride.checked_mul(count).ok_or_else(too_long)?;
+    if data.len() < expected {
+        return Err(CloudError(format!(
+            "{count} points of {stride} bytes are {expected}, but only {} bytes follow the header",
+            data.len()
+        )));
+    }
+    if data.len() > expected {
+        cloud.remarks.push(format!("{} bytes follow the last point", data.len() - expected));
+    }
+    cloud.read(data, &Columns { xyz, order: ByteOrder::Little }, count)
+}
+
+/// All numbers of the first field, then all of the second and so on, compressed as a whole; padding is left out.
+fn read_compressed(
+    data: &[u8],
+    fields: &[Field],
+    count: usize,
+    cloud: &mut CloudPoints,
+) -> Result<(), CloudError> {
+    let length = |at: usize| -> Result<usize, CloudError> {
+        let bytes = data.get(at..).and_then(|d| d.first_chunk());
+        let bytes = bytes.ok_or_else(|| CloudError("the file ends before the compressed data".to_owned()))?;
+        Ok(u32::from_le_bytes(*bytes) as usize)
+    };
+    let (packed, unpacked) = (length(0)?, length(4)?);
+    let Some(packed) = data[8..].get(..packed) else {
+        return Err(CloudError(format!(
+            "{packed} bytes of compressed data are announced, but {} follow",
+            data.len() - 8
+        )));
+    };
+    let mut starts = Vec::new();
+    let mut total = 0usize;
+    for field in fields {
+        starts.push(total);
+        if field.name != "_" {
+            let bytes = field.size.checked_mul(field.count).and_then(|b| b.checked_mul(count));
+            total = bytes.and_then(|b| total.checked_add(b)).ok_or_else(too_long)?;
+        }
+    }
+    if total != unpacked {
+        return Err(CloudError(format!(
+            "{count} points take {total} bytes, but the compressed data holds {unpacked}"
+        )));
+    }
+    let bytes = lzf::unpack(packed, unpacked)?;
+    let xyz = coordinates(fields)?.map(|(field, kind)| {
+        let place = fields.iter().position(|f| std::ptr::eq(f, field)).unwrap_or_default();
+        Column { first: starts[place], stride: kind.size(), kind }
+    });
+    cloud.read(&bytes, &Columns { xyz, order: ByteOrder::Little }, count)
+}
+
+#[cfg(test)]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // small numbers
+mod tests;

@@ -1,0 +1,118 @@
+//! Reads scene files one after the other into one scene.
+
+use clearance_geometry::Shape;
+use clearance_geometry::math::Pose;
+use clearance_robot::{RobotModel, check_name_length};
+
+use super::robot_state::Situation;
+use super::scene_file::SceneFile;
+use crate::{CloudPoints, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
+
+/// Reads files of any kind on top of each other: each adds to the scene that those before it left.
+#[derive(Clone, Debug, Default)]
+pub struct SceneLoader {
+    pub scene: Scene,
+    /// Whether what an octree does not know counts as occupied; decided before it is read.
+    pub unknown_is_occupied: bool,
+    /// Warnings about accepted content; each names its file.
+    pub warnings: Vec<String>,
+    pub(super) situation: Situation,
+}
+
+/// A fault in a scene file, with the object and field concerned.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneError {
+    pub file: String,
+    pub object: Option<String>,
+    pub message: String,
+}
+
+impl std::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.object {
+            Some(id) => write!(f, "{}: object '{id}': {}", self.file, self.message),
+            None => write!(f, "{}: {}", self.file, self.message),
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// The start of a name that is too long.
+fn short(name: &str) -> String {
+    name.chars().take(40).chain(['…']).collect()
+}
+
+impl SceneError {
+    pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), object: None, message: message.into() }
+    }
+
+    pub(super) fn of_object(file: &str, object: &str, message: impl Into<String>) -> Self {
+        let object = check_name_length(object).map_or_else(|_| short(object), |()| object.to_owned());
+        Self { object: Some(object), ..Self::of_file(file, message) }
+    }
+}
+
+impl SceneLoader {
+    /// The scene. Frames of the files are left behind: they held while the robot stood where the files say.
+    #[must_use]
+    pub fn into_scene(self) -> Scene {
+        self.scene.without_frames()
+    }
+
+    /// Adds the points of a file as an obstacle of balls with this `radius` (m), in the root frame; `name` is the file's
+    /// stem.
+    pub fn add_cloud(
+        &mut self,
+        points: CloudPoints,
+        name: &str,
+        radius: f64,
+        file: &str,
+        robot: &RobotModel,
+    ) -> Result<(), SceneError> {
+        let fault = |message: String| SceneError::of_file(file, message);
+        let CloudPoints { dropped, rounding, .. } = points;
+        self.warnings.extend(points.remarks.iter().map(|r| format!("{file}: {r}")));
+        if dropped > 0 {
+            self.warnings.push(format!("{file}: {dropped} points without finite coordinates are left out"));
+        }
+        if rounding > NOTABLE_ROUNDING {
+            self.warnings.push(format!(
+                "{file}: points are {rounding:.1e} m larger, since 32-bit floats tell no less apart so far from the origin"
+            ));
+        }
+        let Some(cloud) = points.cloud(radius).map_err(|e| fault(e.to_string()))? else {
+            self.warnings.push(format!("{file}: the cloud has no points"));
+            return Ok(());
+        };
+        let place = self.situation.place(robot);
+        let cloud = Obstacle::of_shape(name, Pose::identity(), Shape::Points(cloud));
+        self.file(file, &place.context(robot)).add_obstacle(cloud, "")
+    }
+
+    /// Makes an octree of a file the scene's octomap, in the root frame.
+    ///
+    /// # Errors
+    /// When there is one already, or the octree has too many cells.
+    pub fn add_octomap(
+        &mut self,
+        octomap: &Octomap,
+        file: &str,
+        robot: &RobotModel,
+    ) -> Result<(), SceneError> {
+        let at_root = (String::new(), Pose::identity());
+        let octomap = OctomapPlacement::of(octomap, at_root, self.unknown_is_occupied)
+            .map_err(|message| SceneError::of_object(file, OCTOMAP, message))?;
+        let place = self.situation.place(robot);
+        self.file(file, &place.context(robot)).set_octomap(octomap)
+    }
+
+    /// A file that may not replace anything.
+    pub(super) fn file<'f>(&'f mut self, name: &'f str, context: &'f SceneContext<'f>) -> SceneFile<'f> {
+        SceneFile { loader: self, name, context, is_diff: false }
+    }
+}
+
+/// Rounding of points (m) that is told.
+const NOTABLE_ROUNDING: f64 = 1e-4;

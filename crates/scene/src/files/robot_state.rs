@@ -1,0 +1,132 @@
+//! Robot state of scene files: places the frames of links.
+
+use clearance_geometry::math::Pose;
+use clearance_robot::{Configuration, LinkPoses, RobotModel, VirtualJoint};
+
+use super::text::{MultiDofText, RobotStateText};
+use crate::{SceneContext, Transform, TransformTree};
+
+/// State of the robot, as far as files give it.
+#[derive(Clone, Debug, Default)]
+pub struct Situation {
+    /// The default configuration when no file gives one.
+    configuration: Option<Configuration>,
+    /// Where the root stands in the parent frame of its virtual joint, if a file says so.
+    transforms: TransformTree,
+}
+
+/// Where links and frames are in a situation.
+pub struct Place {
+    poses: LinkPoses,
+    transforms: TransformTree,
+}
+
+impl Place {
+    pub fn context<'p>(&'p self, robot: &'p RobotModel) -> SceneContext<'p> {
+        SceneContext::new(robot, Some(&self.poses), &self.transforms, None, f64::INFINITY)
+    }
+}
+
+/// Positions (rad, m) by name.
+type NamedPositions = Vec<(String, f64)>;
+
+impl Situation {
+    pub fn place(&self, robot: &RobotModel) -> Place {
+        let mut poses = LinkPoses::new(robot);
+        let q = self.configuration.clone().unwrap_or_else(|| robot.default_configuration());
+        robot.forward_kinematics(&q, &mut poses);
+        Place { poses, transforms: self.transforms.clone() }
+    }
+
+    /// Where the robot is, if the state says so.
+    /// `is_scene_empty`: nothing was placed yet.
+    pub fn read_state(
+        &mut self,
+        text: &RobotStateText,
+        robot: &RobotModel,
+        is_scene_empty: bool,
+    ) -> Result<(), String> {
+        let joints = &text.joint_state;
+        if joints.name.len() != joints.position.len() {
+            return Err(format!(
+                "robot_state.joint_state: {} positions for {} names",
+                joints.position.len(),
+                joints.name.len()
+            ));
+        }
+        let placed = self
+            .read_base(&text.multi_dof_joint_state, robot, is_scene_empty)
+            .map_err(|e| format!("robot_state.multi_dof_joint_state: {e}"))?;
+        if !(joints.name.is_empty() && placed.is_empty()) {
+            let field = if placed.is_empty() { "robot_state.joint_state" } else { "robot_state" };
+            let single = joints.name.iter().map(String::as_str).zip(joints.position.iter().copied());
+            let several = placed.iter().map(|(name, position)| (name.as_str(), *position));
+            let rest = self.configuration.clone().unwrap_or_else(|| robot.default_configuration());
+            let q = robot.configuration_over(&rest, single.chain(several));
+            self.configuration = Some(q.map_err(|e| format!("{field}: {e}"))?);
+        }
+        Ok(())
+    }
+
+    /// The positions of planar and floating joints, by name. The virtual joint of the root says where the robot stands.
+    fn read_base(
+        &mut self,
+        text: &MultiDofText,
+        robot: &RobotModel,
+        is_scene_empty: bool,
+    ) -> Result<NamedPositions, String> {
+        if text.joint_names.len() != text.transforms.len() {
+            let (given, names) = (text.transforms.len(), text.joint_names.len());
+            return Err(format!("{given} transforms for {names} joint_names"));
+        }
+        let frame = &text.header.frame_id;
+        let (mut placed, mut root) = (Vec::new(), None);
+        for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
+            let pose = transform.pose(name)?;
+            let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
+            let virtual_joint = virtual_joints.find(|j| j.name == *name && j.child_link == robot.root());
+            let is_known = virtual_joint.is_some() || robot.joint_by_name(name).is_some();
+            if is_known && !robot.is_model_frame(frame) {
+                let root = &robot.link(robot.root()).name;
+                return Err(format!("header.frame_id is '{frame}', but must be '{root}' or empty"));
+            }
+            if robot.joint_by_name(name).is_some() {
+                placed.extend(robot.positions_of_transform(name, &pose).map_err(|e| e.to_string())?);
+            } else if let Some(joint) = virtual_joint {
+                RobotModel::check_virtual_transform(joint, &pose).map_err(|e| e.to_string())?;
+                if root.replace((joint, pose)).is_some_and(|(_, earlier)| earlier != pose) {
+                    return Err(format!("virtual joint '{name}' is given twice, at two places"));
+                }
+            } else if pose != Pose::identity() {
+                return Err(format!(
+                    "'{name}' is neither a joint of the robot nor a virtual joint of its root"
+                ));
+            }
+        }
+        if let Some((joint, pose_pr)) = root {
+            self.place_root(joint, pose_pr, robot, is_scene_empty)?;
+        }
+        Ok(placed)
+    }
+
+    /// The root's pose in the parent frame of its virtual joint. Once something was placed with the root elsewhere, it can not move.
+    fn place_root(
+        &mut self,
+        joint: &VirtualJoint,
+        pose_pr: Pose,
+        robot: &RobotModel,
+        is_scene_empty: bool,
+    ) -> Result<(), String> {
+        let root = &robot.link(robot.root()).name;
+        let parent = joint.parent_frame.clone();
+        let before = self.transforms.way(&parent, root).map_or(Pose::identity(), |way| way.pose());
+        if before != pose_pr && !is_scene_empty {
+            return Err(format!(
+                "virtual joint '{}' puts the robot elsewhere than the files before this one were read with: give the robot's state in the first file",
+                joint.name
+            ));
+        }
+        self.transforms.note(root, Transform { parent, pose_pf: pose_pr, stamp: None });
+        Ok(())
+    }
+}

@@ -1,0 +1,172 @@
+//! Planning scenes out of YAML.
+
+mod text;
+
+use clearance_robot::{MeshFiles, RobotModel, quoted};
+
+use super::loader::{SceneError, SceneLoader};
+use super::scene_file::SceneFile;
+use super::text::{
+    AttachedText, LinkPaddingText, LinkScaleText, ObjectText, OctomapBody, OctomapText, SceneText,
+    TransformStampedText,
+};
+use crate::{
+    AttachedChange, FixedFrame, MatrixEntries, OCTOMAP, ObjectChange, OctomapMessage, SceneChange,
+    SceneUpdate,
+};
+
+impl SceneLoader {
+    /// The scene of one YAML text; see [`Self::read_yaml`].
+    pub fn from_yaml(
+        text: &str,
+        file: &str,
+        robot: &RobotModel,
+        files: &MeshFiles,
+    ) -> Result<Self, SceneError> {
+        let mut loader = Self::default();
+        loader.read_yaml(text, file, robot, files)?;
+        Ok(loader)
+    }
+
+    /// Reads a `moveit_msgs/PlanningScene` or its `world` alone, on top of what is there.
+    ///
+    /// It is applied as a message would be, with these differences: a scene with `is_diff` may replace objects, in any other an id that is
+    /// there already is a fault; only one file may have an `allowed_collision_matrix`. Poses in the frame of a link that moves are those of
+    /// the file's `robot_state`, or of the default configuration. Mesh resources are looked up by `files`.
+    ///
+    /// # Errors
+    /// The first fault, with object and field. What was read before it stays.
+    pub fn read_yaml(
+        &mut self,
+        text: &str,
+        file: &str,
+        robot: &RobotModel,
+        files: &MeshFiles,
+    ) -> Result<(), SceneError> {
+        let fault = |message: String| SceneError::of_file(file, message);
+        let scene = text::read(text, file)?;
+        if says_nothing(&scene) {
+            return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
+        }
+        let state = scene.robot_state.unwrap_or_default();
+        let is_empty = self.scene.world.is_empty() && self.scene.fixed_frames.is_empty();
+        self.situation.read_state(&state, robot, is_empty).map_err(fault)?;
+        if scene.robot_model_name.as_ref().is_some_and(|model| !model.is_empty() && model != robot.name()) {
+            let (of, robot) = (quoted(scene.robot_model_name.as_deref().unwrap_or_default()), robot.name());
+            self.warnings
+                .push(format!("{file}: robot_model_name: the scene is of {of}, the robot is '{robot}'"));
+        }
+        let place = self.situation.place(robot);
+        let context = place.context(robot);
+        let mut reader = SceneFile { is_diff: scene.is_diff, ..self.file(file, &context) };
+        reader.read_settings(&scene.fixed_frame_transforms, (&scene.link_padding, &scene.link_scale))?;
+        reader.read_matrix(scene.allowed_collision_matrix)?;
+        for (i, attached) in state.attached_collision_objects.into_iter().enumerate() {
+            reader.read_attached(attached, i, files)?;
+        }
+        let (objects, octomap) = scene.world.map(|w| (w.collision_objects, w.octomap)).unwrap_or_default();
+        for object in objects.into_iter().chain(scene.collision_objects.into_iter().flatten()) {
+            reader.read_object(object, files)?;
+        }
+        for octomap in octomap.iter().chain(&scene.octomap) {
+            reader.read_octomap(octomap)?;
+        }
+        let strange = self.scene.matrix_without_effect(robot);
+        self.warnings.extend(strange.map(|warning| format!("{file}: {warning}")));
+        if self.scene.world.is_empty() {
+            self.warnings.push(format!("{file}: the scene has no objects"));
+        }
+        Ok(())
+    }
+}
+
+impl SceneFile<'_> {
+    fn read_settings(
+        &mut self,
+        frames: &[TransformStampedText],
+        (padding, scale): (&[LinkPaddingText], &[LinkScaleText]),
+    ) -> Result<(), SceneError> {
+        let fixed_frames = frames.iter().enumerate().map(|(i, text)| self.fixed_frame(i, text));
+        let change = SceneChange {
+            is_diff: true,
+            fixed_frames: fixed_frames.collect::<Result<_, _>>()?,
+            // MoveIt lists all links, most of them with neither: that takes nothing off what a file before this one gave
+            link_padding: sizes(padding.iter().map(|l| (&l.link_name, l.padding)), 0.0),
+            link_scale: sizes(scale.iter().map(|l| (&l.link_name, l.scale)), 1.0),
+            ..SceneChange::default()
+        };
+        self.apply(&SceneUpdate::Scene(Box::new(change)))
+    }
+
+    fn fixed_frame(&self, i: usize, text: &TransformStampedText) -> Result<FixedFrame, SceneError> {
+        let fault = |e: String| SceneError::of_file(self.name, format!("fixed_frame_transforms[{i}].{e}"));
+        Ok(FixedFrame {
+            name: text.child_frame_id.clone(),
+            parent: text.header.frame_id.clone(),
+            pose_pf: text.transform.pose("transform").map_err(fault)?,
+        })
+    }
+
+    fn read_matrix(&mut self, entries: Option<MatrixEntries>) -> Result<(), SceneError> {
+        let Some(entries) = entries.filter(|entries| *entries != MatrixEntries::default()) else {
+            return Ok(());
+        };
+        if self.loader.scene.matrix.is_some() {
+            let message = "a second allowed_collision_matrix; only one world file may have one";
+            return Err(SceneError::of_file(self.name, message));
+        }
+        self.set_matrix(&entries)
+    }
+
+    fn read_attached(&mut self, text: AttachedText, i: usize, files: &MeshFiles) -> Result<(), SceneError> {
+        let (id, name) = (text.object.id.clone(), self.name);
+        let mut remarks = Vec::new();
+        let field = |message: String| format!("robot_state.attached_collision_objects[{i}]: {message}");
+        let change = AttachedChange::from_text(text, files, &mut remarks)
+            .map_err(|message| SceneError::of_object(name, &id, field(message)))?;
+        self.note(&id, remarks);
+        let changed = self.change_attached(change);
+        changed.map_err(|error| SceneError { message: field(error.message), ..error })
+    }
+
+    fn read_object(&mut self, text: ObjectText, files: &MeshFiles) -> Result<(), SceneError> {
+        let id = text.id.clone();
+        let mut remarks = Vec::new();
+        let change = ObjectChange::from_text(text, files, &mut remarks)
+            .map_err(|message| SceneError::of_object(self.name, &id, message))?;
+        self.note(&id, remarks);
+        self.change_object(change)
+    }
+
+    fn read_octomap(&mut self, text: &OctomapText) -> Result<(), SceneError> {
+        let name = self.name;
+        let fault =
+            |message: String| SceneError::of_object(name, OCTOMAP, format!("world.octomap.{message}"));
+        let OctomapBody { id, binary, resolution, data, .. } = &text.octomap;
+        let message = OctomapMessage { id, binary: *binary, resolution: *resolution, data };
+        if message.is_absent() {
+            return Ok(());
+        }
+        let place = (text.header.frame_id.clone(), text.origin.pose("origin").map_err(fault)?);
+        let octomap = message.placed(place, self.loader.unknown_is_occupied);
+        self.set_octomap(octomap.map_err(|why| fault(format!("octomap: {why}")))?)
+    }
+}
+
+/// Sizes of links other than that of a link without any.
+fn sizes<'t>(given: impl Iterator<Item = (&'t String, f64)>, usual: f64) -> Vec<(String, f64)> {
+    given.filter(|(_, size)| *size != usual).map(|(link, size)| (link.clone(), size)).collect()
+}
+
+fn says_nothing(scene: &SceneText) -> bool {
+    scene.world.is_none()
+        && scene.collision_objects.is_none()
+        && scene.allowed_collision_matrix.is_none()
+        && scene.robot_state.is_none()
+        && scene.octomap.is_none()
+        && scene.link_padding.is_empty()
+        && scene.link_scale.is_empty()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,62 @@
+//! Octrees as obstacles: where they stand, and what of them is occupied.
+
+use clearance_geometry::Shape;
+use clearance_geometry::math::Pose;
+
+use super::{Octomap, OctomapPlacement};
+
+/// The only kind of tree that messages may bring, as in MoveIt.
+const KIND: &str = "OcTree";
+
+/// The fields of an `octomap_msgs/Octomap`.
+#[derive(Clone, Copy, Debug)]
+pub struct OctomapMessage<'m> {
+    pub id: &'m str,
+    pub binary: bool,
+    pub resolution: f64,
+    pub data: &'m [u8],
+}
+
+impl OctomapMessage<'_> {
+    /// Whether a scene with this message says nothing about its octomap. As in MoveIt, an id without data takes the octomap away.
+    #[must_use]
+    pub fn is_absent(&self) -> bool {
+        self.data.is_empty() && self.id.is_empty()
+    }
+
+    /// The octree with a pose in a frame.
+    ///
+    /// # Errors
+    /// When it cannot be read; the message names the field.
+    pub fn placed(
+        &self,
+        (frame, pose_fo): (String, Pose),
+        unknown_is_occupied: bool,
+    ) -> Result<OctomapPlacement, String> {
+        if self.id != KIND {
+            return Err(format!("id: trees of type '{}' are not taken; {KIND} are", self.id.escape_debug()));
+        }
+        if self.data.is_empty() {
+            return Ok(OctomapPlacement { frame, pose_fo, shape: None, is_blank: true });
+        }
+        let octomap = Octomap::from_message(self.binary, self.id, self.resolution, self.data);
+        let octomap = octomap.map_err(|error| error.to_string())?;
+        OctomapPlacement::of(&octomap, (frame, pose_fo), unknown_is_occupied)
+    }
+}
+
+impl OctomapPlacement {
+    /// An octree with a pose in a frame.
+    ///
+    /// # Errors
+    /// When it has too many occupied cells.
+    pub fn of(
+        octomap: &Octomap,
+        (frame, pose_fo): (String, Pose),
+        unknown_is_occupied: bool,
+    ) -> Result<Self, String> {
+        let voxels = octomap.to_voxels(unknown_is_occupied).map_err(|error| error.to_string())?;
+        let is_blank = !octomap.has_known_cells();
+        Ok(Self { frame, pose_fo, shape: voxels.map(Shape::Voxels), is_blank })
+    }
+}

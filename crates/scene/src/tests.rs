@@ -1,0 +1,493 @@
+//! Every operation and every refusal, without a network.
+
+mod anchors;
+mod attached;
+mod moveit;
+
+use std::sync::Arc;
+
+use clearance_geometry::math::{Pose, Vector};
+use clearance_geometry::{Primitive, Shape};
+use clearance_robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
+
+use super::*;
+
+/// A crane: the hand is lifted by `lift`, 1 m beside the root; the flange never moves.
+const URDF: &str = r#"<robot name="crane">
+  <link name="base"/><link name="flange"/>
+  <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="mount" type="fixed"><parent link="base"/><child link="flange"/><origin xyz="0 2 0"/></joint>
+  <joint name="lift" type="prismatic">
+    <parent link="base"/><child link="hand"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="9" effort="1" velocity="1"/>
+  </joint>
+</robot>"#;
+const SRDF: &str = r#"<robot name="crane">
+  <virtual_joint name="stand" type="fixed" parent_frame="map" child_link="base"/>
+</robot>"#;
+
+/// A robot whose hand is lifted by 3 m, a scene around it, and transforms.
+struct Cell {
+    robot: RobotModel,
+    poses: Option<LinkPoses>,
+    transforms: TransformTree,
+    scene: Scene,
+}
+
+impl Cell {
+    fn new() -> Self {
+        let text = RobotText { urdf: URDF, urdf_name: None, srdf: Some(SRDF), srdf_name: None };
+        let robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
+        let mut poses = LinkPoses::new(&robot);
+        robot.forward_kinematics(&robot.configuration(&[3.0]).unwrap(), &mut poses);
+        let (poses, scene) = (Some(poses), Scene::default());
+        Self { robot, poses, transforms: TransformTree::default(), scene }
+    }
+
+    fn apply(&mut self, update: &SceneUpdate) -> Result<Vec<String>, SceneRejection> {
+        let now = Some(seconds(100.0));
+        let context = SceneContext::new(&self.robot, self.poses.as_ref(), &self.transforms, now, 1.0);
+        let applied = self.scene.apply(update, &context);
+        match applied.refusals.into_iter().next() {
+            None => Ok(applied.ineffective.into_iter().chain(applied.warnings).collect()),
+            Some(refusal) => Err(refusal),
+        }
+    }
+
+    fn object(&mut self, change: ObjectChange) -> Result<Vec<String>, SceneRejection> {
+        self.apply(&SceneUpdate::Object(Box::new(change)))
+    }
+
+    fn attach(&mut self, change: AttachedChange) -> Result<Vec<String>, SceneRejection> {
+        self.apply(&SceneUpdate::Attached(Box::new(change)))
+    }
+
+    fn scene(&mut self, change: SceneChange) -> Result<Vec<String>, SceneRejection> {
+        self.apply(&SceneUpdate::Scene(Box::new(change)))
+    }
+
+    /// A message that is refused names what is wrong, and changes nothing.
+    fn refused(&mut self, update: &SceneUpdate, object: Option<&str>, named: &str) {
+        let before = format!("{:?}", self.scene);
+        let refusal = self.apply(update).unwrap_err();
+        assert_eq!(refusal.object.as_deref(), object, "{refusal}");
+        assert!(refusal.message.contains(named), "'{named}' is not in: {refusal}");
+        assert_eq!(format!("{:?}", self.scene), before);
+    }
+
+    fn refuses_object(&mut self, change: ObjectChange, named: &str) {
+        let id = Some(change.id.clone()).filter(|id| !id.is_empty());
+        self.refused(&SceneUpdate::Object(Box::new(change)), id.as_deref(), named);
+    }
+
+    fn refuses_attached(&mut self, change: AttachedChange, named: &str) {
+        let id = Some(change.object.id.clone()).filter(|id| !id.is_empty());
+        self.refused(&SceneUpdate::Attached(Box::new(change)), id.as_deref(), named);
+    }
+
+    /// Where the shapes of an obstacle are.
+    fn places(&self, id: &str) -> Vec<[f64; 3]> {
+        let object = self.scene.world.obstacle_by_name(id).unwrap();
+        object.placed_shapes().map(|(pose, _)| pose.translation.vector.into()).collect()
+    }
+
+    fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.scene.world.obstacles().map(|o| o.name.as_str()).collect();
+        names.sort_unstable();
+        names
+    }
+
+    fn held(&self) -> Vec<&str> {
+        self.scene.world.attached().iter().map(|o| o.name.as_str()).collect()
+    }
+}
+
+fn seconds(seconds: f64) -> Time {
+    #[expect(clippy::cast_possible_truncation, reason = "tests take minutes")]
+    Time::from_nanoseconds((seconds * 1e9) as i64)
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::translation(x, y, z)
+}
+
+fn ball() -> Shape {
+    Shape::Primitive(Primitive::sphere(0.1).unwrap())
+}
+
+fn placed(pose_os: Pose) -> ObstacleShape {
+    ObstacleShape { pose_os, shape: ball() }
+}
+
+/// A ball at a place in a frame.
+fn add(id: &str, frame: &str, pose_fo: Pose) -> ObjectChange {
+    let shapes = vec![placed(Pose::identity())];
+    ObjectChange { frame: frame.to_owned(), pose_fo, shapes, ..ObjectChange::named(id, Operation::Add) }
+}
+
+fn shift(id: &str, frame: &str, pose_fo: Pose) -> ObjectChange {
+    ObjectChange { frame: frame.to_owned(), pose_fo, ..ObjectChange::named(id, Operation::Move) }
+}
+
+fn remove(id: &str) -> ObjectChange {
+    ObjectChange::named(id, Operation::Remove)
+}
+
+fn hold(link: &str, object: ObjectChange) -> AttachedChange {
+    AttachedChange { link: link.to_owned(), object, touch_links: Vec::new() }
+}
+
+fn difference(objects: Vec<ObjectChange>, attached: Vec<AttachedChange>) -> SceneChange {
+    SceneChange {
+        is_diff: true,
+        robot_state: RobotStateChange { is_diff: true, names_joints: false, attached },
+        world: WorldChange { objects, octomap: None },
+        ..SceneChange::default()
+    }
+}
+
+fn entries(names: &[&str], allowed: bool) -> MatrixEntries {
+    MatrixEntries {
+        entry_names: names.iter().map(|n| (*n).to_owned()).collect(),
+        entry_values: vec![vec![allowed; names.len()]; names.len()],
+        ..MatrixEntries::default()
+    }
+}
+
+#[test]
+fn objects_are_added_replaced_moved_and_removed() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", at(1.0, 0.0, 0.0))).unwrap();
+    cell.object(add("b", "/base", at(2.0, 0.0, 0.0))).unwrap();
+    assert_eq!(cell.names(), ["a", "b"]);
+    let two = vec![placed(at(0.0, 1.0, 0.0)), placed(at(0.0, 2.0, 0.0))];
+    cell.object(ObjectChange { shapes: two, ..add("a", "", at(5.0, 0.0, 0.0)) }).unwrap();
+    assert_eq!(cell.places("a"), [[5.0, 1.0, 0.0], [5.0, 2.0, 0.0]]);
+    cell.object(shift("a", "flange", at(0.0, 0.0, 1.0))).unwrap();
+    assert_eq!(cell.places("a"), [[0.0, 3.0, 1.0], [0.0, 4.0, 1.0]]);
+    let warned = cell.object(ObjectChange { operation: Operation::Move, ..add("a", "", at(0.0, 0.0, 0.0)) });
+    assert!(warned.unwrap()[0].contains("'a'"));
+
+    cell.object(remove("a")).unwrap();
+    assert_eq!(cell.names(), ["b"]);
+    cell.object(add("c", "", at(0.0, 0.0, 0.0))).unwrap();
+    cell.object(remove("")).unwrap();
+    assert!(cell.scene.world.is_empty());
+}
+
+/// As in `MoveIt`.
+#[test]
+fn an_only_shape_lends_a_new_object_its_pose() {
+    let mut cell = Cell::new();
+    for operation in [Operation::Add, Operation::Append] {
+        let id = format!("{operation:?}");
+        let shapes = vec![placed(at(0.0, 3.0, 0.0))];
+        cell.object(ObjectChange { operation, shapes, ..add(&id, "", Pose::identity()) }).unwrap();
+        let object = cell.scene.world.obstacle_by_name(&id).unwrap();
+        assert_eq!((object.pose_ro, object.shapes[0].pose_os), (at(0.0, 3.0, 0.0), Pose::identity()));
+    }
+    // one that is there already keeps its pose, and the shape its own
+    let shapes = vec![placed(at(0.0, 4.0, 0.0))];
+    let append = ObjectChange { shapes, operation: Operation::Append, ..add("Add", "", Pose::identity()) };
+    cell.object(append).unwrap();
+    assert_eq!(cell.places("Add"), [[0.0, 3.0, 0.0], [0.0, 7.0, 0.0]]);
+}
+
+/// As in `MoveIt`: the pose of the message counts for nothing.
+#[test]
+fn appended_shapes_are_in_the_frame_of_the_object() {
+    let mut cell = Cell::new();
+    let append = |id, pose_fo| ObjectChange { operation: Operation::Append, ..add(id, "", pose_fo) };
+    cell.object(append("a", at(1.0, 0.0, 0.0))).unwrap();
+    let more = ObjectChange {
+        shapes: vec![placed(at(0.0, 7.0, 0.0))],
+        subframes: vec![("top".to_owned(), at(0.0, 0.0, 2.0))],
+        ..append("a", at(0.0, 0.0, 9.0))
+    };
+    cell.object(more).unwrap();
+    assert_eq!(cell.places("a"), [[1.0, 0.0, 0.0], [1.0, 7.0, 0.0]]);
+    cell.object(shift("a", "", at(2.0, 0.0, 0.0))).unwrap();
+    assert_eq!(cell.places("a"), [[2.0, 0.0, 0.0], [2.0, 7.0, 0.0]]);
+    cell.object(add("on_top", "a/top", at(0.0, 0.0, 0.0))).unwrap();
+    assert_eq!(cell.places("on_top"), [[2.0, 0.0, 2.0]]);
+}
+
+#[test]
+fn a_move_may_say_where_shapes_are() {
+    let mut cell = Cell::new();
+    let two = vec![placed(at(0.0, 1.0, 0.0)), placed(at(0.0, 2.0, 0.0))];
+    cell.object(ObjectChange { shapes: two, ..add("a", "", at(5.0, 0.0, 0.0)) }).unwrap();
+    let shape_poses = vec![at(0.0, 0.0, 1.0), at(0.0, 0.0, 2.0)];
+    cell.object(ObjectChange { shape_poses, ..shift("a", "", at(6.0, 0.0, 0.0)) }).unwrap();
+    assert_eq!(cell.places("a"), [[6.0, 0.0, 1.0], [6.0, 0.0, 2.0]]);
+    let one = ObjectChange { shape_poses: vec![at(0.0, 0.0, 0.0)], ..shift("a", "", at(0.0, 0.0, 0.0)) };
+    cell.refuses_object(one, "1 poses of shapes are given, but the object has 2 shapes");
+}
+
+#[test]
+fn broken_object_changes_are_refused_by_name() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", at(1.0, 0.0, 0.0))).unwrap();
+    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball())));
+    let bare = |id: &str, operation| ObjectChange::named(id, operation);
+    for (change, named) in [
+        (bare("x", Operation::Add), "no shapes"),
+        (bare("a", Operation::Append), "no shapes"),
+        (add("", "", at(0.0, 0.0, 0.0)), "id is empty"),
+        (bare("", Operation::Move), "id is empty"),
+        (add("hand", "", at(0.0, 0.0, 0.0)), "id: the robot has a link"),
+        (add(OCTOMAP, "", at(0.0, 0.0, 0.0)), "belongs to what sensors see"),
+        (add("/cloud", "", at(0.0, 0.0, 0.0)), "belongs to what sensors see"),
+        (remove("/cloud"), "operation"),
+        (remove(OCTOMAP), "clear_octomap"),
+        (remove("x"), "operation: it can not be removed"),
+        (shift("x", "", at(0.0, 0.0, 0.0)), "operation: it can not be moved"),
+        (add("x", "nowhere", at(0.0, 0.0, 0.0)), "header.frame_id: unknown frame 'nowhere'"),
+        (shift("a", "a/top", at(0.0, 0.0, 0.0)), "header.frame_id: unknown frame 'a/top'"),
+    ] {
+        cell.refuses_object(change, named);
+    }
+    cell.poses = None;
+    cell.refuses_object(add("x", "hand", at(0.0, 0.0, 0.0)), "header.frame_id: link 'hand' moves");
+    cell.object(add("x", "flange", at(0.0, 0.0, 0.0))).unwrap();
+}
+
+#[test]
+fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
+    let mut cell = Cell::new();
+    let fixed = |name: &str, parent: &str| FixedFrame {
+        name: name.to_owned(),
+        parent: parent.to_owned(),
+        pose_pf: at(0.0, 0.0, 10.0),
+    };
+    let base = FixedFrame { pose_pf: Pose::identity(), ..fixed("base", "base") };
+    let frames = vec![base, fixed("cell", "map"), fixed("shelf", "cell")];
+    cell.scene(SceneChange { fixed_frames: frames, ..difference(vec![], vec![]) }).unwrap();
+    let stamp = Some(seconds(99.5));
+    for (frame, parent, stamp) in [
+        ("camera", "hand", stamp),
+        ("/optical", "/camera", None),
+        ("map2", "shelf", None),
+        ("base", "odom", stamp),
+        ("odom", "world", stamp),
+        ("tower", "world", None),
+    ] {
+        let transform = Transform { parent: parent.to_owned(), pose_pf: at(0.0, 1.0, 0.0), stamp };
+        assert!(cell.transforms.note(frame, transform));
+    }
+    cell.object(add("table", "base", at(4.0, 0.0, 0.0))).unwrap();
+    for (frame, place) in [
+        ("hand", [1.0, 0.0, 3.0]),
+        ("map", [0.0, 0.0, 0.0]),
+        ("cell", [0.0, 0.0, 10.0]),
+        ("shelf", [0.0, 0.0, 20.0]),
+        ("table", [4.0, 0.0, 0.0]),
+        ("optical", [1.0, 2.0, 3.0]),
+        ("map2", [0.0, 1.0, 20.0]),
+        ("odom", [0.0, -1.0, 0.0]),
+        ("tower", [0.0, -1.0, 0.0]),
+    ] {
+        cell.object(add("probe", frame, Pose::identity())).unwrap();
+        assert_eq!(cell.places("probe"), [place], "{frame}");
+    }
+    // without a joint state the camera is only known from where tf says that the hand is
+    cell.poses = None;
+    cell.refuses_object(add("probe", "optical", Pose::identity()), "unknown frame 'optical'");
+    let transform = Transform { parent: "flange".to_owned(), pose_pf: at(0.0, 0.0, 0.5), stamp };
+    cell.transforms.note("hand", transform);
+    cell.object(add("probe", "optical", Pose::identity())).unwrap();
+    assert_eq!(cell.places("probe"), [[0.0, 4.0, 0.5]]);
+    // what tf says of a frame now comes before what a scene said of it once
+    let transform = Transform { parent: "odom".to_owned(), pose_pf: at(7.0, 0.0, 0.0), stamp };
+    cell.transforms.note("shelf", transform);
+    cell.object(add("probe", "shelf", Pose::identity())).unwrap();
+    assert_eq!(cell.places("probe"), [[7.0, -1.0, 0.0]]);
+}
+
+#[test]
+fn old_transforms_say_nothing() {
+    let mut cell = Cell::new();
+    let transform = |stamp| Transform { parent: "base".to_owned(), pose_pf: at(0.0, 0.0, 1.0), stamp };
+    cell.transforms.note("old", transform(Some(seconds(98.0))));
+    cell.refuses_object(add("x", "old", Pose::identity()), "transform of frame 'old' on tf is 2.000 s old");
+    // one that comes late does not take the place of a newer one
+    cell.transforms.note("old", transform(Some(seconds(99.5))));
+    let late = Transform { pose_pf: at(9.0, 9.0, 9.0), ..transform(Some(seconds(99.4))) };
+    cell.transforms.note("old", late);
+    cell.object(add("x", "old", Pose::identity())).unwrap();
+    assert_eq!(cell.places("x"), [[0.0, 0.0, 1.0]]);
+    // a circle of frames ends
+    for (frame, parent) in [("p", "q"), ("q", "p"), ("r", "r")] {
+        cell.transforms.note(frame, Transform { parent: parent.to_owned(), ..transform(None) });
+        cell.refuses_object(add("y", frame, Pose::identity()), "unknown frame");
+    }
+}
+
+#[test]
+fn a_difference_changes_what_it_names() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", Pose::identity())).unwrap();
+    cell.object(add("b", "", Pose::identity())).unwrap();
+    // as MoveIt's tutorials attach: taken from the world by the same message
+    let attach = hold("hand", ObjectChange::named("a", Operation::Add));
+    let warnings = cell.scene(difference(vec![remove("a")], vec![attach])).unwrap();
+    assert!(warnings[0].contains("'a' is attached"), "{warnings:?}");
+    assert_eq!((cell.names(), cell.held()), (vec!["b"], vec!["a"]));
+    // and as they detach: put down, and given anew
+    let change = difference(vec![add("a", "", at(7.0, 0.0, 0.0))], vec![hold("hand", remove("a"))]);
+    cell.scene(change).unwrap();
+    assert_eq!((cell.places("a"), cell.held().len()), (vec![[7.0, 0.0, 0.0]], 0));
+
+    // what is right beside a fault is done
+    let change = difference(
+        vec![add("c", "", Pose::identity()), remove("x")],
+        vec![hold("hand", add("d", "hand", Pose::identity()))],
+    );
+    assert_eq!(cell.scene(change).unwrap_err().object.as_deref(), Some("x"));
+    assert_eq!((cell.names(), cell.held()), (vec!["a", "b", "c"], vec!["d"]));
+}
+
+#[test]
+fn a_robot_state_that_is_no_difference_lets_go_of_everything_if_it_says_something() {
+    let attached = || vec![hold("hand", add("new", "hand", Pose::identity()))];
+    let state = |is_diff, names_joints, attached| RobotStateChange { is_diff, names_joints, attached };
+    for (change, held) in [
+        (state(false, false, vec![]), &["old"][..]),
+        (state(true, true, vec![]), &["old"]),
+        (state(false, true, vec![]), &[]),
+        (state(false, false, attached()), &["old", "new"]),
+        (state(false, true, attached()), &["new"]),
+    ] {
+        let mut cell = Cell::new();
+        cell.attach(hold("hand", add("old", "hand", Pose::identity()))).unwrap();
+        let change = SceneChange { robot_state: change, ..difference(vec![], vec![]) };
+        cell.scene(change).unwrap();
+        assert_eq!((cell.held(), cell.names().len()), (held.to_vec(), 0));
+    }
+    let mut cell = Cell::new();
+    let change = state(false, true, vec![hold("hand", remove("old"))]);
+    let change = SceneChange { robot_state: change, ..difference(vec![], vec![]) };
+    cell.refused(&SceneUpdate::Scene(Box::new(change)), Some("old"), "only ADD is possible");
+}
+
+#[test]
+fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", Pose::identity())).unwrap();
+    cell.attach(hold("hand", add("held", "hand", Pose::identity()))).unwrap();
+    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball())));
+    let (pose_fo, shape) = (at(0.0, 0.0, 1.0), Some(ball()));
+    let octomap = OctomapPlacement { frame: "flange".to_owned(), pose_fo, shape, is_blank: false };
+    cell.apply(&SceneUpdate::Octomap(Some(octomap.clone()))).unwrap();
+    assert_eq!(cell.places(OCTOMAP), [[0.0, 2.0, 1.0]]);
+    let change = SceneChange {
+        link_padding: vec![("hand".to_owned(), 0.1)],
+        link_scale: vec![("hand".to_owned(), 1.1)],
+        matrix: entries(&["hand", "a"], true),
+        fixed_frames: vec![FixedFrame { name: "f".into(), parent: "base".into(), pose_pf: Pose::identity() }],
+        ..difference(vec![], vec![])
+    };
+    cell.scene(change).unwrap();
+    cell.object(remove("")).unwrap();
+    assert_eq!(cell.names(), ["/cloud", OCTOMAP]);
+
+    let world = WorldChange { objects: vec![add("b", "f", Pose::identity())], octomap: None };
+    cell.apply(&SceneUpdate::World(Box::new(WorldChange { octomap: Some(octomap), ..world }))).unwrap();
+    assert_eq!((cell.names(), cell.held()), (vec!["/cloud", OCTOMAP, "b"], vec!["held"]));
+    let warnings = cell.scene(SceneChange { robot_model_name: "other".to_owned(), ..SceneChange::default() });
+    assert!(warnings.unwrap()[0].contains("'other'"));
+    assert_eq!((cell.names(), cell.held().len()), (vec!["/cloud"], 0));
+    assert!(cell.scene.matrix.is_none() && cell.scene.fixed_frames.is_empty());
+    assert!(cell.scene.link_padding.is_empty() && cell.scene.link_scale.is_empty());
+    cell.scene.set_sensed("/cloud", None);
+    assert!(cell.scene.world.is_empty());
+}
+
+#[test]
+fn a_matrix_takes_the_place_of_the_one_before_and_loses_what_is_removed() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", Pose::identity())).unwrap();
+    let with = |matrix| SceneChange { matrix, ..difference(vec![], vec![]) };
+    let warnings = cell.scene(with(entries(&["hand", "a"], true))).unwrap();
+    assert!(warnings[0].contains("takes the place of all entries"));
+    let allows = |cell: &Cell, a: &str, b: &str| cell.scene.matrix.as_ref().unwrap().allows(a, b);
+    assert!(allows(&cell, "a", "hand"));
+    cell.scene(difference(vec![add("b", "", Pose::identity())], vec![])).unwrap();
+    assert!(allows(&cell, "a", "hand"), "a difference without a matrix leaves it alone");
+    cell.object(remove("a")).unwrap();
+    cell.object(add("a", "", Pose::identity())).unwrap();
+    assert!(!allows(&cell, "a", "hand"), "another object of the name is another thing");
+    cell.scene(with(entries(&["b", "hand"], true))).unwrap();
+    assert!(allows(&cell, "b", "hand"));
+
+    let mut defaults = MatrixEntries::default();
+    (defaults.default_entry_names, defaults.default_entry_values) = (vec!["a".to_owned()], vec![true]);
+    assert!(cell.scene(with(defaults)).unwrap()[0].contains("default entries alone"));
+    assert!(!allows(&cell, "a", "hand"));
+    let mut broken = entries(&["b", "hand"], true);
+    broken.entry_values.pop();
+    cell.refused(
+        &SceneUpdate::Scene(Box::new(with(broken))),
+        None,
+        "allowed_collision_matrix: 2 entry_names",
+    );
+}
+
+#[test]
+fn matrices_go_both_ways() {
+    let mut given = entries(&["a", "b", "c"], false);
+    given.entry_values[0][2] = true;
+    given.entry_values[2][0] = true;
+    (given.default_entry_names, given.default_entry_values) = (vec!["d".to_owned()], vec![true]);
+    let matrix = AllowedCollisionMatrix::from_entries(&given).unwrap();
+    assert_eq!(matrix.to_entries(), given);
+}
+
+#[test]
+fn sizes_of_links_and_fixed_frames_are_checked() {
+    let mut cell = Cell::new();
+    let sized = |link: &str, padding, scale| SceneChange {
+        link_padding: vec![(link.to_owned(), padding)],
+        link_scale: vec![(link.to_owned(), scale)],
+        ..difference(vec![], vec![])
+    };
+    cell.scene(sized("hand", 0.02, 1.5)).unwrap();
+    assert_eq!((cell.scene.link_padding["hand"], cell.scene.link_scale["hand"]), (0.02, 1.5));
+    for (change, named) in [
+        (sized("thumb", 0.1, 1.0), "link_padding: the robot has no link 'thumb'"),
+        (sized("hand", -0.1, 1.5), "link_padding of 'hand' is -0.1"),
+        (sized("hand", f64::NAN, 1.5), "link_padding of 'hand' is NaN"),
+        (sized("hand", 0.02, 0.0), "link_scale of 'hand' is 0"),
+        (sized("hand", 0.02, f64::INFINITY), "link_scale of 'hand' is inf"),
+        (sized("hand", 0.02, 1e308), "link_scale of 'hand' is 1e308"),
+    ] {
+        cell.refused(&SceneUpdate::Scene(Box::new(change)), None, named);
+    }
+    for (name, parent, named) in [
+        ("f", "hand", "its parent 'hand' moves with the robot"),
+        ("f", "nowhere", "unknown frame 'nowhere'"),
+        ("", "flange", "its name is empty"),
+    ] {
+        let frame = FixedFrame { name: name.into(), parent: parent.into(), pose_pf: Pose::identity() };
+        let change = SceneChange { fixed_frames: vec![frame], ..difference(vec![], vec![]) };
+        cell.refused(&SceneUpdate::Scene(Box::new(change)), None, named);
+    }
+}
+
+#[test]
+fn another_robot_keeps_what_it_can() {
+    let mut cell = Cell::new();
+    cell.object(add("thumb", "", Pose::identity())).unwrap();
+    cell.attach(hold("hand", add("a", "hand", Pose::identity()))).unwrap();
+    cell.attach(hold("flange", add("b", "flange", Pose::identity()))).unwrap();
+    let sized = SceneChange {
+        link_padding: vec![("hand".to_owned(), 0.1), ("flange".to_owned(), 0.2)],
+        ..difference(vec![], vec![])
+    };
+    cell.scene(sized).unwrap();
+    let other = RobotModel::from_urdf(&URDF.replace("\"hand\"", "\"thumb\""), &MeshFiles::default()).unwrap();
+    let unfit = cell.scene.fit_to(&other);
+    assert_eq!((unfit.dropped.len(), unfit.warnings.len()), (1, 2), "{unfit:?}");
+    assert_eq!((cell.held(), cell.names()), (vec!["b"], vec!["thumb"]));
+    assert_eq!(cell.scene.link_padding.len(), 1);
+}

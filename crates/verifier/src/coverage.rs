@@ -1,0 +1,52 @@
+//! Whether the intervals of a segment's proofs leave no gap.
+
+use clearance_geometry::math::Extremes;
+use clearance_motion::Proof;
+
+use super::Refusal;
+use super::subjects::Pair;
+
+/// Refuses proofs that are malformed, and pairs of which some part of the segment has no proof. Comparisons are exact.
+pub(super) fn check(segment: usize, proofs: &[Proof], pairs: &[Pair]) -> Result<(), Refusal> {
+    for (proof, p) in proofs.iter().enumerate() {
+        well_formed(segment, proof, p, pairs)?;
+    }
+    let mut order: Vec<&Proof> = proofs.iter().collect();
+    // mostly in this order already
+    order.sort_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
+    let mut rest = order.into_iter().peekable();
+    for (number, pair) in pairs.iter().enumerate() {
+        let gap = |from: f64, to: f64| Refusal::Gap { segment, pair: pair.names.clone(), from, to };
+        let mut reached = 0.0;
+        while let Some(Proof(_, from, to, ..)) = rest.next_if(|p| p.0 == number) {
+            if *from > reached {
+                return Err(gap(reached, *from));
+            }
+            reached = reached.greater(*to);
+        }
+        if reached < 1.0 {
+            return Err(gap(reached, 1.0));
+        }
+    }
+    Ok(())
+}
+
+fn well_formed(segment: usize, proof: usize, p: &Proof, pairs: &[Pair]) -> Result<(), Refusal> {
+    let Proof(pair, from, to, lower, bound) = *p;
+    let Some(of) = pairs.get(pair) else {
+        return Err(Refusal::PairNumber { segment, proof, pair });
+    };
+    // comparisons with what is no number are false
+    if !(0.0 <= from && from < to && to <= 1.0) {
+        return Err(Refusal::Interval { segment, proof, from, to });
+    }
+    if !(lower.is_finite() && bound.is_finite() && bound >= 0.0) {
+        return Err(Refusal::Lengths { segment, proof, lower, bound });
+    }
+    let padding = of.padding;
+    if lower > bound + padding {
+        Ok(())
+    } else {
+        Err(Refusal::Short { segment, proof, lower, bound, padding })
+    }
+}

@@ -1,0 +1,247 @@
+//! Whether a certificate is about the motion that was asked about.
+//!
+//! A certificate is easily mistaken for one of another motion with the same ends. What was meant is compared with what the
+//! document says, number by number. Numbers may differ by rounding, since another machine may have computed them; then what was
+//! meant is proven, too.
+
+use std::collections::{HashMap, HashSet};
+
+use clearance_motion::{Certificate, MotionSegment, MovingObstacle, SegmentText, Trajectory, shown};
+
+use super::differences::Differences;
+use super::{Refusal, Verifier};
+
+/// How much (rad, m, relative) numbers may differ that mean the same.
+const ROUNDING: f64 = 1e-9;
+
+/// Expected motion, tube, tolerance and obstacle motion of a certificate. Fields without a value accept anything.
+#[derive(Clone, Debug, Default)]
+pub struct Expected {
+    /// The motion with its tolerances (tube) and moving obstacles.
+    pub motion: Option<Trajectory>,
+    /// Obstacles may move as the certificate says, whatever `motion` says of them; they start where the world has them.
+    pub any_obstacle_motion: bool,
+    /// How far (rad, m) each position may be off in every segment; not needed with an expected `motion`, which has its own.
+    pub tube: Option<Vec<f64>>,
+    /// The tolerance (m) with which it was made.
+    pub tolerance: Option<f64>,
+}
+
+impl Expected {
+    /// Whether it is known where obstacles start: then the world does not have to say so.
+    pub(super) fn tells_starts(&self) -> bool {
+        self.motion.is_some() && !self.any_obstacle_motion
+    }
+
+    /// Rejects a certificate of something else. The motions that are left to be proven: none if the document's own is the
+    /// expected one to the last digit.
+    pub(super) fn check(
+        &self,
+        verifier: &Verifier,
+        certificate: &Certificate,
+        given: &[MotionSegment],
+    ) -> Result<Option<Vec<MotionSegment>>, Refusal> {
+        let mut found = Differences::default();
+        self.compare_tolerance(certificate, &mut found);
+        let names = verifier.robot.position_names();
+        let segments = self.motion.as_ref().map(|motion| self.segments(motion, given));
+        match segments.as_ref().map(|segments| segments.as_ref().map_err(|error| *error)) {
+            Some(Ok(segments)) => {
+                for (segment, (given, expected)) in given.iter().zip(segments).enumerate() {
+                    Compared { segment, names, found: &mut found }.segments(&given.text(), expected);
+                }
+            }
+            Some(Err(expected)) => {
+                let given = given.len();
+                found.add(|| format!("it has {given} segment(s), expected {expected}"));
+            }
+            None => {}
+        }
+        self.compare_tube(names, given, &mut found);
+        if !found.is_empty() {
+            return Err(Refusal::OtherMotion(found));
+        }
+        let segments = segments.and_then(Result::ok);
+        Ok(segments.filter(|segments| segments.iter().zip(given).any(|(a, b)| a.text() != b.text())))
+    }
+
+    /// The expected segments, or how many there are if that differs.
+    fn segments(&self, motion: &Trajectory, given: &[MotionSegment]) -> Result<Vec<MotionSegment>, usize> {
+        let expected = motion.segments();
+        if expected.len() != given.len() {
+            return Err(expected.len());
+        }
+        let with = |(expected, given): (&MotionSegment, &MotionSegment)| {
+            let expected = expected.clone();
+            if self.any_obstacle_motion { expected.with_obstacles_of(given) } else { expected }
+        };
+        Ok(expected.iter().zip(given).map(with).collect())
+    }
+
+    fn compare_tube(&self, names: &[String], given: &[MotionSegment], found: &mut Differences) {
+        let Some(tube) = &self.tube else { return };
+        let (expected, positions) = (tube.len(), names.len());
+        if expected != positions {
+            found.add(|| {
+                format!(
+                    "{expected} tracking tolerances are expected, but the robot has {positions} positions"
+                )
+            });
+            return;
+        }
+        let is_told = |segment: usize| {
+            let motion = self.motion.as_ref().and_then(|motion| motion.segments().get(segment));
+            motion.is_some_and(|motion| motion.tube() == tube)
+        };
+        for (segment, given) in given.iter().enumerate().filter(|(segment, _)| !is_told(*segment)) {
+            Compared { segment, names, found }.tubes(given.tube(), tube);
+        }
+    }
+
+    fn compare_tolerance(&self, certificate: &Certificate, found: &mut Differences) {
+        match (self.tolerance, certificate.tolerance) {
+            (Some(_), None) => {
+                found.add(|| "format 1 does not say with which tolerance it was made".to_owned());
+            }
+            (Some(expected), Some(given)) if expected != given => {
+                found.add(|| format!("it was made with tolerance {given:?} m, expected {expected:?} m"));
+            }
+            (None, _) | (Some(_), Some(_)) => {}
+        }
+    }
+}
+
+/// One segment that is compared.
+struct Compared<'c> {
+    segment: usize,
+    names: &'c [String],
+    found: &'c mut Differences,
+}
+
+impl Compared<'_> {
+    fn segments(&mut self, given: &SegmentText, expected: &MotionSegment) {
+        let meant = expected.text();
+        match (polynomials(given), polynomials(&meant)) {
+            (None, None) => self.ends(given, &meant),
+            (Some(given), Some(meant)) => self.polynomials(given, meant),
+            (given_bent, _) => {
+                let segment = self.segment;
+                let form = |p: Option<&Vec<[f64; 6]>>| match p {
+                    Some(p) => format!("a polynomial of degree {}", degree(p)),
+                    None => "a straight line".to_owned(),
+                };
+                let forms = [form(given_bent), form(polynomials(&meant))];
+                self.found.add(|| format!("segment {segment} is {}, expected {}", forms[0], forms[1]));
+            }
+        }
+        self.tubes(&given.tube, expected.tube());
+        self.obstacles(&given.obstacles, expected.obstacles());
+    }
+
+    fn ends(&mut self, given: &SegmentText, meant: &SegmentText) {
+        let segment = self.segment;
+        for (what, given, meant) in [("starts", &given.from, &meant.from), ("ends", &given.to, &meant.to)] {
+            let numbers = given.iter().flatten().zip(meant.iter().flatten());
+            for ((given, meant), name) in numbers.zip(self.names) {
+                if !alike(*given, *meant) {
+                    self.found.add(|| {
+                        format!("segment {segment} {what} with {name}={given:?}, expected {meant:?}")
+                    });
+                }
+            }
+        }
+    }
+
+    fn polynomials(&mut self, given: &[[f64; 6]], meant: &[[f64; 6]]) {
+        let segment = self.segment;
+        let degrees = [given, meant].map(degree);
+        if degrees[0] != degrees[1] {
+            let [given, meant] = degrees;
+            self.found.add(|| {
+                format!("segment {segment} is a polynomial of degree {given}, expected degree {meant}")
+            });
+        }
+        for ((given, meant), name) in given.iter().zip(meant).zip(self.names) {
+            let off: f64 = given.iter().zip(meant).map(|(a, b)| (a - b).abs()).sum();
+            let size: f64 = meant.iter().map(|c| c.abs()).sum();
+            let alike = off <= ROUNDING * (1.0 + size);
+            if !alike {
+                self.found.add(|| {
+                    format!("segment {segment}: '{name}' is up to {off:?} off the expected polynomial")
+                });
+            }
+        }
+    }
+
+    fn tubes(&mut self, given: &[f64], meant: &[f64]) {
+        let segment = self.segment;
+        for (i, name) in self.names.iter().enumerate() {
+            let [given, meant] = [given, meant].map(|tube| tube.get(i).copied().unwrap_or(0.0));
+            if given != meant {
+                self.found.add(|| {
+                    format!("segment {segment}: the tracking tolerance of '{name}' is {given:?}, expected {meant:?}")
+                });
+            }
+        }
+    }
+
+    fn obstacles(&mut self, given: &[MovingObstacle], meant: &[MovingObstacle]) {
+        let segment = self.segment;
+        let by_name: HashMap<&str, &MovingObstacle> = given.iter().map(|o| (o.name.as_str(), o)).collect();
+        let expected: HashSet<&str> = meant.iter().map(|o| o.name.as_str()).collect();
+        for meant in meant {
+            let name = &meant.name;
+            match by_name.get(name.as_str()) {
+                None => self
+                    .found
+                    .add(|| format!("segment {segment}: obstacle '{name}' stands, expected to move")),
+                Some(given) => self.obstacle(given, meant),
+            }
+        }
+        for other in given.iter().filter(|o| !expected.contains(o.name.as_str())) {
+            self.found.add(|| {
+                format!("segment {segment}: obstacle '{}' moves, expected to stand", shown(&other.name))
+            });
+        }
+    }
+
+    fn obstacle(&mut self, given: &MovingObstacle, meant: &MovingObstacle) {
+        let segment = self.segment;
+        let start = |o: &MovingObstacle| o.start.unwrap_or(([0.0; 3], [0.0, 0.0, 0.0, 1.0]));
+        let ((shift, turn), (meant_shift, mut meant_turn)) = (start(given), start(meant));
+        // a quaternion and its negative are one orientation
+        if turn.iter().zip(meant_turn).map(|(a, b)| a * b).sum::<f64>() < 0.0 {
+            meant_turn = meant_turn.map(|c| -c);
+        }
+        let parts: [(&str, &[f64], &[f64]); 5] = [
+            ("its centre", &given.centre, &meant.centre),
+            ("its shift (m)", &given.linear, &meant.linear),
+            ("its turn (rad)", &given.angular, &meant.angular),
+            ("its position at the start", &shift, &meant_shift),
+            ("its orientation at the start", &turn, &meant_turn),
+        ];
+        for (what, given, expected) in parts {
+            if !given.iter().zip(expected).all(|(a, b)| alike(*a, *b)) {
+                let name = &meant.name;
+                self.found.add(|| {
+                    format!(
+                        "segment {segment}: obstacle '{name}' moves otherwise: {what} is {given:?}, expected {expected:?}"
+                    )
+                });
+            }
+        }
+    }
+}
+
+fn alike(given: f64, meant: f64) -> bool {
+    (given - meant).abs() <= ROUNDING * (1.0 + meant.abs())
+}
+
+fn polynomials(text: &SegmentText) -> Option<&Vec<[f64; 6]>> {
+    text.polynomials.as_ref()
+}
+
+fn degree(polynomials: &[[f64; 6]]) -> usize {
+    let of = |p: &[f64; 6]| p.iter().rposition(|c| *c != 0.0).unwrap_or(0);
+    polynomials.iter().map(of).max().unwrap_or(0)
+}
