@@ -13,9 +13,9 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::Body;
 use clearance::math::Pose;
 use clearance::robot::{LinkId, LinkPoses};
+use clearance::scene::BodyId;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};
 use cpu_time::ThreadTime;
 
@@ -137,7 +137,9 @@ fn main() {
             let report = checker.check(q, least, &mut workspace);
             assert_eq!(slow.is_free(q), report.is_free());
             let nearest = report.nearest.expect("nothing is farther than infinity");
-            assert!(matches!(nearest.b, Body::Link(_)) && (slow.distance(q) - nearest.distance).abs() < 1e-9);
+            assert!(
+                matches!(nearest.b, BodyId::Link(_)) && (slow.distance(q) - nearest.distance).abs() < 1e-9
+            );
         }
         let mut single = checker.workspace();
         let mut batch = checker.workspace();

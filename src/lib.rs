@@ -18,6 +18,7 @@
 // minima of floating-point numbers, see `math/extremes.rs`
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub use checker::{CollisionChecker, CollisionReport, Question, Workspace};
 pub use clearance_checker as checker;
 pub use clearance_files::{input_files, ply_format, readable_text, yaml};
 pub use clearance_geometry as geometry;
@@ -30,9 +31,8 @@ pub use clearance_robot as robot;
 #[cfg(feature = "ros")]
 pub use clearance_ros as node;
 pub use clearance_scene as scene;
+pub use clearance_scene::Settings;
 pub use clearance_verifier as verifier;
-
-pub use checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
 pub use robot::{Configuration, MeshFiles, RobotModel};
 pub use scene::World;
 

@@ -1,12 +1,12 @@
 //! Summary of a certificate: its motion, tube, settings, moving obstacles and hashes, as text or JSON.
 
-use std::collections::BTreeMap;
-
-use clearance::checker::{MeshModel, Settings, mesh_model_name};
+use clearance::motion::mesh_model_name;
 use clearance::motion::{Certificate, MovingObstacle, SegmentText};
 use clearance::readable_text;
 use clearance::robot::RobotModel;
+use clearance::scene::{MeshModel, Settings};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Most lines about obstacles that move.
 const MOST_LINES: usize = 20;

@@ -5,9 +5,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use clearance::checker::{Body, CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
+use clearance::checker::{CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
 use clearance::readable_text::on_one_line;
 use clearance::robot::Configuration;
+use clearance::scene::BodyId;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -207,7 +208,7 @@ fn constant_contacts(
             }
             checker.check(q, Question::Pairs, workspace).colliding_pairs
         };
-        let all: Vec<Vec<(Body, Body)>> = pool.install(|| {
+        let all: Vec<Vec<(BodyId, BodyId)>> = pool.install(|| {
             let each = states.par_iter().zip(reports);
             each.map_init(|| checker.workspace(), |workspace, (q, report)| pairs(workspace, q, report))
                 .collect()
@@ -240,7 +241,7 @@ fn time_passes(
 
 impl StateAnswer {
     fn new(query: Query, report: &CollisionReport, checker: &CollisionChecker) -> Self {
-        let names = |a: Body, b: Body| sorted_names(checker, a, b);
+        let names = |a: BodyId, b: BodyId| sorted_names(checker, a, b);
         let sorted_pairs = || {
             let mut pairs: Vec<_> = (report.colliding_pairs.iter()).map(|&(a, b)| names(a, b)).collect();
             pairs.sort();
@@ -284,7 +285,7 @@ impl DistanceAnswer {
     }
 }
 
-fn sorted_names(checker: &CollisionChecker, a: Body, b: Body) -> [String; 2] {
+fn sorted_names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> [String; 2] {
     let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
     names.sort();
     names

@@ -69,7 +69,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         robot: Some(robot),
         mesh_files: MeshFiles::default(),
         surroundings: surroundings(),
-        mesh_model: clearance::checker::MeshModel::Surface,
+        mesh_model: clearance::scene::MeshModel::Surface,
         motion: Some(Motion::Trajectory(motion)),
         observer: Some(Box::new(move |judgement, settings| {
             latest.note(judgement);

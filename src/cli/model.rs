@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use clearance::checker::{CollisionChecker, MeshModel, Settings};
+use clearance::checker::CollisionChecker;
 use clearance::input_files::{self, WORLD_LIMIT};
 use clearance::robot::{MeshFiles, RobotModel};
+use clearance::scene::{MeshModel, Settings};
 use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
 
 use super::failure::Failure;

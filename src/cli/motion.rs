@@ -5,13 +5,12 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use clearance::checker::{
-    Body, CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
-};
+use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport};
 use clearance::input_files;
 use clearance::motion::{Certificate, ContinuousTurn, MotionSegment, Trajectory};
 use clearance::readable_text::on_one_line;
 use clearance::robot::{Configuration, RobotModel};
+use clearance::scene::BodyId;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -318,7 +317,7 @@ impl WayAnswer {
         checker: &CollisionChecker,
         is_trajectory: bool,
     ) -> Self {
-        let names = |(a, b): (Body, Body)| {
+        let names = |(a, b): (BodyId, BodyId)| {
             let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
             names.sort();
             names

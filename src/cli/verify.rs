@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::checker::Settings;
 use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{Certificate, Trajectory};
 use clearance::robot::RobotModel;
+use clearance::scene::Settings;
 use clearance::scene::World;
 use clearance::verifier::{Expected, Refusal, Verified, Verifier};
 use serde_json::json;

@@ -1,13 +1,13 @@
 //! The checker's laws on a robot whose answers are worked out by hand, and on the demo arm.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{CollisionChecker, Question, Settings, SkipReason};
+use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::robot::RobotModel;
 use clearance::scene::{Obstacle, World};
+use clearance::scene::{Settings, SkipReason};
+use std::path::Path;
+use std::sync::Arc;
 
 fn load(urdf: &str, srdf: Option<&str>) -> Arc<RobotModel> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -55,7 +55,7 @@ fn padding_counts_against_the_world_and_if_asked_between_links() {
     let padded = ask(Settings { padding: 0.1, ..Settings::default() });
     let both = ask(Settings { padding: 0.1, pad_self: true, ..Settings::default() });
     for (i, pair) in bare.pair_distances.iter().enumerate() {
-        let of_links = matches!(pair.b, clearance::checker::Body::Link(_));
+        let of_links = matches!(pair.b, clearance::scene::BodyId::Link(_));
         let taken = pair.distance - padded.pair_distances[i].distance;
         assert!((taken - if of_links { 0.0 } else { 0.1 }).abs() < 1e-12);
         let taken = pair.distance - both.pair_distances[i].distance;

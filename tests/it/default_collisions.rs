@@ -1,17 +1,17 @@
 //! `<disable_default_collisions>` of an SRDF: a default entry of the allowed collision matrix, as in `MoveIt`.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{Body, CollisionChecker, MotionOptions, Settings, SkipReason};
+use clearance::checker::{CollisionChecker, MotionOptions};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::motion::{Certificate, MotionSegment};
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::scene::AllowedCollisionMatrix;
 use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World};
+use clearance::scene::{BodyId, Settings, SkipReason};
 use clearance::verifier::verify;
 use proptest::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::program::clearance_in;
 
@@ -65,7 +65,7 @@ fn checker(srdf: &str) -> CollisionChecker {
 
 fn checked(checker: &CollisionChecker) -> Vec<[String; 2]> {
     let pairs = checker.pairs();
-    let of_world = pairs.world_pairs().map(|(part, obstacle)| (part, Body::Obstacle(obstacle)));
+    let of_world = pairs.world_pairs().map(|(part, obstacle)| (part, BodyId::Obstacle(obstacle)));
     let named = |(a, b)| {
         let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
         names.sort();

@@ -1,12 +1,10 @@
 //! Tolerances and deadlines: what is told is less, never wrong.
 
-use std::time::{Duration, Instant};
-
-use clearance::checker::{
-    Body, CollisionChecker, CollisionReport, Question, Settings, UndecidedPair, Workspace,
-};
+use clearance::checker::{CollisionChecker, CollisionReport, Question, UndecidedPair, Workspace};
 use clearance::query::{Effort, Work};
 use clearance::robot::Configuration;
+use clearance::scene::{BodyId, Settings};
+use std::time::{Duration, Instant};
 
 use crate::random::Random;
 use crate::streams::{checkers, random_state, walk};
@@ -235,8 +233,9 @@ fn are_bounds(
     question: Question,
     effort: &Effort,
 ) {
-    let padding = |bodies: [Body; 2]| {
-        let of = |body: &Body| if matches!(body, Body::Link(_)) { checker.settings().padding } else { 0.0 };
+    let padding = |bodies: [BodyId; 2]| {
+        let of =
+            |body: &BodyId| if matches!(body, BodyId::Link(_)) { checker.settings().padding } else { 0.0 };
         bodies.iter().map(of).sum::<f64>()
     };
     for pair in &told.pair_distances {

@@ -1,18 +1,16 @@
 //! Planes that a link holds and planes that move: against what is known in closed form, the extent of shapes along the plane's normal.
 
-use std::collections::HashMap;
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{
-    Body, CollisionChecker, MotionOptions, MotionVerdict, Question, Settings, UndecidedReason,
-};
+use clearance::checker::{CollisionChecker, MotionOptions, MotionVerdict, Question, UndecidedReason};
 use clearance::geometry::{Plane, Primitive, Shape};
 use clearance::math::{Point, Pose, UnitVector, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, LinkPoses, RobotModel};
 use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World};
+use clearance::scene::{BodyId, Settings};
 use clearance::verifier::verify;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::other_shapes;
 use crate::random::Random;
@@ -120,8 +118,8 @@ fn from_the_plane(checker: &CollisionChecker, q: &Configuration, displaced: &Pos
 fn told(checker: &CollisionChecker, q: &Configuration) -> HashMap<String, f64> {
     let question = Question::PairDistances { limit: f64::INFINITY };
     let report = checker.check(q, question, &mut checker.workspace());
-    let held = |body: Body| matches!(body, Body::Attached(_));
-    let other = |a: Body, b: Body| if held(a) { b } else { a };
+    let held = |body: BodyId| matches!(body, BodyId::Attached(_));
+    let other = |a: BodyId, b: BodyId| if held(a) { b } else { a };
     let pairs = report.pair_distances.iter().filter(|p| held(p.a) || held(p.b));
     pairs.map(|p| (checker.body_name(other(p.a, p.b)).to_owned(), p.distance)).collect()
 }

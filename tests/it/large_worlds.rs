@@ -1,45 +1,45 @@
 //! Worlds of many objects and of many points: against every pair asked one by one, and against formulas.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{Body, CollisionChecker, Question, Settings, Workspace};
+use clearance::checker::{CollisionChecker, Question, Workspace};
 use clearance::geometry::{PointCloud, Shape};
 use clearance::math::{Point, Pose, Vector};
 use clearance::query::{self, CollisionBody, Scratch};
 use clearance::robot::{Configuration, LinkPoses, RobotModel};
+use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::random::Random;
 use crate::worlds::{demo_arm, obstacle, state};
 
 /// The distance of each link from each obstacle, all asked one by one: by link, then by obstacle.
 struct OneByOne {
-    links: Vec<(Body, CollisionBody)>,
-    obstacles: Vec<(Body, Pose, CollisionBody)>,
+    links: Vec<(BodyId, CollisionBody)>,
+    obstacles: Vec<(BodyId, Pose, CollisionBody)>,
 }
 
 impl OneByOne {
     fn new(robot: &RobotModel, world: &World) -> Self {
         let links = robot.link_ids().filter_map(|id| {
             let shapes = robot.link(id).collisions.iter().map(|c| (&c.pose_ls, &c.shape));
-            Some((Body::Link(id), CollisionBody::new(shapes)?))
+            Some((BodyId::Link(id), CollisionBody::new(shapes)?))
         });
         let obstacles = world.ids().map(|id| {
             let obstacle = world.obstacle(id);
             let body = CollisionBody::new(obstacle.shapes.iter().map(|s| (&s.pose_os, &s.shape)));
-            (Body::Obstacle(id), obstacle.pose_ro, body.unwrap())
+            (BodyId::Obstacle(id), obstacle.pose_ro, body.unwrap())
         });
         Self { links: links.collect(), obstacles: obstacles.collect() }
     }
 
-    fn distances(&self, robot: &RobotModel, q: &Configuration, limit: f64) -> Vec<(Body, Body, f64)> {
+    fn distances(&self, robot: &RobotModel, q: &Configuration, limit: f64) -> Vec<(BodyId, BodyId, f64)> {
         let mut poses = LinkPoses::new(robot);
         robot.forward_kinematics(q, &mut poses);
         let mut scratch = Scratch::default();
         let mut found = Vec::new();
         for (link, a) in &self.links {
-            let Body::Link(id) = link else { unreachable!() };
+            let BodyId::Link(id) = link else { unreachable!() };
             for (obstacle, pose, b) in &self.obstacles {
                 let pose_ab = poses.pose(*id).inverse() * pose;
                 if let Some(near) = query::distance(a, b, &pose_ab, limit, &mut scratch) {

@@ -1,18 +1,16 @@
 //! Certified motion against answers that nobody here wrote.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{
-    CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, Settings,
-};
+use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict};
 use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::scene::Settings;
 use clearance::scene::{Obstacle, World};
 use clearance::verifier::Verifier;
 use rayon::prelude::*;
 use serde_json::Value;
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::cases::{pose, shape};
 use crate::tally::{Tally, json, shared_folder};

@@ -1,11 +1,11 @@
 //! Whole reports and work counters of the bundled robots: a slow-down or a change of answer shows in a diff.
 
+use clearance::checker::{CollisionChecker, Question};
+use clearance::robot::{MeshFiles, RobotModel};
+use clearance::scene::Settings;
+use clearance::scene::{SceneLoader, World};
 use std::path::Path;
 use std::sync::Arc;
-
-use clearance::checker::{CollisionChecker, Question, Settings};
-use clearance::robot::{MeshFiles, RobotModel};
-use clearance::scene::{SceneLoader, World};
 
 use crate::random::Random;
 use crate::tally::{json, shared_folder};

@@ -1,12 +1,12 @@
 //! Streams, batches, threads and instruction sets: however a state is asked about, the report is the same.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{CollisionChecker, CollisionReport, Question, Settings, Workspace};
+use clearance::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance::query::Work;
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::scene::Settings;
 use clearance::scene::{SceneLoader, World};
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::other_shapes;
 use crate::random::Random;

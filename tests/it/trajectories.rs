@@ -1,20 +1,19 @@
 //! What is asked about motions beyond straight edges, on robots whose answers can be worked out with pencil and paper.
 
-use std::f64::consts::PI;
-use std::path::Path;
-use std::sync::Arc;
-use std::time::Instant;
-
 use clearance::checker::{
-    Body, CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, Settings,
-    UndecidedReason, Watch,
+    CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason, Watch,
 };
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
 use clearance::verifier::{Refusal, verify};
+use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Where, with `joint1` at 0, folding `joint2` brings the ball of `two_link` to the cube (derived in its URDF).
 const FOLDED: f64 = 2.836_899_95;
@@ -316,7 +315,7 @@ fn swept_volumes_hold_what_is_swept() {
                 let ball = poses.pose(tip) * clearance::math::Point::from(end);
                 let holds = volumes
                     .iter()
-                    .filter(|v| v.body == Body::Link(tip) && v.t[0] <= t && t <= v.t[1])
+                    .filter(|v| v.body == BodyId::Link(tip) && v.t[0] <= t && t <= v.t[1])
                     .any(|v| {
                         let axis = v.b - v.a;
                         let along = (axis.dot(&(ball - v.a)) / axis.norm_squared()).clamp(0.0, 1.0);

@@ -1,16 +1,16 @@
 //! Whole robots against answers that nobody here wrote.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{Body, CollisionChecker, Question, Settings};
+use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::{PointCloud, Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::AllowedCollisionMatrix;
+use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, SceneLoader, World};
 use rayon::prelude::*;
 use serde_json::Value;
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::cases::{numbers, pose, shape};
 use crate::tally::{Tally, json, shared_folder};
@@ -33,7 +33,7 @@ pub fn named(value: &Value) -> Vec<(&str, f64)> {
 }
 
 /// Names of a pair, sorted.
-fn names(checker: &CollisionChecker, a: Body, b: Body) -> (String, String) {
+fn names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> (String, String) {
     let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
     names.sort();
     let [a, b] = names;
@@ -53,7 +53,7 @@ fn pair_list(value: Option<&Value>) -> Vec<(String, String)> {
     pairs
 }
 
-fn hits(checker: &CollisionChecker, pairs: &[(Body, Body)]) -> Vec<(String, String)> {
+fn hits(checker: &CollisionChecker, pairs: &[(BodyId, BodyId)]) -> Vec<(String, String)> {
     let mut found: Vec<_> = pairs.iter().map(|&(a, b)| names(checker, a, b)).collect();
     found.sort();
     found
@@ -102,7 +102,7 @@ fn self_collisions_of_the_shared_robots() {
                 let nearest = (survey.pair_distances.iter())
                     .filter(|p| p.distance > 0.0)
                     .filter(|p| match (p.a, p.b) {
-                        (Body::Link(a), Body::Link(b)) => !robot.adjacent_rigid_bodies(a, b),
+                        (BodyId::Link(a), BodyId::Link(b)) => !robot.adjacent_rigid_bodies(a, b),
                         _ => true,
                     })
                     .map(|p| p.distance)
@@ -309,7 +309,7 @@ fn sample_disagreements(
     let mut wrong = vec![];
     let report = checker.check(q, Question::Pairs, workspace);
     let (world_hits, self_hits): (Vec<_>, Vec<_>) =
-        report.colliding_pairs.iter().partition(|(_, b)| matches!(b, Body::Obstacle(_)));
+        report.colliding_pairs.iter().partition(|(_, b)| matches!(b, BodyId::Obstacle(_)));
     for (scope, found) in [("self", self_hits), ("world", world_hits)] {
         let found = hits(checker, &found);
         let wanted = pair_list(sample.get(format!("{scope}_hits")));
@@ -324,7 +324,7 @@ fn sample_disagreements(
     for (scope, wanted) in ["self", "world"].into_iter().zip(wanted) {
         let Some(wanted) = wanted else { continue };
         let of_scope =
-            near.pair_distances.iter().filter(|p| matches!(p.b, Body::Obstacle(_)) == (scope == "world"));
+            near.pair_distances.iter().filter(|p| matches!(p.b, BodyId::Obstacle(_)) == (scope == "world"));
         let found = of_scope.map(|p| p.distance).fold(f64::INFINITY, f64::min);
         if (found - wanted).abs() > COAL_ACCURACY {
             wrong.push(format!("{scope} distance {found} instead of {wanted}"));

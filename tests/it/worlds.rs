@@ -1,11 +1,7 @@
 //! Worlds that change, and that a robot carries a part of: against worlds built anew, and against robots that have the part as a link.
 
-use std::path::Path;
-use std::sync::Arc;
-
 use clearance::checker::{
-    Body, CollisionChecker, CollisionReport, MotionOptions, MotionOrder, MotionVerdict, Question, Settings,
-    Workspace,
+    CollisionChecker, CollisionReport, MotionOptions, MotionOrder, MotionVerdict, Question, Workspace,
 };
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
@@ -13,7 +9,10 @@ use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel};
 use clearance::scene::AllowedCollisionMatrix;
 use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World, WorldError};
+use clearance::scene::{BodyId, Settings};
 use clearance::verifier::verify;
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::random::Random;
 
@@ -325,7 +324,7 @@ fn touch_links_may_touch_and_others_may_not() {
         let settings = Settings::default();
         let checker = CollisionChecker::new(robot.clone(), &world, settings).unwrap();
         let report = checker.check(&folded, Question::Pairs, &mut checker.workspace());
-        let attached = report.colliding_pairs.iter().filter(|(_, b)| matches!(b, Body::Attached(_)));
+        let attached = report.colliding_pairs.iter().filter(|(_, b)| matches!(b, BodyId::Attached(_)));
         attached.map(|(a, _)| checker.body_name(*a).to_owned()).collect::<Vec<_>>()
     };
     let all = collides(&[]);

@@ -1,8 +1,9 @@
 //! What one question about one state is answered with.
 
 use clearance::CollisionReport;
-use clearance::checker::{Body, MotionVerdict};
+use clearance::checker::MotionVerdict;
 use clearance::robot::LinkId;
+use clearance::scene::BodyId;
 
 /// An answer as the library gives it; it is put into words only where it is compared, never where it is timed.
 pub enum Answer {
@@ -36,7 +37,7 @@ impl std::fmt::Display for Answer {
 /// Colliding pairs of links; there is no world here.
 pub fn link_pairs(report: &CollisionReport) -> impl Iterator<Item = (LinkId, LinkId)> {
     report.colliding_pairs.iter().filter_map(|pair| match *pair {
-        (Body::Link(a), Body::Link(b)) => Some((a, b)),
+        (BodyId::Link(a), BodyId::Link(b)) => Some((a, b)),
         _ => None,
     })
 }

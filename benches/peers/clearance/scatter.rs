@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use clearance::checker::Body;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Point, Vector, pose_from_xyz_quaternion};
 use clearance::robot::LinkPoses;
+use clearance::scene::BodyId;
 use clearance::scene::Obstacle;
 use clearance::{CollisionChecker, Configuration, Question, World};
 
@@ -152,7 +152,7 @@ fn hits(checker: &CollisionChecker, world: &World, states: &[Configuration]) -> 
     for q in states {
         let report = among.checker().check(q, Question::Pairs, &mut workspace);
         let touched: BTreeSet<u32> = (report.colliding_pairs.iter())
-            .filter_map(|(_, b)| if let Body::Obstacle(id) = b { Some(id.0) } else { None })
+            .filter_map(|(_, b)| if let BodyId::Obstacle(id) = b { Some(id.0) } else { None })
             .collect();
         free += usize::from(touched.is_empty());
         for id in touched {

@@ -8,7 +8,7 @@ use clearance_robot::Configuration;
 use super::collision_checker::CollisionChecker;
 use super::memory::Memory;
 use super::pair::Roughly;
-use super::report::{Body, CollisionReport, PairDistance, Question};
+use super::report::{BodyId, CollisionReport, PairDistance, Question};
 use super::stream::Due;
 use super::workspace::{QueuedPair, Workspace};
 
@@ -264,10 +264,10 @@ impl Asked<'_> {
 
 impl CollisionReport {
     /// Whether a collision with the same kind of body as `other` is known.
-    fn hits_like(&self, other: Body) -> bool {
+    fn hits_like(&self, other: BodyId) -> bool {
         match other {
-            Body::Link(_) | Body::Attached(_) => self.self_collision,
-            Body::Obstacle(_) => self.world_collision,
+            BodyId::Link(_) | BodyId::Attached(_) => self.self_collision,
+            BodyId::Obstacle(_) => self.world_collision,
         }
     }
 
@@ -289,10 +289,10 @@ impl CollisionReport {
         }
     }
 
-    fn add_hit(&mut self, pair: (Body, Body)) {
+    fn add_hit(&mut self, pair: (BodyId, BodyId)) {
         match pair.1 {
-            Body::Link(_) | Body::Attached(_) => self.self_collision = true,
-            Body::Obstacle(_) => self.world_collision = true,
+            BodyId::Link(_) | BodyId::Attached(_) => self.self_collision = true,
+            BodyId::Obstacle(_) => self.world_collision = true,
         }
         self.colliding_pairs.push(pair);
     }

@@ -10,17 +10,18 @@ use clearance_robot::{Chain, Frame, LinkId, RobotModel, Seat, TravelRates, WaysT
 use clearance_scene::{AttachedObject, ObstacleShape, World};
 use rayon::prelude::*;
 
+use super::SettingsError;
 use super::capsule_fit::capsule_around;
 use super::capsules::{CapsulePairs, LinkCapsule};
 use super::pair::PairInfo;
-use super::report::Body;
-use super::settings::{MeshModel, Settings};
-use super::{PairList, SettingsError};
+use clearance_scene::BodyId;
+use clearance_scene::PairList;
+use clearance_scene::{MeshModel, Settings};
 
 /// A link or an attached object with geometry, in the frame of the body of the chain that it rides on.
 #[derive(Clone, Debug)]
 pub(super) struct Rider {
-    pub id: Body,
+    pub id: BodyId,
     /// The body of the chain; 0 is the root's.
     pub body: usize,
     /// The link that carries it, or itself.
@@ -77,12 +78,12 @@ pub(super) fn riders(
     known: &[Rider],
 ) -> Result<Vec<Rider>, SettingsError> {
     let padding = link_padding(robot, settings)?;
-    let bodies: Vec<Body> = pairs.parts().collect();
-    let known: HashMap<Body, &Rider> = known.iter().map(|rider| (rider.id, rider)).collect();
+    let bodies: Vec<BodyId> = pairs.parts().collect();
+    let known: HashMap<BodyId, &Rider> = known.iter().map(|rider| (rider.id, rider)).collect();
     (bodies.into_par_iter())
         .map(|id| {
             let object = match id {
-                Body::Attached(id) => Some(world.attached_object(id).as_ref()),
+                BodyId::Attached(id) => Some(world.attached_object(id).as_ref()),
                 _ => None,
             };
             let link = carrier(robot, id, object)?;
@@ -107,9 +108,9 @@ pub(super) fn riders(
         .collect()
 }
 
-fn carrier(robot: &RobotModel, id: Body, object: Option<&AttachedObject>) -> Result<LinkId, SettingsError> {
+fn carrier(robot: &RobotModel, id: BodyId, object: Option<&AttachedObject>) -> Result<LinkId, SettingsError> {
     match (id, object) {
-        (Body::Link(link), _) => Ok(link),
+        (BodyId::Link(link), _) => Ok(link),
         (_, Some(object)) => robot.link_by_name(&object.link).ok_or_else(|| SettingsError::NoCarrier {
             object: object.name.clone(),
             link: object.link.clone(),
@@ -121,7 +122,7 @@ fn carrier(robot: &RobotModel, id: Body, object: Option<&AttachedObject>) -> Res
 impl Rider {
     fn new(
         robot: &RobotModel,
-        (id, link): (Body, LinkId),
+        (id, link): (BodyId, LinkId),
         object: Option<&AttachedObject>,
         padding: f64,
         made_of: MadeOf,
@@ -166,8 +167,8 @@ pub(super) fn solid(
 
 /// The pairs of the parts, by index of rider.
 pub(super) fn pair_infos(pairs: &PairList, riders: &[Rider], settings: &Settings) -> Vec<PairInfo> {
-    let index: HashMap<Body, usize> = riders.iter().enumerate().map(|(i, rider)| (rider.id, i)).collect();
-    let info = |&(a, b): &(Body, Body)| {
+    let index: HashMap<BodyId, usize> = riders.iter().enumerate().map(|(i, rider)| (rider.id, i)).collect();
+    let info = |&(a, b): &(BodyId, BodyId)| {
         let bodies = (index[&a], index[&b]);
         let padding = riders[bodies.0].padding + riders[bodies.1].padding;
         PairInfo { ids: (a, b), bodies, padding: if settings.pad_self { padding } else { 0.0 } }

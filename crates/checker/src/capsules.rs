@@ -25,7 +25,7 @@ pub struct LinkCapsule {
 /// Capsules that ride on bodies, and the pairs of them to judge.
 #[derive(Clone, Debug)]
 pub struct CapsulePairs {
-    /// Body by body.
+    /// BodyId by body.
     riders: Vec<Rider>,
     /// By body: which of the riders are on it.
     on_bodies: Vec<Range<usize>>,

@@ -12,6 +12,7 @@ use clearance_robot::{Chain, PlacedFrame, RobotModel, TravelRates, WaysToRoot};
 use clearance_scene::AllowedCollisionMatrix;
 use clearance_scene::World;
 
+use super::Workspace;
 use super::bodies::{Rider, capsule_pairs, chain, joints_between, pair_infos, riders, travel_rates};
 use super::capsules::{CapsulePairs, PlacedSegment, up};
 use super::fixed_nearest::FixedNearest;
@@ -22,11 +23,11 @@ use super::nearest_first::NearestFirst;
 use super::obstacles::Obstacles;
 use super::pair::PairInfo;
 use super::reachable::Reachable;
-use super::report::Body;
-use super::settings::Settings;
 use super::stream::Stream;
 use super::within_reach::{PartOrder, WithinReach};
-use super::{PairList, Workspace};
+use clearance_scene::BodyId;
+use clearance_scene::PairList;
+use clearance_scene::Settings;
 
 /// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
 ///
@@ -217,11 +218,11 @@ impl CollisionChecker {
 
     /// The name of a link or an object.
     #[must_use]
-    pub fn body_name(&self, body: Body) -> &str {
+    pub fn body_name(&self, body: BodyId) -> &str {
         match body {
-            Body::Link(id) => &self.robot.link(id).name,
-            Body::Attached(id) => &self.world.attached_object(id).name,
-            Body::Obstacle(id) => &self.world.obstacle(id).name,
+            BodyId::Link(id) => &self.robot.link(id).name,
+            BodyId::Attached(id) => &self.world.attached_object(id).name,
+            BodyId::Obstacle(id) => &self.world.obstacle(id).name,
         }
     }
 

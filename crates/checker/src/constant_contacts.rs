@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use super::CollisionChecker;
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkId};
-
-use super::{Body, CollisionChecker};
+use clearance_scene::BodyId;
 
 /// Pairs of links that touched in every state so far.
 #[derive(Clone, Debug, Default)]
@@ -28,9 +28,9 @@ impl ConstantContacts {
     const REST: f64 = 0.01;
 
     /// Takes note of a state and of all its colliding pairs.
-    pub fn add(&mut self, q: &Configuration, colliding: &[(Body, Body)]) {
+    pub fn add(&mut self, q: &Configuration, colliding: &[(BodyId, BodyId)]) {
         let of_links = colliding.iter().filter_map(|&pair| match pair {
-            (Body::Link(a), Body::Link(b)) => Some((a.min(b), a.max(b))),
+            (BodyId::Link(a), BodyId::Link(b)) => Some((a.min(b), a.max(b))),
             _ => None,
         });
         let pairs: BTreeSet<_> = of_links.collect();
@@ -108,8 +108,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::{Question, Settings};
+    use crate::Question;
     use clearance_robot::{MeshFiles, RobotModel, RobotText};
+    use clearance_scene::Settings;
     use clearance_scene::World;
 
     /// Links b and c overlap always; d meets them when its joint is at zero.

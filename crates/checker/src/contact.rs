@@ -8,8 +8,8 @@ use clearance_robot::Configuration;
 
 use super::collision_checker::CollisionChecker;
 use super::pair::Pair;
-use super::report::Body;
 use super::workspace::Workspace;
+use clearance_scene::BodyId;
 
 /// Where and how deep two bodies are in each other, paddings included; in the root frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ impl CollisionChecker {
     pub fn contact(
         &self,
         q: &Configuration,
-        bodies: (Body, Body),
+        bodies: (BodyId, BodyId),
         workspace: &mut Workspace,
     ) -> Option<Contact> {
         self.suit(workspace);
@@ -66,10 +66,10 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::Settings;
     use clearance_geometry::math::Pose;
     use clearance_geometry::{Primitive, Shape};
     use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::Settings;
     use clearance_scene::{AttachedId, Obstacle, ObstacleId, World};
 
     const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
@@ -83,7 +83,7 @@ mod tests {
         let checker = CollisionChecker::new(robot, &world, settings).unwrap();
         let q = checker.robot().default_configuration();
         let (link, wall) = checker.pairs().world_pairs().next().unwrap();
-        checker.contact(&q, (link, Body::Obstacle(wall)), &mut checker.workspace())
+        checker.contact(&q, (link, BodyId::Obstacle(wall)), &mut checker.workspace())
     }
 
     #[test]
@@ -98,8 +98,8 @@ mod tests {
     fn what_is_no_pair_has_no_contact() {
         let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
         let checker = CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap();
-        let (q, link) = (checker.robot().default_configuration(), Body::Link(checker.robot().root()));
-        for other in [link, Body::Obstacle(ObstacleId(0)), Body::Attached(AttachedId(0))] {
+        let (q, link) = (checker.robot().default_configuration(), BodyId::Link(checker.robot().root()));
+        for other in [link, BodyId::Obstacle(ObstacleId(0)), BodyId::Attached(AttachedId(0))] {
             assert_eq!(checker.contact(&q, (link, other), &mut checker.workspace()), None);
             assert_eq!(checker.contact(&q, (other, link), &mut checker.workspace()), None);
         }

@@ -58,15 +58,15 @@ impl Asked<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use crate::{Body, CollisionChecker, Question, Settings};
+    use crate::{CollisionChecker, Question};
     use clearance_geometry::math::Point;
     use clearance_geometry::testing::Random;
     use clearance_geometry::{Primitive, Shape, TriangleMesh};
     use clearance_proximity::Effort;
     use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::{BodyId, Settings};
     use clearance_scene::{Obstacle, World};
+    use std::sync::Arc;
 
     /// A base with a mast that is fixed to it, and an arm that turns.
     const URDF: &str = "<robot name='r'>
@@ -116,7 +116,7 @@ mod tests {
         random: &mut Random,
         counts: &mut Counts,
     ) {
-        let fixed = ["base", "mast"].map(|name| Body::Link(robot.link_by_name(name).unwrap()));
+        let fixed = ["base", "mast"].map(|name| BodyId::Link(robot.link_by_name(name).unwrap()));
         let [mut workspace, mut other] = [own.workspace(), anew.workspace()];
         let mut stream = anew.streaming_workspace();
         for _ in 0..10 {

@@ -324,14 +324,14 @@ impl Least {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use crate::{CollisionChecker, Question, Settings};
+    use crate::{CollisionChecker, Question};
     use clearance_geometry::math::{Point, Pose};
     use clearance_geometry::testing::Random;
     use clearance_geometry::{Primitive, Shape, TriangleMesh};
     use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::Settings;
     use clearance_scene::{Obstacle, World};
+    use std::sync::Arc;
 
     /// A ball of 0.5 m that slides along x, and another 5 m above it.
     const URDF: &str = "<robot name='r'><link name='root'/><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision>

@@ -19,11 +19,9 @@ mod bodies;
 mod capsule_fit;
 mod capsule_lanes;
 mod capsules;
-mod certificate_parts;
 mod collision_checker;
 mod constant_contacts;
 mod contact;
-mod fingerprint;
 mod fixed_nearest;
 mod least_distance;
 mod likely;
@@ -35,31 +33,25 @@ mod nearest_first;
 mod numbers;
 mod obstacles;
 mod pair;
-mod pairs;
 mod pieces;
 mod questions;
 mod reachable;
 mod report;
 mod root_volume;
-mod settings;
 mod stream;
 mod volumes;
 mod within_reach;
 mod workspace;
 mod world_hits;
 
-pub use certificate_parts::{certificate_parts, mesh_model_name};
 pub use collision_checker::{CollisionChecker, SettingsError};
 pub use constant_contacts::ConstantContacts;
 pub use contact::Contact;
-pub use fingerprint::{model_fingerprint, world_fingerprint};
 pub use mesh_lint::{SolidMeshRemark, solid_mesh_remarks};
 pub use motion::{
     LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
     UndecidedReason, Watch,
 };
-pub use pairs::{PairList, SkipReason};
-pub use report::{Body, CollisionReport, PairDistance, Question, UndecidedPair};
-pub use settings::{MeshModel, Settings};
+pub use report::{CollisionReport, PairDistance, Question, UndecidedPair};
 pub use volumes::LinkVolume;
 pub use workspace::Workspace;

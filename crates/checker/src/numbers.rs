@@ -6,7 +6,7 @@ use clearance_scene::ObstacleId;
 
 use super::collision_checker::CollisionChecker;
 use super::pair::{Pair, PairInfo};
-use super::report::Body;
+use clearance_scene::BodyId;
 
 /// The bodies of a pair: indices of parts, or of a part and an obstacle's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +46,8 @@ impl CollisionChecker {
     }
 
     /// The number of the pair of two bodies, if it is checked.
-    pub(super) fn number_of(&self, bodies: (Body, Body)) -> Option<usize> {
-        let Body::Obstacle(id) = bodies.1 else {
+    pub(super) fn number_of(&self, bodies: (BodyId, BodyId)) -> Option<usize> {
+        let BodyId::Obstacle(id) = bodies.1 else {
             return self.infos.iter().position(|info| info.ids == bodies);
         };
         let part = self.riders.iter().position(|rider| rider.id == bodies.0)?;
@@ -72,7 +72,7 @@ impl CollisionChecker {
         match self.number(index) {
             PairNumber::OfParts(index) => self.infos[index],
             PairNumber::WithObstacle { part, place } => PairInfo {
-                ids: (self.riders[part].id, Body::Obstacle(id(place))),
+                ids: (self.riders[part].id, BodyId::Obstacle(id(place))),
                 bodies: (part, place),
                 padding: self.riders[part].padding + self.obstacles.at(place).padding,
             },
@@ -103,7 +103,7 @@ impl CollisionChecker {
         let a = &self.riders[info.bodies.0];
         let pose_ra = pose(info.bodies.0);
         let (b, pose_rb) = match info.ids.1 {
-            Body::Obstacle(_) => {
+            BodyId::Obstacle(_) => {
                 let obstacle = self.obstacles.at(info.bodies.1);
                 (&obstacle.solid, obstacle.pose_ro)
             }

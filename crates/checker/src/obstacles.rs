@@ -18,7 +18,7 @@ use super::capsules::LinkCapsule;
 use super::pieces::{Pieces, Placed};
 use super::reachable::Reachable;
 use super::root_volume::{RootCapsule, RootVolume};
-use super::settings::{MeshModel, Settings};
+use clearance_scene::{MeshModel, Settings};
 
 /// All obstacles of a world.
 #[derive(Clone, Debug, Default)]

@@ -7,12 +7,12 @@ use clearance_proximity::{
     CollisionBody, DistanceBounds, Effort, ElementPair, Piece, Postponed, Scratch, Separation,
 };
 
-use super::report::{Body, PairDistance, UndecidedPair};
+use super::report::{BodyId, PairDistance, UndecidedPair};
 
 /// What never changes about a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairInfo {
-    pub ids: (Body, Body),
+    pub ids: (BodyId, BodyId),
     /// The part's index, and that of the other part or the place of the obstacle.
     pub bodies: (usize, usize),
     /// Safety distance (m) that is taken off the distance of the bodies.

@@ -107,13 +107,13 @@ fn expected_range(robot: &RobotModel, position: usize) -> Option<RangeInclusive<
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use crate::{CollisionChecker, Question, Settings};
+    use crate::{CollisionChecker, Question};
     use clearance_geometry::testing::Random;
     use clearance_geometry::{Primitive, Shape};
     use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::Settings;
     use clearance_scene::{Obstacle, World};
+    use std::sync::Arc;
 
     /// A mast that slides by 0.5 m and an arm on it, of which a gripper's finger follows another finger.
     const URDF: &str = "<robot name='r'><link name='base'/>

@@ -3,8 +3,7 @@
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point};
 use clearance_proximity::Work;
-use clearance_robot::LinkId;
-use clearance_scene::{AttachedId, ObstacleId};
+use clearance_scene::BodyId;
 
 /// How much to find out about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,22 +21,13 @@ pub enum Question {
     Survey { influence_distance: f64, limit: f64 },
 }
 
-/// One of the two bodies of a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Body {
-    Link(LinkId),
-    /// An object that a link carries.
-    Attached(AttachedId),
-    Obstacle(ObstacleId),
-}
-
 /// Two bodies, how far they are apart (m, padding taken off), and where they are nearest (root frame, first on `a`).
 ///
 /// Colliding bodies have distance 0 and one common witness point twice, if one is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairDistance {
-    pub a: Body,
-    pub b: Body,
+    pub a: BodyId,
+    pub b: BodyId,
     pub distance: f64,
     /// The distance is not less than this (m): as much, unless tolerances allowed less.
     pub lower: f64,
@@ -47,8 +37,8 @@ pub struct PairDistance {
 /// Two bodies about which the deadline left something open: their distance (m, padding taken off) is between these numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UndecidedPair {
-    pub a: Body,
-    pub b: Body,
+    pub a: BodyId,
+    pub b: BodyId,
     pub lower: f64,
     /// Infinite where no near points were found.
     pub upper: f64,
@@ -60,7 +50,7 @@ pub struct CollisionReport {
     pub self_collision: bool,
     pub world_collision: bool,
     /// Colliding pairs: all of them, or for [`Question::Free`] and [`Question::Distance`] the first of each kind.
-    pub colliding_pairs: Vec<(Body, Body)>,
+    pub colliding_pairs: Vec<(BodyId, BodyId)>,
     /// The least distance, if the question was for distances and something is within its limit.
     pub nearest: Option<PairDistance>,
     /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair list.

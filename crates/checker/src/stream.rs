@@ -233,9 +233,10 @@ mod tests {
     use std::sync::Arc;
 
     use super::MOST_DUE;
-    use crate::{CollisionChecker, Question, Settings};
+    use crate::{CollisionChecker, Question};
     use clearance_proximity::Effort;
     use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::Settings;
     use clearance_scene::World;
 
     /// Two boxes, of which one slides past the other.

@@ -5,12 +5,12 @@ use clearance_robot::{LinkId, LinkPoses};
 
 use super::CollisionChecker;
 use super::bodies::{Rider, pose};
-use super::report::Body;
+use clearance_scene::BodyId;
 
 /// A box of the hierarchy of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkVolume {
-    pub body: Body,
+    pub body: BodyId,
     /// The link that carries the part, or that it is.
     pub link: LinkId,
     /// The box in the frame of that link.
@@ -50,9 +50,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::Settings;
     use clearance_geometry::{Primitive, Shape};
     use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::Settings;
     use clearance_scene::{Obstacle, World};
 
     /// The bar rides on the base through a fixed joint; the box lies askew in the frame of the bar.

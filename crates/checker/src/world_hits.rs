@@ -138,16 +138,16 @@ impl CollisionChecker {
 
 #[cfg(test)]
 mod tests {
-    use std::fmt::Write;
-    use std::sync::Arc;
-
-    use crate::{CollisionChecker, Question, Settings};
+    use crate::{CollisionChecker, Question};
     use clearance_geometry::math::Pose;
     use clearance_geometry::testing::Random;
     use clearance_geometry::{Primitive, Shape};
     use clearance_robot::{MeshFiles, RobotModel};
     use clearance_scene::AllowedCollisionMatrix;
+    use clearance_scene::Settings;
     use clearance_scene::{Obstacle, World};
+    use std::fmt::Write;
+    use std::sync::Arc;
 
     /// A chain of so many balls, each turned about another axis.
     fn chain(links: usize) -> Arc<RobotModel> {

@@ -1,8 +1,8 @@
 //! How fast two bodies approach each other.
-
-use clearance_checker::{Body, CollisionChecker, PairDistance};
+use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
+use clearance_scene::BodyId;
 
 use super::drift::Drift;
 use super::{Evidence, SpeedSettings};
@@ -69,7 +69,7 @@ pub(super) fn approach_rate(
     other: &OtherTime,
 ) -> Option<f64> {
     let rate = |drift| approach_rate_in(checker, pair, (&evidence.poses, other), drift);
-    let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, Body::Obstacle(_)));
+    let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
     if !is_of_world || evidence.drifts.is_empty() {
         return rate(None);
     }
@@ -110,10 +110,10 @@ fn displacement(point_r: &Point, now: &Pose, then: &Pose) -> Vector {
 }
 
 /// The link that a body moves with.
-fn carrier(checker: &CollisionChecker, body: Body) -> Option<LinkId> {
+fn carrier(checker: &CollisionChecker, body: BodyId) -> Option<LinkId> {
     match body {
-        Body::Link(link) => Some(link),
-        Body::Attached(id) => checker.robot().link_by_name(&checker.world().attached_object(id).link),
-        Body::Obstacle(_) => None,
+        BodyId::Link(link) => Some(link),
+        BodyId::Attached(id) => checker.robot().link_by_name(&checker.world().attached_object(id).link),
+        BodyId::Obstacle(_) => None,
     }
 }

@@ -7,11 +7,11 @@
 //! It falls when so many states in a row ask for less as the trigger count says, to the most that they ask for, and rises when
 //! so many as the release count says ask for more, to the least of them. Where nothing is known it is zero at once.
 
+use clearance_checker::{CollisionChecker, PairDistance};
+use clearance_geometry::math::Extremes;
+use clearance_scene::BodyId;
 use std::collections::VecDeque;
 use std::sync::Arc;
-
-use clearance_checker::{Body, CollisionChecker, PairDistance};
-use clearance_geometry::math::Extremes;
 
 use super::approach::{OtherTime, a_moment_later, approach_rate};
 use super::{Evidence, Status, Time};
@@ -184,7 +184,7 @@ impl SpeedGovernor {
 
 fn distances_of(pair: &PairDistance, settings: &SpeedSettings) -> SpeedDistances {
     match (pair.a, pair.b) {
-        (Body::Obstacle(_), _) | (_, Body::Obstacle(_)) => settings.world,
+        (BodyId::Obstacle(_), _) | (_, BodyId::Obstacle(_)) => settings.world,
         _ => settings.own,
     }
 }

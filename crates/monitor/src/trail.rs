@@ -116,8 +116,9 @@ mod tests {
 
     use super::*;
     use crate::{JointStateInput, Monitor, MonitorSettings, Now, Revision, SourceId};
-    use clearance_checker::{CollisionChecker, Settings};
+    use clearance_checker::CollisionChecker;
     use clearance_robot::MeshFiles;
+    use clearance_scene::Settings;
     use clearance_scene::World;
 
     /// A joint that turns without end, and one that slides.

@@ -1,10 +1,10 @@
 //! The checker of a robot in a scene, with the settings that scene and parameters make together.
 
-use std::sync::Arc;
-
-use clearance_checker::{CollisionChecker, MeshModel, Settings, SolidMeshRemark, solid_mesh_remarks};
+use clearance_checker::{CollisionChecker, SolidMeshRemark, solid_mesh_remarks};
 use clearance_robot::RobotModel;
 use clearance_scene::Scene;
+use clearance_scene::{MeshModel, Settings};
+use std::sync::Arc;
 
 use super::parameters::Parameters;
 

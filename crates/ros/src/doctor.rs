@@ -7,8 +7,8 @@ mod network;
 
 use std::time::Duration;
 
-use clearance_checker::MeshModel;
 use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::MeshModel;
 
 use super::arguments::RosArguments;
 use super::names::Names;

@@ -1,17 +1,17 @@
 //! From robot descriptions and what is heard about the world to checkers, on a thread of its own: the monitor goes on with the old
 //! model and world meanwhile.
 
-use std::collections::{BTreeMap, HashSet};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
-
-use clearance_checker::{MeshModel, SolidMeshRemark};
+use clearance_checker::SolidMeshRemark;
 use clearance_monitor::{Now, Revision};
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
+use clearance_scene::MeshModel;
 use clearance_scene::{Scene, TransformTree};
 use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
+use std::collections::{BTreeMap, HashSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::checker_of_scene::{checker_of, solid_meshes, warnings_of};
 use super::link_volumes::LinkVolumes;

@@ -1,20 +1,20 @@
 //! What `RViz` shows: colliding links, and lines between near bodies.
 
-use std::collections::BTreeSet;
-use std::time::Duration;
-
-use clearance_checker::{Body, PairDistance};
+use clearance_checker::PairDistance;
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use clearance_monitor::{Evidence, Judgement, Revision};
 use clearance_robot::{LinkId, MeshSource};
 use clearance_scene::AttachedId;
+use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Duration as DurationMessage;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{
     Point as PointMessage, Pose as PoseMessage, Quaternion, Vector3,
 };
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{ColorRGBA, Header};
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
+use std::collections::BTreeSet;
+use std::time::Duration;
 
 use super::messages::{header, point_message};
 
@@ -100,8 +100,8 @@ impl Scene {
         self.geometry = COLLIDING_LINKS;
         let links: BTreeSet<LinkId> = (colliding_bodies(evidence))
             .filter_map(|body| match body {
-                Body::Link(link) => Some(link),
-                Body::Attached(_) | Body::Obstacle(_) => None,
+                BodyId::Link(link) => Some(link),
+                BodyId::Attached(_) | BodyId::Obstacle(_) => None,
             })
             .collect();
         for link in links {
@@ -119,8 +119,8 @@ impl Scene {
         self.geometry = COLLIDING_ATTACHED;
         let attached: BTreeSet<AttachedId> = (colliding_bodies(evidence))
             .filter_map(|body| match body {
-                Body::Attached(id) => Some(id),
-                Body::Link(_) | Body::Obstacle(_) => None,
+                BodyId::Attached(id) => Some(id),
+                BodyId::Link(_) | BodyId::Obstacle(_) => None,
             })
             .collect();
         for id in attached {
@@ -314,7 +314,7 @@ impl Scene {
     }
 }
 
-fn colliding_bodies(evidence: &Evidence) -> impl Iterator<Item = Body> {
+fn colliding_bodies(evidence: &Evidence) -> impl Iterator<Item = BodyId> {
     evidence.report.colliding_pairs.iter().flat_map(|&(a, b)| [a, b])
 }
 

@@ -1,8 +1,8 @@
 //! Judgements as ROS messages, but for markers and diagnostics; and joint states the other way.
-
-use clearance_checker::{Body, CollisionChecker, CollisionReport, PairDistance};
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_geometry::math::Point;
 use clearance_monitor::{JointStateInput, Judgement, SourceId, Status, Time};
+use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Time as StampMessage;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point as PointMessage;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
@@ -148,16 +148,16 @@ fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report
 
 /// What a body is, as messages name it.
 #[must_use]
-pub fn body_type(body: Body) -> u8 {
+pub fn body_type(body: BodyId) -> u8 {
     match body {
-        Body::Link(_) => BodyPair::LINK,
-        Body::Attached(_) => BodyPair::ATTACHED,
-        Body::Obstacle(_) => BodyPair::OBSTACLE,
+        BodyId::Link(_) => BodyPair::LINK,
+        BodyId::Attached(_) => BodyPair::ATTACHED,
+        BodyId::Obstacle(_) => BodyPair::OBSTACLE,
     }
 }
 
 #[must_use]
-pub fn pair_message(checker: &CollisionChecker, a: Body, b: Body) -> BodyPair {
+pub fn pair_message(checker: &CollisionChecker, a: BodyId, b: BodyId) -> BodyPair {
     BodyPair {
         body_a: checker.body_name(a).to_owned(),
         type_a: body_type(a),

@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use clearance_checker::MeshModel;
 use clearance_monitor::Monitor;
 use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::MeshModel;
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;

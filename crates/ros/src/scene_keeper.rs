@@ -7,11 +7,11 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use clearance_checker::MeshModel;
 use clearance_geometry::math::Extremes;
 use clearance_monitor::cloud::SelfFilter;
 use clearance_monitor::{Evidence, Judgement, Now, Revision, Sight, WorldSource};
 use clearance_robot::{LinkPoses, RobotModel};
+use clearance_scene::MeshModel;
 use clearance_scene::{
     OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate, Subject, TransformTree, Unfit,
 };

@@ -1,14 +1,14 @@
 //! Requests about single states, answered: from names and numbers to configurations, from reports to messages. No I/O.
 
-use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
-use std::time::{Duration, Instant};
-
-use clearance_checker::{Body, CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
 use clearance_monitor::Judgement;
 use clearance_proximity::Effort;
 use clearance_robot::Configuration;
 use clearance_robot::quoted_list;
+use clearance_scene::BodyId;
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
+use std::time::{Duration, Instant};
 
 use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
 use super::clearance_msgs::PairDistance as PairDistanceMessage;
@@ -197,7 +197,7 @@ impl Cell<'_> {
 struct Told<'a> {
     checker: &'a CollisionChecker,
     with_distance: bool,
-    indices: HashMap<Body, i32>,
+    indices: HashMap<BodyId, i32>,
     /// Bytes of names that still fit into the answer.
     room: usize,
     unknown: usize,
@@ -244,7 +244,7 @@ impl<'a> Told<'a> {
     }
 
     /// The index of a body among those that are told of; none where its name does not fit.
-    fn index(&mut self, body: Body) -> i32 {
+    fn index(&mut self, body: BodyId) -> i32 {
         let response = &mut self.response;
         let name = self.checker.body_name(body);
         match self.indices.entry(body) {

@@ -21,6 +21,7 @@ mod allowed_collision_matrix;
 mod anchors;
 mod attached_changes;
 mod attached_object;
+mod body_id;
 mod change;
 mod cloud;
 mod files;
@@ -33,9 +34,11 @@ mod object_changes;
 mod obstacle;
 mod octomap;
 mod octomap_placement;
+mod pair_list;
 mod rejection;
 mod scene;
 mod scene_changes;
+mod settings;
 mod shapes;
 #[cfg(test)]
 mod testing;
@@ -50,6 +53,7 @@ pub use allowed_collision_matrix::{AllowedCollisionMatrix, MatrixEntries, Matrix
 pub use anchors::Grounds;
 pub use anchors::{Lost, Told, is_elsewhere};
 pub use attached_object::{AttachedId, AttachedObject};
+pub use body_id::BodyId;
 pub use change::{
     AttachedChange, FixedFrame, ObjectChange, OctomapPlacement, Operation, RobotStateChange, SceneChange,
     SceneUpdate, WorldChange,
@@ -63,8 +67,10 @@ pub use named_state::NamedState;
 pub use obstacle::{Obstacle, ObstacleId, ObstacleShape};
 pub use octomap::{Cell, Octomap, OctomapError, Space};
 pub use octomap_placement::OctomapMessage;
+pub use pair_list::{PairList, SkipReason};
 pub use rejection::SceneRejection;
 pub use scene::{Applied, OCTOMAP, Scene, Unfit};
+pub use settings::{MeshModel, Settings};
 pub use shapes::{mesh, message_pose, placed_shapes, plane, solid, solid_type};
 pub use time::Time;
 pub use transform_tree::{Transform, TransformTree};

@@ -1,11 +1,10 @@
 //! What has to be proven: the bodies, and the pairs of them that must stay apart, with their paddings.
 
-use clearance_checker as checker;
-use clearance_checker::{MeshModel, PairList, Settings};
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 use clearance_robot::{LinkId, RobotModel};
 use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::{BodyId, MeshModel, PairList, Settings};
 use clearance_scene::{ObstacleId, World};
 
 use super::Refusal;
@@ -31,14 +30,14 @@ pub(super) fn pairs(
     let padding = paddings(robot, world, settings)?;
     let list = PairList::new(robot, world, matrix);
     let links = robot.links().len();
-    let numbered = |body: checker::Body| match body {
-        checker::Body::Link(id) => (id.index(), robot.link(id).name.clone()),
-        checker::Body::Attached(id) => (links + id.0 as usize, world.attached_object(id).name.clone()),
-        checker::Body::Obstacle(id) => {
+    let numbered = |body: BodyId| match body {
+        BodyId::Link(id) => (id.index(), robot.link(id).name.clone()),
+        BodyId::Attached(id) => (links + id.0 as usize, world.attached_object(id).name.clone()),
+        BodyId::Obstacle(id) => {
             (links + world.attached().len() + id.0 as usize, world.obstacle(id).name.clone())
         }
     };
-    let pair = |a: checker::Body, b: checker::Body, counts: bool| {
+    let pair = |a: BodyId, b: BodyId, counts: bool| {
         let [(i, first), (j, second)] = [a, b].map(numbered);
         let padding = if counts { padding[i] + padding[j] } else { 0.0 };
         Pair { bodies: [i, j], names: [first, second], padding }
@@ -48,7 +47,7 @@ pub(super) fn pairs(
         pairs.extend(list.self_pairs().iter().map(|(a, b)| pair(*a, *b, settings.pad_self)));
     }
     if settings.check_world {
-        pairs.extend(list.world_pairs().map(|(a, o)| pair(a, checker::Body::Obstacle(o), true)));
+        pairs.extend(list.world_pairs().map(|(a, o)| pair(a, BodyId::Obstacle(o), true)));
     }
     Ok(pairs)
 }

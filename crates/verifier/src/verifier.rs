@@ -1,14 +1,14 @@
 //! Whether a certificate proves what it claims.
 
-use std::borrow::Cow;
-
-use clearance_checker::{Settings, certificate_parts, model_fingerprint, world_fingerprint};
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_motion::{Certificate, MotionSegment, Proof};
+use clearance_motion::{certificate_parts, model_fingerprint, world_fingerprint};
 use clearance_robot::{LinkId, RobotModel};
 use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::Settings;
 use clearance_scene::World;
+use std::borrow::Cow;
 
 use super::apart::Apart;
 use super::body::Body;

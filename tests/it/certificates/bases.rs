@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use clearance::checker::Settings;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Point, Pose};
 use clearance::motion::{
     Certificate, MotionSegment, MovingObstacle, ObstacleTrajectory, Trajectory, TrajectoryPoint,
 };
 use clearance::robot::RobotModel;
+use clearance::scene::Settings;
 use clearance::scene::{AttachedObject, World};
 
 use super::{Scene, obstacle, sheet, wall};

@@ -6,15 +6,15 @@ mod command_line;
 mod joins;
 mod mutations;
 
-use std::sync::Arc;
-
-use clearance::checker::{CollisionChecker, MotionOptions, Settings};
+use clearance::checker::{CollisionChecker, MotionOptions};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, Trajectory};
 use clearance::robot::{MeshFiles, RobotModel};
+use clearance::scene::Settings;
 use clearance::scene::{Obstacle, World};
 use clearance::verifier::{Refusal, Verified, verify};
+use std::sync::Arc;
 
 /// A robot in a world.
 pub struct Scene {

@@ -1,16 +1,16 @@
 //! Links of real robots: at relative poses of every kind, and where joints and obstacles bring them.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{Body, CollisionChecker, CollisionReport, PairDistance, Question, Settings};
+use clearance::checker::{CollisionChecker, CollisionReport, PairDistance, Question};
 use clearance::constants::CONTACT_DISTANCE;
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::Pose;
 use clearance::query::{Scratch, distance};
 use clearance::robot::{LinkPoses, RobotModel};
+use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
 use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Accuracy, Family, Ledger, survey};
@@ -136,11 +136,11 @@ struct Scene<'r> {
 }
 
 impl Scene<'_> {
-    fn subject(&self, body: Body) -> &Subject {
+    fn subject(&self, body: BodyId) -> &Subject {
         match body {
-            Body::Link(id) => self.robot.links[id.index()].as_ref().expect("pairs have geometry"),
-            Body::Obstacle(id) => &self.obstacles[id.0 as usize],
-            Body::Attached(_) => unreachable!("nothing is attached"),
+            BodyId::Link(id) => self.robot.links[id.index()].as_ref().expect("pairs have geometry"),
+            BodyId::Obstacle(id) => &self.obstacles[id.0 as usize],
+            BodyId::Attached(_) => unreachable!("nothing is attached"),
         }
     }
 
@@ -169,8 +169,8 @@ impl Scene<'_> {
         let mut poses = LinkPoses::new(robot);
         robot.forward_kinematics(&q, &mut poses);
         let pose = |body| match body {
-            Body::Link(id) => *poses.pose(id),
-            Body::Attached(_) | Body::Obstacle(_) => Pose::identity(),
+            BodyId::Link(id) => *poses.pose(id),
+            BodyId::Attached(_) | BodyId::Obstacle(_) => Pose::identity(),
         };
         for told in &all.pair_distances {
             let pose_ab = pose(told.a).inv_mul(&pose(told.b));

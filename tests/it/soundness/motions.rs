@@ -4,18 +4,16 @@
 //! to see that they stay farther away. Families: robots alone, among primitives, before a mesh world, before walls a millimetre thin, full turns,
 //! and edges that were moved until they just graze.
 
-use std::path::Path;
-use std::sync::Arc;
-
-use clearance::checker::{
-    CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, Question, Settings, Workspace,
-};
+use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, Question, Workspace};
 use clearance::geometry::{Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, RobotModel};
+use clearance::scene::Settings;
 use clearance::scene::{Obstacle, World};
 use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
 
 use super::share;
 use crate::other_shapes;

@@ -5,10 +5,10 @@ use clearance_motion::{Certificate, MotionSegment, SegmentProof, Trajectory};
 
 use super::report::{MotionOptions, MotionReport};
 use super::trajectory::{Stretch, TrajectoryReport, each_segment};
-use crate::certificate_parts::certificate_parts;
 use crate::collision_checker::CollisionChecker;
-use crate::fingerprint::{model_fingerprint, world_fingerprint};
 use crate::workspace::Workspace;
+use clearance_motion::certificate_parts;
+use clearance_motion::{model_fingerprint, world_fingerprint};
 
 impl CollisionChecker {
     /// As [`Self::check_motion_with`], and the certificate of a free motion.

@@ -8,9 +8,9 @@ use clearance_motion::{MotionSegment, SegmentError, floating};
 use clearance_robot::Configuration;
 
 use super::report::{MotionOptions, MotionVerdict};
-use crate::Body;
 use crate::collision_checker::CollisionChecker;
 use crate::workspace::Workspace;
+use clearance_scene::BodyId;
 
 /// Resolution of the answer: motion (m) that no longer matters.
 const RESOLUTION: f64 = 2e-3;
@@ -25,7 +25,7 @@ pub struct LookAhead {
     /// No pair touches earlier (s).
     pub free_for: f64,
     /// The pair that may touch then; `None` if none can before the horizon, or if nothing could be found out in bearable time.
-    pub first: Option<(Body, Body)>,
+    pub first: Option<(BodyId, BodyId)>,
 }
 
 impl CollisionChecker {

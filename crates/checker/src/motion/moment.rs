@@ -7,12 +7,12 @@ use clearance_motion::{MotionSegment, MovingObstacle};
 use clearance_proximity::Scratch;
 use clearance_robot::{Approach, Deviation, Deviations, PlacedFrame, Reach, SideMotion};
 
-use crate::Body;
 use crate::bodies::Rider;
 use crate::collision_checker::CollisionChecker;
 use crate::nearby::capsule_bound;
 use crate::numbers::PairNumber;
 use crate::pair::Pair;
+use clearance_scene::BodyId;
 
 /// The positions of a segment around a moment.
 struct Around<'s> {
@@ -71,7 +71,7 @@ impl CollisionChecker {
         dispatch!(scratch.level(), simd => self.chain.frames_between(simd, &between, positions, frames));
         let a = &self.riders[info.bodies.0];
         let pose_ra = MatrixPose::from(&frames[a.body]);
-        let (solid, pose_rb, reach) = if let Body::Obstacle(_) = info.ids.1 {
+        let (solid, pose_rb, reach) = if let BodyId::Obstacle(_) = info.ids.1 {
             let b = self.obstacles.at(info.bodies.1);
             match self.mover(segment, index) {
                 Some(mover) => {

@@ -6,7 +6,7 @@ use clearance_geometry::math::Point;
 use clearance_proximity::Work;
 
 use super::watch::Watch;
-use crate::Body;
+use clearance_scene::BodyId;
 
 /// How a motion is to be checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,7 @@ pub enum MotionVerdict {
     Contact {
         /// Free before the first, proven; colliding at the second.
         t: [f64; 2],
-        pair: (Body, Body),
+        pair: (BodyId, BodyId),
         /// A common point (root frame) at the second t, if one is known.
         witness: Option<Point>,
     },
@@ -75,7 +75,7 @@ pub enum MotionVerdict {
         /// Free before the first, proven, and after the second; in between a part of it is open.
         t: [f64; 2],
         /// The pair that is open first; `None` if none was looked at.
-        pair: Option<(Body, Body)>,
+        pair: Option<(BodyId, BodyId)>,
         /// In the middle of the interval the pair's distance (m, padding taken off) is between these.
         distance: [f64; 2],
         reason: UndecidedReason,

@@ -5,15 +5,15 @@ use clearance_geometry::simd::dispatch;
 use clearance_motion::MotionSegment;
 
 use super::moment::of_whole_interval;
-use crate::Body;
 use crate::collision_checker::CollisionChecker;
 use crate::workspace::Workspace;
+use clearance_scene::BodyId;
 
 /// All that a link or an attached object touches from one t to another lies within `radius` of the line from `a` to `b` (root frame, metres): its
 /// capsule in the middle of the interval, grown by the farthest that any of it moves on the way to either end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweptVolume {
-    pub body: Body,
+    pub body: BodyId,
     pub t: [f64; 2],
     pub a: Point,
     pub b: Point,

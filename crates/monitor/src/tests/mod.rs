@@ -16,12 +16,12 @@ mod speed;
 mod unpositioned;
 mod world_updates;
 
+use clearance_checker::CollisionChecker;
+use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::Settings;
+use clearance_scene::World;
 use std::sync::Arc;
 use std::time::Duration;
-
-use clearance_checker::{CollisionChecker, Settings};
-use clearance_robot::{MeshFiles, RobotModel};
-use clearance_scene::World;
 
 use super::*;
 

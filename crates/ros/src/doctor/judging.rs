@@ -1,13 +1,13 @@
 //! Whether what is heard will do.
 
-use std::sync::Arc;
-use std::time::Duration;
-
-use clearance_checker::{CollisionChecker, MeshModel, Settings, solid_mesh_remarks};
+use clearance_checker::{CollisionChecker, solid_mesh_remarks};
 use clearance_monitor::{Judgement, Monitor, MonitorSettings, Revision, Status, Time};
 use clearance_robot::quoted_list;
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
 use clearance_scene::World;
+use clearance_scene::{MeshModel, Settings};
+use std::sync::Arc;
+use std::time::Duration;
 
 use super::finding::{Finding, good, note, wrong};
 use super::hearing::Heard;

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::Settings;
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
 use clearance_monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
 use clearance_robot::MeshFiles;
+use clearance_scene::Settings;
 use clearance_scene::{Obstacle, World};
 use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Duration as SpanMessage;
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::{JointTrajectory, JointTrajectoryPoint};

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use clearance_checker::MeshModel;
 use clearance_monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time, Trail};
 use clearance_robot::{MeshFiles, MeshUse, RecordedMeshes, RobotModel};
+use clearance_scene::MeshModel;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as StringMessage};
 use serde_json::{Map, Value as Json};

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::MeshModel;
 use clearance_geometry::testing::Random;
 use clearance_monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time, Trail};
 use clearance_robot::{MeshFiles, MeshLog, RobotModel, RobotText};
+use clearance_scene::MeshModel;
 use clearance_scene::{Scene, TransformTree};
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Pose, TransformStamped};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::CollisionObject;

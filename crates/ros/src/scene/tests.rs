@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::MeshModel;
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
 use clearance_monitor::{
     JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Sight, Time, WorldSource,
 };
 use clearance_robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
+use clearance_scene::MeshModel;
 use clearance_scene::{Obstacle, World};
 use clearance_scene::{Scene, SceneContext, SceneUpdate, TransformTree};
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{

@@ -1,14 +1,12 @@
 //! Whether a state is valid, as `moveit_msgs/GetStateValidity` asks. No I/O.
 
-use std::collections::HashSet;
-use std::sync::Arc;
-
-use clearance_checker::{Body, CollisionChecker, Contact, Question};
+use clearance_checker::{CollisionChecker, Contact, Question};
 use clearance_geometry::math::{Point, Pose, Vector};
 use clearance_monitor::{Evidence, Judgement, Now, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
 use clearance_scene::AttachedId;
+use clearance_scene::BodyId;
 use clearance_scene::{
     Applied, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate, TransformTree,
 };
@@ -17,6 +15,8 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, ContactInformat
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::MultiDOFJointState;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
+use std::collections::HashSet;
+use std::sync::Arc;
 
 use super::reading::{robot_state_change, transform_pose};
 use crate::cell::undecided;
@@ -61,10 +61,10 @@ pub fn state_validity(
     };
     let mut workspace = checker.workspace();
     let report = checker.check(&q, Question::PairDistances { limit: 0.0 }, &mut workspace);
-    let in_group = |body: Body| group.as_ref().is_none_or(|links| moves(checker, body, links));
+    let in_group = |body: BodyId| group.as_ref().is_none_or(|links| moves(checker, body, links));
     let colliding = report.colliding_pairs.iter().filter(|(a, b)| in_group(*a) || in_group(*b));
     let colliding: Vec<_> = colliding.copied().collect();
-    let contact = |bodies: &(Body, Body)| {
+    let contact = |bodies: &(BodyId, BodyId)| {
         let found = checker.contact(&q, *bodies, &mut workspace);
         contact(checker, *bodies, found, &poses, situation.now)
     };
@@ -144,11 +144,11 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
 }
 
 /// Whether a body moves with one of these links.
-fn moves(checker: &CollisionChecker, body: Body, links: &HashSet<LinkId>) -> bool {
+fn moves(checker: &CollisionChecker, body: BodyId, links: &HashSet<LinkId>) -> bool {
     match body {
-        Body::Link(link) => links.contains(&link),
-        Body::Attached(id) => carrier(checker, id).is_some_and(|link| links.contains(&link)),
-        Body::Obstacle(_) => false,
+        BodyId::Link(link) => links.contains(&link),
+        BodyId::Attached(id) => carrier(checker, id).is_some_and(|link| links.contains(&link)),
+        BodyId::Obstacle(_) => false,
     }
 }
 
@@ -281,27 +281,27 @@ fn with_request(
 /// depth is, it is zero.
 fn contact(
     checker: &CollisionChecker,
-    (a, b): (Body, Body),
+    (a, b): (BodyId, BodyId),
     found: Option<Contact>,
     poses: &LinkPoses,
     now: Now,
 ) -> ContactInformation {
     let robot = checker.robot();
     let middle = match a {
-        Body::Link(link) => Point::from(poses.pose(link).translation.vector),
-        Body::Attached(id) => {
+        BodyId::Link(link) => Point::from(poses.pose(link).translation.vector),
+        BodyId::Attached(id) => {
             let pose_rl = carrier(checker, id).map_or(Pose::identity(), |link| *poses.pose(link));
             Point::from((pose_rl * checker.world().attached_object(id).pose_lo).translation.vector)
         }
-        Body::Obstacle(_) => Point::origin(),
+        BodyId::Obstacle(_) => Point::origin(),
     };
     let position = found.map_or(middle, |found| found.point);
     let outward = || (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
     let normal = found.and_then(|found| found.normal).unwrap_or_else(outward);
     let kind = |body| match body {
-        Body::Link(_) => ContactInformation::ROBOT_LINK,
-        Body::Attached(_) => ContactInformation::ROBOT_ATTACHED,
-        Body::Obstacle(_) => ContactInformation::WORLD_OBJECT,
+        BodyId::Link(_) => ContactInformation::ROBOT_LINK,
+        BodyId::Attached(_) => ContactInformation::ROBOT_ATTACHED,
+        BodyId::Obstacle(_) => ContactInformation::WORLD_OBJECT,
     };
     ContactInformation {
         header: Header {

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::Settings;
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
 use clearance_monitor::{JointStateInput, Monitor, MonitorSettings, Now, Reason, Revision, Time};
 use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::Settings;
 use clearance_scene::{Obstacle, World};
 
 use super::*;

@@ -1,12 +1,12 @@
 //! Markers of the two-link robot, and what they leave out.
 
-use std::sync::Arc;
-
-use clearance_checker::{Body, MotionOptions, Settings};
+use clearance_checker::MotionOptions;
 use clearance_geometry::math::Point;
 use clearance_motion::MotionSegment;
 use clearance_robot::MeshFiles;
 use clearance_scene::World;
+use clearance_scene::{BodyId, Settings};
+use std::sync::Arc;
 
 use super::*;
 
@@ -76,7 +76,7 @@ fn axes_in_any_direction_have_their_cylinder() {
     for axis in [[0.0, 0.0, 2.0], [0.0, 0.0, -2.0], [1.0, -2.0, 3.0], [1e-9, 0.0, -2.0]] {
         let b = Point::from(axis);
         let volume = SweptVolume {
-            body: Body::Link(clearance_robot::LinkId(0)),
+            body: BodyId::Link(clearance_robot::LinkId(0)),
             t: [0.0, 1.0],
             a: Point::origin(),
             b,
@@ -88,7 +88,7 @@ fn axes_in_any_direction_have_their_cylinder() {
         assert!((turn * Vector::z() - b.coords.normalize()).norm() < 1e-9, "{axis:?}");
     }
     let volume = |b: Point| SweptVolume {
-        body: Body::Link(clearance_robot::LinkId(0)),
+        body: BodyId::Link(clearance_robot::LinkId(0)),
         t: [0.0, 1.0],
         a: Point::origin(),
         b,

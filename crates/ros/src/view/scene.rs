@@ -1,11 +1,11 @@
 //! What there is to see: links, obstacles and attached objects with the shapes that are checked.
 
-use clearance_checker::Settings;
 use clearance_geometry::math::{Extremes, Pose};
 use clearance_geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use clearance_monitor::Revision;
 use clearance_robot::LinkPoses;
 use clearance_scene::ObstacleShape;
+use clearance_scene::Settings;
 use hyper::body::Bytes;
 use serde::Serialize;
 

@@ -1,17 +1,17 @@
 //! The view without a browser: what is said, to whom, and that nobody holds it up.
 
-use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpStream};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-use clearance_checker::{CollisionChecker, Settings};
+use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Pose, Vector};
 use clearance_geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
 use clearance_monitor::{JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Time};
 use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::Settings;
 use clearance_scene::{AttachedObject, Obstacle, ObstacleShape, World};
 use serde_json::Value;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::server::View;
 use super::site::VIEWERS;

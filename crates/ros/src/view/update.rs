@@ -1,12 +1,12 @@
 //! A judgement as the page reads it.
 
-use std::time::{Duration, Instant};
-
-use clearance_checker::{Body, CollisionChecker, CollisionReport, PairDistance};
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_geometry::math::Point;
 use clearance_monitor::{Evidence, Judgement, MonitorSettings, Reason, Revision};
 use clearance_robot::LinkPoses;
+use clearance_scene::BodyId;
 use serde::Serialize;
+use std::time::{Duration, Instant};
 
 use super::scene::{pose_numbers, short};
 use super::slot::Said;
@@ -145,10 +145,10 @@ fn found<'a>(evidence: &'a Evidence, checker: &'a CollisionChecker) -> Findings<
     }
 }
 
-fn kind(body: Body) -> &'static str {
+fn kind(body: BodyId) -> &'static str {
     match body {
-        Body::Link(_) => "link",
-        Body::Attached(_) => "attached",
-        Body::Obstacle(_) => "obstacle",
+        BodyId::Link(_) => "link",
+        BodyId::Attached(_) => "attached",
+        BodyId::Obstacle(_) => "obstacle",
     }
 }

@@ -1,13 +1,13 @@
 //! Bodies are proven apart up to their distance, and not beyond.
 
-use std::sync::Arc;
-
-use clearance_checker::{CollisionChecker, Question, Settings};
+use clearance_checker::{CollisionChecker, Question};
 use clearance_geometry::Shape;
 use clearance_geometry::math::{MatrixPose, Point, Pose, Vector};
 use clearance_geometry::testing::Random;
 use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::Settings;
 use clearance_scene::{Obstacle, ObstacleShape, World};
+use std::sync::Arc;
 
 use super::scenes::{grains, mesh, plane, point_of, primitive};
 use crate::apart::Apart;

@@ -1,11 +1,11 @@
 //! No sampled point of any robot comes nearer to another than the bound says.
 
-use clearance_checker::Settings;
 use clearance_geometry::math::{Point, Pose};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{MotionSegment, MovingObstacle};
 use clearance_robot::{LinkPoses, RobotModel};
+use clearance_scene::Settings;
 use clearance_scene::{AttachedObject, Obstacle, ObstacleId, World};
 
 use super::scenes::{ALL_KINDS, motion, plane, point_of, robot, world};

@@ -1,7 +1,7 @@
 //! A slow and simple prover: it halves intervals until the bound is less than the distance.
-
-use clearance_checker::{Settings, model_fingerprint, world_fingerprint};
 use clearance_motion::{Certificate, MotionSegment, Proof, SegmentProof};
+use clearance_motion::{model_fingerprint, world_fingerprint};
+use clearance_scene::Settings;
 
 use crate::Verifier;
 use crate::course::Course;

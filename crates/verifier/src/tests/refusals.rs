@@ -1,15 +1,15 @@
 //! What is true is accepted; whatever is altered is not.
 
-use std::sync::Arc;
-
-use clearance_checker::{CollisionChecker, MeshModel, Settings};
+use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Point, Pose, Vector};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{Certificate, MotionSegment, MovingObstacle, Proof, Trajectory};
 use clearance_robot::{MeshFiles, RobotModel};
 use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::{MeshModel, Settings};
 use clearance_scene::{Obstacle, World};
+use std::sync::Arc;
 
 use super::prover::prove;
 use super::scenes;

@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
+use super::{AllowedCollisionMatrix, AttachedId, BodyId, ObstacleId, World};
 use clearance_robot::{LinkId, RobotModel};
-use clearance_scene::AllowedCollisionMatrix;
-use clearance_scene::{AttachedId, ObstacleId, World};
-
-use super::report::Body;
 
 /// The pairs to check, and how many were left out and why.
 ///
@@ -16,7 +13,7 @@ use super::report::Body;
 pub struct PairList {
     /// Parts that have geometry.
     parts: Vec<Part>,
-    self_pairs: Vec<(Body, Body)>,
+    self_pairs: Vec<(BodyId, BodyId)>,
     /// By obstacle's place: by part, whether they are checked. `None` at gaps.
     checked: Vec<Option<Arc<[bool]>>>,
     /// For obstacles that the matrix says nothing of.
@@ -76,7 +73,7 @@ impl PairRules {
 
 #[derive(Clone, Debug, PartialEq)]
 struct Part {
-    body: Body,
+    body: BodyId,
     name: String,
 }
 
@@ -130,9 +127,9 @@ impl PairList {
     #[must_use]
     pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
         let links = robot.link_ids().filter(|l| !robot.link(*l).collisions.is_empty());
-        let links = links.map(|l| Part { body: Body::Link(l), name: robot.link(l).name.clone() });
+        let links = links.map(|l| Part { body: BodyId::Link(l), name: robot.link(l).name.clone() });
         let attached = (0..).map(AttachedId).zip(world.attached());
-        let attached = attached.map(|(id, o)| Part { body: Body::Attached(id), name: o.name.clone() });
+        let attached = attached.map(|(id, o)| Part { body: BodyId::Attached(id), name: o.name.clone() });
         let parts: Vec<Part> = links.chain(attached).collect();
         let rules = PairRules::new(robot, scene);
         let usual = (parts.iter())
@@ -158,7 +155,7 @@ impl PairList {
     }
 
     /// Notes that an obstacle of this name is at a place, or none.
-    pub(super) fn set_obstacle(&mut self, id: ObstacleId, name: Option<&str>) {
+    pub fn set_obstacle(&mut self, id: ObstacleId, name: Option<&str>) {
         let place = id.0 as usize;
         if self.checked.len() <= place {
             self.checked.resize(place + 1, None);
@@ -184,20 +181,20 @@ impl PairList {
     }
 
     #[must_use]
-    pub fn self_pairs(&self) -> &[(Body, Body)] {
+    pub fn self_pairs(&self) -> &[(BodyId, BodyId)] {
         &self.self_pairs
     }
 
     /// Pairs of links alone, without what they carry.
     pub fn link_pairs(&self) -> impl Iterator<Item = (LinkId, LinkId)> {
         self.self_pairs.iter().filter_map(|pair| match *pair {
-            (Body::Link(a), Body::Link(b)) => Some((a, b)),
+            (BodyId::Link(a), BodyId::Link(b)) => Some((a, b)),
             _ => None,
         })
     }
 
     /// Pairs of a part of the robot and an obstacle, the part's first.
-    pub fn world_pairs(&self) -> impl Iterator<Item = (Body, ObstacleId)> {
+    pub fn world_pairs(&self) -> impl Iterator<Item = (BodyId, ObstacleId)> {
         self.parts.iter().enumerate().flat_map(move |(i, part)| {
             let rows = (0..).map(ObstacleId).zip(&self.checked);
             rows.filter(move |(_, row)| row.as_ref().is_some_and(|row| row[i]))
@@ -206,13 +203,13 @@ impl PairList {
     }
 
     /// Links and attached objects that have geometry.
-    pub(super) fn parts(&self) -> impl Iterator<Item = Body> {
+    pub fn parts(&self) -> impl Iterator<Item = BodyId> {
         self.parts.iter().map(|part| part.body)
     }
 
     /// Whether a part, by its number among those with geometry, is checked against an obstacle.
     #[inline]
-    pub(super) fn checks(&self, part: usize, obstacle: ObstacleId) -> bool {
+    pub fn checks(&self, part: usize, obstacle: ObstacleId) -> bool {
         self.checked.get(obstacle.0 as usize).is_some_and(|row| row.as_ref().is_some_and(|row| row[part]))
     }
 
@@ -239,7 +236,7 @@ impl PairList {
     }
 
     /// Leaves out all pairs of parts, or all pairs with obstacles.
-    pub(super) fn restricted(mut self, check_self: bool, check_world: bool) -> Self {
+    pub fn restricted(mut self, check_self: bool, check_world: bool) -> Self {
         if !check_self {
             self.self_pairs.clear();
         }
@@ -257,7 +254,7 @@ fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &Pair
     let [a, b] = pair;
     let allowed = || rules.why_allowed(&a.name, &b.name);
     match (a.body, b.body) {
-        (Body::Link(link_a), Body::Link(link_b)) => {
+        (BodyId::Link(link_a), BodyId::Link(link_b)) => {
             if robot.same_rigid_body(link_a, link_b) {
                 return Some(SkipReason::SameRigidBody);
             }
@@ -268,11 +265,11 @@ fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &Pair
                 PairRules::Scene(_) | PairRules::Srdf(_) => allowed(),
             }
         }
-        (Body::Attached(id), Body::Attached(other)) => {
+        (BodyId::Attached(id), BodyId::Attached(other)) => {
             let same = world.attached_object(id).link == world.attached_object(other).link;
             if same { Some(SkipReason::SameRigidBody) } else { allowed() }
         }
-        (Body::Link(_), Body::Attached(id)) => {
+        (BodyId::Link(_), BodyId::Attached(id)) => {
             let may_touch = world.attached_object(id).may_touch(&a.name);
             if may_touch { Some(SkipReason::Touches) } else { allowed() }
         }

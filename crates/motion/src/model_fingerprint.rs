@@ -4,12 +4,10 @@ use std::collections::HashMap;
 
 use clearance_geometry::math::{Pose, UnitVector};
 use clearance_geometry::{Cube, Plane, Primitive, Shape};
-use clearance_motion::Fingerprint;
 use clearance_robot::{Joint, JointKind, RobotModel};
-use clearance_scene::AllowedCollisionMatrix;
-use clearance_scene::World;
+use clearance_scene::{AllowedCollisionMatrix, BodyId, MeshModel, PairList, Settings, World};
 
-use super::{Body, MeshModel, PairList, Settings};
+use super::Fingerprint;
 
 /// SHA-256 of all that decides how the robot moves, where it is solid, and what of it is checked: links, shapes, joints but their
 /// limits, paddings, what a mesh is, pairs of links. File names and the order of the URDF's attributes do not matter.
@@ -41,7 +39,7 @@ pub fn model_fingerprint(
     print.count(pairs.len());
     for (a, b) in pairs.self_pairs() {
         for body in [a, b] {
-            if let Body::Link(link) = body {
+            if let BodyId::Link(link) = body {
                 print.indices(&[link.0]);
             }
         }

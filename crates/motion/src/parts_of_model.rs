@@ -2,12 +2,11 @@
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
-use clearance_motion::{BodyPart, CertificateParts, Fingerprint, JointPart};
 use clearance_robot::{JointId, RobotModel};
-use clearance_scene::World;
+use clearance_scene::{MeshModel, Settings, World};
 
-use super::fingerprint::{add_kind, add_shape};
-use super::{MeshModel, Settings};
+use super::model_fingerprint::{add_kind, add_shape};
+use super::{BodyPart, CertificateParts, Fingerprint, JointPart};
 
 /// Digits of a part's hash: it names what differs, the hash of the whole decides.
 const DIGITS: usize = 16;

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::Scene;
 use clearance_geometry::math::Extremes;
-use clearance_scene::Scene;
 
-/// Choices that hold for every check of one [`CollisionChecker`](super::CollisionChecker).
+/// Choices that hold for every check of one collision checker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Safety distance (m) by which every link counts as larger, unless `link_padding` names it.
