@@ -4,11 +4,12 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
 use clearance_robot::Configuration;
+use clearance_scene::BodyId;
 
 use super::collision_checker::CollisionChecker;
 use super::memory::Memory;
 use super::pair::Roughly;
-use super::report::{BodyId, CollisionReport, PairDistance, Question};
+use super::report::{CollisionReport, PairDistance, Question};
 use super::stream::Due;
 use super::workspace::{QueuedPair, Workspace};
 

@@ -91,14 +91,15 @@ pub(super) fn riders(
             let name = object.map_or(&robot.link(link).name, |object| &object.name);
             // as in MoveIt: what a link holds grows with it
             let of_link = settings.link_scale.get(&robot.link(link).name).copied().unwrap_or(1.0);
-            let of_object = object.map_or(Ok(1.0), |object| settings.scale_of(&object.name))?;
+            let of_object = object.map_or(Ok(1.0), |object| object_scale(settings, &object.name))?;
             let made_of = MadeOf {
                 seat,
                 mesh_model: settings.mesh_model,
                 scale: usable_scale(name, of_link * of_object)?,
                 attached: object.map(|object| (object.pose_lo, Arc::clone(&object.shapes))),
             };
-            let padding = padding[link.index()] + object.map_or(Ok(0.0), |o| settings.padding_of(&o.name))?;
+            let padding =
+                padding[link.index()] + object.map_or(Ok(0.0), |o| object_padding(settings, &o.name))?;
             if let Some(same) = known.get(&id).filter(|known| known.made_of.is_same(&made_of)) {
                 return Ok(Rider { padding, ..(*same).clone() });
             }
@@ -230,17 +231,15 @@ fn link_padding(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>, Set
     Ok(padding)
 }
 
-impl Settings {
-    /// The padding (m) of an object.
-    pub(super) fn padding_of(&self, object: &str) -> Result<f64, SettingsError> {
-        let value = self.object_padding.get(object).copied().unwrap_or(0.0);
-        usable(&format!(" of object '{object}'"), value)
-    }
+/// The padding (m) of an object.
+pub(super) fn object_padding(settings: &Settings, object: &str) -> Result<f64, SettingsError> {
+    let value = settings.object_padding.get(object).copied().unwrap_or(0.0);
+    usable(&format!(" of object '{object}'"), value)
+}
 
-    /// The factor of an object's shapes.
-    pub(super) fn scale_of(&self, object: &str) -> Result<f64, SettingsError> {
-        usable_scale(object, self.object_scale.get(object).copied().unwrap_or(1.0))
-    }
+/// The factor of an object's shapes.
+pub(super) fn object_scale(settings: &Settings, object: &str) -> Result<f64, SettingsError> {
+    usable_scale(object, settings.object_scale.get(object).copied().unwrap_or(1.0))
 }
 
 fn usable(of: &str, value: f64) -> Result<f64, SettingsError> {

@@ -12,7 +12,7 @@ use clearance_scene::{Obstacle, ObstacleId, World};
 use rayon::prelude::*;
 
 use super::SettingsError;
-use super::bodies::solid;
+use super::bodies::{object_padding, object_scale, solid};
 use super::capsule_fit::corners;
 use super::capsules::LinkCapsule;
 use super::pieces::{Pieces, Placed};
@@ -129,7 +129,8 @@ impl PlacedObstacle {
         settings: &Settings,
         known: Option<&Arc<Self>>,
     ) -> Result<Arc<Self>, SettingsError> {
-        let (scale, padding) = (settings.scale_of(&source.name)?, settings.padding_of(&source.name)?);
+        let (scale, padding) =
+            (object_scale(settings, &source.name)?, object_padding(settings, &source.name)?);
         let mesh_model = settings.mesh_model;
         let same = known.filter(|known| {
             Arc::ptr_eq(&known.source.shapes, &source.shapes)

@@ -6,8 +6,9 @@ use clearance_proximity as query;
 use clearance_proximity::{
     CollisionBody, DistanceBounds, Effort, ElementPair, Piece, Postponed, Scratch, Separation,
 };
+use clearance_scene::BodyId;
 
-use super::report::{BodyId, PairDistance, UndecidedPair};
+use super::report::{PairDistance, UndecidedPair};
 
 /// What never changes about a pair.
 #[derive(Clone, Copy, Debug)]

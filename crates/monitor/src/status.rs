@@ -186,7 +186,7 @@ impl Reason {
     }
 
     /// Whether joint states arrived whose positions cannot be right.
-    #[cfg(feature = "ros")]
+    #[must_use]
     pub fn is_about_positions(&self) -> bool {
         matches!(
             self,
