@@ -93,6 +93,7 @@ impl Table {
         Self(thread::spawn(move || {
             let hints = hints(domain);
             if std::io::stdout().is_terminal() {
+                let _quiet = HiddenControlKeys::on_terminal();
                 draw(&latest, &ended, &hints);
             } else {
                 print_lines(&latest, &ended, &hints);
@@ -104,6 +105,50 @@ impl Table {
     pub fn finish(self) {
         // a table that failed took nothing with it
         let _ = self.0.join();
+    }
+}
+
+/// Turns off the terminal's echo of control keys while it exists: `^C` at the end of a line would begin a new one below the table.
+struct HiddenControlKeys {
+    #[cfg(unix)]
+    before: Option<nix::sys::termios::Termios>,
+}
+
+#[cfg(unix)]
+impl HiddenControlKeys {
+    fn on_terminal() -> Self {
+        use nix::sys::termios::{LocalFlags, tcgetattr};
+        let before = tcgetattr(std::io::stdin()).ok();
+        if let Some(before) = &before {
+            let mut quiet = before.clone();
+            quiet.local_flags.remove(LocalFlags::ECHOCTL);
+            Self::set(&quiet);
+        }
+        Self { before }
+    }
+
+    /// In the background this would stop the process (`SIGTTOU`). A terminal that keeps its echo only looks worse.
+    fn set(settings: &nix::sys::termios::Termios) {
+        use nix::sys::termios::{SetArg, tcsetattr};
+        if nix::unistd::tcgetpgrp(std::io::stdin()) == Ok(nix::unistd::getpgrp()) {
+            let _ = tcsetattr(std::io::stdin(), SetArg::TCSANOW, settings);
+        }
+    }
+}
+
+#[cfg(unix)]
+impl Drop for HiddenControlKeys {
+    fn drop(&mut self) {
+        if let Some(before) = &self.before {
+            Self::set(before);
+        }
+    }
+}
+
+#[cfg(not(unix))]
+impl HiddenControlKeys {
+    fn on_terminal() -> Self {
+        Self {}
     }
 }
 
@@ -174,9 +219,6 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         distance.set_message(row.distance);
         rate.set_message(format!("{:.0} joint states per second", row.rate));
         check.set_message(format!("{:.0} µs, {} pairs", row.microseconds, row.pairs));
-        // what the terminal echoes, such as ^C, then breaks no line, which the next picture would stand below
-        print!("\r");
-        let _ = std::io::stdout().flush();
         thread::sleep(REFRESH);
     }
     // the last state stays on the screen as it is

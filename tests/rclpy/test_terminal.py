@@ -66,6 +66,8 @@ class Terminal:
                 column = 0
             elif control == "\n":
                 row += 1
+            elif control < " ":
+                pass  # what the terminal echoes of a control key has no width
             else:
                 if column == COLUMNS:
                     row, column = row + 1, 0
@@ -89,8 +91,7 @@ def test_ctrl_c_leaves_one_table_behind(domain_id):
     assert terminal.wait() == 0
     lines = terminal.screen()
     for label in "status", "nearest", "distance", "rate", "a check":
-        # the echo of the key may stand in front
-        assert sum(re.match(rf"(\^C)? *{label}  ", line) is not None for line in lines) == 1, lines
+        assert sum(re.match(rf" *{label}  ", line) is not None for line in lines) == 1, "\n".join(lines)
 
 
 @pytest.mark.parametrize("world", ["nowhere.yaml", "Cargo.toml"])

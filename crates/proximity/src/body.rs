@@ -33,12 +33,14 @@ pub struct CollisionBody<B: BoundingVolume = Obb> {
 impl CollisionBody {
     /// A body of shapes, each at its pose in the body's frame; `None` without shapes. Meshes are surfaces.
     #[must_use]
+    #[inline]
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
         Self::with_volumes(shapes)
     }
 
     /// As [`Self::new`], but what lies wholly inside a closed mesh touches it, if it was made so, too. Open meshes stay surfaces.
     #[must_use]
+    #[inline]
     pub fn with_solid_meshes<'a>(
         shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape), IntoIter: Clone>,
     ) -> Option<Self> {
@@ -55,6 +57,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     /// # Panics
     /// When the meshes have more than 2³² vertices or 2³¹ triangles together.
     #[must_use]
+    #[inline]
     pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
         let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) =
             Default::default();
@@ -83,17 +86,20 @@ impl<B: BoundingVolume> CollisionBody<B> {
 
     /// A sphere around the body, in its frame; its radius is infinite where the body has a plane.
     #[must_use]
+    #[inline]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         self.bounded.filter(|_| !self.has_planes()).unwrap_or(BoundingSphere::UNBOUNDED)
     }
 
     /// The same around all but the planes.
+    #[inline]
     pub(super) fn bounded(&self) -> Option<&BoundingSphere> {
         self.bounded.as_ref()
     }
 
     /// A number (m) never larger than the distance of two bodies, from the spheres and planes around and in them.
     #[must_use]
+    #[inline]
     pub fn sphere_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
         let bounded = self.bounded.as_ref().zip(other.bounded.as_ref());
         let of_spheres = bounded.map_or(f64::INFINITY, |(a, b)| a.lower_bound(b, pose_ab));
@@ -104,6 +110,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     }
 
     /// One of the elements.
+    #[inline]
     pub(super) fn core(&self, number: ElementNumber) -> RoundedCore {
         let missing = "the number is of an element of this body";
         if number.is_triangle() {
@@ -113,32 +120,38 @@ impl<B: BoundingVolume> CollisionBody<B> {
         }
     }
 
+    #[inline]
     pub(super) fn has_solids(&self) -> bool {
         self.solids.is_some()
     }
 
+    #[inline]
     pub(super) fn has_planes(&self) -> bool {
         !self.planes.is_empty()
     }
 
+    #[inline]
     pub(super) fn has_grains(&self) -> bool {
         !self.grains.is_empty()
     }
 
     /// Number of triangles.
     #[must_use]
+    #[inline]
     pub fn triangle_count(&self) -> usize {
         self.surface.as_ref().map_or(0, Surface::triangle_count)
     }
 
     /// Number of points in clouds and of voxels.
     #[must_use]
+    #[inline]
     pub fn grain_count(&self) -> usize {
         self.grains.iter().map(Grains::count).sum()
     }
 
     /// Memory of the hierarchies and of the triangles, points and voxels in them, in bytes.
     #[must_use]
+    #[inline]
     pub fn bytes(&self) -> usize {
         let grains: usize = self.grains.iter().map(Grains::bytes).sum();
         self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + grains

@@ -31,6 +31,7 @@ impl BoundingSphere {
     /// The farthest (m) that a point of the sphere moves from one pose to another: what its centre moves, and what its radius
     /// turns by, the stretch of a matrix being at most its Frobenius norm.
     #[must_use]
+    #[inline]
     pub fn displacement(&self, from: &MatrixPose, to: &MatrixPose) -> f64 {
         if self.radius == f64::INFINITY {
             return f64::INFINITY;
@@ -42,6 +43,7 @@ impl BoundingSphere {
     }
 
     /// `None` around nothing. The centre is the middle of the box around everything.
+    #[inline]
     pub(super) fn around<B: BoundingVolume>(
         vertices: &[Point],
         faces: &[[u32; 3]],

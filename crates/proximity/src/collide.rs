@@ -11,6 +11,7 @@ use crate::bounding_volume::BoundingVolume;
 ///
 /// Descends both trees at once, by separating axes where volumes have them (Gottschalk, Lin & Manocha 1996).
 #[must_use]
+#[inline]
 pub fn collide<B: BoundingVolume>(
     a: &CollisionBody<B>,
     b: &CollisionBody<B>,

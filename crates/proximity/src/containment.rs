@@ -32,6 +32,7 @@ struct ClosedMesh {
 }
 
 impl Interior {
+    #[inline]
     pub fn new<'a>(shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
         let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
         for (pose, shape) in shapes {
@@ -108,6 +109,7 @@ pub(super) struct DeadlinePassed;
 
 /// A point of one body inside a closed mesh of the other, in the frame of a. A point of each connected part is tested, and the centre of
 /// each point or cube: where surfaces do not touch, all of it is inside or outside.
+#[inline]
 pub(super) fn contained_point<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
     pose_ab: &MatrixPose,

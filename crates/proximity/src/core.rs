@@ -58,12 +58,14 @@ impl From<&Element> for RoundedCore {
 }
 
 impl RoundedCore {
+    #[inline]
     pub fn point(point: &Point) -> Self {
         let pose = MatrixPose { translation: point.coords, ..MatrixPose::identity() };
         Self { core: Core::Point, pose, radius: 0.0 }
     }
 
     /// How far (m) any of it is from a point of its body, at most.
+    #[inline]
     pub fn farthest_from(&self, point: &Point) -> f64 {
         let to = |p: Point| nalgebra::distance(&(&self.pose * p), point);
         let of_core = match self.core {
@@ -83,11 +85,13 @@ impl RoundedCore {
 
 impl Core {
     /// The ends of a segment core.
+    #[inline]
     pub fn segment(half_length: f64) -> [Point; 2] {
         [Point::new(0.0, 0.0, -half_length), Point::new(0.0, 0.0, half_length)]
     }
 
     /// A core and a radius around it that hold this core: of a cylinder its axis, of anything else itself.
+    #[inline]
     pub fn capsule(&self) -> (Self, f64) {
         match *self {
             Self::Cylinder { radius, half_length } => (Self::Segment(half_length), radius),
@@ -96,6 +100,7 @@ impl Core {
     }
 
     /// Triangles that together are the surface; `None` where it is curved.
+    #[inline]
     pub fn faces(&self) -> Option<Faces> {
         match *self {
             Self::Point | Self::Cylinder { .. } | Self::Cone { .. } => None,
@@ -146,6 +151,7 @@ impl Core {
     }
 
     /// The point of the core nearest to `p`; `p` itself when inside.
+    #[inline]
     pub fn nearest_point(&self, p: &Point) -> Point {
         match *self {
             Self::Point => Point::origin(),
@@ -264,6 +270,7 @@ impl Faces {
         Self::of(&triangles)
     }
 
+    #[inline]
     pub fn iter(&self) -> impl Iterator<Item = &Triangle> {
         self.triangles[..self.count].iter()
     }

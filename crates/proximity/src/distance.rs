@@ -15,6 +15,7 @@ use crate::bounding_volume::BoundingVolume;
 ///
 /// Descends both trees at once, the nearer children first (Larsen, Gottschalk, Lin & Manocha 1999).
 #[must_use]
+#[inline]
 pub fn distance<B: BoundingVolume>(
     a: &CollisionBody<B>,
     b: &CollisionBody<B>,
@@ -28,6 +29,7 @@ pub fn distance<B: BoundingVolume>(
 
 /// As [`distance`], but satisfied with less than the whole truth: what is certain after some effort.
 #[must_use]
+#[inline]
 pub fn distance_bounds<B: BoundingVolume>(
     a: &CollisionBody<B>,
     b: &CollisionBody<B>,
@@ -42,6 +44,7 @@ pub fn distance_bounds<B: BoundingVolume>(
 /// As [`distance_bounds`], where points of the bodies are known to be no farther apart than `reached` (m): when the effort is over before
 /// anything nearer is found, what is certain is within the tolerance of that, and there is no upper bound.
 #[must_use]
+#[inline]
 pub fn distance_bounds_below(
     bodies: (&CollisionBody, &CollisionBody),
     pose_ab: &MatrixPose,
@@ -91,6 +94,7 @@ pub struct Effort {
 impl Effort {
     /// Whether nothing less than the exact answer is asked for, however long it takes.
     #[must_use]
+    #[inline]
     pub fn is_exact(&self) -> bool {
         let is_tolerant = self.relative_tolerance > 0.0 || self.absolute_tolerance > 0.0;
         !is_tolerant && self.deadline.is_none()
@@ -98,18 +102,21 @@ impl Effort {
 
     /// Whether the deadline has passed.
     #[must_use]
+    #[inline]
     pub fn is_over(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     /// What a distance may really be when it is told as `upper`; tolerances below zero count as zero.
     #[must_use]
+    #[inline]
     pub fn lower(&self, upper: f64) -> f64 {
         let within = upper - self.absolute_tolerance.greater(self.relative_tolerance * upper).greater(0.0);
         if self.exact_within > 0.0 { within.greater(self.exact_within.lesser(upper)) } else { within }
     }
 
     /// As [`Self::lower`], after so much work.
+    #[inline]
     pub fn lower_after(&self, work: &Work, upper: f64) -> f64 {
         if self.exact_cost > 0 && work.cost() < self.exact_cost { upper } else { self.lower(upper) }
     }

@@ -24,28 +24,34 @@ impl ElementNumber {
     /// Of the first set; the others follow.
     const GRAIN: u32 = 3;
 
+    #[inline]
     pub const fn of_solid(index: u32) -> Self {
         Self { kind: Self::SOLID, index }
     }
 
+    #[inline]
     pub const fn of_triangle(index: u32) -> Self {
         Self { kind: Self::TRIANGLE, index }
     }
 
+    #[inline]
     pub const fn of_plane(index: u32) -> Self {
         Self { kind: Self::PLANE, index }
     }
 
     /// Of one of the body's sets of grains.
+    #[inline]
     pub const fn of_grain(set: u32, index: u32) -> Self {
         Self { kind: Self::GRAIN + set, index }
     }
 
+    #[inline]
     pub const fn is_triangle(self) -> bool {
         self.kind == Self::TRIANGLE
     }
 
     /// Among those of its kind.
+    #[inline]
     pub const fn index(self) -> u32 {
         self.index
     }

@@ -17,10 +17,12 @@ pub struct Separation {
 }
 
 impl Separation {
+    #[inline]
     pub(super) fn touching_at(point: Point) -> Self {
         Self { distance: 0.0, witness_points: [point, point] }
     }
 
+    #[inline]
     pub(super) fn of(witness_points: PointPair) -> Self {
         let distance = nalgebra::distance(&witness_points[0], &witness_points[1]);
         Self { distance: if distance <= CONTACT_DISTANCE { 0.0 } else { distance }, witness_points }
@@ -29,6 +31,7 @@ impl Separation {
 
 /// A common point of two elements, if they touch.
 #[must_use]
+#[inline]
 pub fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point> {
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return a.contact_point(&b.transformed(pose_ab));
@@ -40,6 +43,7 @@ pub fn element_contact(a: &Element, b: &Element, pose_ab: &Pose) -> Option<Point
 /// Distance and nearest points of two elements.
 #[must_use]
 #[allow(clippy::missing_panics_doc)] // nothing is beyond infinity
+#[inline]
 pub fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separation {
     if let (Element::Triangle(a), Element::Triangle(b)) = (a, b) {
         return Separation::of(a.nearest_points(&b.transformed(pose_ab)));
@@ -50,6 +54,7 @@ pub fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separatio
 
 /// Distance and nearest points of two elements, unless they are proven farther apart than `limit` (m): the cores' distance
 /// less both radii, and the nearest points moved out to the surfaces. What is found does not depend on the limit.
+#[inline]
 pub(super) fn separation_within(
     a: &RoundedCore,
     b: &RoundedCore,
@@ -64,6 +69,7 @@ pub(super) fn separation_within(
 
 /// As [`separation_within`], where it only matters whether they touch or are proven farther apart than `limit` (m): a first look at
 /// nearly nearest points often tells. What else is found may be any points that are so near.
+#[inline]
 pub(super) fn touching_within(
     a: &RoundedCore,
     b: &RoundedCore,
@@ -99,6 +105,7 @@ fn separation_at(a: &RoundedCore, b: &RoundedCore, [p, q]: PointPair) -> Separat
 }
 
 /// The gap (m) between two elements along a unit direction (frame of a), less what rounding may have added.
+#[inline]
 pub(super) fn gap_along(a: &RoundedCore, b: &RoundedCore, pose_ab: &MatrixPose, n: &Vector) -> f64 {
     let pose_b = pose_ab.compose(&b.pose);
     let on_a = &a.pose * a.core.support(&a.pose.rotation.tr_mul(n));
@@ -109,6 +116,7 @@ pub(super) fn gap_along(a: &RoundedCore, b: &RoundedCore, pose_ab: &MatrixPose, 
 
 /// Nearest points of two cores in the frame of a, a common point twice when they overlap; `None` once they are proven farther
 /// apart than `limit` (m).
+#[inline]
 pub(super) fn core_nearest_points(a: &Core, b: &Core, pose_ab: &MatrixPose, limit: f64) -> Option<PointPair> {
     let pair = CorePair { a, b, pose_ab };
     if pair.has_slow_formula() && gjk::are_beyond(&pair, pair.nearly_nearest(&origin_of(pose_ab)), limit) {

@@ -66,11 +66,13 @@ struct Group {
 impl Front {
     /// Whether there is anything in it.
     #[must_use]
+    #[inline]
     pub fn is_collected(&self) -> bool {
         self.listed_at.is_some()
     }
 
     /// Forgets everything.
+    #[inline]
     pub fn clear(&mut self) {
         self.listed_at = None;
         self.with_solids.listed.clear();
@@ -80,6 +82,7 @@ impl Front {
     /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
     /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front, and there is
     /// none if it costs more than `most` ([`Work::cost`]).
+    #[inline]
     pub fn collect(
         &mut self,
         bodies: (&CollisionBody, &CollisionBody),

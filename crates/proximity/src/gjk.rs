@@ -58,17 +58,20 @@ struct Simplex {
 
 impl CorePair<'_> {
     /// The point of b nearest to a point, both in the frame of a.
+    #[inline]
     pub fn nearest_on_b(&self, p: &Point) -> Point {
         self.pose_ab * self.b.nearest_point(&self.in_b(p))
     }
 
     /// A point in the frame of b.
+    #[inline]
     pub fn in_b(&self, p: &Point) -> Point {
         let MatrixPose { rotation, translation } = self.pose_ab;
         Point::from(rotation.tr_mul(&(p.coords - translation)))
     }
 
     /// Points of both that are about the nearest: one projected on the other, and back.
+    #[inline]
     pub fn nearly_nearest(&self, start: &Point) -> PointPair {
         let q = self.nearest_on_b(&self.a.nearest_point(start));
         let p = self.a.nearest_point(&q);
@@ -76,6 +79,7 @@ impl CorePair<'_> {
     }
 
     /// Whether the formula for the nearest points costs more than a first look.
+    #[inline]
     pub fn has_slow_formula(&self) -> bool {
         matches!(
             (self.a, self.b),
@@ -94,12 +98,14 @@ impl CorePair<'_> {
 
 impl Nearest {
     /// Of points found by a formula.
+    #[inline]
     pub fn exactly(points: PointPair) -> Self {
         Self { points, proven: nalgebra::distance(&points[0], &points[1]) }
     }
 }
 
 /// Whether the direction between two points of the cores proves them farther apart than `limit` (m).
+#[inline]
 pub(super) fn are_beyond(pair: &CorePair, [p, q]: PointPair, limit: f64) -> bool {
     let Some(outward) = (q - p).try_normalize(CONTACT_DISTANCE) else { return false };
     let vertex = pair.support(&outward);

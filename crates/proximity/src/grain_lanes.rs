@@ -120,6 +120,7 @@ pub(super) fn from_grain<S: Simd>(
 }
 
 /// The lane of `mask` with the least number.
+#[inline]
 pub(super) fn nearest(numbers: &[f32; LANES], mask: u64) -> usize {
     let lanes = (0..LANES).filter(|lane| mask & (1 << lane) != 0);
     lanes.min_by(|&i, &j| numbers[i].total_cmp(&numbers[j])).unwrap_or(0)

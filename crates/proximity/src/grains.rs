@@ -35,6 +35,7 @@ enum Source {
 }
 
 impl<B: BoundingVolume> Grains<B> {
+    #[inline]
     pub fn of_points(cloud: &Arc<PointCloud>, pose: &Pose, set: u32) -> Self {
         let points = cloud.points().iter().map(|centre| Grain { centre: *centre, half_edge: 0.0 });
         let (tree, order) = Tree::of_grains(points);
@@ -42,6 +43,7 @@ impl<B: BoundingVolume> Grains<B> {
         Self { tree, pose_bg: pose.into(), radius: cloud.radius(), set, source, order }
     }
 
+    #[inline]
     pub fn of_voxels(voxels: &Arc<Voxels>, pose: &Pose, set: u32) -> Self {
         let cubes = voxels.cubes().iter().map(|&Cube { centre, half_edge }| Grain { centre, half_edge });
         let (tree, order) = Tree::of_grains(cubes);
@@ -62,11 +64,13 @@ impl<B: BoundingVolume> Grains<B> {
     }
 
     /// Where number `index` has its centre, in the frame of the body.
+    #[inline]
     pub fn centre(&self, index: u32) -> Point {
         &self.pose_bg * Point::from(self.grain(index).centre.map(f64::from))
     }
 
     /// Number `index` in the order of the leaves.
+    #[inline]
     pub fn core(&self, index: u32) -> RoundedCore {
         let half_edge = f64::from(self.grain(index).half_edge);
         let core = match self.source {
@@ -82,6 +86,7 @@ impl<B: BoundingVolume> Grains<B> {
     }
 
     /// A sphere around all of it: its centre and radius (m), in the frame of the body.
+    #[inline]
     pub fn ball(&self) -> (Point, f64) {
         let anchor = self.tree.anchor();
         let reach = |grain: Grain| {
@@ -93,11 +98,13 @@ impl<B: BoundingVolume> Grains<B> {
         (&self.pose_bg * *anchor, reach + self.radius)
     }
 
+    #[inline]
     pub fn count(&self) -> usize {
         self.order.len()
     }
 
     /// Memory in bytes.
+    #[inline]
     pub fn bytes(&self) -> usize {
         let own = match &self.source {
             Source::Points(cloud) => size_of_val(cloud.points()),
@@ -122,12 +129,14 @@ pub(super) struct GrainSearch<'s, 'w, B: BoundingVolume> {
 
 impl<B: BoundingVolume> GrainSearch<'_, '_, B> {
     /// Trees farther apart than this (m) no longer matter.
+    #[inline]
     pub fn threshold(&self) -> f32 {
         widened(self.incumbent.threshold(), self.radius)
     }
 
     /// The direction of the best separation, in the frame of the grains' tree; not longer than one.
     #[allow(clippy::cast_possible_truncation)] // bounds hold for any direction
+    #[inline]
     pub fn direction(&self) -> [f32; 3] {
         let Some(best) = &self.incumbent.best else { return [0.0; 3] };
         let [p, q] = best.witness_points;
@@ -138,6 +147,7 @@ impl<B: BoundingVolume> GrainSearch<'_, '_, B> {
     }
 
     /// Measures one element of the other body and one grain.
+    #[inline]
     pub fn test(&mut self, (other, number): (&RoundedCore, ElementNumber), grain: u32) {
         self.incumbent.work.primitive_tests += 1;
         let core = &self.grains.core(grain);
@@ -152,6 +162,7 @@ impl<B: BoundingVolume> GrainSearch<'_, '_, B> {
 
 /// A threshold for what has balls of some radius (m) around it; rounded up.
 #[allow(clippy::cast_possible_truncation)] // rounded up right after
+#[inline]
 pub(super) fn widened(threshold: f32, radius: f64) -> f32 {
     if radius == 0.0 || threshold == f32::NEG_INFINITY {
         return threshold;

@@ -27,12 +27,14 @@ pub(super) struct Incumbent<'w> {
 
 impl<'w> Incumbent<'w> {
     /// What touches is within any limit.
+    #[inline]
     pub fn new(goal: Goal, work: &'w mut Work) -> Self {
         let goal = Goal { limit: goal.limit.greater(CONTACT_DISTANCE), ..goal };
         Self { goal, best: None, numbers: None, next_look: work.volume_tests, work }
     }
 
     /// Nothing beyond this (m) matters any more; negative infinity once nothing does.
+    #[inline]
     pub fn bound(&self) -> f64 {
         match self.best {
             Some(best) if best.distance <= self.goal.enough => f64::NEG_INFINITY,
@@ -43,26 +45,31 @@ impl<'w> Incumbent<'w> {
     }
 
     /// Lets nothing farther than `limit` (m) matter any more.
+    #[inline]
     pub fn lower_limit(&mut self, limit: f64) {
         self.goal.limit = self.goal.limit.lesser(limit).greater(CONTACT_DISTANCE);
     }
 
     /// [`Self::bound`], rounded up unless nothing matters any more.
     #[allow(clippy::cast_possible_truncation)] // rounded up right after
+    #[inline]
     pub fn threshold(&self) -> f32 {
         let bound = self.bound();
         if bound == f64::NEG_INFINITY { f32::NEG_INFINITY } else { (bound as f32).next_up() }
     }
 
+    #[inline]
     pub fn touches(&self) -> bool {
         self.best.is_some_and(|best| best.distance == 0.0)
     }
 
+    #[inline]
     pub fn is_settled(&self) -> bool {
         self.bound() == f64::NEG_INFINITY
     }
 
     /// Takes `found` if it is nearer than the best so far, or the first within the limit.
+    #[inline]
     pub fn offer(&mut self, found: Separation) {
         if self.is_bettered_by(&found) {
             self.best = Some(found);
@@ -72,6 +79,7 @@ impl<'w> Incumbent<'w> {
 
     /// As [`Self::offer`] of two elements; of equally near ones those with the smaller numbers are taken, so that the answer
     /// does not depend on the order in which they are met.
+    #[inline]
     pub fn offer_numbered(&mut self, found: Separation, numbers: (ElementNumber, ElementNumber)) {
         let tied = self.best.is_some_and(|best| found.distance == best.distance);
         if tied && self.numbers.is_some_and(|best| numbers < best) || self.is_bettered_by(&found) {
@@ -81,6 +89,7 @@ impl<'w> Incumbent<'w> {
     }
 
     /// Takes a common point that is of no elements.
+    #[inline]
     pub fn touch_at(&mut self, point: Point) {
         (self.best, self.numbers) = (Some(Separation::touching_at(point)), None);
     }
@@ -93,10 +102,12 @@ impl<'w> Incumbent<'w> {
     }
 
     /// Whether anything within the limit will do.
+    #[inline]
     pub fn seeks_any(&self) -> bool {
         self.goal.enough >= self.goal.limit
     }
 
+    #[inline]
     pub fn interrupted(&mut self) -> bool {
         let Some(deadline) = self.goal.effort.deadline else { return false };
         if self.work.volume_tests < self.next_look {

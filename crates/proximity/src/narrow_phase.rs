@@ -19,6 +19,7 @@ impl SupportMap for Core {
 
 /// Depth (m) of two overlapping cores and the points on each that are deepest in the other (van den Bergen 2001,
 /// expanding polytope), in the frame of a; `None` when the iteration finds no contact.
+#[inline]
 pub(super) fn penetration(a: &Core, b: &Core, pose_ab: &Pose) -> Option<(f64, PointPair)> {
     let contact = contact_support_map_support_map(&ParryPose::from(*pose_ab), a, b, 0.0)?;
     let on_a = Point::from(from_parry(contact.point1));

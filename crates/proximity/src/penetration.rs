@@ -17,6 +17,7 @@ use super::narrow_phase;
 /// the solids. Two capsules whose axes cross answer the sum of their radii.
 #[must_use]
 #[allow(clippy::missing_panics_doc)] // nothing is beyond infinity
+#[inline]
 pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separation {
     let core_of = |primitive: &Primitive, pose: Pose| {
         RoundedCore::from(&Element::Primitive { primitive: *primitive, pose })
@@ -27,6 +28,7 @@ pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separati
 /// Where solids of two bodies are deepest in each other: as [`signed_distance`] of the primitives for which it is least. `None` where no
 /// primitives touch; of meshes nobody knows how deep they are.
 #[must_use]
+#[inline]
 pub fn deepest_overlap(
     a: &CollisionBody,
     b: &CollisionBody,

@@ -39,6 +39,7 @@ impl CollisionBody {
     /// The body in not many more than `most` pieces. Nothing, if it cannot be told apart: planes have no end, and solid meshes have
     /// an inside.
     #[must_use]
+    #[inline]
     pub fn pieces(&self, most: usize) -> Vec<(Piece, PieceVolume)> {
         if self.has_planes() || self.interior.is_some() {
             return Vec::new();

@@ -23,6 +23,7 @@ use crate::bvh::{GrainLeaf, PlaneVisitor, TreePlane, TriangleLeaf};
 const PARALLEL: f64 = 1e-14;
 
 /// Looks for what is nearest to planes of either body.
+#[inline]
 pub(super) fn planes<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
     pose_ab: &MatrixPose,
@@ -47,6 +48,7 @@ pub(super) fn planes<B: BoundingVolume>(
 }
 
 /// A number (m) never larger than the distance of planes of either body from anything of the other.
+#[inline]
 pub(super) fn planes_bound<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
     pose_ab: &MatrixPose,

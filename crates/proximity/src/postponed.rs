@@ -32,6 +32,7 @@ pub struct ElementPair(ElementNumber, ElementNumber);
 
 /// Looks at a and at some pieces of b, or at all of it, and gives all that may be nearest and not farther apart than `limit` (m) to
 /// `postpone`. Returns a number (m) that their distance certainly does not exceed; infinity, if that is not known.
+#[inline]
 pub fn nearest_in_doubt(
     a: &CollisionBody,
     (b, pieces): (&CollisionBody, Option<&[Piece]>),
@@ -59,6 +60,7 @@ pub fn nearest_in_doubt(
 
 impl Postponed {
     /// The exact distance, and what is that far apart, of the bodies that this is about.
+    #[inline]
     pub fn measured(
         &self,
         (a, b): (&CollisionBody, &CollisionBody),

@@ -21,6 +21,7 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Of the vertices that faces have.
+    #[inline]
     pub fn new(anchor: &Point, vertices: &[Point], faces: &[[u32; 3]]) -> Self {
         let spread = spread(vertices, &corners_of(vertices.len(), faces));
         let points: Vec<Point> = spread.iter().map(|vertex| vertices[*vertex as usize]).collect();
@@ -28,6 +29,7 @@ impl Samples {
     }
 
     /// Memory in bytes.
+    #[inline]
     pub fn bytes(&self) -> usize {
         size_of_val(&self.eights[..]) + size_of_val(&self.vertices[..])
     }

@@ -32,12 +32,14 @@ impl Default for Scratch {
 
 impl Scratch {
     #[must_use]
+    #[inline]
     pub fn level(&self) -> Level {
         self.level
     }
 
     /// Uses no instructions but those of every machine of this kind. Answers are the same, bit by bit.
     #[must_use]
+    #[inline]
     pub fn portable() -> Self {
         Self { level: baseline(), ..Self::default() }
     }

@@ -109,6 +109,7 @@ pub(super) struct Found {
 }
 
 /// Looks at all pairs of parts of two bodies that matter for `goal`. With `SEPARATE` only contact matters.
+#[inline]
 pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     bodies: (&CollisionBody<B>, &CollisionBody<B>),
     pose_ab: &MatrixPose,
@@ -269,6 +270,7 @@ pub(super) struct Descent<'s> {
 }
 
 impl<'s> Descent<'s> {
+    #[inline]
     pub fn new(level: Level, stack: &'s mut Vec<Entry>, starts: &'s mut Vec<NodeRef>) -> Self {
         Self { level, stack, starts, unseen: f64::INFINITY }
     }
@@ -309,6 +311,7 @@ impl Descent<'_> {
     }
 
     /// Brings the leaves of a tree that may be near to a plane to a visitor.
+    #[inline]
     pub fn run_to_plane<B: BoundingVolume, L, V: PlaneVisitor<L>>(
         &mut self,
         tree: &Tree<B, L>,

@@ -16,6 +16,7 @@ pub(super) struct SolidSolid<'s, 'w, const SEPARATE: bool> {
 }
 
 impl<const SEPARATE: bool> SolidSolid<'_, '_, SEPARATE> {
+    #[inline]
     pub fn meet(&mut self, a: &SolidLeaf, b: &SolidLeaf) {
         self.incumbent.work.primitive_tests += 1;
         let limit = self.incumbent.bound();

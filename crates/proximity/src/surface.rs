@@ -19,6 +19,7 @@ pub(super) struct Surface<B: BoundingVolume> {
 
 impl<B: BoundingVolume> Surface<B> {
     /// `None` without faces.
+    #[inline]
     pub fn new(vertices: Vec<Point>, faces: &[[u32; 3]]) -> Option<Self> {
         if faces.is_empty() {
             return None;
@@ -31,25 +32,30 @@ impl<B: BoundingVolume> Surface<B> {
     }
 
     /// Number `index` in the order of the leaves.
+    #[inline]
     pub fn triangle(&self, index: u32) -> Triangle {
         let [a, b, c] = self.faces[index as usize];
         Triangle { a: self.vertex(a), b: self.vertex(b), c: self.vertex(c) }
     }
 
     /// As [`Self::triangle`], as a core.
+    #[inline]
     pub fn core(&self, index: u32) -> RoundedCore {
         RoundedCore { core: Core::Triangle(self.triangle(index)), pose: MatrixPose::identity(), radius: 0.0 }
     }
 
+    #[inline]
     pub fn vertex(&self, number: u32) -> Point {
         self.vertices[number as usize]
     }
 
+    #[inline]
     pub fn triangle_count(&self) -> usize {
         self.faces.len()
     }
 
     /// Memory in bytes.
+    #[inline]
     pub fn bytes(&self) -> usize {
         let own =
             self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();

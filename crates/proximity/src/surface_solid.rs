@@ -42,6 +42,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
     }
 
     /// Looks at a few vertices of the surface where any contact is enough: often one of them is in a solid where they touch.
+    #[inline]
     pub fn glance(&mut self, level: Level, solids: &Tree<B, SolidLeaf>) {
         if !self.incumbent.seeks_any() || solids.leaves().len() > FEW_SOLIDS {
             return;

@@ -44,6 +44,7 @@ impl Candidates {
     const MOST: usize = 32;
 
     /// Forgets all; where distances matter, things are probably nearest in the direction in which the trees lie.
+    #[inline]
     pub fn begin(&mut self, trees: Option<&Relative>) {
         self.upper = f32::INFINITY;
         self.direction = trees.map_or([0.0; 3], |trees| shortened(trees.t));
@@ -51,11 +52,13 @@ impl Candidates {
     }
 
     /// The distance (m) that some triangles certainly do not exceed; infinity, if there are none.
+    #[inline]
     pub fn upper(&self) -> f64 {
         f64::from(self.upper)
     }
 
     /// All that are kept, each with a lower bound of its distance (m).
+    #[inline]
     pub fn drain(&mut self) -> impl Iterator<Item = (f64, u32, u32)> {
         self.pairs.drain(..).map(|(lower, i, j)| (f64::from(lower), i, j))
     }
@@ -80,6 +83,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         }
     }
 
+    #[inline]
     pub fn measure(&mut self, i: u32, j: u32) {
         self.incumbent.work.primitive_tests += 1;
         let numbers = (ElementNumber::of_triangle(i), ElementNumber::of_triangle(j));
@@ -139,11 +143,13 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
     }
 
     /// Leaves what may be the nearest to others; what is looked at after it has to be as near.
+    #[inline]
     pub fn postpone_candidates(&mut self) {
         self.incumbent.lower_limit(self.candidates.upper());
     }
 
     /// Measures what may still be the nearest.
+    #[inline]
     pub fn measure_candidates(&mut self) {
         for k in 0..self.candidates.pairs.len() {
             let (lower, i, j) = self.candidates.pairs[k];
@@ -210,6 +216,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
 }
 
 /// The distance of a triangle of one surface from one of another.
+#[inline]
 pub(super) fn separation_of_triangles<B: BoundingVolume>(
     a: (&Surface<B>, u32),
     b: (&Surface<B>, u32),
@@ -230,6 +237,7 @@ fn triangles<B: BoundingVolume>(
 }
 
 /// In the direction of v, but not longer than one.
+#[inline]
 pub(super) fn shortened(v: [f32; 3]) -> [f32; 3] {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     let scale = if length > 1e-15 { (1.0 - 8.0 * f32::EPSILON) / length } else { 0.0 };
@@ -238,6 +246,7 @@ pub(super) fn shortened(v: [f32; 3]) -> [f32; 3] {
 
 /// How far f32 coordinates of triangles may be off (m), and what counts as contact.
 #[allow(clippy::cast_possible_truncation)] // rounded up
+#[inline]
 pub(super) fn triangle_slack(relative: &Relative) -> f32 {
     TRIANGLE_SHARE * relative.slack + (CONTACT_DISTANCE as f32).next_up()
 }

@@ -59,6 +59,7 @@ impl MovedTriangles {
     }
 
     /// The corners of triangle `lane`.
+    #[inline]
     pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         let taken = |[x, y, z]: &[[f32; LANES]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
         [taken(&self.corners[0]), taken(&self.corners[1]), taken(&self.corners[2])]
@@ -319,6 +320,7 @@ pub(super) struct DistanceLanes<S: Simd> {
 
 impl<S: Simd> DistanceLanes<S> {
     /// The direction between the points of a lane, not longer than one.
+    #[inline]
     pub fn direction(&self, lane: usize) -> [f32; 3] {
         let [x, y, z] = self.between.store();
         shortened([x[lane & 7], y[lane & 7], z[lane & 7]])

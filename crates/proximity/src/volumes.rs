@@ -17,6 +17,7 @@ impl CollisionBody {
     /// The boxes so many steps below the roots of the hierarchies, and those of leaves that lie higher: together they hold
     /// the body but for its planes.
     #[must_use]
+    #[inline]
     pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {
         let surface = self.surface.iter().flat_map(|surface| of_tree(&surface.tree, level));
         let solids = self.solids.iter().flat_map(|tree| of_tree(tree, level));

@@ -17,6 +17,7 @@ use crate::bounding_volume::{BoundingVolume, Obb};
 /// A separation of at most `margin` (m, not negative), not always the least; or `None` if the bodies were proven farther
 /// apart.
 #[must_use]
+#[inline]
 pub fn within_margin<B: BoundingVolume>(
     a: &CollisionBody<B>,
     b: &CollisionBody<B>,
@@ -33,6 +34,7 @@ pub fn within_margin<B: BoundingVolume>(
 
 /// As [`within_margin`], of a and some pieces of b.
 #[must_use]
+#[inline]
 pub fn pieces_within_margin(
     a: &CollisionBody,
     (b, pieces): (&CollisionBody, &[Piece]),
@@ -51,6 +53,7 @@ pub fn pieces_within_margin(
 /// As [`within_margin`], for a limited time: something found within `margin` is `upper`; without it the bodies are farther
 /// apart, proven, unless `interrupted`.
 #[must_use]
+#[inline]
 pub fn margin_bounds<B: BoundingVolume>(
     a: &CollisionBody<B>,
     b: &CollisionBody<B>,

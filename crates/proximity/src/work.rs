@@ -15,6 +15,7 @@ pub struct Work {
 impl Work {
     /// What all of it costs, in volume tests: a test in f64 costs some six of them, one in f32 hardly more than one.
     #[must_use]
+    #[inline]
     pub fn cost(&self) -> u64 {
         self.volume_tests + self.screened_pairs + 6 * self.primitive_tests
     }

@@ -130,12 +130,14 @@ enum Turn {
 impl Chain {
     /// How many frames [`Self::frames`] computes.
     #[must_use]
+    #[inline]
     pub fn body_count(&self) -> usize {
         self.bodies.len() + 1
     }
 
     /// Where a link sits; `None` if it was not needed.
     #[must_use]
+    #[inline]
     pub fn seat(&self, link: usize) -> Option<&Seat> {
         self.seats[link].as_ref()
     }

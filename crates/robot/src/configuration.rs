@@ -49,11 +49,13 @@ pub enum ConfigurationError {
 
 impl Configuration {
     #[must_use]
+    #[inline]
     pub fn positions(&self) -> &[f64] {
         &self.0
     }
 
     /// Positions between others that were checked.
+    #[inline]
     pub fn trusted(positions: Vec<f64>) -> Self {
         Self(positions)
     }
@@ -64,6 +66,7 @@ impl RobotModel {
     ///
     /// # Errors
     /// When there are too many or too few, when one is not finite, or a floating joint's quaternion is none.
+    #[inline]
     pub fn configuration(&self, positions: &[f64]) -> Result<Configuration, ConfigurationError> {
         if positions.len() != self.position_names.len() {
             return Err(ConfigurationError::WrongLength {
@@ -99,6 +102,7 @@ impl RobotModel {
 
     /// By position: whether a whole turn changes nothing, also of what follows.
     #[must_use]
+    #[inline]
     pub fn whole_turns(&self) -> Vec<bool> {
         let mut turns = vec![false; self.position_names.len()];
         for id in self.joint_ids().filter(|id| self.moved_by_whole_turns(*id).is_none()) {
@@ -114,6 +118,7 @@ impl RobotModel {
 
     /// A joint that mimics this one and is elsewhere when this one has made a whole turn.
     #[must_use]
+    #[inline]
     pub fn moved_by_whole_turns(&self, leader: JointId) -> Option<&Joint> {
         let comes_back = |joint: &Joint, multiplier: f64| {
             multiplier == 0.0 || (matches!(joint.kind, JointKind::Continuous(_)) && multiplier.fract() == 0.0)
@@ -125,6 +130,7 @@ impl RobotModel {
 
     /// Every joint at zero, or at the middle of limits that exclude zero.
     #[must_use]
+    #[inline]
     pub fn default_configuration(&self) -> Configuration {
         let mut positions = vec![0.0; self.position_names.len()];
         for joint in self.joint_ids() {
@@ -149,6 +155,7 @@ impl RobotModel {
     /// # Errors
     /// When a name is unknown, fixed or given twice, when a mimic joint is not where its leader takes it, and as for
     /// [`Self::configuration`].
+    #[inline]
     pub fn configuration_from_names<'a>(
         &self,
         named: impl IntoIterator<Item = (&'a str, f64)>,
@@ -157,6 +164,7 @@ impl RobotModel {
     }
 
     /// As [`Self::configuration_from_names`], but joints that are not named stay as in `rest`.
+    #[inline]
     pub fn configuration_over<'a>(
         &self,
         rest: &Configuration,
@@ -187,6 +195,7 @@ impl RobotModel {
     /// The position of a joint with one degree of freedom, mimics resolved: one that follows a fixed joint stays at its offset.
     /// `None` for other joints.
     #[must_use]
+    #[inline]
     pub fn joint_position(&self, q: &Configuration, joint: JointId) -> Option<f64> {
         match self.joint(joint).mimic {
             Some(m) if self.joint(m.joint).kind == JointKind::Fixed => Some(m.offset),

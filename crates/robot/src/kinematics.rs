@@ -13,12 +13,14 @@ pub struct LinkPoses(Vec<Pose>);
 impl LinkPoses {
     /// Room for the poses of `model`, all at the root until computed.
     #[must_use]
+    #[inline]
     pub fn new(model: &RobotModel) -> Self {
         Self(vec![Pose::identity(); model.links().len()])
     }
 
     /// Pose of a link in the root frame.
     #[must_use]
+    #[inline]
     pub fn pose(&self, link: LinkId) -> &Pose {
         &self.0[link.index()]
     }
@@ -29,6 +31,7 @@ impl RobotModel {
     ///
     /// # Panics
     /// When `q` or `poses` were made for another model.
+    #[inline]
     pub fn forward_kinematics(&self, q: &Configuration, poses: &mut LinkPoses) {
         poses.0[self.root.index()] = Pose::identity();
         for &id in &self.topological_order {
@@ -42,6 +45,7 @@ impl RobotModel {
 
     /// Kinematics of the `needed` links (by link), compiled for speed.
     #[must_use]
+    #[inline]
     pub fn chain(&self, needed: &[bool]) -> Chain {
         let joints = self.topological_order.iter().map(|&id| {
             let joint = self.joint(id);

@@ -22,6 +22,7 @@ pub const LANES: usize = 8;
 
 /// The lowest level of this kind of machine, which every one of them has.
 #[must_use]
+#[inline]
 pub fn baseline() -> Level {
     Level::baseline()
 }

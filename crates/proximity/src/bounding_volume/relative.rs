@@ -14,12 +14,14 @@ impl Axes {
 
     /// From axes as columns.
     #[must_use]
+    #[inline]
     pub fn from_columns(axes: &RotationMatrix) -> Self {
         Self(std::array::from_fn(|k| std::array::from_fn(|i| round(axes[(i, k)]))))
     }
 
     /// Coordinates along these very axes, rounded as they are.
     #[must_use]
+    #[inline]
     pub fn along(&self, point: &Vector) -> Vector {
         let row = |k: usize| Vector::from(self.0[k].map(f64::from)).dot(point);
         Vector::new(row(0), row(1), row(2))
@@ -44,6 +46,7 @@ impl Relative {
     /// a coordinate made from them by less than 32 units relative to the 1-norm of what entered; two such coordinates and
     /// two sums of three extents make [`VOLUME_SLACK`], 64 units.
     #[must_use]
+    #[inline]
     pub fn of_trees(
         pose_ab: &MatrixPose,
         (anchor_a, reach_a): (&Point, f64),

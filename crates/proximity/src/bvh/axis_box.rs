@@ -18,6 +18,7 @@ impl AxisBox {
 
     /// The box around points that reach `radius` (m) farther. What is no number makes it unbounded.
     #[must_use]
+    #[inline]
     pub fn around(points: impl IntoIterator<Item = Point>, radius: f64) -> Self {
         let mut found = Self::EMPTY;
         for p in points {
@@ -30,12 +31,14 @@ impl AxisBox {
     }
 
     #[must_use]
+    #[inline]
     pub fn is_bounded(&self) -> bool {
         self.lo.iter().chain(&self.hi).all(|c| c.is_finite())
     }
 
     /// The smallest box around both.
     #[must_use]
+    #[inline]
     pub fn union(&self, other: &Self) -> Self {
         Self {
             lo: std::array::from_fn(|i| self.lo[i].lesser(other.lo[i])),
@@ -45,18 +48,21 @@ impl AxisBox {
 
     /// The box that reaches `by` (m, not negative) farther on all sides.
     #[must_use]
+    #[inline]
     pub fn grown(&self, by: f64) -> Self {
         Self { lo: self.lo.map(|c| down(f64::from(c) - by)), hi: self.hi.map(|c| -down(-f64::from(c) - by)) }
     }
 
     /// The sum of its edges (m).
     #[must_use]
+    #[inline]
     pub fn girth(&self) -> f32 {
         (0..3).map(|i| self.hi[i] - self.lo[i]).sum()
     }
 
     /// Twice its centre.
     #[must_use]
+    #[inline]
     pub fn doubled_centre(&self) -> [f32; 3] {
         std::array::from_fn(|i| self.lo[i] + self.hi[i])
     }
@@ -81,6 +87,7 @@ impl EightBoxes {
         AxisBox { lo: [x[lane], y[lane], z[lane]], hi: [u[lane], v[lane], w[lane]] }
     }
 
+    #[inline]
     pub fn set(&mut self, lane: usize, bounds: &AxisBox) {
         for i in 0..3 {
             (self.lo[i][lane], self.hi[i][lane]) = (bounds.lo[i], bounds.hi[i]);
@@ -89,6 +96,7 @@ impl EightBoxes {
 
     /// The smallest box around all.
     #[must_use]
+    #[inline]
     pub fn union(&self) -> AxisBox {
         (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
     }

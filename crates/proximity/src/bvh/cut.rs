@@ -20,6 +20,7 @@ pub(super) struct Extent {
 }
 
 /// The axis to cut across, and how many items come before the cut: a multiple of `capacity`.
+#[inline]
 pub(super) fn best_cut(items: &[Extent], capacity: usize) -> (usize, usize) {
     let mut best = (f64::INFINITY, 0, items.len() / 2);
     for axis in 0..3 {

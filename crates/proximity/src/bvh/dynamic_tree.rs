@@ -53,6 +53,7 @@ struct Seat {
 impl DynamicTree {
     /// A tree of items with different numbers.
     #[must_use]
+    #[inline]
     pub fn build(items: &[(u32, AxisBox)]) -> Self {
         let mut tree = Self::default();
         tree.fill(&mut items.to_vec());
@@ -61,22 +62,26 @@ impl DynamicTree {
 
     /// Number of items.
     #[must_use]
+    #[inline]
     pub fn len(&self) -> usize {
         self.count
     }
 
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
     /// The root's number, if there are items.
     #[must_use]
+    #[inline]
     pub fn root(&self) -> Option<u32> {
         (!self.is_empty()).then_some(0)
     }
 
     /// Puts an item in, or gives it another box.
+    #[inline]
     pub fn set(&mut self, item: u32, bounds: AxisBox) {
         self.make_room(item);
         match self.seats[item as usize] {
@@ -94,6 +99,7 @@ impl DynamicTree {
     }
 
     /// Takes an item out, if it is in.
+    #[inline]
     pub fn remove(&mut self, item: u32) {
         let Some(seat) = self.seats.get_mut(item as usize).and_then(Option::take) else { return };
         self.count -= 1;
@@ -110,6 +116,7 @@ impl DynamicTree {
     }
 
     /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
+    #[inline]
     pub fn overlapping(
         &self,
         level: Level,
@@ -196,6 +203,7 @@ impl DynamicTree {
 
     /// All items with their boxes, by number.
     #[must_use]
+    #[inline]
     pub fn items(&self) -> Vec<(u32, AxisBox)> {
         let seats = (0..).zip(&self.seats);
         let placed = seats.filter_map(|(item, seat)| {

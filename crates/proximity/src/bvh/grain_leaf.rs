@@ -28,6 +28,7 @@ pub struct GrainLeaf {
 impl GrainLeaf {
     /// A leaf with some grains of a tree with this anchor.
     #[allow(clippy::cast_possible_truncation)] // rounding is meant; a leaf has few grains
+    #[inline]
     pub(super) fn new(anchor: &Point, first: u32, grains: &[Grain]) -> Self {
         let grain = |lane: usize| &grains[lane.min(grains.len() - 1)];
         let centre: [[f32; LANES]; 3] = std::array::from_fn(|i| {
@@ -59,6 +60,7 @@ impl GrainLeaf {
 
 impl Grain {
     /// Smallest and largest corner, from an anchor.
+    #[inline]
     pub(super) fn corners(&self, anchor: &Point) -> [Vector; 2] {
         let centre = Vector::from(self.centre.map(f64::from)) - anchor.coords;
         let half = Vector::repeat(f64::from(self.half_edge));

@@ -17,6 +17,7 @@ impl<B: BoundingVolume> Tree<B, GrainLeaf> {
     /// # Panics
     /// When there are no grains, or more than 2³¹ of them.
     #[must_use]
+    #[inline]
     pub fn of_grains(grains: impl Iterator<Item = Grain>) -> (Self, Vec<u32>) {
         let mut seeds: Vec<Seed> = grains.zip(0..).map(|(grain, number)| Seed { grain, number }).collect();
         assert!(!seeds.is_empty(), "a tree needs grains");

@@ -23,6 +23,7 @@ impl TreePlane {
     /// A plane of the body's frame, whose normal has length one.
     #[allow(clippy::cast_possible_truncation)] // granted by the slack
     #[must_use]
+    #[inline]
     pub fn new<B: BoundingVolume, L>(normal: &Vector, offset: f64, tree: &Tree<B, L>) -> Self {
         let anchor = tree.anchor().coords;
         let from_anchor = offset - normal.dot(&anchor);

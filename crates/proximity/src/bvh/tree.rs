@@ -64,19 +64,23 @@ pub struct NodeRef(u32);
 impl NodeRef {
     const LEAF: u32 = 1 << 31;
 
+    #[inline]
     pub(super) fn node(index: usize) -> Self {
         Self(u32::try_from(index).expect("node count fits 31 bits"))
     }
 
+    #[inline]
     pub(super) fn leaf(index: usize) -> Self {
         Self(u32::try_from(index).expect("leaf count fits 31 bits") | Self::LEAF)
     }
 
     #[must_use]
+    #[inline]
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
     }
 
+    #[inline]
     pub(super) fn index(self) -> usize {
         (self.0 & !Self::LEAF) as usize
     }
@@ -84,16 +88,19 @@ impl NodeRef {
 
 impl<B: BoundingVolume, L> Tree<B, L> {
     #[must_use]
+    #[inline]
     pub fn anchor(&self) -> &Point {
         &self.anchor
     }
 
     #[must_use]
+    #[inline]
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
     #[must_use]
+    #[inline]
     pub fn root(&self) -> NodeRef {
         self.root
     }
@@ -115,17 +122,20 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     }
 
     #[must_use]
+    #[inline]
     pub fn nodes(&self) -> &[Node<B>] {
         &self.nodes
     }
 
     #[must_use]
+    #[inline]
     pub fn leaves(&self) -> &[Leaf<B, L>] {
         &self.leaves
     }
 
     /// What lies so many steps below the root, and leaves that lie higher: together they hold all that the tree does.
     #[must_use]
+    #[inline]
     pub fn at_level(&self, level: usize) -> Vec<NodeRef> {
         let below = |of: NodeRef| {
             if of.is_leaf() {
@@ -159,12 +169,14 @@ impl<B: BoundingVolume, L> Tree<B, L> {
 
     /// The frame of this tree in the frame of another, which belongs to body b.
     #[must_use]
+    #[inline]
     pub fn relative<M>(&self, other: &Tree<B, M>, pose_ab: &MatrixPose) -> Relative {
         Relative::of_trees(pose_ab, (&self.anchor, self.reach), (&other.anchor, other.reach))
     }
 
     /// Memory of nodes and leaves, in bytes.
     #[must_use]
+    #[inline]
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node<B>>() + self.leaves.capacity() * size_of::<Leaf<B, L>>()
     }

@@ -59,12 +59,14 @@ pub(super) struct Least {
 
 impl Bounds {
     /// Numbers never larger than the distances (m) at the last pose.
+    #[inline]
     pub fn now(&self) -> &[[f32; LANES]] {
         &self.now
     }
 
     /// Follows b to another pose.
     #[allow(clippy::cast_possible_truncation)] // granted, or rounded up
+    #[inline]
     pub fn move_to(&mut self, pose_ab: &MatrixPose, level: Level) -> Least {
         let Some(at) = &self.at else { return Least { lower: f32::INFINITY, index: 0 } };
         let (from, to) = (at.inverse(), pose_ab.inverse());
@@ -81,11 +83,13 @@ impl Bounds {
     }
 
     /// Whether more pairs than usual are unclear, so that new bounds would help.
+    #[inline]
     pub fn are_worn(&mut self, unclear: usize) -> bool {
         unclear > UNCLEAR.max(2 * *self.usual.get_or_insert(unclear))
     }
 
     /// Bounds of all pairs anew, `centre` being a point of a where it is about nearest.
+    #[inline]
     pub fn renew(
         &mut self,
         bodies: (&CollisionBody, &CollisionBody),
@@ -199,6 +203,7 @@ impl Eight {
 }
 
 #[allow(clippy::cast_possible_truncation)] // rounded up right after
+#[inline]
 pub(super) fn round_up(x: f64) -> f32 {
     (x as f32).next_up()
 }

@@ -18,6 +18,7 @@ pub(super) struct EightPairs {
 
 impl EightPairs {
     /// Of fewer than eight the last is repeated.
+    #[inline]
     pub fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[Listed]) -> Self {
         let mut all = Self { a: [[[0.0; LANES]; 3]; 3], b: [[[0.0; LANES]; 3]; 3] };
         for lane in 0..LANES {
@@ -30,6 +31,7 @@ impl EightPairs {
 
     /// A point of body a, in the frame of b's tree.
     #[allow(clippy::cast_possible_truncation)] // rounding is meant
+    #[inline]
     pub fn point_in_b(a: &Surface<Obb>, relative: &Relative, point: &Point) -> [f32; 3] {
         let p = point - a.tree.anchor();
         relative.point(&[p.x as f32, p.y as f32, p.z as f32])

@@ -26,6 +26,7 @@ impl Approach {
     /// Of two bodies whose motions and reaches are these, in an interval of this half width; no position is ever larger than `size`
     /// (rad, m). Where numbers overflow the pair may come nearer by any length.
     #[must_use]
+    #[inline]
     pub fn new(sides: &[SideMotion; 2], reaches: &[Reach; 2], half_width: f64, size: f64) -> Self {
         let [a, b] = sides;
         let (velocity, angular) = (b.velocity - a.velocity, b.angular - a.angular);
@@ -55,6 +56,7 @@ impl Approach {
 
     /// The most (m) that the pair comes nearer in the part of the interval that has this share of its width.
     #[must_use]
+    #[inline]
     pub fn within(&self, share: f64) -> f64 {
         let first = share * (self.speed + share * self.bent) + self.stiff;
         ((share * self.way).lesser(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK + self.rounding
@@ -62,12 +64,14 @@ impl Approach {
 
     /// What of that (m) shrinks with the interval.
     #[must_use]
+    #[inline]
     pub fn motion(&self) -> f64 {
         self.way.lesser(self.speed + self.bent)
     }
 
     /// The share of the interval in which the pair comes nearer by less than `room` (m).
     #[must_use]
+    #[inline]
     pub fn share(&self, room: f64) -> f64 {
         let room = room * (1.0 - 2.0 * MOTION_SLACK) - 2.0 * MOTION_SLACK - self.rounding - self.off;
         // no number proves nothing

@@ -80,6 +80,7 @@ pub struct SideMotion {
 
 impl Chain {
     #[must_use]
+    #[inline]
     pub fn ways_to_root(&self) -> WaysToRoot {
         let mut found = WaysToRoot { bodies: Vec::new(), ways: vec![0..0; self.body_count()] };
         // children before parents: what no way has passed yet is a leaf
@@ -120,6 +121,7 @@ impl Chain {
 
     /// How one of two bodies moves, from their frames: the body at the end of a side, whose points lie within `reach`.
     #[must_use]
+    #[inline]
     pub fn side_motion(
         &self,
         side: &[usize],
@@ -137,6 +139,7 @@ impl Chain {
     /// For each joint from a body up to the root: how far anything within `reach` metres of the body's origin may move, at most, by
     /// the joints before it: bounds W with the reaches of chains that are stretched, which hold wherever joints stand. One more than
     /// there are joints. `range` tells how far a position ever is from zero.
+    #[inline]
     pub fn stretched_ways(
         &self,
         mut body: usize,
@@ -183,12 +186,14 @@ impl WaysToRoot {
 
     /// How many joints there are between a body and the root.
     #[must_use]
+    #[inline]
     pub fn depth(&self, body: usize) -> usize {
         self.ways[body].len() - 1
     }
 
     /// For each body: the depth of its lowest common ancestor with this one.
     #[must_use]
+    #[inline]
     pub fn common_depths(&self, body: usize) -> Vec<usize> {
         let mut depths = vec![usize::MAX; self.ways.len()];
         for above in self.way(body) {
@@ -205,6 +210,7 @@ impl WaysToRoot {
 
     /// The ways between two bodies, which have this many joints on either side of their lowest common ancestor.
     #[must_use]
+    #[inline]
     pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> Between<'_> {
         let side = |i: usize| &self.way(bodies[i])[..joints[i]];
         Between { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
@@ -212,12 +218,14 @@ impl WaysToRoot {
 
     /// The way between a body and the root.
     #[must_use]
+    #[inline]
     pub fn to_root(&self, body: usize) -> Between<'_> {
         self.between([body, Chain::ROOT], [self.depth(body), 0])
     }
 
     /// Number of bodies in all ways that are stored.
     #[must_use]
+    #[inline]
     pub fn stored(&self) -> usize {
         self.bodies.len()
     }
@@ -226,6 +234,7 @@ impl WaysToRoot {
 impl Between<'_> {
     /// Bodies on the way from one of the two to the ancestor, which is left out.
     #[must_use]
+    #[inline]
     pub fn side(&self, side: usize) -> &[usize] {
         self.sides[side]
     }
@@ -329,6 +338,7 @@ impl Reach {
 
     /// How far any of its points is from the origin, at most, in the 1-norm.
     #[must_use]
+    #[inline]
     pub fn extent(&self) -> f64 {
         self.ends.iter().map(|p| p.abs().sum()).fold(0.0, f64::greater) + 2.0 * self.radius
     }

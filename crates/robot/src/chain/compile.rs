@@ -11,6 +11,7 @@ impl Chain {
     /// # Panics
     /// When a joint names a link beyond `needed`, or its parent is not yet placed.
     #[must_use]
+    #[inline]
     pub fn compile(root: usize, joints: &[ChainJoint], needed: &[bool]) -> Self {
         let mut draft = Draft::new(root, joints, needed.len());
         draft.drop_unneeded(needed);

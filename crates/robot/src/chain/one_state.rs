@@ -32,6 +32,7 @@ pub(super) struct EightSources {
 
 impl EightSources {
     /// Of up to eight bodies.
+    #[inline]
     pub fn of(bodies: &[Body]) -> Self {
         let mut sources = Self { indices: [0; 8], multipliers: [0.0; 8], offsets: [0.0; 8], turning: 0 };
         for (lane, body) in bodies.iter().enumerate() {

@@ -21,6 +21,7 @@ impl Chain {
     /// The territories of the origins of all bodies, by body, as long as positions by which joints slide are in their ranges (m).
     /// Joints turn as far as they like.
     #[must_use]
+    #[inline]
     pub fn territories(&self, range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>) -> Vec<Territory> {
         let mut all = vec![Territory { centre: Vector::zeros(), radius: 0.0 }];
         for body in &self.bodies {
@@ -45,6 +46,7 @@ impl Chain {
     }
 
     /// The positions by which joints slide.
+    #[inline]
     pub fn sliding_positions(&self) -> impl Iterator<Item = usize> {
         self.bodies.iter().filter_map(|body| match &body.step {
             Step::Shift(_, source) => Some(source.index),

@@ -23,6 +23,7 @@ impl TravelRates {
     /// A number (m) that no distance of two points of the robot or its world changes by more than between two states; infinite
     /// where nothing is known.
     #[must_use]
+    #[inline]
     pub fn between(&self, from: &[f64], to: &[f64]) -> f64 {
         let held =
             |i: usize, [low, high]: [f64; 2]| [from[i], to[i]].iter().all(|q| (low..=high).contains(q));
