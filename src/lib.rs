@@ -1,40 +1,80 @@
-//! # clearance
+//! Collision, distance and certified motion checks of URDF robots.
 //!
-//! Does this robot hit itself or its surroundings, and how far is it from doing so?
+//! ```
+//! use std::{path::Path, sync::Arc};
+//! use clearance::{CollisionChecker, Question, RobotModel, Settings, World};
 //!
-//! ```text
-//! once:      URDF text -> robot::RobotModel -> geometry::Shape per link -> query::CollisionBody
-//! per tick:  joint state -> Configuration -> LinkPoses -> query -> CollisionReport -> messages
+//! let (urdf, srdf) = (Path::new("urdf/demo_arm/demo_arm.urdf"), Path::new("urdf/demo_arm/demo_arm.srdf"));
+//! let robot = Arc::new(RobotModel::load(urdf, Some(srdf), &[])?);
+//! let checker = CollisionChecker::new(Arc::clone(&robot), &World::default(), Settings::default())?;
+//! let mut workspace = checker.workspace(); // one per thread
+//!
+//! let q = robot.configuration_from_names([("joint2", 0.4), ("joint4", -1.8)])?; // rad; other joints at their defaults
+//! assert!(checker.is_free(&q, &mut workspace));
+//! let report = checker.check(&q, Question::Distance { limit: 0.5 }, &mut workspace);
+//! println!("{:?}", report.nearest);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Read the modules top to bottom; each uses only the ones above it. Two towers stand on `geometry`: the left one
-//! (`bounding_volume`, `bvh`, `query`) answers questions about two posed solids and has never heard of a robot; the
-//! right one (`robot`, `scene`, `motion`) knows links, joints and obstacles and has never heard of a hierarchy. `checker` is
-//! the bridge; `verifier` believes none of it and checks its proofs again; `monitor` decides what a node says; only `node`
-//! knows ROS.
+//! | task | start at |
+//! |---|---|
+//! | read a robot | [`RobotModel::load`], [`RobotModel::from_text`] |
+//! | describe its surroundings | [`World`], [`SceneLoader`] (MoveIt scenes, octrees, point clouds) |
+//! | check states | [`CollisionChecker::is_free`], [`CollisionChecker::check`], [`CollisionChecker::check_states`] |
+//! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
+//! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
+//! | two posed bodies without a robot | [`query`] |
 //!
-//! Units everywhere: metres, radians, seconds.
+//! **Guarantees.** A state or motion is reported free only if that is proven for exactly what was asked. Results do not depend on the
+//! number of threads or on the instruction set. A collision is a result, never an `Err`; after validation, queries do not fail or panic.
+//!
+//! **Units and frames.** Metres, radians and seconds; poses and points are in the frame of the root link unless their documentation names
+//! another frame.
+//!
+//! **Threads.** [`RobotModel`], [`World`] and [`CollisionChecker`] are `Send` and `Sync`. A [`Workspace`] belongs to one thread at a time.
+//!
+//! **Features.** `cli` builds the program, `ros` the node. With `default-features = false` the library has no dependency on DDS, terminal or
+//! command line crates.
+//!
+//! The modules are the crates of the workspace, from shapes ([`geometry`]) to the checker ([`checker`]); the names most users need are here.
 
-// minima of floating-point numbers, see `math/extremes.rs`
-#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![deny(missing_docs)]
 
-pub use checker::{CollisionChecker, CollisionReport, Question, Workspace};
+#[doc(inline)]
 pub use clearance_checker as checker;
 pub use clearance_files::{input_files, ply_format, readable_text, yaml};
+#[doc(inline)]
 pub use clearance_geometry as geometry;
 pub use clearance_geometry::{constants, math, simd};
+#[doc(inline)]
 pub use clearance_monitor as monitor;
+#[doc(inline)]
 pub use clearance_motion as motion;
+#[doc(inline)]
 pub use clearance_proximity as query;
 pub use clearance_proximity::{bounding_volume, bvh};
+#[doc(inline)]
 pub use clearance_robot as robot;
 #[cfg(feature = "ros")]
+#[doc(inline)]
 pub use clearance_ros as node;
+#[doc(inline)]
 pub use clearance_scene as scene;
-pub use clearance_scene::Settings;
+#[doc(inline)]
 pub use clearance_verifier as verifier;
-pub use robot::{Configuration, MeshFiles, RobotModel};
-pub use scene::World;
+
+pub use clearance_checker::{
+    CollisionChecker, CollisionReport, MotionOptions, MotionReport, MotionVerdict, PairDistance, Question,
+    TrajectoryReport, Workspace,
+};
+pub use clearance_geometry::{Primitive, Shape};
+pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
+pub use clearance_robot::{Configuration, MeshFiles, RobotModel};
+pub use clearance_scene::{
+    AllowedCollisionMatrix, AttachedObject, BodyId, MeshModel, Obstacle, Scene, SceneLoader, Settings, World,
+};
+pub use clearance_verifier::Verifier;
 
 /// The examples of the README compile and run.
 #[cfg(doctest)]

@@ -118,7 +118,7 @@ struct HiddenControlKeys {
 impl HiddenControlKeys {
     fn on_terminal() -> Self {
         use nix::sys::termios::{LocalFlags, tcgetattr};
-        let before = tcgetattr(std::io::stdin()).ok();
+        let before = tcgetattr(std::io::stdout()).ok();
         if let Some(before) = &before {
             let mut quiet = before.clone();
             quiet.local_flags.remove(LocalFlags::ECHOCTL);
@@ -130,8 +130,8 @@ impl HiddenControlKeys {
     /// In the background this would stop the process (`SIGTTOU`). A terminal that keeps its echo only looks worse.
     fn set(settings: &nix::sys::termios::Termios) {
         use nix::sys::termios::{SetArg, tcsetattr};
-        if nix::unistd::tcgetpgrp(std::io::stdin()) == Ok(nix::unistd::getpgrp()) {
-            let _ = tcsetattr(std::io::stdin(), SetArg::TCSANOW, settings);
+        if nix::unistd::tcgetpgrp(std::io::stdout()) == Ok(nix::unistd::getpgrp()) {
+            let _ = tcsetattr(std::io::stdout(), SetArg::TCSANOW, settings);
         }
     }
 }
