@@ -71,10 +71,10 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         surroundings: surroundings(),
         mesh_model: clearance::scene::MeshModel::Surface,
         motion: Some(Motion::Trajectory(motion)),
-        observer: Some(Box::new(move |judgement, settings| {
-            latest.note(judgement);
+        observer: Some(Box::new(move |evaluation, settings| {
+            latest.note(evaluation);
             if let Some(show) = &mut show {
-                show(judgement, settings);
+                show(evaluation, settings);
             }
         })),
         on_start: Some(Box::new(on_start)),

@@ -6,36 +6,36 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use clearance::monitor::Judgement;
+use clearance::monitor::Evaluation;
 use clearance::node;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Time between two looks at a table in a terminal.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// The last judgement, and how many there were.
+/// The last evaluation, and how many there were.
 #[derive(Clone, Default)]
 pub struct Latest(Arc<Mutex<Seen>>);
 
 #[derive(Clone, Default)]
 struct Seen {
-    judgement: Option<Judgement>,
+    evaluation: Option<Evaluation>,
     /// Checks since the start, and the time they took.
     checks: u32,
     compute_time: Duration,
 }
 
 impl Latest {
-    pub fn note(&self, judgement: &Judgement) {
+    pub fn note(&self, evaluation: &Evaluation) {
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let stamp = |judgement: &Judgement| judgement.stamp;
-        if let Some(evidence) = &judgement.evidence
-            && seen.judgement.as_ref().and_then(stamp) != judgement.stamp
+        let stamp = |evaluation: &Evaluation| evaluation.stamp;
+        if let Some(checked_state) = &evaluation.checked_state
+            && seen.evaluation.as_ref().and_then(stamp) != evaluation.stamp
         {
             seen.checks += 1;
-            seen.compute_time += evidence.compute_time;
+            seen.compute_time += checked_state.compute_time;
         }
-        seen.judgement = Some(judgement.clone());
+        seen.evaluation = Some(evaluation.clone());
     }
 
     fn read(&self) -> Seen {
@@ -62,9 +62,9 @@ impl Row {
     fn new(before: &Seen, now: &Seen, interval: Duration) -> Self {
         let checks = f64::from(now.checks.wrapping_sub(before.checks));
         let compute_time = now.compute_time.saturating_sub(before.compute_time);
-        let judgement = now.judgement.as_ref();
-        let revision = judgement.and_then(|j| j.revision.as_ref());
-        let nearest = judgement.and_then(|j| j.evidence.as_ref()?.report.nearest);
+        let evaluation = now.evaluation.as_ref();
+        let revision = evaluation.and_then(|j| j.revision.as_ref());
+        let nearest = evaluation.and_then(|j| j.checked_state.as_ref()?.report.nearest);
         let (nearest, distance) = match (nearest, revision) {
             (Some(nearest), Some(revision)) => {
                 let name = |body| revision.checker.body_name(body);
@@ -74,8 +74,9 @@ impl Row {
             _ => ("-".to_owned(), "-".to_owned()),
         };
         Self {
-            status: judgement.map_or("UNKNOWN", |j| j.status.word()),
-            reason: (judgement.and_then(|j| j.status.reason())).map_or_else(String::new, ToString::to_string),
+            status: evaluation.map_or("UNKNOWN", |j| j.status.word()),
+            reason: (evaluation.and_then(|j| j.status.reason()))
+                .map_or_else(String::new, ToString::to_string),
             nearest,
             distance,
             rate: checks / interval.as_secs_f64().max(1e-3),

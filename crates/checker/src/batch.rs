@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::capsules::{Segment, up};
 use super::collision_checker::CollisionChecker;
-use super::likely::LikelyPairs;
+use super::pair_priority::PairPriority;
 use super::report::{CollisionReport, Question};
 use super::workspace::Workspace;
 
@@ -63,8 +63,8 @@ impl CollisionChecker {
     fn count_near_obstacles(&self, frame: impl Fn(usize) -> Frame<f64>, workspace: &mut Workspace) -> u64 {
         let Workspace { scratch, nearby, queue, .. } = workspace;
         queue.clear();
-        for (part, rider) in self.riders.iter().enumerate() {
-            let capsule = self.capsule_of(part, &frame(rider.body));
+        for (part, robot_body) in self.robot_bodies.iter().enumerate() {
+            let capsule = self.capsule_of(part, &frame(robot_body.body));
             let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
             self.obstacles_near(part, &capsule, CONTACT_DISTANCE, memory, queue);
         }
@@ -131,7 +131,7 @@ impl CollisionChecker {
         mut states: u8,
         eight: &Eight<S>,
         scratch: &mut Scratch,
-        likely: &mut LikelyPairs,
+        likely: &mut PairPriority,
     ) -> u8 {
         let mut hit = 0;
         while states != 0 {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clearance_geometry::math::{Extremes, MatrixPose, Pose};
 use clearance_geometry::{ScaleError, Shape};
 use clearance_proximity::CollisionBody;
-use clearance_robot::{Chain, Frame, LinkId, RobotModel, Seat, TravelRates, WaysToRoot};
+use clearance_robot::{Chain, Frame, LinkId, LinkInBody, PathsToRoot, RobotModel, TravelRates};
 use clearance_scene::{AttachedObject, ObstacleShape, World};
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ use clearance_scene::{MeshModel, Settings};
 
 /// A link or an attached object with geometry, in the frame of the body of the chain that it rides on.
 #[derive(Clone, Debug)]
-pub(super) struct Rider {
+pub(super) struct RobotBody {
     pub id: BodyId,
     /// The body of the chain; 0 is the root's.
     pub body: usize,
@@ -33,10 +33,10 @@ pub(super) struct Rider {
     made_of: MadeOf,
 }
 
-/// What a rider was built from; the same makes the same.
+/// What a robot_body was built from; the same makes the same.
 #[derive(Clone, Debug)]
 struct MadeOf {
-    seat: Seat,
+    seat: LinkInBody,
     mesh_model: MeshModel,
     scale: f64,
     attached: Option<(Pose, Arc<[ObstacleShape]>)>,
@@ -70,16 +70,17 @@ pub(super) fn chain(robot: &RobotModel, world: &World) -> Chain {
 }
 
 /// The parts of a list of pairs, in its order. What `known` has, of the same robot, is not built again.
-pub(super) fn riders(
+pub(super) fn robot_bodies(
     robot: &RobotModel,
     world: &World,
     (chain, pairs): (&Chain, &PairList),
     settings: &Settings,
-    known: &[Rider],
-) -> Result<Vec<Rider>, SettingsError> {
+    known: &[RobotBody],
+) -> Result<Vec<RobotBody>, SettingsError> {
     let padding = link_padding(robot, settings)?;
     let bodies: Vec<BodyId> = pairs.parts().collect();
-    let known: HashMap<BodyId, &Rider> = known.iter().map(|rider| (rider.id, rider)).collect();
+    let known: HashMap<BodyId, &RobotBody> =
+        known.iter().map(|robot_body| (robot_body.id, robot_body)).collect();
     (bodies.into_par_iter())
         .map(|id| {
             let object = match id {
@@ -101,9 +102,9 @@ pub(super) fn riders(
             let padding =
                 padding[link.index()] + object.map_or(Ok(0.0), |o| object_padding(settings, &o.name))?;
             if let Some(same) = known.get(&id).filter(|known| known.made_of.is_same(&made_of)) {
-                return Ok(Rider { padding, ..(*same).clone() });
+                return Ok(RobotBody { padding, ..(*same).clone() });
             }
-            Rider::new(robot, (id, link), object, padding, made_of)
+            RobotBody::new(robot, (id, link), object, padding, made_of)
                 .map_err(|why| SettingsError::CannotScale { of: name.clone(), why })
         })
         .collect()
@@ -120,7 +121,7 @@ fn carrier(robot: &RobotModel, id: BodyId, object: Option<&AttachedObject>) -> R
     }
 }
 
-impl Rider {
+impl RobotBody {
     fn new(
         robot: &RobotModel,
         (id, link): (BodyId, LinkId),
@@ -140,7 +141,7 @@ impl Rider {
     }
 
     /// Where its link sits on the body of the chain.
-    pub fn seat(&self) -> &Seat {
+    pub fn seat(&self) -> &LinkInBody {
         &self.made_of.seat
     }
 }
@@ -166,28 +167,30 @@ pub(super) fn solid(
     Ok((Arc::new(solid), capsule_around(&shapes).expect("there are shapes")))
 }
 
-/// The pairs of the parts, by index of rider.
-pub(super) fn pair_infos(pairs: &PairList, riders: &[Rider], settings: &Settings) -> Vec<PairInfo> {
-    let index: HashMap<BodyId, usize> = riders.iter().enumerate().map(|(i, rider)| (rider.id, i)).collect();
+/// The pairs of the parts, by index of robot_body.
+pub(super) fn pair_infos(pairs: &PairList, robot_bodies: &[RobotBody], settings: &Settings) -> Vec<PairInfo> {
+    let index: HashMap<BodyId, usize> =
+        robot_bodies.iter().enumerate().map(|(i, robot_body)| (robot_body.id, i)).collect();
     let info = |&(a, b): &(BodyId, BodyId)| {
         let bodies = (index[&a], index[&b]);
-        let padding = riders[bodies.0].padding + riders[bodies.1].padding;
+        let padding = robot_bodies[bodies.0].padding + robot_bodies[bodies.1].padding;
         PairInfo { ids: (a, b), bodies, padding: if settings.pad_self { padding } else { 0.0 } }
     };
     pairs.self_pairs().iter().map(info).collect()
 }
 
 /// Capsules of the parts, and the pairs of them.
-pub(super) fn capsule_pairs(riders: &[Rider], infos: &[PairInfo]) -> CapsulePairs {
-    let capsules: Vec<_> = riders.iter().map(|rider| (rider.body, rider.capsule)).collect();
+pub(super) fn capsule_pairs(robot_bodies: &[RobotBody], infos: &[PairInfo]) -> CapsulePairs {
+    let capsules: Vec<_> =
+        robot_bodies.iter().map(|robot_body| (robot_body.body, robot_body.capsule)).collect();
     let pairs: Vec<_> = infos.iter().map(|p| p.bodies).collect();
     CapsulePairs::new(&capsules, &pairs)
 }
 
 /// How far bodies may move when joints do, relative to each other and to the world.
-pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Rider]) -> TravelRates {
+pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, robot_bodies: &[RobotBody]) -> TravelRates {
     let mut reach = vec![0.0_f64; chain.body_count()];
-    for Rider { body, capsule, .. } in riders {
+    for RobotBody { body, capsule, .. } in robot_bodies {
         let ends = [capsule.a, capsule.b].map(|p| p.coords.norm());
         reach[*body] = reach[*body].greater(ends[0].greater(ends[1]) + capsule.radius);
     }
@@ -200,13 +203,17 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, riders: &[Rider]) 
 }
 
 /// By pair: how many joints there are on either side of its bodies' lowest common ancestor.
-pub(super) fn joints_between(ways: &WaysToRoot, riders: &[Rider], infos: &[PairInfo]) -> Vec<[u32; 2]> {
+pub(super) fn joints_between(
+    ways: &PathsToRoot,
+    robot_bodies: &[RobotBody],
+    infos: &[PairInfo],
+) -> Vec<[u32; 2]> {
     let mut counts = Vec::with_capacity(infos.len());
     for of_one in infos.chunk_by(|a, b| a.bodies.0 == b.bodies.0) {
-        let first = riders[of_one[0].bodies.0].body;
+        let first = robot_bodies[of_one[0].bodies.0].body;
         let common = ways.common_depths(first);
         counts.extend(of_one.iter().map(|info| {
-            let second = riders[info.bodies.1].body;
+            let second = robot_bodies[info.bodies.1].body;
             [first, second].map(|body| {
                 let joints = ways.depth(body) - common[second];
                 u32::try_from(joints).expect("links are named by 32 bits")

@@ -26,8 +26,8 @@ pub struct LinkCapsule {
 #[derive(Clone, Debug)]
 pub struct CapsulePairs {
     /// BodyId by body.
-    riders: Vec<Rider>,
-    /// By body: which of the riders are on it.
+    robot_bodies: Vec<RobotBody>,
+    /// By body: which of the robot_bodies are on it.
     on_bodies: Vec<Range<usize>>,
     /// The first body that has any.
     first_body: usize,
@@ -42,7 +42,7 @@ pub struct CapsulePairs {
 /// A capsule's segment `centre ± half` in the frame of its body.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
-struct Rider {
+struct RobotBody {
     capsule: usize,
     /// The coordinates of the centre, four times each, and those of the half.
     coordinates: [[f32; LANES]; 3],
@@ -133,7 +133,10 @@ impl CapsulePairs {
         let centre = |c: &LinkCapsule| c.a.coords + (c.b - c.a) * 0.5;
         let offset = capsules.iter().map(|(_, c)| centre(c).norm()).filter(|offset| offset.is_finite());
         Self {
-            riders: order.iter().map(|&i| Rider::new(i, &centre(&capsules[i].1), &halves[i])).collect(),
+            robot_bodies: order
+                .iter()
+                .map(|&i| RobotBody::new(i, &centre(&capsules[i].1), &halves[i]))
+                .collect(),
             on_bodies: (0..bodies).map(|body| first_on(body)..first_on(body + 1)).collect(),
             first_body: if order.is_empty() { 0 } else { body(0) },
             groups,
@@ -144,7 +147,7 @@ impl CapsulePairs {
 
     #[must_use]
     pub fn capsule_count(&self) -> usize {
-        self.riders.len()
+        self.robot_bodies.len()
     }
 
     #[cfg(test)]
@@ -162,12 +165,12 @@ impl CapsulePairs {
     #[inline(always)]
     pub fn place<T: Real>(&self, frames: &[Frame<T>], segments: &mut [Segment<T::Single>]) {
         let origin = frames[self.first_body].t;
-        for (riders, Frame { r: [x, y, z], t }) in self.on_bodies.iter().zip(frames) {
+        for (robot_bodies, Frame { r: [x, y, z], t }) in self.on_bodies.iter().zip(frames) {
             let columns = [single(*x), single(*y), single(*z)];
             let t = single(difference(*t, origin));
-            for rider in &self.riders[riders.clone()] {
-                let [p, q, r] = rider.coordinates;
-                segments[rider.capsule] = Segment {
+            for robot_body in &self.robot_bodies[robot_bodies.clone()] {
+                let [p, q, r] = robot_body.coordinates;
+                segments[robot_body.capsule] = Segment {
                     centre: sum(turned(&columns, [p[0], q[0], r[0]]), t),
                     half: turned(&columns, [p[4], q[4], r[4]]),
                 };
@@ -332,7 +335,7 @@ pub fn up(x: f64) -> f32 {
     }
 }
 
-impl Rider {
+impl RobotBody {
     fn new(capsule: usize, centre: &Vector3<f64>, half: &Vector3<f64>) -> Self {
         let number = |i: usize, lane: usize| if lane < 4 { centre[i].single() } else { half[i].single() };
         Self { capsule, coordinates: [0, 1, 2].map(|i| std::array::from_fn(|lane| number(i, lane))) }
@@ -405,9 +408,10 @@ impl<S: Simd> Placing<'_, S> {
         if body == self.capsules.first_body {
             self.origin = columns.origin();
         }
-        let Some(riders) = self.capsules.on_bodies.get(body) else { return };
+        let Some(robot_bodies) = self.capsules.on_bodies.get(body) else { return };
         let [x, y, z, t] = columns.doubled(simd, self.origin);
-        for Rider { capsule, coordinates: [p, q, r] } in &self.capsules.riders[riders.clone()] {
+        for RobotBody { capsule, coordinates: [p, q, r] } in &self.capsules.robot_bodies[robot_bodies.clone()]
+        {
             let placed = x * f32x8::from_slice(simd, p)
                 + y * f32x8::from_slice(simd, q)
                 + z * f32x8::from_slice(simd, r)

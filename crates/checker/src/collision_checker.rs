@@ -8,20 +8,22 @@ use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
 use clearance_motion::CertificateParts;
 use clearance_proximity::Scratch;
-use clearance_robot::{Chain, PlacedFrame, RobotModel, TravelRates, WaysToRoot};
+use clearance_robot::{Chain, PathsToRoot, PlacedFrame, RobotModel, TravelRates};
 use clearance_scene::AllowedCollisionMatrix;
 use clearance_scene::World;
 
 use super::Workspace;
-use super::bodies::{Rider, capsule_pairs, chain, joints_between, pair_infos, riders, travel_rates};
+use super::bodies::{
+    RobotBody, capsule_pairs, chain, joints_between, pair_infos, robot_bodies, travel_rates,
+};
 use super::capsules::{CapsulePairs, PlacedSegment, up};
 use super::fixed_nearest::FixedNearest;
-use super::likely::LikelyPairs;
 use super::motion::{MotionScratch, Ways};
 use super::nearby::NearbyScratch;
 use super::nearest_first::NearestFirst;
 use super::obstacles::Obstacles;
 use super::pair::PairInfo;
+use super::pair_priority::PairPriority;
 use super::reachable::Reachable;
 use super::stream::Stream;
 use super::within_reach::{PartOrder, WithinReach};
@@ -41,7 +43,7 @@ pub struct CollisionChecker {
     pairs: PairList,
     pub(super) chain: Chain,
     /// The parts of the robot that have geometry.
-    pub(super) riders: Vec<Rider>,
+    pub(super) robot_bodies: Vec<RobotBody>,
     /// In the order of the self pairs.
     pub(super) infos: Vec<PairInfo>,
     /// A capsule around each part, and the self pairs of them.
@@ -50,7 +52,7 @@ pub struct CollisionChecker {
     pub(super) padded_radii: Vec<f32>,
     /// The largest padding (m) of any self pair.
     pub(super) largest_padding: f64,
-    pub(super) ways_to_root: WaysToRoot,
+    pub(super) paths_to_root: PathsToRoot,
     /// By self pair: how many joints there are on either side of its bodies' lowest common ancestor.
     pub(super) joints_between: Vec<[u32; 2]>,
     pub(super) ways: Ways,
@@ -115,7 +117,7 @@ impl CollisionChecker {
         settings: Settings,
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, SettingsError> {
-        let known = (self.riders.as_slice(), &self.obstacles);
+        let known = (self.robot_bodies.as_slice(), &self.obstacles);
         Self::build(Arc::clone(&self.robot), world, settings, matrix, known)
     }
 
@@ -147,22 +149,25 @@ impl CollisionChecker {
         world: &World,
         settings: Settings,
         matrix: Option<&AllowedCollisionMatrix>,
-        (known_riders, known_obstacles): (&[Rider], &Obstacles),
+        (known_riders, known_obstacles): (&[RobotBody], &Obstacles),
     ) -> Result<Self, SettingsError> {
         let pairs =
             PairList::new(&robot, world, matrix).restricted(settings.check_self, settings.check_world);
         let chain = chain(&robot, world);
-        let riders = riders(&robot, world, (&chain, &pairs), &settings, known_riders)?;
-        let infos = pair_infos(&pairs, &riders, &settings);
-        let capsules = capsule_pairs(&riders, &infos);
-        let padded_radii = riders.iter().map(|rider| up(rider.capsule.radius + rider.padding)).collect();
+        let robot_bodies = robot_bodies(&robot, world, (&chain, &pairs), &settings, known_riders)?;
+        let infos = pair_infos(&pairs, &robot_bodies, &settings);
+        let capsules = capsule_pairs(&robot_bodies, &infos);
+        let padded_radii = robot_bodies
+            .iter()
+            .map(|robot_body| up(robot_body.capsule.radius + robot_body.padding))
+            .collect();
         let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::greater);
-        let reachable = Reachable::new(&robot, &chain, &riders);
+        let reachable = Reachable::new(&robot, &chain, &robot_bodies);
         let obstacles = Obstacles::new(world, &settings, known_obstacles, &reachable)?;
-        let rates = travel_rates(&robot, &chain, &riders);
-        let ways_to_root = chain.ways_to_root();
-        let joints_between = joints_between(&ways_to_root, &riders, &infos);
-        let ways = Ways::new(&ways_to_root, &riders);
+        let rates = travel_rates(&robot, &chain, &robot_bodies);
+        let paths_to_root = chain.paths_to_root();
+        let joints_between = joints_between(&paths_to_root, &robot_bodies, &infos);
+        let ways = Ways::new(&paths_to_root, &robot_bodies);
         Ok(Self {
             robot,
             world: world.clone(),
@@ -170,12 +175,12 @@ impl CollisionChecker {
             matrix: matrix.cloned(),
             pairs,
             chain,
-            riders,
+            robot_bodies,
             infos,
             capsules,
             padded_radii,
             largest_padding,
-            ways_to_root,
+            paths_to_root,
             joints_between,
             ways,
             rates,
@@ -244,7 +249,7 @@ impl CollisionChecker {
     /// tolerance ([`Self::check_with`]) are bounds, which depend on what was asked before, for a fraction of the work.
     #[must_use]
     pub fn streaming_workspace(&self) -> Workspace {
-        let stream = Stream::new(self.revision, self.infos.len(), self.riders.len());
+        let stream = Stream::new(self.revision, self.infos.len(), self.robot_bodies.len());
         Workspace { stream: Some(stream), ..self.workspace() }
     }
 
@@ -261,7 +266,7 @@ impl CollisionChecker {
             asked: Vec::new(),
             in_doubt: Vec::new(),
             part_order: PartOrder::default(),
-            likely: LikelyPairs::new(),
+            likely: PairPriority::new(),
             nearby: NearbyScratch::default(),
             scratch,
             motion: MotionScratch::default(),
@@ -271,13 +276,13 @@ impl CollisionChecker {
 
     /// The parts on some bodies of the chain.
     pub(super) fn parts_on(&self, bodies: impl Fn(usize) -> bool) -> impl DoubleEndedIterator<Item = usize> {
-        (0..self.riders.len()).filter(move |part| bodies(self.riders[*part].body))
+        (0..self.robot_bodies.len()).filter(move |part| bodies(self.robot_bodies[*part].body))
     }
 
     /// Memory of all hierarchies and the triangles in them (bytes), and the number of triangles.
     #[must_use]
     pub fn hierarchy_size(&self) -> (usize, usize) {
-        let of_parts = self.riders.iter().map(|rider| &rider.solid);
+        let of_parts = self.robot_bodies.iter().map(|robot_body| &robot_body.solid);
         let solids = of_parts.chain(self.obstacles.iter().map(|obstacle| &obstacle.solid));
         solids.fold((0, 0), |(bytes, triangles), s| (bytes + s.bytes(), triangles + s.triangle_count()))
     }

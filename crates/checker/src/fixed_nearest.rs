@@ -4,10 +4,10 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_proximity::Effort;
 use clearance_robot::Chain;
 
-use super::asked::Asked;
 use super::least_distance::{Least, Measured};
 use super::nearest_first::NearestFirst;
 use super::report::CollisionReport;
+use super::state_query::StateQuery;
 
 /// Which obstacle is the nearest to the parts that no joint moves.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub(super) enum FixedNearest {
     Apart(Measured),
 }
 
-impl Asked<'_> {
+impl StateQuery<'_> {
     /// Found once; all bodies are placed. Building hierarchies is no work of a state, nor is this. Who has a deadline goes without: neither
     /// the time that it takes nor who has asked before may make a difference then.
     pub fn fixed_nearest(&mut self) -> Option<FixedNearest> {
@@ -45,7 +45,7 @@ impl Asked<'_> {
         for part in checker.parts_on(|body| body == Chain::ROOT) {
             queue.push_world(checker, part);
         }
-        Asked { checker, q, effort: &effort, workspace: self.workspace, report: &mut report }
+        StateQuery { checker, q, effort: &effort, workspace: self.workspace, report: &mut report }
             .search(&mut queue, &mut least);
         (self.workspace.scratch.work, self.workspace.stream) = (work, stream);
         match least.measured() {

@@ -7,12 +7,12 @@ use clearance_geometry::simd::LANES;
 use clearance_proximity::{ElementPair, Piece, Postponed, Scratch, Separation};
 use clearance_robot::Chain;
 
-use super::asked::Asked;
 use super::fixed_nearest::FixedNearest;
 use super::nearby::Near;
 use super::nearest_first::{NearestFirst, QueuedNear};
 use super::pair::Pair;
 use super::report::PairDistance;
+use super::state_query::StateQuery;
 use super::workspace::{QueuedPair, Workspace};
 
 /// What is known of the least distance so far.
@@ -73,7 +73,7 @@ impl Measured {
     }
 }
 
-impl Asked<'_> {
+impl StateQuery<'_> {
     /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
     pub fn least_distance(&mut self, limit: f64) {
         let mut least = Least::within(limit.greater(CONTACT_DISTANCE));
@@ -266,11 +266,12 @@ impl Asked<'_> {
     /// Capsules around all parts, where they are.
     fn place_capsules(&mut self) {
         let Workspace { frames, nearby, .. } = &mut *self.workspace;
-        let riders = self.checker.riders.iter().enumerate();
+        let robot_bodies = self.checker.robot_bodies.iter().enumerate();
         nearby.capsules.clear();
-        nearby
-            .capsules
-            .extend(riders.map(|(part, rider)| self.checker.capsule_of(part, &frames[rider.body].frame())));
+        nearby.capsules.extend(
+            robot_bodies
+                .map(|(part, robot_body)| self.checker.capsule_of(part, &frames[robot_body.body].frame())),
+        );
     }
 
     /// What to ask of a piece of the world.
@@ -295,7 +296,7 @@ impl Least {
     }
 
     /// Nothing that is farther (m) matters.
-    fn bound(&self, asked: &Asked) -> f64 {
+    fn bound(&self, asked: &StateQuery) -> f64 {
         let measured = self.nearest.map_or(self.limit, |(_, n)| asked.certain(n.distance));
         measured.lesser(self.upper)
     }

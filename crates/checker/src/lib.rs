@@ -13,7 +13,6 @@
 // minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod asked;
 mod batch;
 mod bodies;
 mod capsule_fit;
@@ -24,7 +23,6 @@ mod constant_contacts;
 mod contact;
 mod fixed_nearest;
 mod least_distance;
-mod likely;
 mod memory;
 mod mesh_lint;
 mod motion;
@@ -33,11 +31,13 @@ mod nearest_first;
 mod numbers;
 mod obstacles;
 mod pair;
+mod pair_priority;
 mod pieces;
 mod questions;
 mod reachable;
 mod report;
 mod root_volume;
+mod state_query;
 mod stream;
 mod volumes;
 mod within_reach;

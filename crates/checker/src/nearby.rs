@@ -77,12 +77,12 @@ pub(super) enum Near {
 impl CollisionChecker {
     /// All that a part reaches, where it is.
     pub(super) fn reach_of(&self, part: usize, frame: &Frame<f64>) -> Reach {
-        self.riders[part].reach_at(&MatrixPose::from(frame))
+        self.robot_bodies[part].reach_at(&MatrixPose::from(frame))
     }
 
     /// All that a part reaches with its padding, where it is.
     pub(super) fn capsule_of(&self, part: usize, frame: &Frame<f64>) -> RootCapsule {
-        RootCapsule::of_reach(&self.reach_of(part, frame), self.riders[part].padding)
+        RootCapsule::of_reach(&self.reach_of(part, frame), self.robot_bodies[part].padding)
     }
 
     /// The same, made of what level 0 knows: of eight states the segments as seen from `origins`.
@@ -120,9 +120,11 @@ impl CollisionChecker {
     pub fn part_boxes(&self, q: &Configuration, workspace: &mut Workspace) -> Vec<AxisBox> {
         self.suit(workspace);
         self.place(q, workspace);
-        let parts = self.riders.iter().enumerate();
+        let parts = self.robot_bodies.iter().enumerate();
         parts
-            .map(|(part, rider)| self.capsule_of(part, &workspace.frames[rider.body].frame()).axis_box(0.0))
+            .map(|(part, robot_body)| {
+                self.capsule_of(part, &workspace.frames[robot_body.body].frame()).axis_box(0.0)
+            })
             .collect()
     }
 
@@ -323,7 +325,7 @@ impl CollisionChecker {
         }
         let near = match placed.piece {
             // to what has no end pieces are no nearer than the whole
-            _ if !self.riders[part].capsule.radius.is_finite() => {
+            _ if !self.robot_bodies[part].capsule.radius.is_finite() => {
                 Near::Pair(self.world_pair(part, placed.place as usize))
             }
             Piece::Whole | Piece::Solids => Near::Pair(self.world_pair(part, placed.place as usize)),

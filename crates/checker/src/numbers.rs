@@ -1,7 +1,7 @@
 //! The numbers of pairs, and what is behind them.
 
 use clearance_geometry::math::MatrixPose;
-use clearance_robot::{Between, Frame};
+use clearance_robot::{Frame, KinematicPath};
 use clearance_scene::ObstacleId;
 
 use super::collision_checker::CollisionChecker;
@@ -38,7 +38,7 @@ impl CollisionChecker {
     /// Whether this is the number of a pair that is checked.
     pub(super) fn is_pair(&self, index: usize) -> bool {
         index < self.infos.len()
-            || (index - self.infos.len() < self.riders.len() * self.obstacles.place_count())
+            || (index - self.infos.len() < self.robot_bodies.len() * self.obstacles.place_count())
                 && match self.number(index) {
                     PairNumber::WithObstacle { part, place } => self.pairs().checks(part, id(place)),
                     PairNumber::OfParts(_) => true,
@@ -50,7 +50,7 @@ impl CollisionChecker {
         let BodyId::Obstacle(id) = bodies.1 else {
             return self.infos.iter().position(|info| info.ids == bodies);
         };
-        let part = self.riders.iter().position(|rider| rider.id == bodies.0)?;
+        let part = self.robot_bodies.iter().position(|robot_body| robot_body.id == bodies.0)?;
         let place = usize::try_from(id.0).ok().filter(|place| *place < self.obstacles.place_count())?;
         Some(self.world_pair(part, place)).filter(|index| self.is_pair(*index))
     }
@@ -63,7 +63,8 @@ impl CollisionChecker {
     /// Those with obstacles.
     pub(super) fn all_world_pairs(&self) -> impl Iterator<Item = usize> {
         let places = self.obstacles.place_count();
-        let all = (0..self.riders.len()).flat_map(move |part| (0..places).map(move |place| (part, place)));
+        let all =
+            (0..self.robot_bodies.len()).flat_map(move |part| (0..places).map(move |place| (part, place)));
         all.filter(|(part, place)| self.pairs().checks(*part, id(*place)))
             .map(|(part, place)| self.world_pair(part, place))
     }
@@ -72,42 +73,42 @@ impl CollisionChecker {
         match self.number(index) {
             PairNumber::OfParts(index) => self.infos[index],
             PairNumber::WithObstacle { part, place } => PairInfo {
-                ids: (self.riders[part].id, BodyId::Obstacle(id(place))),
+                ids: (self.robot_bodies[part].id, BodyId::Obstacle(id(place))),
                 bodies: (part, place),
-                padding: self.riders[part].padding + self.obstacles.at(place).padding,
+                padding: self.robot_bodies[part].padding + self.obstacles.at(place).padding,
             },
         }
     }
 
     /// The joints between the bodies of a pair.
-    pub(super) fn between(&self, index: usize) -> Between<'_> {
+    pub(super) fn between(&self, index: usize) -> KinematicPath<'_> {
         match self.number(index) {
             PairNumber::OfParts(index) => {
                 let (a, b) = self.infos[index].bodies;
-                let bodies = [a, b].map(|part| self.riders[part].body);
-                self.ways_to_root.between(bodies, self.joints_between[index].map(|joints| joints as usize))
+                let bodies = [a, b].map(|part| self.robot_bodies[part].body);
+                self.paths_to_root.between(bodies, self.joints_between[index].map(|joints| joints as usize))
             }
             PairNumber::WithObstacle { part, .. } => self.to_root(part),
         }
     }
 
     /// The joints between a part and the root.
-    pub(super) fn to_root(&self, part: usize) -> Between<'_> {
-        self.ways_to_root.to_root(self.riders[part].body)
+    pub(super) fn to_root(&self, part: usize) -> KinematicPath<'_> {
+        self.paths_to_root.to_root(self.robot_bodies[part].body)
     }
 
     /// A pair, where the chain's bodies are.
     pub(super) fn pair_with(&self, index: usize, frame: impl Fn(usize) -> Frame<f64>) -> Pair<'_> {
         let info = self.info(index);
-        let pose = |part: usize| MatrixPose::from(&frame(self.riders[part].body));
-        let a = &self.riders[info.bodies.0];
+        let pose = |part: usize| MatrixPose::from(&frame(self.robot_bodies[part].body));
+        let a = &self.robot_bodies[info.bodies.0];
         let pose_ra = pose(info.bodies.0);
         let (b, pose_rb) = match info.ids.1 {
             BodyId::Obstacle(_) => {
                 let obstacle = self.obstacles.at(info.bodies.1);
                 (&obstacle.solid, obstacle.pose_ro)
             }
-            _ => (&self.riders[info.bodies.1].solid, pose(info.bodies.1)),
+            _ => (&self.robot_bodies[info.bodies.1].solid, pose(info.bodies.1)),
         };
         Pair { info, bodies: (&a.solid, b), pose_ra, pose_ab: pose_ra.relative(&pose_rb) }
     }

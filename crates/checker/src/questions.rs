@@ -6,11 +6,11 @@ use clearance_geometry::simd::{LANES, Simd, dispatch};
 use clearance_proximity::{Effort, Work};
 use clearance_robot::{Configuration, PlacedFrame};
 
-use super::asked::Asked;
 use super::capsules::{PlacedSegment, up};
 use super::collision_checker::CollisionChecker;
 use super::pair::{Pair, PairInfo};
 use super::report::{CollisionReport, Question};
+use super::state_query::StateQuery;
 use super::stream::{Due, Stream};
 use super::workspace::{QueuedPair, Workspace};
 
@@ -25,7 +25,7 @@ impl CollisionChecker {
         if workspace.stream_of(self.revision).is_some() {
             self.candidates(q, CONTACT_DISTANCE, workspace);
             let (effort, mut report) = (Effort::default(), CollisionReport::default());
-            let mut asked = Asked { checker: self, q, effort: &effort, workspace, report: &mut report };
+            let mut asked = StateQuery { checker: self, q, effort: &effort, workspace, report: &mut report };
             let hit = (0..asked.workspace.queue.len()).any(|k| asked.touches(asked.workspace.queue[k]));
             self.settle(workspace);
             return !hit;
@@ -90,7 +90,7 @@ impl CollisionChecker {
         let mut report = CollisionReport::default();
         workspace.scratch.work = Work::default();
         let stream = if effort.deadline.is_none() { None } else { workspace.stream.take() };
-        Asked { checker: self, q, effort, workspace, report: &mut report }.answer(question);
+        StateQuery { checker: self, q, effort, workspace, report: &mut report }.answer(question);
         self.settle(workspace);
         workspace.stream = stream.or(workspace.stream.take());
         report.work = workspace.scratch.work;
@@ -131,11 +131,11 @@ impl CollisionChecker {
         }
         let Workspace { frames, queue, scratch, nearby, stream, .. } = workspace;
         let mut stream = stream.as_mut().filter(|stream| stream.is_of(self.revision));
-        for part in 0..self.riders.len() {
+        for part in 0..self.robot_bodies.len() {
             if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
                 continue;
             }
-            let capsule = self.capsule_of(part, &frames[self.riders[part].body].frame());
+            let capsule = self.capsule_of(part, &frames[self.robot_bodies[part].body].frame());
             let memory = (scratch.level(), &mut *nearby, &mut scratch.work);
             let begin = queue.len();
             match &mut stream {

@@ -4,9 +4,9 @@ use std::ops::RangeInclusive;
 
 use clearance_geometry::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use clearance_geometry::math::{Extremes, Vector};
-use clearance_robot::{Chain, Reach, RobotModel, Territory};
+use clearance_robot::{Chain, Reach, ReachableRegion, RobotModel};
 
-use super::bodies::Rider;
+use super::bodies::RobotBody;
 use super::capsules::up;
 use super::root_volume::{RootCapsule, RootVolume};
 
@@ -32,7 +32,7 @@ struct Ball {
 }
 
 impl Reachable {
-    pub fn new(robot: &RobotModel, chain: &Chain, riders: &[Rider]) -> Self {
+    pub fn new(robot: &RobotModel, chain: &Chain, robot_bodies: &[RobotBody]) -> Self {
         let expected: Vec<_> =
             chain.sliding_positions().filter_map(|q| Some((q, expected_range(robot, q)?))).collect();
         let range_of = |position| {
@@ -40,8 +40,11 @@ impl Reachable {
             known.map(|(_, range)| range.clone())
         };
         let territories = chain.territories(range_of);
-        let balls: Vec<_> = riders.iter().map(|rider| Ball::of(rider, &territories[rider.body])).collect();
-        let moving = riders.iter().zip(&balls).filter(|(rider, _)| rider.body != Chain::ROOT);
+        let balls: Vec<_> = robot_bodies
+            .iter()
+            .map(|robot_body| Ball::of(robot_body, &territories[robot_body.body]))
+            .collect();
+        let moving = robot_bodies.iter().zip(&balls).filter(|(robot_body, _)| robot_body.body != Chain::ROOT);
         let moving: Option<Vec<Ball>> = moving.map(|(_, ball)| *ball).collect();
         let all = moving.map(|moving| outermost(&moving).iter().map(Ball::capsule).collect());
         Self { expected, balls, all }
@@ -69,9 +72,9 @@ impl Reachable {
 
 impl Ball {
     /// All that a part with its padding can reach, its body's origin being in a territory.
-    fn of(rider: &Rider, territory: &Territory) -> Option<Self> {
-        let ends = [rider.capsule.a, rider.capsule.b].map(|end| end.coords.norm());
-        let farther = ends[0].greater(ends[1]) + rider.capsule.radius + rider.padding;
+    fn of(robot_body: &RobotBody, territory: &ReachableRegion) -> Option<Self> {
+        let ends = [robot_body.capsule.a, robot_body.capsule.b].map(|end| end.coords.norm());
+        let farther = ends[0].greater(ends[1]) + robot_body.capsule.radius + robot_body.padding;
         let radius = (territory.radius + farther) * (1.0 + MOTION_SLACK) + MOTION_SLACK;
         radius.is_finite().then_some(Self { centre: territory.centre, radius })
     }

@@ -4,7 +4,7 @@ use clearance_geometry::math::{Extremes, Pose, Vector};
 use clearance_robot::{LinkId, LinkPoses};
 
 use super::CollisionChecker;
-use super::bodies::{Rider, pose};
+use super::bodies::{RobotBody, pose};
 use clearance_scene::BodyId;
 
 /// A box of the hierarchy of a part.
@@ -22,11 +22,11 @@ impl CollisionChecker {
     /// The boxes around links and what they carry, so many steps below the roots of their hierarchies
     /// ([`CollisionBody::volumes`](clearance_proximity::CollisionBody::volumes)); without padding.
     pub fn link_volumes(&self, level: usize) -> impl Iterator<Item = LinkVolume> {
-        self.riders.iter().flat_map(move |rider| {
-            let pose_lb = pose(&rider.seat().place).inverse();
-            rider.solid.volumes(level).into_iter().map(move |volume| LinkVolume {
-                body: rider.id,
-                link: rider.link,
+        self.robot_bodies.iter().flat_map(move |robot_body| {
+            let pose_lb = pose(&robot_body.seat().place).inverse();
+            robot_body.solid.volumes(level).into_iter().map(move |volume| LinkVolume {
+                body: robot_body.id,
+                link: robot_body.link,
                 pose_lv: pose_lb * volume.pose_bv,
                 half_extents: volume.half_extents,
             })
@@ -36,12 +36,12 @@ impl CollisionChecker {
     /// No point of the robot and of what it holds is farther (m) from its root, padding included.
     #[must_use]
     pub fn extent(&self, poses: &LinkPoses) -> f64 {
-        let of_part = |rider: &Rider| {
-            let pose_rb = poses.pose(rider.link) * pose(&rider.seat().place).inverse();
-            let ends = [rider.capsule.a, rider.capsule.b].map(|end| (pose_rb * end).coords.norm());
-            ends[0].greater(ends[1]) + rider.capsule.radius + rider.padding
+        let of_part = |robot_body: &RobotBody| {
+            let pose_rb = poses.pose(robot_body.link) * pose(&robot_body.seat().place).inverse();
+            let ends = [robot_body.capsule.a, robot_body.capsule.b].map(|end| (pose_rb * end).coords.norm());
+            ends[0].greater(ends[1]) + robot_body.capsule.radius + robot_body.padding
         };
-        self.riders.iter().map(of_part).fold(0.0, f64::greater)
+        self.robot_bodies.iter().map(of_part).fold(0.0, f64::greater)
     }
 }
 

@@ -6,10 +6,10 @@ use clearance_robot::PlacedFrame;
 
 use super::capsules::PlacedSegment;
 use super::least_distance::InDoubt;
-use super::likely::LikelyPairs;
 use super::motion::MotionScratch;
 use super::nearby::NearbyScratch;
 use super::nearest_first::NearestFirst;
+use super::pair_priority::PairPriority;
 use super::stream::Stream;
 use super::within_reach::PartOrder;
 
@@ -36,7 +36,7 @@ pub struct Workspace {
     /// What is to be measured for it.
     pub(super) in_doubt: Vec<InDoubt>,
     pub(super) part_order: PartOrder,
-    pub(super) likely: LikelyPairs,
+    pub(super) likely: PairPriority,
     pub(super) nearby: NearbyScratch,
     pub(super) scratch: Scratch,
     /// For motions.

@@ -5,7 +5,7 @@ use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
 use clearance_scene::BodyId;
 
 use super::drift::Drift;
-use super::{Evidence, SpeedSettings};
+use super::{CheckedState, SpeedSettings};
 
 /// How far ahead (s) links are moved by their velocities: far above rounding, far below any curve.
 const STEP: f64 = 1e-5;
@@ -46,13 +46,13 @@ pub(super) struct OtherTime {
 }
 
 /// A moment later, by the rates of all positions; `None` where these are no rates of the positions.
-pub(super) fn a_moment_later(robot: &RobotModel, evidence: &Evidence) -> Option<OtherTime> {
+pub(super) fn a_moment_later(robot: &RobotModel, checked_state: &CheckedState) -> Option<OtherTime> {
     if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
         return None;
     }
-    let velocities = evidence.rates.as_ref()?.iter();
+    let velocities = checked_state.rates.as_ref()?.iter();
     let moved: Vec<f64> =
-        (evidence.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
+        (checked_state.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
     let moved: Configuration = robot.configuration(&moved).ok()?;
     let mut poses = LinkPoses::new(robot);
     robot.forward_kinematics(&moved, &mut poses);
@@ -65,15 +65,15 @@ pub(super) fn a_moment_later(robot: &RobotModel, evidence: &Evidence) -> Option<
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,
-    evidence: &Evidence,
+    checked_state: &CheckedState,
     other: &OtherTime,
 ) -> Option<f64> {
-    let rate = |drift| approach_rate_in(checker, pair, (&evidence.poses, other), drift);
+    let rate = |drift| approach_rate_in(checker, pair, (&checked_state.poses, other), drift);
     let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
-    if !is_of_world || evidence.drifts.is_empty() {
+    if !is_of_world || checked_state.drifts.is_empty() {
         return rate(None);
     }
-    evidence
+    checked_state
         .drifts
         .iter()
         .map(|drift| rate(Some(drift)))

@@ -2,7 +2,7 @@
 
 use clearance_checker::{CollisionChecker, ConstantContacts};
 
-use super::{Evidence, Time};
+use super::{CheckedState, Time};
 
 /// Name of the states in the warning.
 const STATES: &str = "every joint state so far";
@@ -19,13 +19,13 @@ pub(super) struct ContactWatch {
 
 impl ContactWatch {
     /// Takes note of a joint state of this stamp; one that a deadline left undecided says nothing.
-    pub fn note(&mut self, evidence: &Evidence, stamp: Option<Time>, checker: &CollisionChecker) {
-        let report = &evidence.report;
+    pub fn note(&mut self, checked_state: &CheckedState, stamp: Option<Time>, checker: &CollisionChecker) {
+        let report = &checked_state.report;
         if !self.contacts.is_open() || !report.undecided.is_empty() || self.stamp == stamp {
             return;
         }
         self.stamp = stamp;
-        self.contacts.add(&evidence.configuration, &report.colliding_pairs);
+        self.contacts.add(&checked_state.configuration, &report.colliding_pairs);
         self.remark = self.contacts.remark(STATES, checker);
     }
 

@@ -1,4 +1,4 @@
-//! What the node says about the robot, decided without I/O, clocks or ROS: messages and time in, judgements out.
+//! What the node says about the robot, decided without I/O, clocks or ROS: messages and time in, evaluations out.
 //!
 //! The rules, in the order in which they are tried; the first that holds decides:
 //!
@@ -33,35 +33,35 @@
 //! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
 //! A joint state that names joints and gives no positions at all is skipped, with a warning.
 //! Mimic joints need not be reported; of those that are, the last message that names each counts, too.
-//! Unknown joints, joints outside their limits and stamps of zero do not prevent a judgement; they are warnings.
-//! Each judgement also says which share of its speed the robot may have: none unless it is FREE.
+//! Unknown joints, joints outside their limits and stamps of zero do not prevent a evaluation; they are warnings.
+//! Each evaluation also says which share of its speed the robot may have: none unless it is FREE.
 //! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
-//! Silence never means safe: a heartbeat says the last judgement again, with its growing age, until it is stale.
+//! Silence never means safe: a heartbeat says the last evaluation again, with its growing age, until it is stale.
 
 // minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod approach;
+mod check_budget;
 pub mod cloud;
 mod contact_watch;
 mod contribution;
 mod drift;
-mod ground;
-mod hearing;
+mod evaluation;
 mod input;
-mod judgement;
+mod joint_state_history;
 mod look_ahead;
 mod mimic_reports;
 mod monitor;
 mod now;
-mod pace;
 mod placement;
+mod received_states;
+mod root_location;
 mod settings;
 mod speed;
+mod state_evaluator;
 mod status;
-mod subject;
 mod tracker;
-mod trail;
 mod world_source;
 mod world_updates;
 
@@ -70,12 +70,12 @@ mod tests;
 
 pub use clearance_scene::Time;
 pub use drift::Drift;
+pub use evaluation::{CheckedState, Evaluation, Expiry, LeftOut, Revision};
 pub use input::{JointStateInput, SourceId};
-pub use judgement::{Evidence, Expiry, Judgement, LeftOut, Revision};
+pub use joint_state_history::JointStateHistory;
 pub use monitor::{Monitor, Stopwatch};
 pub use now::Now;
 pub use settings::MonitorSettings;
 pub use speed::{SpeedDistances, SpeedSettings};
 pub use status::{Reason, Status};
-pub use trail::Trail;
-pub use world_source::{Sight, WorldSource};
+pub use world_source::{Observation, WorldSource};

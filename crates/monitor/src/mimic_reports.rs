@@ -3,7 +3,7 @@
 use clearance_geometry::math::{Extremes, without_whole_turns};
 use clearance_robot::{JointId, JointKind, RobotModel};
 
-use super::hearing::Heard;
+use super::received_states::ReceivedState;
 use super::tracker::{LAG, SAME_TIME};
 use super::{Reason, SourceId, Time};
 
@@ -103,7 +103,7 @@ impl<'t> MimicReports<'t> {
     }
 
     /// Takes the numbers of one message: `named` are followers with their place in it, `leaders` the positions that it gives.
-    pub fn take(&mut self, heard: &Heard, named: &[(usize, usize)], leaders: &[(usize, f64)]) {
+    pub fn take(&mut self, heard: &ReceivedState, named: &[(usize, usize)], leaders: &[(usize, f64)]) {
         let (source, stamp) = (heard.input.source, heard.stamp);
         for &(follower, place) in named {
             let in_force = *self.in_force[follower].get_or_insert((source, stamp));

@@ -1,4 +1,4 @@
-//! The monitor: joint states and heartbeats in, judgements out.
+//! The monitor: joint states and heartbeats in, evaluations out.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -6,19 +6,19 @@ use std::time::Duration;
 use clearance_robot::quoted_list;
 use clearance_scene::TransformTree;
 
+use super::check_budget::CheckBudget;
 use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
-use super::ground::GroundWatch;
-use super::hearing::{Heard, Hearing};
 use super::look_ahead::Lookout;
-use super::pace::Pace;
 use super::placement::Placements;
+use super::received_states::{ReceivedState, ReceivedStates};
+use super::root_location::RootLocationWatch;
 use super::speed::SpeedGovernor;
-use super::subject::{Subject, Verdict};
+use super::state_evaluator::{CheckResult, StateEvaluator};
 use super::tracker::Tracker;
 use super::world_updates::WorldUpdates;
 use super::{
-    Expiry, JointStateInput, Judgement, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
+    Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
 
 /// Time since any fixed moment; it is read before and after each check.
@@ -37,8 +37,8 @@ pub struct Monitor {
     out_of_memory: Option<Reason>,
     /// What checks leave out, whatever time they take; without it, the deadline decides.
     left_out: Option<LeftOut>,
-    subject: Option<Subject>,
-    /// Another model is being built, and the subject's does not count any more.
+    evaluator: Option<StateEvaluator>,
+    /// Another model is being built, and the evaluator's does not count any more.
     swapping: bool,
     /// Descriptions of robots that came, and how many of them were taken or refused.
     described: u64,
@@ -50,10 +50,10 @@ pub struct Monitor {
     /// Why the world is known to be incomplete, if it is.
     incomplete_world: Option<Reason>,
     world_updates: WorldUpdates,
-    hearing: Hearing,
+    received_states: ReceivedStates,
     /// The last joint state that gave no positions: when it came, and whose.
     unpositioned: Option<(Duration, Vec<String>)>,
-    pace: Pace,
+    check_budget: CheckBudget,
     contact_watch: ContactWatch,
     /// What the robot's state is made of, whatever the verdict.
     contributions: Contributions,
@@ -61,8 +61,8 @@ pub struct Monitor {
     set_back: Option<f64>,
     /// What `tf` tells about joints.
     placements: Placements,
-    ground: GroundWatch,
-    verdict: Verdict,
+    ground: RootLocationWatch,
+    verdict: CheckResult,
     governor: SpeedGovernor,
     /// The model or a setting changed since the verdict.
     outdated: bool,
@@ -79,7 +79,7 @@ impl Monitor {
             enabled: true,
             out_of_memory: None,
             left_out: None,
-            subject: None,
+            evaluator: None,
             swapping: false,
             described: 0,
             heeded: 0,
@@ -87,15 +87,15 @@ impl Monitor {
             world_faults: Vec::new(),
             incomplete_world: None,
             world_updates: WorldUpdates::default(),
-            hearing: Hearing::default(),
+            received_states: ReceivedStates::default(),
             unpositioned: None,
-            pace: Pace::default(),
+            check_budget: CheckBudget::default(),
             contact_watch: ContactWatch::default(),
             contributions: Contributions::default(),
             set_back: None,
             placements: Placements::default(),
-            ground: GroundWatch::default(),
-            verdict: Verdict::unknown(Reason::NoModel { fault: None }),
+            ground: RootLocationWatch::default(),
+            verdict: CheckResult::unknown(Reason::NoModel { fault: None }),
             governor: SpeedGovernor::default(),
             outdated: true,
             said_at: None,
@@ -106,25 +106,25 @@ impl Monitor {
     /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
         // a change of the world says nothing about a robot that was described and refused
-        if self.subject.as_ref().is_none_or(|before| before.revision.model != revision.model) {
+        if self.evaluator.as_ref().is_none_or(|before| before.revision.model != revision.model) {
             self.model_fault = None;
             self.swapping = false;
         }
-        let robot = |subject: &Subject| Arc::clone(subject.revision.checker.robot());
-        if !self.subject.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
+        let robot = |evaluator: &StateEvaluator| Arc::clone(evaluator.revision.checker.robot());
+        if !self.evaluator.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
             self.governor.forget_poses();
             self.contact_watch = ContactWatch::default();
             self.placements = Placements::default();
-            self.ground = GroundWatch::default();
+            self.ground = RootLocationWatch::default();
         }
         if revision.grounds.is_empty() {
-            self.ground = GroundWatch::default();
+            self.ground = RootLocationWatch::default();
         }
         self.ground.note_placed(revision.placed_at);
         self.world_updates.complete();
         // before the first state is published that is checked in this world
         self.incomplete_world.clone_from(&revision.incomplete);
-        self.subject = Some(Subject {
+        self.evaluator = Some(StateEvaluator {
             tracker: Tracker::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
             lookout: Lookout::new(&revision.checker),
@@ -233,18 +233,18 @@ impl Monitor {
         }
     }
 
-    /// Whether judgements need to know what `tf` tells.
+    /// Whether evaluations need to know what `tf` tells.
     #[must_use]
     pub fn heeds_transforms(&self) -> bool {
-        let stands = |subject: &Subject| !subject.revision.grounds.is_empty();
-        !self.settings.transform_joints.is_empty() || self.subject.as_ref().is_some_and(stands)
+        let stands = |evaluator: &StateEvaluator| !evaluator.revision.grounds.is_empty();
+        !self.settings.transform_joints.is_empty() || self.evaluator.as_ref().is_some_and(stands)
     }
 
-    /// What `tf` tells now; judgements from now on use it.
+    /// What `tf` tells now; evaluations from now on use it.
     pub fn note_transforms(&mut self, tree: &TransformTree) {
-        let Some(subject) = &self.subject else { return };
-        self.ground.look(&subject.revision.grounds, tree);
-        let mut placements = Placements::look_up(subject.revision.checker.robot(), &self.settings, tree);
+        let Some(evaluator) = &self.evaluator else { return };
+        self.ground.look(&evaluator.revision.grounds, tree);
+        let mut placements = Placements::look_up(evaluator.revision.checker.robot(), &self.settings, tree);
         placements.inherit(&self.placements);
         if placements != self.placements {
             self.placements = placements;
@@ -255,7 +255,7 @@ impl Monitor {
     /// Takes note of a joint state that another one follows at once; whether it says anything about positions.
     ///
     /// One without positions is skipped, with its velocities: the positions received before stay in force and grow old.
-    pub fn hear(&mut self, mut input: JointStateInput, now: Now) -> bool {
+    pub fn receive(&mut self, mut input: JointStateInput, now: Now) -> bool {
         self.note_clock(now);
         if input.positions.is_empty() && !input.names.is_empty() {
             input.names.retain(|name| name.starts_with(&self.settings.joint_prefix));
@@ -265,22 +265,26 @@ impl Monitor {
             }
             return false;
         }
-        self.pace.note(now.steady);
-        self.hearing.hear(input, now);
+        self.check_budget.note(now.steady);
+        self.received_states.receive(input, now);
         self.set_back = None;
         true
     }
 
     /// Judges a joint state, together with what others said about joints that it does not name.
-    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Judgement {
-        if !self.hear(input, now) {
+    pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Evaluation {
+        if !self.receive(input, now) {
             return self.on_heartbeat(now);
         }
-        self.judge(now);
-        if let (Some(evidence), Some(subject)) = (&self.verdict.evidence, &self.subject) {
-            self.contact_watch.note(evidence, self.contributions.newest_stamp(), &subject.revision.checker);
+        self.evaluate(now);
+        if let (Some(checked_state), Some(evaluator)) = (&self.verdict.checked_state, &self.evaluator) {
+            self.contact_watch.note(
+                checked_state,
+                self.contributions.newest_stamp(),
+                &evaluator.revision.checker,
+            );
         }
-        self.say(now)
+        self.current_evaluation(now)
     }
 
     /// The remark about pairs of links that touch in every state, the first time that there is one.
@@ -290,25 +294,26 @@ impl Monitor {
 
     /// Does, until the next joint state comes, what it will probably need: best after the answer to the last one was said.
     pub fn prepare(&mut self) {
-        if let Some(subject) = &mut self.subject {
-            subject.revision.checker.prepare(&mut subject.workspace);
+        if let Some(evaluator) = &mut self.evaluator {
+            evaluator.revision.checker.prepare(&mut evaluator.workspace);
         }
     }
 
-    /// Says the last judgement again, or that it is stale; judges anew when the model, a setting or the clock changed, the robot's root
+    /// Says the last evaluation again, or that it is stale; judges anew when the model, a setting or the clock changed, the robot's root
     /// moves, or there was no time for exact distances.
-    pub fn on_heartbeat(&mut self, now: Now) -> Judgement {
+    pub fn on_heartbeat(&mut self, now: Now) -> Evaluation {
         self.note_clock(now);
         let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
         self.ground.note_seen(now);
-        let evidence = self.verdict.evidence.as_ref();
-        let has_drifted = evidence.is_some_and(|evidence| evidence.drifts != self.ground.drifts());
-        let has_rested = self.pace.rests(now.steady);
-        let is_rough = evidence.is_some_and(|evidence| evidence.is_hurried) && has_rested;
+        let checked_state = self.verdict.checked_state.as_ref();
+        let has_drifted =
+            checked_state.is_some_and(|checked_state| checked_state.drifts != self.ground.drifts());
+        let has_rested = self.check_budget.rests(now.steady);
+        let is_rough = checked_state.is_some_and(|checked_state| checked_state.is_hurried) && has_rested;
         if self.outdated || waits_for_clock || has_drifted || is_rough {
-            self.judge(now);
+            self.evaluate(now);
         }
-        self.say(now)
+        self.current_evaluation(now)
     }
 
     /// How long nothing needs to be said, if no joint state comes.
@@ -323,8 +328,8 @@ impl Monitor {
             due = due.min(lags);
         }
         let heartbeat = due.saturating_sub(now.steady);
-        // the moment at which a judgement becomes stale is news
-        let stale = self.verdict.evidence.as_ref().and_then(|_| {
+        // the moment at which a evaluation becomes stale is news
+        let stale = self.verdict.checked_state.as_ref().and_then(|_| {
             let ends = [self.robot_time_to_stale(now), self.world_time_to_stale(now)];
             ends.into_iter().flatten().min()
         });
@@ -341,7 +346,7 @@ impl Monitor {
 
     /// How long it is known where obstacles are, if nothing more comes.
     fn world_time_to_stale(&self, now: Now) -> Option<Duration> {
-        let sources = self.subject.iter().flat_map(|subject| &subject.revision.sources);
+        let sources = self.evaluator.iter().flat_map(|evaluator| &evaluator.revision.sources);
         let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
         sources.filter_map(|source| source.time_to_stale(now)).chain(of_ground).min()
     }
@@ -358,12 +363,12 @@ impl Monitor {
     /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
-            self.hearing.forget_order();
+            self.received_states.forget_order();
         }
         if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
             let back = before.seconds_since(ros);
-            if back > self.settings.stale_after && !self.hearing.messages().is_empty() {
-                self.hearing.clear();
+            if back > self.settings.stale_after && !self.received_states.messages().is_empty() {
+                self.received_states.clear();
                 self.set_back = Some(back);
                 self.outdated = true;
             }
@@ -371,12 +376,12 @@ impl Monitor {
         self.latest_ros_time = now.ros;
     }
 
-    fn judge(&mut self, now: Now) {
+    fn evaluate(&mut self, now: Now) {
         self.outdated = false;
-        self.verdict = self.decide(now).unwrap_or_else(Verdict::unknown);
-        match &self.subject {
-            Some(Subject { revision, .. }) => {
-                let judged = (&self.verdict.status, self.verdict.evidence.as_ref());
+        self.verdict = self.decide(now).unwrap_or_else(CheckResult::unknown);
+        match &self.evaluator {
+            Some(StateEvaluator { revision, .. }) => {
+                let judged = (&self.verdict.status, self.verdict.checked_state.as_ref());
                 let stamp = self.contributions.newest_stamp().max(self.placements.newest_stamp());
                 self.governor.heed(&revision.checker, judged, stamp, &self.settings.speed);
             }
@@ -384,7 +389,7 @@ impl Monitor {
         }
     }
 
-    fn decide(&mut self, now: Now) -> Result<Verdict, Reason> {
+    fn decide(&mut self, now: Now) -> Result<CheckResult, Reason> {
         self.contributions = Contributions::default();
         if let Some(reason) = &self.out_of_memory {
             return Err(reason.clone());
@@ -393,24 +398,24 @@ impl Monitor {
             return Err(Reason::Disabled);
         }
         let (fault, is_swapping) = (self.model_fault.clone(), self.is_swapping());
-        let subject = self.subject.as_mut().ok_or(Reason::NoModel { fault })?;
+        let evaluator = self.evaluator.as_mut().ok_or(Reason::NoModel { fault })?;
         if is_swapping {
             return Err(Reason::ModelSwap);
         }
-        if !subject.has_geometry {
+        if !evaluator.has_geometry {
             return Err(Reason::NoGeometry);
         }
-        let messages = self.hearing.messages();
-        let robot = subject.revision.checker.robot();
+        let messages = self.received_states.messages();
+        let robot = evaluator.revision.checker.robot();
         if messages.is_empty() && !self.placements.place_all(robot) {
             return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
         self.placements.note_seen(now);
         self.ground.note_seen(now);
         let placed = self.placements.read(robot, now, &self.settings);
-        let is_fresh = |heard: &Heard| heard.silence(now) <= self.settings.stale_after;
+        let is_fresh = |heard: &ReceivedState| heard.silence(now) <= self.settings.stale_after;
         let (reading, contributions) =
-            subject.tracker.read(robot, messages, is_fresh, placed, &self.settings);
+            evaluator.tracker.read(robot, messages, is_fresh, placed, &self.settings);
         self.contributions = contributions;
         let mut reading = reading?;
         reading.warnings.extend_from_slice(&self.placements.warnings);
@@ -418,25 +423,31 @@ impl Monitor {
         // checking what is stale already would be wasted
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
         let knowledge = (reading, self.ground.drifts());
-        let verdict = subject.judge(knowledge, (&self.settings, &self.pace), self.left_out, self.stopwatch);
-        self.hearing.note_judged();
+        let verdict = evaluator.evaluate(
+            knowledge,
+            (&self.settings, &self.check_budget),
+            self.left_out,
+            self.stopwatch,
+        );
+        self.received_states.note_judged();
         Ok(verdict)
     }
 
     /// The verdict as it holds now: what was right when it was judged may have become stale.
-    fn say(&mut self, now: Now) -> Judgement {
+    fn current_evaluation(&mut self, now: Now) -> Evaluation {
         self.said_at = Some(now.steady);
         self.ground.note_seen(now);
-        let subject = self.subject.as_ref();
-        let messages = self.hearing.messages();
+        let evaluator = self.evaluator.as_ref();
+        let messages = self.received_states.messages();
         let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
-        let heeded = subject.filter(|_| !unheeded);
-        let stale = heeded.and_then(|subject| self.freshness(subject, now).err());
+        let heeded = evaluator.filter(|_| !unheeded);
+        let stale = heeded.and_then(|evaluator| self.freshness(evaluator, now).err());
         let ground = || self.ground.freshness(now, self.settings.transform_ttl).err();
         let incomplete = self.incomplete_world.clone().or_else(|| self.world_updates.overdue(now));
-        let silent = |subject: &Subject| subject.revision.stale_world(now);
-        let stale_world = subject.and_then(|subject| incomplete.or_else(|| silent(subject)).or_else(ground));
-        let placement = self.verdict.evidence.clone().filter(|_| stale.is_none());
+        let silent = |evaluator: &StateEvaluator| evaluator.revision.stale_world(now);
+        let stale_world =
+            evaluator.and_then(|evaluator| incomplete.or_else(|| silent(evaluator)).or_else(ground));
+        let placement = self.verdict.checked_state.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
             (Some(reason), _) => Status::Unknown(self.with_other_fault(reason)),
             (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
@@ -448,17 +459,17 @@ impl Monitor {
         let stamp =
             self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
         let silence = messages.last().map_or(0.0, |last| last.silence(now));
-        let of_revision = subject.iter().flat_map(|subject| &subject.revision.warnings);
-        let of_model = (self.model_fault.as_ref().filter(|_| subject.is_some())).map(|fault| {
+        let of_revision = evaluator.iter().flat_map(|evaluator| &evaluator.revision.warnings);
+        let of_model = (self.model_fault.as_ref().filter(|_| evaluator.is_some())).map(|fault| {
             format!("the last robot description was refused, and the one before counts: {fault}")
         });
         let of_world = of_revision.chain(&self.world_faults);
         let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));
-        let of_contacts = self.contact_watch.remark().filter(|_| self.verdict.evidence.is_some());
+        let of_contacts = self.contact_watch.remark().filter(|_| self.verdict.checked_state.is_some());
         let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
         let warnings = warnings.chain(of_contacts.map(str::to_owned));
-        Judgement {
-            evidence: placement.clone().filter(|_| status.reason().is_none()),
+        Evaluation {
+            checked_state: placement.clone().filter(|_| status.reason().is_none()),
             status,
             placement,
             is_swapping: self.is_swapping(),
@@ -467,7 +478,7 @@ impl Monitor {
             left_out: self.verdict.left_out,
             stamp,
             age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
-            revision: subject.map(|subject| Arc::clone(&subject.revision)),
+            revision: evaluator.map(|evaluator| Arc::clone(&evaluator.revision)),
             warnings: warnings.collect(),
             expiry: self.expiry(now),
         }
@@ -484,12 +495,12 @@ impl Monitor {
     }
 
     /// Whether what is known about the robot's joints still holds.
-    fn freshness(&self, subject: &Subject, now: Now) -> Result<(), Reason> {
-        let robot = subject.revision.checker.robot();
-        if !self.hearing.messages().is_empty() {
+    fn freshness(&self, evaluator: &StateEvaluator, now: Now) -> Result<(), Reason> {
+        let robot = evaluator.revision.checker.robot();
+        if !self.received_states.messages().is_empty() {
             self.contributions.freshness(now, &self.settings, robot.position_names())?;
         }
-        if self.verdict.evidence.is_some() {
+        if self.verdict.checked_state.is_some() {
             return self.placements.read(robot, now, &self.settings).1.map_or(Ok(()), Err);
         }
         Ok(())

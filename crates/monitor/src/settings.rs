@@ -92,7 +92,7 @@ impl MonitorSettings {
         }
     }
 
-    /// Longest silence allowed between two judgements.
+    /// Longest silence allowed between two evaluations.
     #[must_use]
     pub fn heartbeat_period(&self) -> Duration {
         Duration::try_from_secs_f64(1.0 / self.heartbeat_rate).unwrap_or(Duration::from_secs(1))

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::approach::{OtherTime, a_moment_later, approach_rate};
-use super::{Evidence, Status, Time};
+use super::{CheckedState, Status, Time};
 
 /// Slower than this (m/s) is at rest: velocities are noisy.
 const REST: f64 = 1e-3;
@@ -94,7 +94,7 @@ pub(super) struct SpeedGovernor {
     asked: VecDeque<f64>,
     share: f64,
     /// The last state and its stamp.
-    last: Option<(Time, Arc<Evidence>)>,
+    last: Option<(Time, Arc<CheckedState>)>,
 }
 
 impl SpeedGovernor {
@@ -118,27 +118,28 @@ impl SpeedGovernor {
     pub fn heed(
         &mut self,
         checker: &CollisionChecker,
-        (status, evidence): (&Status, Option<&Arc<Evidence>>),
+        (status, checked_state): (&Status, Option<&Arc<CheckedState>>),
         stamp: Option<Time>,
         settings: &SpeedSettings,
     ) {
-        let (Status::Free, Some(evidence)) = (status, evidence) else {
+        let (Status::Free, Some(checked_state)) = (status, checked_state) else {
             self.stop();
-            self.last = stamp.zip(evidence.cloned());
+            self.last = stamp.zip(checked_state.cloned());
             return;
         };
         let near = |pair: &&PairDistance| {
             let reach = distances_of(pair, settings).reach();
-            reach > 0.0 && pair.distance <= reach.greater(evidence.slows_within) || pair.distance <= 0.0
+            reach > 0.0 && pair.distance <= reach.greater(checked_state.slows_within) || pair.distance <= 0.0
         };
-        let mut near = evidence.report.pair_distances.iter().chain(&evidence.coming).filter(near).peekable();
+        let mut near =
+            checked_state.report.pair_distances.iter().chain(&checked_state.coming).filter(near).peekable();
         // where nothing is near, nothing needs to be moved
         let other = near
             .peek()
-            .and_then(|_| a_moment_later(checker.robot(), evidence).or_else(|| self.before(stamp)));
+            .and_then(|_| a_moment_later(checker.robot(), checked_state).or_else(|| self.before(stamp)));
         let (mut asked, mut are_known) = (1.0_f64, true);
         for pair in near {
-            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, evidence, other));
+            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
             // what is farther than that is known to be slow enough where its rate is not
             are_known &= rate.is_some() || pair.distance > distances_of(pair, settings).reach();
             asked =
@@ -151,15 +152,15 @@ impl SpeedGovernor {
         }
         // of what is as old, the first is kept: later motion is seen against it
         if is_new {
-            self.last = stamp.map(|stamp| (stamp, Arc::clone(evidence)));
+            self.last = stamp.map(|stamp| (stamp, Arc::clone(checked_state)));
         }
     }
 
     /// Where the links were at the last state, if that was before this one.
     fn before(&self, stamp: Option<Time>) -> Option<OtherTime> {
-        let (last, evidence) = self.last.as_ref()?;
+        let (last, checked_state) = self.last.as_ref()?;
         let after = last.seconds_since(stamp?);
-        (after < 0.0).then(|| OtherTime { poses: evidence.poses.clone(), after })
+        (after < 0.0).then(|| OtherTime { poses: checked_state.poses.clone(), after })
     }
 
     /// Lets the share follow what is asked for.

@@ -7,9 +7,9 @@ use clearance_geometry::math::{Extremes, without_whole_turns};
 use clearance_robot::{Configuration, RobotModel, check_name_length, quoted, quoted_list};
 
 use super::contribution::{Contribution, Contributions};
-use super::hearing::Heard;
 use super::mimic_reports::{Follower, MimicReports, Naming};
 use super::placement::Placed;
+use super::received_states::ReceivedState;
 use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
 
 /// How far apart (rad, m) two publishers may report a joint at about the same time (s), beside the way it goes while one of them lags.
@@ -83,8 +83,8 @@ impl Tracker {
     pub fn read(
         &self,
         robot: &RobotModel,
-        heard: &[Heard],
-        is_fresh: impl Fn(&Heard) -> bool,
+        heard: &[ReceivedState],
+        is_fresh: impl Fn(&ReceivedState) -> bool,
         (placed, unplaced): (Vec<Placed>, Option<Reason>),
         settings: &MonitorSettings,
     ) -> (Result<Reading, Reason>, Contributions) {
@@ -102,7 +102,7 @@ impl Tracker {
 /// A message while its names are taken one after the other.
 struct Message<'h> {
     number: usize,
-    heard: &'h Heard,
+    heard: &'h ReceivedState,
     is_fresh: bool,
     fault: Option<Reason>,
     /// Positions that it is the last to name.
@@ -189,7 +189,7 @@ impl<'t> Merge<'t> {
         }
     }
 
-    fn take(&mut self, number: usize, heard: &Heard, is_fresh: bool) {
+    fn take(&mut self, number: usize, heard: &ReceivedState, is_fresh: bool) {
         let JointStateInput { names, positions, stamp, .. } = &heard.input;
         let is_whole = names.len() == positions.len();
         let mut fault = heard.behind.map(|behind| Reason::OutOfOrder { behind });
@@ -241,7 +241,7 @@ impl<'t> Merge<'t> {
             let warning = "the joint state has no stamp: it counts as measured when it came";
             self.warnings.push(warning.to_owned());
         }
-        let Heard { stamp, at, .. } = *heard;
+        let ReceivedState { stamp, at, .. } = *heard;
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
 

@@ -11,14 +11,14 @@ use super::{Now, Reason, Time};
 pub struct WorldSource {
     pub name: String,
     /// What it told last; `None` while it never has.
-    pub seen: Option<Sight>,
+    pub seen: Option<Observation>,
     /// Age (s) beyond which that says nothing about the world any more.
     pub ttl: f64,
 }
 
 /// When something was seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sight {
+pub struct Observation {
     /// By the sensor's stamp.
     pub stamp: Time,
     /// When the message came, by the steady clock.

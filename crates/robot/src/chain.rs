@@ -17,10 +17,10 @@
 //! 1e-11 over a chain of 10,000 joints.
 
 mod approach;
-mod between;
 mod compile;
+mod kinematic_path;
 mod one_state;
-mod territory;
+mod reachable_region;
 mod travel;
 
 use std::ops::Mul;
@@ -29,10 +29,10 @@ use clearance_geometry::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vec
 use clearance_geometry::simd::{Real, sin_cos};
 
 pub use approach::Approach;
-pub use between::{Between, Deviation, Deviations, Reach, SideMotion, WaysToRoot};
+pub use kinematic_path::{Deviation, Deviations, KinematicPath, PathsToRoot, Reach, SideMotion};
 use one_state::EightSources;
 pub use one_state::{Columns, PlacedFrame};
-pub use territory::Territory;
+pub use reachable_region::ReachableRegion;
 pub use travel::TravelRates;
 
 /// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.
@@ -80,7 +80,7 @@ pub struct Chain {
     /// Of the bodies, eight by eight.
     angles: Vec<EightSources>,
     /// By link; `None` for links that were dropped.
-    seats: Vec<Option<Seat>>,
+    seats: Vec<Option<LinkInBody>>,
 }
 
 impl Chain {
@@ -90,7 +90,7 @@ impl Chain {
 
 /// A link's constant place in its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seat {
+pub struct LinkInBody {
     pub body: usize,
     pub place: Frame<f64>,
 }
@@ -138,7 +138,7 @@ impl Chain {
     /// Where a link sits; `None` if it was not needed.
     #[must_use]
     #[inline]
-    pub fn seat(&self, link: usize) -> Option<&Seat> {
+    pub fn seat(&self, link: usize) -> Option<&LinkInBody> {
         self.seats[link].as_ref()
     }
 

@@ -32,14 +32,14 @@ mod srdf;
 mod tree;
 mod uniform_tolerance;
 mod urdf;
-mod urdf_door;
+mod urdf_validation;
 mod warning;
 mod xml;
 mod xml_limits;
 
 pub use chain::{
-    Approach, Between, Chain, ChainJoint, Deviation, Deviations, Frame, Motion, Reach, Seat, SideMotion,
-    Source as PositionSource, Territory, TravelRates, WaysToRoot,
+    Approach, Chain, ChainJoint, Deviation, Deviations, Frame, KinematicPath, LinkInBody, Motion,
+    PathsToRoot, Reach, ReachableRegion, SideMotion, Source as PositionSource, TravelRates,
 };
 pub use chain::{Columns, PlacedFrame};
 pub use configuration::{Configuration, ConfigurationError};

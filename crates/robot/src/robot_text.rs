@@ -6,7 +6,7 @@ use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
 use super::mesh_files::MeshFiles;
 use super::model::{ModelError, RobotModel};
-use super::{Fault, Place, srdf, urdf, urdf_door};
+use super::{Fault, Place, srdf, urdf, urdf_validation};
 
 /// The texts that describe a robot; names are those of the files they came from, for messages.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,7 +32,7 @@ impl RobotModel {
     /// # Errors
     /// Every fault found in the URDF and its meshes, or, when these have none, in the SRDF.
     pub fn from_text(text: &RobotText, files: &MeshFiles) -> Result<Self, ModelError> {
-        let sound = urdf_door::check(text.urdf, text.urdf_name)?;
+        let sound = urdf_validation::check(text.urdf, text.urdf_name)?;
         let robot = urdf_rs::read_from_string(&sound.text).map_err(|e| {
             ModelError::from(Fault {
                 place: Place { file: text.urdf_name.map(str::to_owned), ..Place::default() },

@@ -12,7 +12,7 @@ use super::missing_meshes::MissingMeshes;
 use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
 use super::numbers::shortened;
 use super::tree::{Tree, TreeError};
-use super::urdf_door::{CollisionNotes, JointNotes, LinkNotes, SoundUrdf};
+use super::urdf_validation::{CollisionNotes, JointNotes, LinkNotes, ValidUrdf};
 use super::{Fault, JointId, LinkId, Place, Warning, mimic, pair_limit};
 
 /// Puts a robot together from what `urdf-rs` read of the sound text.
@@ -21,7 +21,7 @@ use super::{Fault, JointId, LinkId, Place, Warning, mimic, pair_limit};
 /// Joints that form no tree or follow nobody; shapes and meshes that cannot be had, all of them at once.
 pub(super) fn build(
     robot: &urdf_rs::Robot,
-    mut sound: SoundUrdf,
+    mut sound: ValidUrdf,
     files: &MeshFiles,
 ) -> Result<RobotModel, ModelError> {
     if (robot.links.len(), robot.joints.len()) != (sound.links.len(), sound.joints.len()) {
@@ -37,7 +37,7 @@ pub(super) fn build(
     sound.warnings.extend(remarks.collect::<Vec<_>>());
     check_position_names(&joints, &sound)?;
     let tree = Tree::new(robot.links.len(), &joints).map_err(|e| tree_fault(e, &sound, &joints))?;
-    let SoundUrdf { links: notes, mut warnings, .. } = sound;
+    let ValidUrdf { links: notes, mut warnings, .. } = sound;
     let links = links(robot, &notes, &tree, files, &mut warnings)?;
     pair_limit::check(&links)?;
     let (first_position, position_names) = positions(&joints);
@@ -55,13 +55,13 @@ pub(super) fn build(
     })
 }
 
-fn place(sound: &SoundUrdf, joint: JointId) -> Place {
+fn place(sound: &ValidUrdf, joint: JointId) -> Place {
     let notes = sound.joints.get(joint.index());
     notes.map(|n| n.place.clone()).unwrap_or_default()
 }
 
 /// A joint of several positions names them after itself: no other joint may have such a name.
-fn check_position_names(joints: &[Joint], sound: &SoundUrdf) -> Result<(), ModelError> {
+fn check_position_names(joints: &[Joint], sound: &ValidUrdf) -> Result<(), ModelError> {
     let by_name: HashMap<&str, usize> =
         joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
     let mut faults = Vec::new();
@@ -97,7 +97,7 @@ fn positions(joints: &[Joint]) -> (Vec<Option<usize>>, Vec<String>) {
     (first, names)
 }
 
-fn joints(robot: &urdf_rs::Robot, sound: &SoundUrdf) -> Result<Vec<Joint>, ModelError> {
+fn joints(robot: &urdf_rs::Robot, sound: &ValidUrdf) -> Result<Vec<Joint>, ModelError> {
     let link_ids: HashMap<&str, LinkId> =
         (robot.links.iter().zip(0..)).map(|(l, i)| (l.name.as_str(), LinkId(i))).collect();
     let joint_ids: HashMap<&str, JointId> =
@@ -253,7 +253,7 @@ fn mesh_scale(scale: Option<urdf_rs::Vec3>) -> Vector {
     scale.map_or(Vector::from_element(1.0), |s| Vector::from(*s))
 }
 
-fn tree_fault(error: TreeError, sound: &SoundUrdf, joints: &[Joint]) -> Fault {
+fn tree_fault(error: TreeError, sound: &ValidUrdf, joints: &[Joint]) -> Fault {
     let link_place = |id: LinkId| {
         let notes = sound.links.get(id.index());
         notes.map(|n| n.place.clone()).unwrap_or_default()

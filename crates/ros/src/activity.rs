@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use hdrhistogram::Histogram;
 
 /// What happened in some stretch of time.
@@ -29,13 +29,13 @@ impl Stretch {
         self.judged + self.passed_over
     }
 
-    fn note_judged(&mut self, judgement: &Judgement, latency: Duration) {
+    fn note_judged(&mut self, evaluation: &Evaluation, latency: Duration) {
         self.judged += 1;
         self.latencies.note(latency);
-        if let Some(evidence) = &judgement.evidence {
+        if let Some(checked_state) = &evaluation.checked_state {
             self.checks = self.checks.saturating_add(1);
-            self.compute_time += evidence.compute_time;
-            self.longest_compute_time = self.longest_compute_time.max(evidence.compute_time);
+            self.compute_time += checked_state.compute_time;
+            self.longest_compute_time = self.longest_compute_time.max(checked_state.compute_time);
         }
     }
 }
@@ -51,8 +51,8 @@ pub struct Activity {
 
 impl Activity {
     /// A joint state was judged, and what was said about it was said `latency` after it had come.
-    pub fn note_judged(&mut self, judgement: &Judgement, latency: Duration) {
-        self.note(|stretch| stretch.note_judged(judgement, latency));
+    pub fn note_judged(&mut self, evaluation: &Evaluation, latency: Duration) {
+        self.note(|stretch| stretch.note_judged(evaluation, latency));
     }
 
     pub fn note_passed_over(&mut self) {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use clearance_geometry::math::Extremes;
-use clearance_monitor::{Judgement, Reason, Status, Time};
+use clearance_monitor::{Evaluation, Reason, Status, Time};
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
@@ -17,19 +17,19 @@ use super::scene::CloudReport;
 pub fn diagnostics(
     node: &str,
     now: Time,
-    judgement: &Judgement,
+    evaluation: &Evaluation,
     activity: &Activity,
     interval: Duration,
     model_fault: Option<&str>,
     clouds: &[(String, CloudReport)],
 ) -> DiagnosticArray {
-    let mut values = values(judgement, activity, interval, model_fault);
+    let mut values = values(evaluation, activity, interval, model_fault);
     values.extend(clouds.iter().flat_map(|(topic, report)| cloud_values(topic, report)));
     let status = DiagnosticStatus {
-        level: level(judgement, model_fault),
+        level: level(evaluation, model_fault),
         name: format!("{}: collision monitor", node.trim_start_matches('/')),
-        message: message(judgement, model_fault),
-        hardware_id: (judgement.revision.as_ref())
+        message: message(evaluation, model_fault),
+        hardware_id: (evaluation.revision.as_ref())
             .map_or_else(String::new, |r| r.checker.robot().name().to_owned()),
         values,
     };
@@ -37,50 +37,50 @@ pub fn diagnostics(
     DiagnosticArray { header, status: vec![status] }
 }
 
-fn level(judgement: &Judgement, model_fault: Option<&str>) -> u8 {
-    match &judgement.status {
+fn level(evaluation: &Evaluation, model_fault: Option<&str>) -> u8 {
+    match &evaluation.status {
         Status::Unknown(Reason::Stale { .. } | Reason::NoJointState | Reason::NoClock) => {
             DiagnosticStatus::STALE
         }
         // someone meant it to be so
         Status::Unknown(Reason::Disabled) => DiagnosticStatus::WARN,
         Status::Unknown(_) | Status::Colliding => DiagnosticStatus::ERROR,
-        Status::Free if judgement.warnings.is_empty() && model_fault.is_none() => DiagnosticStatus::OK,
+        Status::Free if evaluation.warnings.is_empty() && model_fault.is_none() => DiagnosticStatus::OK,
         Status::Free => DiagnosticStatus::WARN,
     }
 }
 
-fn message(judgement: &Judgement, model_fault: Option<&str>) -> String {
-    let message = match &judgement.status {
-        Status::Free => match nearest(judgement) {
+fn message(evaluation: &Evaluation, model_fault: Option<&str>) -> String {
+    let message = match &evaluation.status {
+        Status::Free => match nearest(evaluation) {
             Some(nearest) => format!("free; nearest: {nearest}"),
             None => "free; nothing is near".to_owned(),
         },
-        Status::Colliding => format!("colliding: {}", colliding(judgement)),
+        Status::Colliding => format!("colliding: {}", colliding(evaluation)),
         Status::Unknown(reason) => reason.to_string(),
     };
     match model_fault {
         // without any model the reason says it already
-        Some(fault) if judgement.revision.is_some() => {
+        Some(fault) if evaluation.revision.is_some() => {
             format!("{message}; the last model was refused: {fault}")
         }
         _ => message,
     }
 }
 
-fn nearest(judgement: &Judgement) -> Option<String> {
-    let nearest = judgement.evidence.as_ref()?.report.nearest?;
-    let checker = &judgement.revision.as_ref()?.checker;
+fn nearest(evaluation: &Evaluation) -> Option<String> {
+    let nearest = evaluation.checked_state.as_ref()?.report.nearest?;
+    let checker = &evaluation.revision.as_ref()?.checker;
     let (a, b) = (checker.body_name(nearest.a), checker.body_name(nearest.b));
     Some(format!("{a} and {b}, {:.4} m", nearest.distance))
 }
 
-fn colliding(judgement: &Judgement) -> String {
+fn colliding(evaluation: &Evaluation) -> String {
     const NAMED: usize = 5;
-    let (Some(evidence), Some(revision)) = (&judgement.evidence, &judgement.revision) else {
+    let (Some(checked_state), Some(revision)) = (&evaluation.checked_state, &evaluation.revision) else {
         return String::new();
     };
-    let pairs = &evidence.report.colliding_pairs;
+    let pairs = &checked_state.report.colliding_pairs;
     let name = |body| revision.checker.body_name(body);
     let mut named: Vec<String> =
         pairs.iter().take(NAMED).map(|&(a, b)| format!("{} and {}", name(a), name(b))).collect();
@@ -91,18 +91,18 @@ fn colliding(judgement: &Judgement) -> String {
 }
 
 fn values(
-    judgement: &Judgement,
+    evaluation: &Evaluation,
     activity: &Activity,
     interval: Duration,
     model_fault: Option<&str>,
 ) -> Vec<KeyValue> {
     let mut values = Vec::new();
     let mut tell = |key: &str, value: String| values.push(KeyValue { key: key.to_owned(), value });
-    tell("status", judgement.status.word().to_owned());
-    if let Some(reason) = judgement.status.reason() {
+    tell("status", evaluation.status.word().to_owned());
+    if let Some(reason) = evaluation.status.reason() {
         tell("reason", reason.code().to_owned());
     }
-    if let Some(revision) = &judgement.revision {
+    if let Some(revision) = &evaluation.revision {
         tell("model", revision.checker.robot().name().to_owned());
         tell("model revision", revision.model.to_string());
         tell("world revision", revision.world.to_string());
@@ -111,14 +111,14 @@ fn values(
         let skipped: usize = revision.checker.pairs().skipped().map(|(_, count)| count).sum();
         tell("pairs skipped", skipped.to_string());
     }
-    if let Some(age) = judgement.age {
+    if let Some(age) = evaluation.age {
         tell("age of the joint state (s)", format!("{age:.3}"));
     }
-    tell("least distance (m)", format!("{:.4}", judgement.distance()));
-    if let Some(evidence) = &judgement.evidence {
-        tell("distances", if evidence.is_exact { "exact" } else { "lower bounds" }.to_owned());
+    tell("least distance (m)", format!("{:.4}", evaluation.distance()));
+    if let Some(checked_state) = &evaluation.checked_state {
+        tell("distances", if checked_state.is_exact { "exact" } else { "lower bounds" }.to_owned());
     }
-    tell("speed scale", format!("{:.3}", judgement.speed_scale));
+    tell("speed scale", format!("{:.3}", evaluation.speed_scale));
     let Activity { lately, ever } = activity;
     #[expect(clippy::cast_precision_loss, reason = "nobody hears 2^52 in a second")]
     let rate = lately.heard() as f64 / interval.as_secs_f64().greater(1e-3);
@@ -139,7 +139,7 @@ fn values(
         tell(&format!("joint states lost{stretch}"), told.lost.to_string());
         tell(&format!("messages dropped{stretch}"), told.dropped.to_string());
     }
-    for warning in judgement.warnings.iter() {
+    for warning in evaluation.warnings.iter() {
         tell("warning", warning.clone());
     }
     if let Some(fault) = model_fault {

@@ -31,7 +31,7 @@ struct Goal<Ticket, Outcome> {
 
 /// What a question for a result gets.
 #[derive(Debug, PartialEq)]
-pub enum Asked<Ticket, Outcome> {
+pub enum ResultRequest<Ticket, Outcome> {
     Ended(Ticket, Standing, Outcome),
     /// It is answered when the goal ends.
     Later,
@@ -148,16 +148,16 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
     }
 
     /// Answers a question for a result, or keeps it until the goal has ended.
-    pub fn ask(&mut self, id: GoalId, ticket: Ticket) -> Asked<Ticket, Outcome> {
+    pub fn ask(&mut self, id: GoalId, ticket: Ticket) -> ResultRequest<Ticket, Outcome> {
         match self.goals.iter_mut().find(|goal| goal.info.goal_id == id) {
             Some(Goal { status, ended: Some((_, outcome)), .. }) => {
-                Asked::Ended(ticket, *status, outcome.clone())
+                ResultRequest::Ended(ticket, *status, outcome.clone())
             }
             Some(goal) if goal.waiting.len() < WAITING => {
                 goal.waiting.push(ticket);
-                Asked::Later
+                ResultRequest::Later
             }
-            _ => Asked::Unknown(ticket),
+            _ => ResultRequest::Unknown(ticket),
         }
     }
 
@@ -189,15 +189,15 @@ mod tests {
         let mut goals = Goals::default();
         let (id, _) = accepted(&mut goals, 1);
         assert!(!goals.accept(id, stamp(2), Watch::default()), "known already");
-        assert_eq!(goals.ask(id, 1), Asked::Later);
+        assert_eq!(goals.ask(id, 1), ResultRequest::Later);
         goals.begin(id);
         assert!(goals.standings()[0].status == Standing::Executing);
         assert_eq!(goals.end(id, Standing::Succeeded, "free", T0), Some(vec![1]));
         assert_eq!(goals.end(id, Standing::Aborted, "again", T0), None);
-        assert_eq!(goals.ask(id, 2), Asked::Ended(2, Standing::Succeeded, "free"));
-        assert_eq!(goals.ask(GoalId::new_random(), 3), Asked::Unknown(3));
+        assert_eq!(goals.ask(id, 2), ResultRequest::Ended(2, Standing::Succeeded, "free"));
+        assert_eq!(goals.ask(GoalId::new_random(), 3), ResultRequest::Unknown(3));
         goals.forget(KEPT);
-        assert_eq!(goals.ask(id, 4), Asked::Unknown(4));
+        assert_eq!(goals.ask(id, 4), ResultRequest::Unknown(4));
     }
 
     #[test]
@@ -205,9 +205,9 @@ mod tests {
         let mut goals = Goals::default();
         let ids: Vec<GoalId> = (0..3 * RESULTS).map(|_| accepted(&mut goals, 1).0).collect();
         for ticket in 0..u8::try_from(WAITING).unwrap() {
-            assert_eq!(goals.ask(ids[0], ticket), Asked::Later);
+            assert_eq!(goals.ask(ids[0], ticket), ResultRequest::Later);
         }
-        assert_eq!(goals.ask(ids[0], 99), Asked::Unknown(99));
+        assert_eq!(goals.ask(ids[0], 99), ResultRequest::Unknown(99));
         for id in &ids[1..] {
             goals.end(*id, Standing::Succeeded, "free", T0);
         }

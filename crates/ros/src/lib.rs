@@ -1,4 +1,4 @@
-//! The ROS 2 node: subscriptions to the monitor, judgements to publishers. Nothing here decides what is safe.
+//! The ROS 2 node: subscriptions to the monitor, evaluations to publishers. Nothing here decides what is safe.
 //!
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
@@ -14,7 +14,7 @@
 //!
 //! monitor loop, loader, world ──> recorder, if it is wanted
 //!
-//! On request every judgement is also left for the `view`, which shows it to web browsers.
+//! On request every evaluation is also left for the `view`, which shows it to web browsers.
 //!
 //! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls. Which threads run first, and why
 //! none of them may wait for others by yielding, is said in `thread_priority`.
@@ -24,9 +24,7 @@
 
 mod activity;
 mod arguments;
-mod arrivals;
 mod cdr;
-mod cell;
 mod checker_of_scene;
 pub mod clearance_msgs;
 pub mod clearance_srvs;
@@ -35,12 +33,13 @@ mod diagnostics;
 pub mod doctor;
 mod enable_service;
 mod environment;
-mod flood;
 mod goals;
 #[cfg(test)]
 mod interface_text;
 mod link_volumes;
 mod loader;
+mod loader_inputs;
+mod log_rate_limiter;
 pub mod logging;
 mod lost_messages;
 mod mailbox;
@@ -56,7 +55,6 @@ mod motion_requests;
 mod motion_services;
 mod names;
 mod order;
-mod outlook;
 mod parameter_files;
 mod parameter_services;
 mod parameter_value;
@@ -64,10 +62,12 @@ mod parameters;
 mod publishers;
 pub mod recording;
 mod refusal;
+mod request_context;
 mod run;
 mod scene;
 mod scene_keeper;
 mod scene_order;
+mod sequence_gaps;
 mod simulation_clock;
 mod startup;
 mod state_requests;

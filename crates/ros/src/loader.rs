@@ -15,13 +15,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::checker_of_scene::{checker_of, solid_meshes, warnings_of};
 use super::link_volumes::LinkVolumes;
+use super::loader_inputs::{LoaderInputs, Pass, Places};
 use super::mailbox;
 use super::monitor_loop::{Event, WorldUpdate};
 use super::order::Order;
-use super::outlook::{Outlook, Pass, Places};
 use super::parameters::Parameters;
 use super::scene::{CloudMessage, Monitored, Shared};
-use super::scene_keeper::{CurrentScene, Glimpse, SceneInForce, SceneKeeper};
+use super::scene_keeper::{CurrentScene, SceneInForce, SceneKeeper, SceneUpdateContext};
 use super::scene_order::SceneOrder;
 
 /// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
@@ -149,29 +149,38 @@ impl Loader {
     }
 
     /// The checker of a robot from the command line; from now on descriptions on topics are not heeded.
-    pub fn take_given(&mut self, robot: RobotModel, glimpse: &Glimpse) -> Result<Arc<Revision>, String> {
-        self.shown_level = glimpse.parameters.shown_level();
+    pub fn take_given(
+        &mut self,
+        robot: RobotModel,
+        update_context: &SceneUpdateContext,
+    ) -> Result<Arc<Revision>, String> {
+        self.shown_level = update_context.parameters.shown_level();
         self.given = Some(robot.clone());
-        self.take(robot, glimpse)
+        self.take(robot, update_context)
     }
 
     /// Follows orders until there is no one left to give them.
-    pub fn follow(mut self, orders: &Receiver<Order>, events: &mailbox::Sender<Event>, outlook: &Outlook) {
-        self.watch_frames(outlook);
-        while let Some(mut together) = self.await_orders(orders, outlook) {
+    pub fn follow(
+        mut self,
+        orders: &Receiver<Order>,
+        events: &mailbox::Sender<Event>,
+        inputs: &LoaderInputs,
+    ) {
+        self.watch_frames(inputs);
+        while let Some(mut together) = self.await_orders(orders, inputs) {
             // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
             while let Ok(order) = orders.try_recv() {
                 together.push(order);
             }
             let mut is_heard = true;
-            self.carry_out(outlook.begin(together), |event| {
-                outlook.note_meshes();
+            self.carry_out(inputs.begin(together), |event| {
+                inputs.note_meshes();
                 is_heard &= events.send(event).is_ok();
             });
             if !is_heard {
                 return;
             }
-            self.watch_frames(outlook);
+            self.watch_frames(inputs);
             if self.keeper.is_asked() && !heeded(events) {
                 return;
             }
@@ -182,24 +191,24 @@ impl Loader {
 
     /// Does what is asked for together, and tells what the monitor has to know of it.
     pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
-        let Pass { glimpse, orders, clouds } = pass;
+        let Pass { update_context, orders, clouds } = pass;
         let texts = self.texts;
-        self.keeper.ask(&glimpse.parameters.planning_scene_service);
-        let (mut is_new_robot, mut change) = (false, self.follow_frames(&glimpse));
+        self.keeper.ask(&update_context.parameters.planning_scene_service);
+        let (mut is_new_robot, mut change) = (false, self.follow_frames(&update_context));
         let updates = orders.iter().filter(|order| matches!(order, Order::Scene(_))).count();
         for order in orders {
-            match self.note(order, &glimpse) {
+            match self.note(order, &update_context) {
                 Change::Robot => is_new_robot = true,
                 other => change = change.max(other),
             }
         }
-        self.shown_level = glimpse.parameters.shown_level();
-        change = change.max(self.look_at_the_world(clouds, &glimpse));
+        self.shown_level = update_context.parameters.shown_level();
+        change = change.max(self.look_at_the_world(clouds, &update_context));
         let is_described = self.description.is_some() || self.given.is_some();
         if is_new_robot && is_described {
             tell(Event::ModelSwap);
         }
-        let (built, refused) = self.build_anew(is_new_robot, change, &glimpse);
+        let (built, refused) = self.build_anew(is_new_robot, change, &update_context);
         if self.texts > texts {
             tell(Event::Heeded(self.texts));
         }
@@ -212,7 +221,7 @@ impl Loader {
         if let Some(fault) = refused {
             tell(Event::ModelFault(fault));
         }
-        let incomplete = self.keeper.incomplete(&glimpse.parameters);
+        let incomplete = self.keeper.incomplete(&update_context.parameters);
         tell(Event::World(self.keeper.note_in_use(), self.keeper.faults(), incomplete));
     }
 
@@ -221,16 +230,16 @@ impl Loader {
         &mut self,
         is_new_robot: bool,
         rest: Change,
-        glimpse: &Glimpse,
+        update_context: &SceneUpdateContext,
     ) -> (Option<Arc<Revision>>, Option<String>) {
         let mut refused = None;
         if is_new_robot {
-            match guarded(DESCRIPTION, || self.reload(glimpse)) {
+            match guarded(DESCRIPTION, || self.reload(update_context)) {
                 Ok(built) => return (built, None),
                 Err(fault) => refused = Some(fault),
             }
         }
-        let built = if rest == Change::Nothing { Ok(None) } else { self.rebuild(rest, glimpse) };
+        let built = if rest == Change::Nothing { Ok(None) } else { self.rebuild(rest, update_context) };
         let built = built.unwrap_or_else(|fault| {
             refused.get_or_insert(fault);
             None
@@ -242,8 +251,8 @@ impl Loader {
     }
 
     /// The next order, or none when enough time passed without one; `None` when there will be none.
-    fn await_orders(&mut self, orders: &Receiver<Order>, outlook: &Outlook) -> Option<Vec<Order>> {
-        let Shared { transforms, grounds, store, clock, .. } = &outlook.shared;
+    fn await_orders(&mut self, orders: &Receiver<Order>, inputs: &LoaderInputs) -> Option<Vec<Order>> {
+        let Shared { transforms, grounds, store, clock, .. } = &inputs.shared;
         // what tf said while the last orders were followed was compared with where obstacles were before
         let tree = lock(transforms);
         if lock(grounds).are_elsewhere(&tree) {
@@ -262,40 +271,44 @@ impl Loader {
     }
 
     /// Obstacles are put where they belong.
-    fn follow_frames(&mut self, glimpse: &Glimpse) -> Change {
+    fn follow_frames(&mut self, update_context: &SceneUpdateContext) -> Change {
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
         };
-        let moved = guarded_scene(&mut self.keeper, |keeper| keeper.follow_frames(&robot, glimpse));
+        let moved = guarded_scene(&mut self.keeper, |keeper| keeper.follow_frames(&robot, update_context));
         if moved { Change::World } else { Change::Nothing }
     }
 
     /// Says what has to be looked at to know whether obstacles are where they belong.
-    fn watch_frames(&self, outlook: &Outlook) {
+    fn watch_frames(&self, inputs: &LoaderInputs) {
         let grounds = self.robot.as_ref().map(|robot| self.keeper.state.grounds(robot));
-        *lock(&outlook.shared.grounds) = grounds.unwrap_or_default();
+        *lock(&inputs.shared.grounds) = grounds.unwrap_or_default();
     }
 
     /// New clouds are taken, and what is too old is dropped.
-    fn look_at_the_world(&mut self, clouds: BTreeMap<String, CloudMessage>, glimpse: &Glimpse) -> Change {
+    fn look_at_the_world(
+        &mut self,
+        clouds: BTreeMap<String, CloudMessage>,
+        update_context: &SceneUpdateContext,
+    ) -> Change {
         self.clouds.extend(clouds);
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
         };
         let clouds = std::mem::take(&mut self.clouds);
-        let seen = guarded_scene(&mut self.keeper, |keeper| keeper.see(clouds, &robot, glimpse));
-        let dropped = self.keeper.drop_stale(glimpse.now, &glimpse.parameters);
+        let seen = guarded_scene(&mut self.keeper, |keeper| keeper.see(clouds, &robot, update_context));
+        let dropped = self.keeper.drop_stale(update_context.now, &update_context.parameters);
         if seen || dropped { Change::World } else { Change::Nothing }
     }
 
-    fn note(&mut self, order: Order, glimpse: &Glimpse) -> Change {
+    fn note(&mut self, order: Order, update_context: &SceneUpdateContext) -> Change {
         let (known, text, topic) = match order {
-            Order::Parameters if self.prefixes == prefixes(&glimpse.parameters) => {
+            Order::Parameters if self.prefixes == prefixes(&update_context.parameters) => {
                 return Change::Settings;
             }
             Order::Parameters => return Change::Robot,
             Order::Clouds | Order::Display | Order::Frames => return Change::Nothing,
-            Order::Scene(order) => return self.note_scene(*order, glimpse),
+            Order::Scene(order) => return self.note_scene(*order, update_context),
             Order::Description(text) => (&mut self.description, text, DESCRIPTION),
             Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
@@ -311,19 +324,19 @@ impl Loader {
         Change::Robot
     }
 
-    fn note_scene(&mut self, order: SceneOrder, glimpse: &Glimpse) -> Change {
+    fn note_scene(&mut self, order: SceneOrder, update_context: &SceneUpdateContext) -> Change {
         let Some(robot) = self.robot.clone() else {
             self.keeper.wait(order);
             return Change::Nothing;
         };
-        let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, glimpse));
+        let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, update_context));
         if changed { Change::World } else { Change::Nothing }
     }
 
     /// The robot that the last texts describe.
-    fn reload(&mut self, glimpse: &Glimpse) -> Result<Option<Arc<Revision>>, String> {
+    fn reload(&mut self, update_context: &SceneUpdateContext) -> Result<Option<Arc<Revision>>, String> {
         if let Some(robot) = self.given.clone() {
-            return self.take(robot, glimpse).map(Some);
+            return self.take(robot, update_context).map(Some);
         }
         let Some(description) = &self.description else {
             return Ok(None);
@@ -343,16 +356,20 @@ impl Loader {
             log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
             robot = load(&RobotText { srdf: None, ..text })?;
         }
-        self.take(robot, glimpse).map(Some)
+        self.take(robot, update_context).map(Some)
     }
 
     /// The same robot with other settings, or in another world.
-    fn rebuild(&mut self, change: Change, glimpse: &Glimpse) -> Result<Option<Arc<Revision>>, String> {
+    fn rebuild(
+        &mut self,
+        change: Change,
+        update_context: &SceneUpdateContext,
+    ) -> Result<Option<Arc<Revision>>, String> {
         let Some(robot) = self.robot.clone() else {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        let built = guarded("the world", || self.build(&robot, (self.model_revision, world), glimpse));
+        let built = guarded("the world", || self.build(&robot, (self.model_revision, world), update_context));
         if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
             self.keeper.go_back(&scene.scene, fault);
@@ -361,30 +378,35 @@ impl Loader {
         built.map(Some)
     }
 
-    fn take(&mut self, robot: RobotModel, glimpse: &Glimpse) -> Result<Arc<Revision>, String> {
+    fn take(
+        &mut self,
+        robot: RobotModel,
+        update_context: &SceneUpdateContext,
+    ) -> Result<Arc<Revision>, String> {
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }
-        self.prefixes = prefixes(&glimpse.parameters);
+        self.prefixes = prefixes(&update_context.parameters);
         self.keeper.release_robot();
         let robot = Arc::new(robot.with_prefixes(&self.prefixes[0], &self.prefixes[1]));
         let before = self.keeper.state.clone();
         let mut world = self.world_revision;
         if self.keeper.is_untouched() {
             // poses in files refer to a robot: each needs them anew
-            self.keeper.begin_with((self.surroundings)(&robot)?, &robot, glimpse);
+            self.keeper.begin_with((self.surroundings)(&robot)?, &robot, update_context);
             world = world.max(u64::from(!self.keeper.state.world.is_empty()));
         } else {
             self.keeper.fit_to(&robot);
         }
-        self.keeper.follow_frames(&robot, glimpse);
+        self.keeper.follow_frames(&robot, update_context);
         let mut awaited = Vec::new();
         for order in self.keeper.awaited() {
             awaited.push(order.source);
-            let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, glimpse));
+            let changed =
+                guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, update_context));
             world += u64::from(changed);
         }
-        let revision = match self.build(&robot, (self.model_revision + 1, world), glimpse) {
+        let revision = match self.build(&robot, (self.model_revision + 1, world), update_context) {
             Ok(revision) => revision,
             Err(fault) => {
                 // the robot before stays, in its scene
@@ -410,7 +432,7 @@ impl Loader {
         &mut self,
         robot: &Arc<RobotModel>,
         (model, world): (u64, u64),
-        Glimpse { now, parameters, .. }: &Glimpse,
+        SceneUpdateContext { now, parameters, .. }: &SceneUpdateContext,
     ) -> Result<Arc<Revision>, String> {
         let scene = &self.keeper.state;
         let before = lock(&self.scene).clone();
@@ -442,7 +464,7 @@ impl Loader {
     }
 }
 
-impl Glimpse {
+impl SceneUpdateContext {
     /// Before anything is known but the parameters.
     #[must_use]
     pub fn first(parameters: &Parameters, now: Now) -> Self {
@@ -450,7 +472,7 @@ impl Glimpse {
             now,
             parameters: parameters.clone(),
             transforms: TransformTree::default(),
-            judgement: None,
+            evaluation: None,
             places: Places::default(),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 
 use super::mailbox::{self, Receiver, Sender};
@@ -19,12 +19,12 @@ use super::waiting::wait_at_most;
 #[derive(Debug)]
 enum Picture {
     /// For so long.
-    Of(Box<Judgement>, Duration),
+    Of(Box<Evaluation>, Duration),
     /// Nothing any more.
-    Nothing(Box<Judgement>),
+    Nothing(Box<Evaluation>),
 }
 
-/// What becomes of judgements, on the monitor's thread.
+/// What becomes of evaluations, on the monitor's thread.
 #[derive(Debug)]
 pub struct MarkerFeed {
     pictures: Sender<Picture>,
@@ -57,16 +57,16 @@ fn feed() -> (MarkerFeed, Receiver<Picture>) {
 }
 
 impl MarkerFeed {
-    /// Has a judgement shown, if it is time to, and at every change of status. While the last one is being drawn, the next will do.
-    pub fn show(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) {
-        let judged = || Box::new(judgement.clone());
+    /// Has a evaluation shown, if it is time to, and at every change of status. While the last one is being drawn, the next will do.
+    pub fn show(&mut self, evaluation: &Evaluation, parameters: &Parameters, steady: Duration) {
+        let judged = || Box::new(evaluation.clone());
         if !parameters.publish_markers {
             if self.shown.is_some() && self.pictures.send(Picture::Nothing(judged())).is_ok() {
                 self.shown = None;
             }
             return;
         }
-        let status = judgement.status.word();
+        let status = evaluation.status.word();
         let period = Duration::try_from_secs_f64(1.0 / parameters.marker_rate).unwrap_or_default();
         let early = |at: Duration| steady.saturating_sub(at) < period;
         if self.shown.is_some_and(|(last, at)| last == status && early(at)) {
@@ -90,8 +90,8 @@ impl MarkerDesk {
     pub fn work(mut self) {
         while let Some(Some(picture)) = wait_at_most(Duration::MAX, self.pictures.receive()) {
             let markers = match picture {
-                Picture::Of(judgement, lifetime) => self.display.update(&judgement, lifetime),
-                Picture::Nothing(judgement) => self.display.clear(&judgement),
+                Picture::Of(evaluation, lifetime) => self.display.update(&evaluation, lifetime),
+                Picture::Nothing(evaluation) => self.display.clear(&evaluation),
             };
             let sent = self.publisher.publish(markers);
             self.dropped.fetch_add(u64::from(!sent), Ordering::Relaxed);
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
     use clearance_monitor::{Monitor, MonitorSettings, Now};
 
-    fn judgement(steady: Duration) -> Judgement {
+    fn evaluation(steady: Duration) -> Evaluation {
         Monitor::new(MonitorSettings::default(), || Duration::ZERO).on_heartbeat(Now { ros: None, steady })
     }
 
@@ -118,7 +118,7 @@ mod tests {
         let parameters = Parameters { marker_rate: 10.0, ..Parameters::default() };
         let mut show = |milliseconds| {
             let steady = Duration::from_millis(milliseconds);
-            feed.show(&judgement(steady), &parameters, steady);
+            feed.show(&evaluation(steady), &parameters, steady);
         };
         show(0);
         show(99);
@@ -136,14 +136,14 @@ mod tests {
         let (mut feed, pictures) = feed();
         let on = Parameters::default();
         let off = Parameters { publish_markers: false, ..Parameters::default() };
-        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
         assert!(taken(&pictures).is_none());
-        feed.show(&judgement(Duration::ZERO), &on, Duration::ZERO);
-        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        feed.show(&evaluation(Duration::ZERO), &on, Duration::ZERO);
+        feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
         assert!(matches!(taken(&pictures), Some(Picture::Of(..))));
-        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
         assert!(matches!(taken(&pictures), Some(Picture::Nothing(_))));
-        feed.show(&judgement(Duration::ZERO), &off, Duration::ZERO);
+        feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
         assert!(taken(&pictures).is_none());
     }
 }

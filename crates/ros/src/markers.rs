@@ -3,7 +3,7 @@
 use clearance_checker::PairDistance;
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
-use clearance_monitor::{Evidence, Judgement, Revision};
+use clearance_monitor::{CheckedState, Evaluation, Revision};
 use clearance_robot::{LinkId, MeshSource};
 use clearance_scene::AttachedId;
 use clearance_scene::BodyId;
@@ -48,14 +48,14 @@ pub struct Display {
 }
 
 impl Display {
-    /// The markers of a judgement, and the deletion of those that no longer hold. They vanish by themselves after
+    /// The markers of a evaluation, and the deletion of those that no longer hold. They vanish by themselves after
     /// `lifetime`, so that nothing is left of a node that has ended.
-    pub fn update(&mut self, judgement: &Judgement, lifetime: Duration) -> MarkerArray {
-        let mut scene = Scene::new(header(judgement), lifetime);
-        if let (Some(revision), Some(evidence)) = (&judgement.revision, &judgement.evidence) {
-            scene.add_colliding_links(revision, evidence);
-            scene.add_colliding_attached(revision, evidence);
-            scene.add_witness_lines(evidence);
+    pub fn update(&mut self, evaluation: &Evaluation, lifetime: Duration) -> MarkerArray {
+        let mut scene = Scene::new(header(evaluation), lifetime);
+        if let (Some(revision), Some(checked_state)) = (&evaluation.revision, &evaluation.checked_state) {
+            scene.add_colliding_links(revision, checked_state);
+            scene.add_colliding_attached(revision, checked_state);
+            scene.add_witness_lines(checked_state);
         }
         let shown: BTreeSet<_> = scene.markers.iter().map(|(ns, m)| (*ns, m.id)).collect();
         let gone: Vec<_> = self.shown.difference(&shown).copied().collect();
@@ -64,9 +64,9 @@ impl Display {
     }
 
     /// The deletion of everything.
-    pub fn clear(&mut self, judgement: &Judgement) -> MarkerArray {
+    pub fn clear(&mut self, evaluation: &Evaluation) -> MarkerArray {
         let gone: Vec<_> = std::mem::take(&mut self.shown).into_iter().collect();
-        Scene::new(header(judgement), Duration::ZERO).finish(&gone)
+        Scene::new(header(evaluation), Duration::ZERO).finish(&gone)
     }
 }
 
@@ -95,17 +95,17 @@ impl Scene {
         }
     }
 
-    fn add_colliding_links(&mut self, revision: &Revision, evidence: &Evidence) {
+    fn add_colliding_links(&mut self, revision: &Revision, checked_state: &CheckedState) {
         let robot = revision.checker.robot();
         self.geometry = COLLIDING_LINKS;
-        let links: BTreeSet<LinkId> = (colliding_bodies(evidence))
+        let links: BTreeSet<LinkId> = (colliding_bodies(checked_state))
             .filter_map(|body| match body {
                 BodyId::Link(link) => Some(link),
                 BodyId::Attached(_) | BodyId::Obstacle(_) => None,
             })
             .collect();
         for link in links {
-            let pose_rl = evidence.poses.pose(link);
+            let pose_rl = checked_state.poses.pose(link);
             for (index, collision) in robot.link(link).collisions.iter().enumerate() {
                 let source = collision.mesh_source.as_ref();
                 let pose_rs = pose_rl * collision.pose_ls;
@@ -114,10 +114,10 @@ impl Scene {
         }
     }
 
-    fn add_colliding_attached(&mut self, revision: &Revision, evidence: &Evidence) {
+    fn add_colliding_attached(&mut self, revision: &Revision, checked_state: &CheckedState) {
         let checker = &revision.checker;
         self.geometry = COLLIDING_ATTACHED;
-        let attached: BTreeSet<AttachedId> = (colliding_bodies(evidence))
+        let attached: BTreeSet<AttachedId> = (colliding_bodies(checked_state))
             .filter_map(|body| match body {
                 BodyId::Attached(id) => Some(id),
                 BodyId::Link(_) | BodyId::Obstacle(_) => None,
@@ -126,7 +126,7 @@ impl Scene {
         for id in attached {
             let object = checker.world().attached_object(id);
             let Some(link) = checker.robot().link_by_name(&object.link) else { continue };
-            let pose_ro = evidence.poses.pose(link) * object.pose_lo;
+            let pose_ro = checked_state.poses.pose(link) * object.pose_lo;
             for (index, placed) in object.shapes.iter().enumerate() {
                 self.add_shape(
                     first_id(id.0 as usize, index),
@@ -240,8 +240,8 @@ impl Scene {
         self.add_solid(id, Marker::CUBE, &pose, hi - lo);
     }
 
-    fn add_witness_lines(&mut self, evidence: &Evidence) {
-        let report = &evidence.report;
+    fn add_witness_lines(&mut self, checked_state: &CheckedState) {
+        let report = &checked_state.report;
         let nearest = report.nearest.as_ref();
         let near = (report.pair_distances.iter().take(LINES_SHOWN))
             .chain(nearest.filter(|n| !report.pair_distances.contains(n)))
@@ -314,8 +314,8 @@ impl Scene {
     }
 }
 
-fn colliding_bodies(evidence: &Evidence) -> impl Iterator<Item = BodyId> {
-    evidence.report.colliding_pairs.iter().flat_map(|&(a, b)| [a, b])
+fn colliding_bodies(checked_state: &CheckedState) -> impl Iterator<Item = BodyId> {
+    checked_state.report.colliding_pairs.iter().flat_map(|&(a, b)| [a, b])
 }
 
 /// A number of its own for every marker of a namespace: up to four of each shape.

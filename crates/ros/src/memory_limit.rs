@@ -11,7 +11,7 @@ use sysinfo::{MemoryRefreshKind, Pid, ProcessRefreshKind, ProcessesToUpdate, Ref
 use super::mailbox;
 use super::monitor_loop::Event;
 use super::parameter_services::ParameterStore;
-use super::recording::Tape;
+use super::recording::RecorderHandle;
 use super::scene_keeper::CurrentScene;
 use super::termination::{OUT_OF_MEMORY, arm_watchdog, exit};
 
@@ -185,7 +185,7 @@ impl Process {
 /// The components of the node whose memory is known.
 pub struct Components {
     pub scene: CurrentScene,
-    pub tape: Tape,
+    pub tape: RecorderHandle,
 }
 
 impl Components {

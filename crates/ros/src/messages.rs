@@ -1,7 +1,7 @@
 //! Judgements as ROS messages, but for markers and diagnostics; and joint states the other way.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_geometry::math::Point;
-use clearance_monitor::{JointStateInput, Judgement, SourceId, Status, Time};
+use clearance_monitor::{Evaluation, JointStateInput, SourceId, Status, Time};
 use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Time as StampMessage;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point as PointMessage;
@@ -56,52 +56,52 @@ pub fn joint_state_input(message: JointState, source: SourceId) -> JointStateInp
 
 /// The header of everything that is said about one joint state.
 #[must_use]
-pub fn header(judgement: &Judgement) -> Header {
-    let frame = judgement.revision.as_ref().map(|revision| revision.frame().to_owned());
-    Header { stamp: stamp_message(judgement.stamp.unwrap_or_default()), frame_id: frame.unwrap_or_default() }
+pub fn header(evaluation: &Evaluation) -> Header {
+    let frame = evaluation.revision.as_ref().map(|revision| revision.frame().to_owned());
+    Header { stamp: stamp_message(evaluation.stamp.unwrap_or_default()), frame_id: frame.unwrap_or_default() }
 }
 
-fn fidelity(judgement: &Judgement) -> &'static str {
-    let is_exact = judgement.evidence.as_ref().is_none_or(|evidence| evidence.is_exact);
+fn fidelity(evaluation: &Evaluation) -> &'static str {
+    let is_exact = evaluation.checked_state.as_ref().is_none_or(|checked_state| checked_state.is_exact);
     if is_exact { FIDELITY } else { ROUGH_FIDELITY }
 }
 
 /// `~/state`: everything.
 #[must_use]
-pub fn collision_state(judgement: &Judgement) -> CollisionState {
+pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
     let mut message = CollisionState {
-        header: header(judgement),
-        status: match judgement.status {
+        header: header(evaluation),
+        status: match evaluation.status {
             Status::Free => CollisionState::FREE,
             Status::Colliding => CollisionState::COLLIDING,
             Status::Unknown(_) => CollisionState::UNKNOWN,
         },
-        age: judgement.age.unwrap_or_default(),
-        warnings: judgement.warnings.to_vec(),
-        fidelity: fidelity(judgement).to_owned(),
+        age: evaluation.age.unwrap_or_default(),
+        warnings: evaluation.warnings.to_vec(),
+        fidelity: fidelity(evaluation).to_owned(),
         ..CollisionState::default()
     };
-    if let Some(reason) = judgement.status.reason() {
+    if let Some(reason) = evaluation.status.reason() {
         message.reason = reason.to_string();
         reason.code().clone_into(&mut message.reason_code);
     }
-    let Some(revision) = &judgement.revision else {
+    let Some(revision) = &evaluation.revision else {
         return message;
     };
     message.model_revision = revision.model;
     message.world_revision = revision.world;
     add_skipped(&mut message, &revision.checker);
-    if let Some(evidence) = &judgement.evidence {
-        let open = undecided(&evidence.report);
+    if let Some(checked_state) = &evaluation.checked_state {
+        let open = undecided(&checked_state.report);
         message.pairs_checked = count(revision.checker.pairs().len().saturating_sub(open));
         if open > 0 {
             message.warnings.push(format!(
                 "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those that are told"
             ));
         }
-        message.compute_time = evidence.compute_time.as_secs_f64();
-        add_findings(&mut message, &revision.checker, &evidence.report);
-        if let Some(ahead) = &evidence.look_ahead {
+        message.compute_time = checked_state.compute_time.as_secs_f64();
+        add_findings(&mut message, &revision.checker, &checked_state.report);
+        if let Some(ahead) = &checked_state.look_ahead {
             message.time_to_contact_known = true;
             message.time_to_contact = ahead.free_for;
             // the look-ahead has no velocities of obstacles
@@ -197,11 +197,11 @@ mod tests {
 
     #[test]
     fn a_judgement_about_nothing_is_unknown() {
-        let judgement = Judgement {
+        let evaluation = Evaluation {
             status: Status::Unknown(clearance_monitor::Reason::NoModel { fault: None }),
             stamp: None,
             age: None,
-            evidence: None,
+            checked_state: None,
             placement: None,
             speed_scale: 0.0,
             left_out: LeftOut::Nothing,
@@ -211,11 +211,11 @@ mod tests {
             warnings: [].into(),
             expiry: Expiry::default(),
         };
-        let message = collision_state(&judgement);
+        let message = collision_state(&evaluation);
         assert_eq!(message.status, CollisionState::UNKNOWN);
         assert_eq!(message.reason_code, "no_model");
         assert_eq!(message.model_revision, 0);
         assert!(!message.distance_known);
-        assert!(judgement.distance().is_nan());
+        assert!(evaluation.distance().is_nan());
     }
 }

@@ -1,26 +1,28 @@
-//! Joint states to the monitor, judgements to the topics: the thread that must never wait for anything else.
+//! Joint states to the monitor, evaluations to the topics: the thread that must never wait for anything else.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use clearance_monitor::{Judgement, Monitor, MonitorSettings, Now, Reason, Revision, SourceId, Trail};
+use clearance_monitor::{
+    Evaluation, JointStateHistory, Monitor, MonitorSettings, Now, Reason, Revision, SourceId,
+};
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use serde::{Deserialize, Serialize};
 
 use super::activity::Activity;
-use super::arrivals::Arrivals;
 use super::clock::RosClock;
 use super::diagnostics::diagnostics;
-use super::flood::Flood;
+use super::log_rate_limiter::LogRateLimiter;
 use super::mailbox::{Receiver, Sender};
 use super::messages::joint_state_input;
 use super::middleware::{Origin, Subscription};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
-use super::recording::{Happening, Judged, Tape, Tidings};
+use super::recording::{Judged, RecordedEvent, RecordedMonitorEvent, RecorderHandle};
 use super::scene::Transforms;
 use super::scene_keeper::CloudReports;
+use super::sequence_gaps::SequenceGaps;
 use super::waiting::wait_at_most;
 
 /// What the other threads tell the monitor.
@@ -72,11 +74,11 @@ impl WorldUpdate {
     }
 }
 
-/// The last judgement, for those who ask about the same robot and world.
-pub type CurrentJudgement = Arc<Mutex<Option<Judgement>>>;
+/// The last evaluation, for those who ask about the same robot and world.
+pub type CurrentEvaluation = Arc<Mutex<Option<Evaluation>>>;
 
-/// Sees every judgement and the settings that it was made with, for a display beside ROS. It must be quick.
-pub type Observer = Box<dyn FnMut(&Judgement, &MonitorSettings) + Send>;
+/// Sees every evaluation and the settings that it was made with, for a display beside ROS. It must be quick.
+pub type Observer = Box<dyn FnMut(&Evaluation, &MonitorSettings) + Send>;
 
 /// Time between two diagnostics while the status stays.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -95,10 +97,10 @@ pub struct MonitorLoop {
     pub own_motion: OwnMotion,
     pub events: Receiver<Event>,
     pub publishers: Publishers,
-    pub current: CurrentJudgement,
-    pub trail: Arc<Mutex<Trail>>,
+    pub current: CurrentEvaluation,
+    pub joint_state_history: Arc<Mutex<JointStateHistory>>,
     pub observer: Option<Observer>,
-    pub tape: Tape,
+    pub tape: RecorderHandle,
     pub report: Report,
 }
 
@@ -112,11 +114,11 @@ pub struct OwnMotion {
 #[derive(Default)]
 pub struct Report {
     activity: Activity,
-    arrivals: Arrivals,
+    arrivals: SequenceGaps,
     clouds: CloudReports,
     /// Status and code of the reason that were logged last.
     logged: Option<(&'static str, Option<&'static str>)>,
-    changes: Flood,
+    changes: LogRateLimiter,
     /// Status and steady time of the last diagnostics.
     last: Option<(&'static str, Duration)>,
     /// The next ones do not wait.
@@ -145,7 +147,7 @@ impl MonitorLoop {
             match self.wake() {
                 Wake::Event(Event::Stop) => return,
                 Wake::Event(event) => self.heed(event),
-                Wake::JointState(message, origin) => self.judge(message, origin),
+                Wake::JointState(message, origin) => self.evaluate(message, origin),
                 Wake::Heartbeat => self.beat(),
             }
         }
@@ -214,9 +216,9 @@ impl MonitorLoop {
     fn beat(&mut self) {
         self.look_at_transforms();
         let now = self.clock.read();
-        let judgement = self.monitor.on_heartbeat(now);
-        let (judgement, _) = self.say(judgement, now, None);
-        self.say_diagnostics(&judgement);
+        let evaluation = self.monitor.on_heartbeat(now);
+        let (evaluation, _) = self.publish(evaluation, now, None);
+        self.publish_diagnostics(&evaluation);
     }
 
     fn look_at_transforms(&mut self) {
@@ -225,7 +227,7 @@ impl MonitorLoop {
         }
         let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // a recording has it where it stands among the transforms
-        self.tape.note(|| Happening::Looked);
+        self.tape.note(|| RecordedEvent::Looked);
         self.monitor.note_transforms(&tree);
     }
 
@@ -234,23 +236,23 @@ impl MonitorLoop {
         let told = match event {
             // what is said then is recorded as any answer
             Event::Stop | Event::Say(_) => return,
-            Event::Checker(_) => Tidings::Checker,
-            Event::ModelSwap => Tidings::ModelSwap,
-            Event::Described => Tidings::Described,
-            Event::Heeded(_) => Tidings::Heeded,
-            Event::ModelFault(fault) => Tidings::ModelFault(fault.clone()),
-            Event::World(..) => Tidings::World,
-            Event::WorldUpdate(update) => Tidings::WorldUpdate(*update),
-            Event::Memory { used, limit, .. } => Tidings::Memory { used: *used, limit: *limit },
-            Event::Enabled(enabled, _) => return self.tape.note(|| Happening::Enabled(*enabled)),
+            Event::Checker(_) => RecordedMonitorEvent::Checker,
+            Event::ModelSwap => RecordedMonitorEvent::ModelSwap,
+            Event::Described => RecordedMonitorEvent::Described,
+            Event::Heeded(_) => RecordedMonitorEvent::Heeded,
+            Event::ModelFault(fault) => RecordedMonitorEvent::ModelFault(fault.clone()),
+            Event::World(..) => RecordedMonitorEvent::World,
+            Event::WorldUpdate(update) => RecordedMonitorEvent::WorldUpdate(*update),
+            Event::Memory { used, limit, .. } => RecordedMonitorEvent::Memory { used: *used, limit: *limit },
+            Event::Enabled(enabled, _) => return self.tape.note(|| RecordedEvent::Enabled(*enabled)),
             Event::Parameters(parameters) => {
-                return self.tape.note(|| Happening::Parameters(parameters.clone()));
+                return self.tape.note(|| RecordedEvent::Parameters(parameters.clone()));
             }
         };
-        self.tape.note(|| Happening::Told(told));
+        self.tape.note(|| RecordedEvent::Told(told));
     }
 
-    fn judge(&mut self, mut message: JointState, mut origin: Origin) {
+    fn evaluate(&mut self, mut message: JointState, mut origin: Origin) {
         self.report.note_arrival(&origin);
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
@@ -260,7 +262,7 @@ impl MonitorLoop {
                 self.report.note_arrival(&newer.1);
                 self.report.activity.note_passed_over();
                 // the newer one may be about other joints
-                self.hear(message, origin.publisher);
+                self.receive(message, origin.publisher);
                 (message, origin) = newer;
             }
         }
@@ -268,60 +270,61 @@ impl MonitorLoop {
         let heard = self.tape.is_on().then(|| (message.clone(), origin.publisher));
         let input = joint_state_input(message, origin.publisher);
         let now = self.clock.read();
-        let judgement = self.monitor.on_joint_state(input, now);
-        let (judgement, said_at) = self.say(judgement, now, heard);
+        let evaluation = self.monitor.on_joint_state(input, now);
+        let (evaluation, said_at) = self.publish(evaluation, now, heard);
         let latency = said_at.saturating_duration_since(origin.received);
-        self.report.activity.note_judged(&judgement, latency);
-        self.say_diagnostics(&judgement);
+        self.report.activity.note_judged(&evaluation, latency);
+        self.publish_diagnostics(&evaluation);
         self.monitor.prepare();
     }
 
     /// Takes note of a joint state that is not judged by itself.
-    fn hear(&mut self, message: JointState, source: SourceId) {
+    fn receive(&mut self, message: JointState, source: SourceId) {
         let now = self.clock.read();
-        self.tape.note(|| Happening::Heard { now, message: Box::new(message.clone()), source });
-        self.monitor.hear(joint_state_input(message, source), now);
+        self.tape.note(|| RecordedEvent::Heard { now, message: Box::new(message.clone()), source });
+        self.monitor.receive(joint_state_input(message, source), now);
     }
 
     /// Says what was judged at `now`, from a joint state if one was heard, as it holds after the check; gives that, and the moment at which
-    /// `~/state` was said. A recording has the judgement itself: how long a check takes is the machine's.
-    fn say(
+    /// `~/state` was said. A recording has the evaluation itself: how long a check takes is the machine's.
+    fn publish(
         &mut self,
-        judgement: Judgement,
+        evaluation: Evaluation,
         now: Now,
         heard: Option<(JointState, SourceId)>,
-    ) -> (Judgement, Instant) {
+    ) -> (Evaluation, Instant) {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
-        *current = Some(judgement.clone());
-        self.trail.lock().unwrap_or_else(PoisonError::into_inner).note(&judgement);
+        *current = Some(evaluation.clone());
+        self.joint_state_history.lock().unwrap_or_else(PoisonError::into_inner).note(&evaluation);
         // a recording has it before whatever is made of it
-        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
+        self.tape
+            .note(|| RecordedEvent::Judged(Box::new(Judged { now, heard, answer: (&evaluation).into() })));
         drop(current);
         let now = self.clock.read();
-        let judgement = judgement.aged(now).with_warning(self.tape.fault());
-        self.log_change(&judgement);
+        let evaluation = evaluation.aged(now).with_warning(self.tape.fault());
+        self.log_change(&evaluation);
         if let Some(remark) = self.monitor.take_contact_remark() {
             log::warn!("{remark}");
         }
-        let said = self.publishers.say(&judgement, &self.parameters, now.steady);
+        let said = self.publishers.publish(&evaluation, &self.parameters, now.steady);
         self.report.activity.note_dropped(said.dropped);
         if let Some(observe) = &mut self.observer {
-            observe(&judgement, &self.parameters.monitor_settings());
+            observe(&evaluation, &self.parameters.monitor_settings());
         }
-        (judgement, said.state_at)
+        (evaluation, said.state_at)
     }
 
     /// One line for a change of status or of the reason why it is unknown; of a flood of them only some, and then what it came to.
-    fn log_change(&mut self, judgement: &Judgement) {
-        let reason = judgement.status.reason();
-        let now = (judgement.status.word(), reason.map(Reason::code));
+    fn log_change(&mut self, evaluation: &Evaluation) {
+        let reason = evaluation.status.reason();
+        let now = (evaluation.status.word(), reason.map(Reason::code));
         if self.report.logged == Some(now) || !self.report.changes.admit(self.clock.steady()) {
             return;
         }
         self.report.logged = Some(now);
-        match (judgement.status.word(), reason) {
+        match (evaluation.status.word(), reason) {
             (status, Some(reason)) => log::warn!("{status}: {reason}"),
-            (status, None) => match judgement.foremost() {
+            (status, None) => match evaluation.foremost() {
                 Some(foremost) => log::info!("{status}: {foremost}"),
                 None => log::info!("{status}"),
             },
@@ -329,9 +332,9 @@ impl MonitorLoop {
     }
 
     /// Once a second, and at every change of status.
-    fn say_diagnostics(&mut self, judgement: &Judgement) {
+    fn publish_diagnostics(&mut self, evaluation: &Evaluation) {
         let steady = self.clock.steady();
-        let status = judgement.status.word();
+        let status = evaluation.status.word();
         let since = |at: Duration| steady.saturating_sub(at);
         let report = &mut self.report;
         let is_told = |(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD;
@@ -343,9 +346,9 @@ impl MonitorLoop {
         let now = self.clock.now().unwrap_or_default();
         let fault = self.monitor.model_fault();
         let message =
-            diagnostics(&self.node, now, judgement, &report.activity, interval, fault, &report.clouds);
+            diagnostics(&self.node, now, evaluation, &report.activity, interval, fault, &report.clouds);
         report.activity.begin_anew();
-        let sent = self.publishers.say_diagnostics(message);
+        let sent = self.publishers.publish_diagnostics(message);
         report.activity.note_dropped(u64::from(!sent));
     }
 }

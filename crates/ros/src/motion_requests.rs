@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use clearance_checker::{
     CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport, Watch, Workspace,
 };
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use clearance_motion::{
     Certificate, ContinuousDirection, ContinuousTurn, HeldTurn, MotionSegment, Trajectory, TrajectoryPoint,
     shortest_way,
@@ -14,13 +14,13 @@ use clearance_robot::{Configuration, RobotModel};
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 
-use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
 use super::clearance_srvs::{
     CheckMotionRequest, CheckTrajectoryRequest, CheckTrajectoryResponse, ContinuousTurns, MotionFindings,
     MotionTerms,
 };
 use super::messages::{pair_message, point_message};
 use super::refusal::{Refusal, bad, shortened};
+use super::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 use super::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 
 /// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
@@ -63,10 +63,10 @@ impl From<&Refusal> for Answered {
 pub fn answer_motion(
     request: &CheckMotionRequest,
     usual: ContinuousDirection,
-    judgement: Option<&Judgement>,
+    evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> Answered {
-    answer(&request.terms, None, judgement, workspace, |cell| cell.straight(request, usual))
+    answer(&request.terms, None, evaluation, workspace, |cell| cell.straight(request, usual))
 }
 
 /// Answers a request for a trajectory, watched by someone or not.
@@ -74,21 +74,21 @@ pub fn answer_motion(
 pub fn answer_trajectory(
     request: &CheckTrajectoryRequest,
     watch: Option<Watch>,
-    judgement: Option<&Judgement>,
+    evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> Answered {
-    answer(&request.terms, watch, judgement, workspace, |cell| cell.trajectory(request))
+    answer(&request.terms, watch, evaluation, workspace, |cell| cell.trajectory(request))
 }
 
 fn answer(
     terms: &MotionTerms,
     watch: Option<Watch>,
-    judgement: Option<&Judgement>,
+    evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
-    way: impl FnOnce(&Cell) -> Result<Way, Refusal>,
+    way: impl FnOnce(&RequestContext) -> Result<Way, Refusal>,
 ) -> Answered {
     let started = Instant::now();
-    let found = Cell::of(judgement).and_then(|cell| {
+    let found = RequestContext::of(evaluation).and_then(|cell| {
         // whoever watches can stop it
         let usual = watch.is_none().then_some(LONGEST);
         let options = MotionOptions { watch, ..options(terms, usual, started)? };
@@ -103,7 +103,7 @@ fn answer(
         answered.swept_volume.get_or_insert_with(no_markers);
     }
     let motion = &mut answered.response.motion;
-    (motion.model_revision, motion.world_revision) = revisions(judgement);
+    (motion.model_revision, motion.world_revision) = revisions(evaluation);
     motion.compute_time = started.elapsed().as_secs_f64();
     answered
 }
@@ -139,7 +139,7 @@ fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Refusal
     }
 }
 
-impl Cell<'_> {
+impl RequestContext<'_> {
     fn straight(&self, request: &CheckMotionRequest, usual: ContinuousDirection) -> Result<Way, Refusal> {
         let CheckMotionRequest { joint_names, start, goal, terms } = request;
         if joint_names.is_empty() {

@@ -5,14 +5,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use clearance_checker::Workspace;
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::MarkerArray;
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
 
-use super::cell::known;
 use super::clearance_srvs::{
     CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
 };
@@ -20,11 +19,12 @@ use super::clock::RosClock;
 use super::middleware::{
     GoalId, MessageKind, Middleware, MiddlewareError, Publisher, Quality, RequestId, Server,
 };
-use super::monitor_loop::CurrentJudgement;
+use super::monitor_loop::CurrentEvaluation;
 use super::motion_requests::{Answered, answer_motion, answer_trajectory};
 use super::names::Names;
 use super::parameter_services::ParameterStore;
 use super::refusal::Refusal;
+use super::request_context::known;
 use super::trajectory_action::{Begun, Goal, TrajectoryAction};
 
 /// Requests that wait at most; who comes then is told at once that the node is busy.
@@ -60,7 +60,7 @@ pub struct MotionServices {
 pub struct MotionDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
-    current: CurrentJudgement,
+    current: CurrentEvaluation,
     clock: Arc<RosClock>,
     parameters: ParameterStore,
     workspace: Option<Workspace>,
@@ -71,7 +71,7 @@ impl MotionServices {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        current: CurrentJudgement,
+        current: CurrentEvaluation,
         clock: Arc<RosClock>,
         parameters: ParameterStore,
     ) -> Result<(Self, MotionDesk), MiddlewareError> {
@@ -172,7 +172,7 @@ impl MotionDesk {
     /// Checks what is asked until there is no one left to ask.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let judgement = known(&self.current, self.clock.read());
+            let evaluation = known(&self.current, self.clock.read());
             // a goal that was canceled while it waited has its result
             if matches!(&request, Request::Goal(goal) if goal.watch.is_stopped()) {
                 continue;
@@ -182,20 +182,20 @@ impl MotionDesk {
             {
                 return;
             }
-            let answer = self.answer(request, judgement.as_ref());
+            let answer = self.answer(request, evaluation.as_ref());
             if self.answers.send_blocking(answer).is_err() {
                 return;
             }
         }
     }
 
-    fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
+    fn answer(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Answer {
         let usual = self.parameters.get().continuous_direction();
         let answered = self.guarded(|workspace| match &request {
-            Request::Motion(_, request) => answer_motion(request, usual, judgement, workspace),
-            Request::Trajectory(_, request) => answer_trajectory(request, None, judgement, workspace),
+            Request::Motion(_, request) => answer_motion(request, usual, evaluation, workspace),
+            Request::Trajectory(_, request) => answer_trajectory(request, None, evaluation, workspace),
             Request::Goal(Goal { request, watch, .. }) => {
-                answer_trajectory(request, Some(watch.clone()), judgement, workspace)
+                answer_trajectory(request, Some(watch.clone()), evaluation, workspace)
             }
         });
         request.answered(answered)

@@ -1,8 +1,8 @@
-//! The topics on which judgements are said.
+//! The topics on which evaluations are said.
 
 use std::time::{Duration, Instant};
 
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::DiagnosticArray;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64};
 
@@ -27,7 +27,7 @@ pub struct Publishers {
 }
 
 /// What became of what was said.
-pub struct Said {
+pub struct Published {
     /// Messages that had to be dropped.
     pub dropped: u64,
     /// When `~/state` was handed to the middleware, which sends on a thread of its own.
@@ -64,28 +64,33 @@ impl Publishers {
         })
     }
 
-    /// Says a judgement on all topics.
-    pub fn say(&mut self, judgement: &Judgement, parameters: &Parameters, steady: Duration) -> Said {
+    /// Says a evaluation on all topics.
+    pub fn publish(
+        &mut self,
+        evaluation: &Evaluation,
+        parameters: &Parameters,
+        steady: Duration,
+    ) -> Published {
         let mut dropped = self.markers.take_dropped();
         let mut note = |sent: bool| dropped += u64::from(!sent);
         // what stops a robot goes first
-        note(self.is_free.publish(Bool { data: judgement.status.is_free() }));
-        note(self.speed_scale.publish(Float64 { data: judgement.speed_scale }));
-        note(self.state.publish(collision_state(judgement)));
+        note(self.is_free.publish(Bool { data: evaluation.status.is_free() }));
+        note(self.speed_scale.publish(Float64 { data: evaluation.speed_scale }));
+        note(self.state.publish(collision_state(evaluation)));
         let state_at = Instant::now();
-        note(self.distance.publish(Float64 { data: judgement.distance() }));
+        note(self.distance.publish(Float64 { data: evaluation.distance() }));
         let looks_ahead = parameters.look_ahead_horizon > 0.0;
         // once it is turned off, zero is said once more
         if looks_ahead || self.looked_ahead {
-            let data = if looks_ahead { judgement.time_to_contact() } else { 0.0 };
+            let data = if looks_ahead { evaluation.time_to_contact() } else { 0.0 };
             note(self.time_to_contact.publish(Float64 { data }));
         }
         self.looked_ahead = looks_ahead;
-        self.markers.show(judgement, parameters, steady);
-        Said { dropped, state_at }
+        self.markers.show(evaluation, parameters, steady);
+        Published { dropped, state_at }
     }
 
-    pub fn say_diagnostics(&self, diagnostics: DiagnosticArray) -> bool {
+    pub fn publish_diagnostics(&self, diagnostics: DiagnosticArray) -> bool {
         self.diagnostics.publish(diagnostics)
     }
 }

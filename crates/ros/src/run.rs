@@ -16,6 +16,7 @@ use super::clock::RosClock;
 use super::enable_service::EnableService;
 use super::link_volumes::LinkVolumes;
 use super::loader::{Loader, Surroundings};
+use super::loader_inputs::LoaderInputs;
 use super::logging::{self, Line};
 use super::mailbox;
 use super::marker_topic;
@@ -23,19 +24,18 @@ use super::memory_limit::{Components, MemoryWatch, OutOfMemory};
 use super::middleware::{
     self, Announcement, MessageKind, Middleware, MiddlewareError, Publisher, Quality, Subscription,
 };
-use super::monitor_loop::{CurrentJudgement, Event, MonitorLoop, Observer, OwnMotion, Report};
+use super::monitor_loop::{CurrentEvaluation, Event, MonitorLoop, Observer, OwnMotion, Report};
 use super::motion::{self, Motion};
 use super::motion_services::MotionServices;
 use super::names::{FullName, NameError, Names};
 use super::order::Order;
-use super::outlook::Outlook;
 use super::parameter_files;
 use super::parameter_services::{OnChange, ParameterServices, ParameterStore};
 use super::parameters::Parameters;
 use super::publishers::Publishers;
-use super::recording::{Given, Recorder, Tape};
+use super::recording::{Given, Recorder, RecorderHandle};
 use super::scene::{Monitored, SceneServices, SceneTopics, Shared};
-use super::scene_keeper::Glimpse;
+use super::scene_keeper::SceneUpdateContext;
 use super::simulation_clock;
 use super::startup::Startup;
 use super::state_services::StateServices;
@@ -131,19 +131,19 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let store = ParameterStore::new(parameters.clone(), on_change);
 
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
-    let current = CurrentJudgement::default();
+    let current = CurrentEvaluation::default();
     let is_given = options.robot.is_some();
     let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
     if let Some(robot) = options.robot {
-        let glimpse = Glimpse::first(&parameters, clock.read());
-        monitor.set_checker(loader.take_given(robot, &glimpse).map_err(NodeError::Input)?);
+        let update_context = SceneUpdateContext::first(&parameters, clock.read());
+        monitor.set_checker(loader.take_given(robot, &update_context).map_err(NodeError::Input)?);
     }
     hand_signals_to(end.clone());
     let meshes = options.given.meshes.clone();
     let (tape, recorder) = record(&parameters, &names, options.given)?;
     let shared = Shared::new(loader.current_scene(), store.clone(), Arc::clone(&clock), tape.clone());
-    let outlook = Outlook { shared: shared.clone(), judgement: Arc::clone(&current), meshes };
-    outlook.note_meshes();
+    let inputs = LoaderInputs { shared: shared.clone(), evaluation: Arc::clone(&current), meshes };
+    inputs.note_meshes();
     let current_robot = loader.current_robot();
     let components = Components { scene: loader.current_scene(), tape: tape.clone() };
     let memory = MemoryWatch::new(store.clone(), events.clone(), components);
@@ -168,7 +168,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         events: events_in,
         publishers: Publishers::open(&middleware, &names, markers)?,
         current: Arc::clone(&current),
-        trail: Arc::clone(&shared.trail),
+        joint_state_history: Arc::clone(&shared.joint_state_history),
         observer: options.observer,
         tape: tape.clone(),
         report: Report::default(),
@@ -188,7 +188,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
         Part::new("markers", move || marker_desk.work()),
-        Part::new("loader", move || loader.follow(&orders_in, &events, &outlook)),
+        Part::new("loader", move || loader.follow(&orders_in, &events, &inputs)),
     ];
     if let Some((motion, publisher)) = motion {
         let stopped = stopped.clone();
@@ -272,9 +272,9 @@ fn record(
     parameters: &Parameters,
     names: &Names,
     given: Given,
-) -> Result<(Tape, Option<Recorder>), NodeError> {
+) -> Result<(RecorderHandle, Option<Recorder>), NodeError> {
     let Some(settings) = parameters.recording() else {
-        return Ok((Tape::default(), None));
+        return Ok((RecorderHandle::default(), None));
     };
     let (tape, recorder) = Recorder::start(&settings, names, given, parameters).map_err(NodeError::Input)?;
     Ok((tape, Some(recorder)))
@@ -310,7 +310,7 @@ struct Services {
     states: StateServices,
     enable: EnableService,
     store: ParameterStore,
-    tape: Tape,
+    tape: RecorderHandle,
     clock: Arc<RosClock>,
     clock_topic: FullName,
     orders: Sender<Order>,
@@ -328,7 +328,7 @@ impl Services {
         names: &Names,
         (store, tape, clock, (motions, states, enable)): (
             ParameterStore,
-            Tape,
+            RecorderHandle,
             Arc<RosClock>,
             (MotionServices, StateServices, EnableService),
         ),

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use clearance_geometry::math::Extremes;
 use clearance_monitor::cloud::SelfFilter;
-use clearance_monitor::{Evidence, Judgement, Now, Revision, Sight, WorldSource};
+use clearance_monitor::{CheckedState, Evaluation, Now, Observation, Revision, WorldSource};
 use clearance_robot::{LinkPoses, RobotModel};
 use clearance_scene::MeshModel;
 use clearance_scene::{
@@ -18,10 +18,10 @@ use clearance_scene::{
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
-use super::flood::Flood;
+use super::loader_inputs::Places;
+use super::log_rate_limiter::LogRateLimiter;
 use super::lost_messages::LostMessages;
 use super::missing_objects::MissingObjects;
-use super::outlook::Places;
 use super::parameters::Parameters;
 use super::scene::{CloudReport, OCTOMAP_SOURCE};
 use super::scene_order::SceneOrder;
@@ -36,11 +36,11 @@ const TOLD: usize = 20;
 
 /// What is known at one moment, in whose light orders are followed.
 #[derive(Debug)]
-pub struct Glimpse {
+pub struct SceneUpdateContext {
     pub now: Now,
     pub parameters: Parameters,
     pub transforms: TransformTree,
-    pub judgement: Option<Judgement>,
+    pub evaluation: Option<Evaluation>,
     /// Where which robot was at the stamps of clouds, by their topics.
     pub places: Places,
 }
@@ -64,7 +64,7 @@ pub struct SceneKeeper {
     pub state: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
     /// When the octomap was seen last, if one came since it was cleared.
-    octomap_seen: Option<Sight>,
+    octomap_seen: Option<Observation>,
     /// Whether the octomap in force tells of any place.
     octomap_shows_room: bool,
     /// Why the last octomap of a topic shows nothing of the room, if it does not.
@@ -86,7 +86,7 @@ pub struct SceneKeeper {
     missing: MissingObjects,
     lost: LostMessages,
     /// Messages with faults that were logged of late.
-    flood: Flood,
+    flood: LogRateLimiter,
     /// Sources whose word was dropped because it was too old.
     dropped: Vec<String>,
     whole: WholeScene,
@@ -173,10 +173,15 @@ impl SceneKeeper {
     }
 
     /// Does what a message asks for; whether that changed anything.
-    pub fn apply(&mut self, order: SceneOrder, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
+    pub fn apply(
+        &mut self,
+        order: SceneOrder,
+        robot: &Arc<RobotModel>,
+        update_context: &SceneUpdateContext,
+    ) -> bool {
         let SceneOrder { source, mut update, mut refusals, lost, mut octomap, done, .. } = order;
         self.lost.note(source, lost);
-        if self.note_blindness(source, update.as_ref()) && glimpse.parameters.blind_makes_unknown() {
+        if self.note_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
             // the last map that showed something stays in force
             self.octomap_seen = octomap.take().map(|(_, sight)| sight);
             update = None;
@@ -184,9 +189,9 @@ impl SceneKeeper {
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
         let (mut changed, mut warnings) = (false, Vec::new());
         if let Some(update) = &update {
-            let evidence = glimpse.evidence(robot);
-            let poses = evidence.as_ref().map(|e| &e.poses);
-            let Glimpse { now, parameters, transforms, .. } = glimpse;
+            let checked_state = update_context.checked_state(robot);
+            let poses = checked_state.as_ref().map(|e| &e.poses);
+            let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
             let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
             let applied = self.state.apply(update, &context);
             changed = applied.changed;
@@ -213,7 +218,7 @@ impl SceneKeeper {
             }
         }
         warnings.extend_from_slice(&self.faults);
-        if !warnings.is_empty() && self.flood.admit(glimpse.now.steady) {
+        if !warnings.is_empty() && self.flood.admit(update_context.now.steady) {
             for warning in warnings {
                 log::warn!("{warning}");
             }
@@ -226,16 +231,21 @@ impl SceneKeeper {
     }
 
     /// Takes what files hold in place of what they held for another robot; in the room it stays where it was.
-    pub fn begin_with(&mut self, mut state: Scene, robot: &Arc<RobotModel>, glimpse: &Glimpse) {
-        let Glimpse { now, parameters, transforms, .. } = glimpse;
+    pub fn begin_with(
+        &mut self,
+        mut state: Scene,
+        robot: &Arc<RobotModel>,
+        update_context: &SceneUpdateContext,
+    ) {
+        let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
         state.stand_as(&self.state, &context);
         self.state = state;
     }
 
     /// Puts obstacles where they belong now that the robot may be elsewhere; whether any had to be.
-    pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, glimpse: &Glimpse) -> bool {
-        let Glimpse { now, parameters, transforms, .. } = glimpse;
+    pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, update_context: &SceneUpdateContext) -> bool {
+        let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
         self.state.follow_frames(&context)
     }
@@ -243,7 +253,7 @@ impl SceneKeeper {
     /// Another octomap is in force, or none.
     fn note_octomap(
         &mut self,
-        octomap: Option<(OctomapWithPose, Sight)>,
+        octomap: Option<(OctomapWithPose, Observation)>,
         refusals: &[SceneRejection],
         update: Option<&SceneUpdate>,
     ) {
@@ -376,17 +386,17 @@ impl SceneKeeper {
     }
 }
 
-impl Glimpse {
+impl SceneUpdateContext {
     /// What the monitor knows about where the robot is.
-    fn evidence(&self, robot: &Arc<RobotModel>) -> Option<Arc<Evidence>> {
-        let judgement = self.judgement.as_ref()?;
-        let same = judgement.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
-        judgement.placement.clone().filter(|_| same)
+    fn checked_state(&self, robot: &Arc<RobotModel>) -> Option<Arc<CheckedState>> {
+        let evaluation = self.evaluation.as_ref()?;
+        let same = evaluation.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
+        evaluation.placement.clone().filter(|_| same)
     }
 
     /// Where the links were when a cloud was seen, as far as that is remembered, or are now.
     fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<LinkPoses> {
-        let now = self.evidence(robot)?;
+        let now = self.checked_state(robot)?;
         let then = self.places.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));
         let Some((_, then)) = then else { return Some(now.poses.clone()) };
         let mut poses = LinkPoses::new(robot);

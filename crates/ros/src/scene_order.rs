@@ -1,11 +1,11 @@
 //! What a message about the world asks for: an order of the loader.
 
-use clearance_monitor::Sight;
+use clearance_monitor::Observation;
 use clearance_scene::{SceneRejection, SceneUpdate};
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
-use super::recording::{OrderStep, Original, SceneDoor};
+use super::recording::{OrderStep, OriginalMessage, SceneDoor};
 use super::scene::CLEAR_OCTOMAP;
 
 /// Something to be done to the scene.
@@ -18,11 +18,11 @@ pub struct SceneOrder {
     /// How many messages were lost right before it.
     pub(super) lost: u64,
     /// The octomap as it came, and when it was seen.
-    pub(super) octomap: Option<(OctomapWithPose, Sight)>,
+    pub(super) octomap: Option<(OctomapWithPose, Observation)>,
     /// Who waits for it to be in force: whether all of it was done.
     pub(super) done: Option<Sender<bool>>,
     /// The message, if somebody records.
-    original: Option<(OrderStep, Option<Original>)>,
+    original: Option<(OrderStep, Option<OriginalMessage>)>,
 }
 
 impl SceneOrder {
@@ -65,19 +65,19 @@ impl SceneOrder {
     }
 
     #[must_use]
-    pub fn with_octomap(self, octomap: OctomapWithPose, sight: Sight) -> Self {
+    pub fn with_octomap(self, octomap: OctomapWithPose, sight: Observation) -> Self {
         let holds_one = !octomap.octomap.id.is_empty();
         Self { octomap: holds_one.then_some((octomap, sight)), ..self }
     }
 
     /// With the message that it was made of, if somebody records.
     #[must_use]
-    pub fn made_of(self, original: Option<(OrderStep, Option<Original>)>) -> Self {
+    pub fn made_of(self, original: Option<(OrderStep, Option<OriginalMessage>)>) -> Self {
         Self { original, ..self }
     }
 
     /// What it was made of, told once.
-    pub fn take_original(&mut self) -> Option<(OrderStep, Option<Original>)> {
+    pub fn take_original(&mut self) -> Option<(OrderStep, Option<OriginalMessage>)> {
         self.original.take()
     }
 

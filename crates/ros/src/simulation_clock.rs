@@ -11,14 +11,14 @@ use super::messages::time_of;
 use super::middleware::{MessageKind, Middleware, MiddlewareError, Quality, Subscription};
 use super::names::FullName;
 use super::parameter_services::ParameterStore;
-use super::recording::{Happening, Tape};
+use super::recording::{RecordedEvent, RecorderHandle};
 
 /// Follows `/clock` for ever; `changes` tells that a parameter changed.
 pub async fn follow(
     middleware: &Middleware,
     name: &FullName,
     clock: &RosClock,
-    (store, tape): (&ParameterStore, &Tape),
+    (store, tape): (&ParameterStore, &RecorderHandle),
     changes: &Receiver<()>,
 ) -> Result<(), MiddlewareError> {
     let kind = MessageKind("rosgraph_msgs", "Clock");
@@ -38,7 +38,7 @@ pub async fn follow(
                 Some(subscription) => {
                     let (message, _) = subscription.next().await;
                     clock.on_simulation_time(time_of(&message.clock));
-                    tape.note(|| Happening::Clock(message));
+                    tape.note(|| RecordedEvent::Clock(message));
                 }
                 None => future::pending().await,
             }

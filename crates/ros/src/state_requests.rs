@@ -1,7 +1,7 @@
 //! Requests about single states, answered: from names and numbers to configurations, from reports to messages. No I/O.
 
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use clearance_proximity::Effort;
 use clearance_robot::Configuration;
 use clearance_robot::quoted_list;
@@ -10,13 +10,13 @@ use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
 
-use super::cell::{Cell, deadline, not_negative, of_equal_length, revisions};
 use super::clearance_msgs::PairDistance as PairDistanceMessage;
 use super::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
 use super::messages::{body_type, distance_message};
 use super::refusal::{Refusal, bad, shortened};
+use super::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 
 /// States of one request at most: with distances they take a second, and others wait for their turn.
 const STATES: usize = 10_000;
@@ -49,11 +49,11 @@ const NOBODY: i32 = -1;
 #[must_use]
 pub fn answer_states(
     request: &CheckStatesRequest,
-    judgement: Option<&Judgement>,
+    evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> CheckStatesResponse {
     let started = Instant::now();
-    let found = Cell::of(judgement).and_then(|cell| {
+    let found = RequestContext::of(evaluation).and_then(|cell| {
         let effort = Effort {
             deadline: deadline(request.timeout, Some(LONGEST_BATCH), started)?,
             ..Effort::default()
@@ -73,7 +73,7 @@ pub fn answer_states(
         Ok(told.response([limits, note]))
     });
     let mut response = found.unwrap_or_else(|refusal| refused_states(&refusal));
-    (response.model_revision, response.world_revision) = revisions(judgement);
+    (response.model_revision, response.world_revision) = revisions(evaluation);
     response.compute_time = started.elapsed().as_secs_f64();
     response
 }
@@ -82,11 +82,11 @@ pub fn answer_states(
 #[must_use]
 pub fn answer_distances(
     request: &GetDistancesRequest,
-    judgement: Option<&Judgement>,
+    evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> GetDistancesResponse {
     let started = Instant::now();
-    let found = Cell::of(judgement).and_then(|cell| {
+    let found = RequestContext::of(evaluation).and_then(|cell| {
         let deadline = deadline(request.timeout, Some(LONGEST_DISTANCES), started)?;
         let effort = Effort { deadline, ..Effort::default() };
         let limit = limit("max_distance", request.max_distance)?;
@@ -102,7 +102,7 @@ pub fn answer_distances(
         Ok(distances(cell.checker, report, &wanted, request.max_pairs, [limits, note]))
     });
     let mut response = found.unwrap_or_else(|refusal| refused_distances(&refusal));
-    (response.model_revision, response.world_revision) = revisions(judgement);
+    (response.model_revision, response.world_revision) = revisions(evaluation);
     response.compute_time = started.elapsed().as_secs_f64();
     response
 }
@@ -133,7 +133,7 @@ fn limit(name: &str, distance: f64) -> Result<f64, Refusal> {
     Ok(if distance > 0.0 { distance } else { f64::INFINITY })
 }
 
-impl Cell<'_> {
+impl RequestContext<'_> {
     /// The states of a batch, and what its sender should know.
     fn states(&self, request: &CheckStatesRequest) -> Result<(Vec<Configuration>, Option<String>), Refusal> {
         let CheckStatesRequest { joint_names, positions, .. } = request;

@@ -5,20 +5,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use clearance_checker::Workspace;
-use clearance_monitor::Judgement;
+use clearance_monitor::Evaluation;
 use futures_lite::future;
 use smol::LocalExecutor;
 use smol::channel::{self, Receiver, Sender};
 
-use super::cell::known;
 use super::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
 use super::clock::RosClock;
 use super::middleware::{Middleware, MiddlewareError, RequestId, Server};
-use super::monitor_loop::CurrentJudgement;
+use super::monitor_loop::CurrentEvaluation;
 use super::names::Names;
 use super::refusal::Refusal;
+use super::request_context::known;
 use super::state_requests::{answer_distances, answer_states, refused_distances, refused_states};
 
 /// Requests that wait at most; who comes then is told at once that the node is busy.
@@ -47,7 +47,7 @@ pub struct StateServices {
 pub struct StateDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
-    current: CurrentJudgement,
+    current: CurrentEvaluation,
     clock: Arc<RosClock>,
     workspace: Option<Workspace>,
 }
@@ -57,7 +57,7 @@ impl StateServices {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        current: CurrentJudgement,
+        current: CurrentEvaluation,
         clock: Arc<RosClock>,
     ) -> Result<(Self, StateDesk), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
@@ -120,22 +120,22 @@ impl StateDesk {
     /// Checks what is asked until there is no one left to ask.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let judgement = known(&self.current, self.clock.read());
-            let answer = self.answer(request, judgement.as_ref());
+            let evaluation = known(&self.current, self.clock.read());
+            let answer = self.answer(request, evaluation.as_ref());
             if self.answers.send_blocking(answer).is_err() {
                 return;
             }
         }
     }
 
-    fn answer(&mut self, request: Request, judgement: Option<&Judgement>) -> Answer {
+    fn answer(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Answer {
         match request {
             Request::States(id, request) => {
-                let response = self.guarded(|workspace| answer_states(&request, judgement, workspace));
+                let response = self.guarded(|workspace| answer_states(&request, evaluation, workspace));
                 Answer::States(id, response.unwrap_or_else(|| refused_states(&Refusal::Internal)))
             }
             Request::Distances(id, request) => {
-                let response = self.guarded(|workspace| answer_distances(&request, judgement, workspace));
+                let response = self.guarded(|workspace| answer_distances(&request, evaluation, workspace));
                 Answer::Distances(id, response.unwrap_or_else(|| refused_distances(&Refusal::Internal)))
             }
         }

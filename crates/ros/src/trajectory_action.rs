@@ -11,7 +11,7 @@ use super::clearance_srvs::{
     CheckTrajectoryFeedback, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionFindings,
 };
 use super::clock::RosClock;
-use super::goals::{Asked, Canceled, Goals};
+use super::goals::{Canceled, Goals, ResultRequest};
 use super::middleware::{
     ActionServer, GoalId, GoalInfo, Middleware, MiddlewareError, RequestId, Stamp, Standing,
 };
@@ -79,9 +79,11 @@ impl TrajectoryAction {
                 self.goals().forget(self.clock.steady());
                 let asked = self.goals().ask(id, ticket);
                 let (ticket, status, result) = match asked {
-                    Asked::Ended(ticket, status, result) => (ticket, status, result),
-                    Asked::Later => continue,
-                    Asked::Unknown(ticket) => (ticket, Standing::Unknown, CheckTrajectoryResponse::default()),
+                    ResultRequest::Ended(ticket, status, result) => (ticket, status, result),
+                    ResultRequest::Later => continue,
+                    ResultRequest::Unknown(ticket) => {
+                        (ticket, Standing::Unknown, CheckTrajectoryResponse::default())
+                    }
                 };
                 sending.spawn(self.server.answer_result(ticket, status, result)).detach();
             }

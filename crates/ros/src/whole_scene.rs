@@ -10,7 +10,7 @@ const ANYBODY: &str = "planning_scene, apply_planning_scene or planning_scene_wo
 
 /// How much was told as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Told {
+enum Completeness {
     #[default]
     Nothing,
     /// All obstacles.
@@ -22,8 +22,8 @@ enum Told {
 /// What messages have brought as a whole, and what of that is in force.
 #[derive(Debug, Default)]
 pub struct WholeScene {
-    told: Told,
-    in_force: Told,
+    told: Completeness,
+    in_force: Completeness,
     /// The service that is asked; none if empty.
     asked: String,
 }
@@ -34,16 +34,16 @@ impl WholeScene {
         if self.asked != service {
             service.clone_into(&mut self.asked);
             if !service.is_empty() {
-                (self.told, self.in_force) = (Told::Nothing, Told::Nothing);
+                (self.told, self.in_force) = (Completeness::Nothing, Completeness::Nothing);
             }
         }
     }
 
     pub fn heed(&mut self, update: &SceneUpdate) {
         self.told = self.told.max(match update {
-            SceneUpdate::World(_) => Told::World,
-            whole if whole.is_whole() => Told::Scene,
-            _ => Told::Nothing,
+            SceneUpdate::World(_) => Completeness::World,
+            whole if whole.is_whole() => Completeness::Scene,
+            _ => Completeness::Nothing,
         });
     }
 
@@ -63,8 +63,8 @@ impl WholeScene {
         let (needed, teller) =
             match (parameters.planning_scene_service.as_str(), parameters.require_planning_scene) {
                 ("", false) => return None,
-                ("", true) => (Told::World, ANYBODY),
-                (service, _) => (Told::Scene, service),
+                ("", true) => (Completeness::World, ANYBODY),
+                (service, _) => (Completeness::Scene, service),
             };
         (self.told < needed).then(|| WorldSource { name: teller.to_owned(), seen: None, ttl: f64::INFINITY })
     }

@@ -26,7 +26,7 @@ pub(super) struct Anchor {
 }
 
 /// A frame that things stand in.
-pub(super) struct Ground {
+pub(super) struct AnchorFrame {
     pub frame: String,
     /// Its pose in the root's frame now.
     pub pose_rf: Pose,
@@ -45,7 +45,7 @@ pub(super) enum Certainty {
 }
 
 impl Anchor {
-    fn new(Ground { frame, pose_rf, certainty }: Ground, pose_ro: &Pose) -> Self {
+    fn new(AnchorFrame { frame, pose_rf, certainty }: AnchorFrame, pose_ro: &Pose) -> Self {
         Self { frame, pose_fo: pose_rf.inverse() * pose_ro, pose_rf, certainty }
     }
 
@@ -85,7 +85,7 @@ impl Scene {
     }
 
     /// What stands in a frame, stands in this.
-    fn ground(&self, frame: &str, context: &SceneContext) -> Option<Ground> {
+    fn ground(&self, frame: &str, context: &SceneContext) -> Option<AnchorFrame> {
         let frame = frame.trim_start_matches('/');
         let below = context.placed_by(frame, self).and_then(|placed_by| match placed_by {
             PlacedBy::Obstacle(name) => self.anchors.get(name),
@@ -145,7 +145,7 @@ impl Scene {
 
     /// What has to be looked at to know whether obstacles are where they belong.
     #[must_use]
-    pub fn grounds(&self, robot: &RobotModel) -> Grounds {
+    pub fn grounds(&self, robot: &RobotModel) -> AnchorFrames {
         let mut frames: Vec<Watched> = Vec::new();
         let is_there = |(name, _): &(&String, &Anchor)| self.world.obstacle_by_name(name).is_some();
         for (_, Anchor { frame, pose_rf, certainty, .. }) in self.anchors.iter().filter(is_there) {
@@ -156,13 +156,13 @@ impl Scene {
             }
         }
         let root = robot.link(robot.root()).name.clone();
-        Grounds { root, frames, any_ungrounded: self.ungrounded().next().is_some() }
+        AnchorFrames { root, frames, any_ungrounded: self.ungrounded().next().is_some() }
     }
 }
 
 /// The frames that obstacles stand in, and where they were in the root's frame when these were put where they are.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grounds {
+pub struct AnchorFrames {
     root: String,
     frames: Vec<Watched>,
     any_ungrounded: bool,
@@ -175,7 +175,7 @@ struct Watched {
     certainty: Certainty,
 }
 
-impl Grounds {
+impl AnchorFrames {
     /// Whether obstacles have to be put elsewhere now.
     #[must_use]
     pub fn are_elsewhere(&self, transforms: &TransformTree) -> bool {
@@ -220,10 +220,13 @@ impl Grounds {
     }
 
     /// The frames that `tf` tells of again and again, seen from the root.
-    pub fn told_of<'g>(&'g self, transforms: &'g TransformTree) -> impl Iterator<Item = Told<'g>> {
+    pub fn tracked_frames<'g>(
+        &'g self,
+        transforms: &'g TransformTree,
+    ) -> impl Iterator<Item = TrackedFrame<'g>> {
         self.frames.iter().filter_map(|Watched { frame, .. }| {
             let way = transforms.way(&self.root, frame)?;
-            Some(Told { frame, stamp: way.oldest_alive()?, way })
+            Some(TrackedFrame { frame, stamp: way.oldest_alive()?, way })
         })
     }
 }
@@ -239,7 +242,7 @@ pub enum Lost<'g> {
 
 /// A frame that `tf` tells of again and again.
 #[derive(Debug)]
-pub struct Told<'g> {
+pub struct TrackedFrame<'g> {
     pub frame: &'g str,
     /// From the root to it.
     pub way: Way<'g>,

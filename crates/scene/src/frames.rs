@@ -3,7 +3,7 @@
 use clearance_geometry::math::Pose;
 use clearance_robot::{LinkId, LinkPoses, RobotModel, VirtualJoint, quoted};
 
-use super::anchors::{Certainty, Ground};
+use super::anchors::{AnchorFrame, Certainty};
 use super::transform_tree::{Ancestor, TransformTree};
 use super::{Obstacle, Scene, Time};
 
@@ -98,17 +98,17 @@ impl<'c> SceneContext<'c> {
 
     /// What stands in a frame that stays where it is, stands in this: the parent of the virtual joint or, where `tf` does not connect that with the
     /// root and the frame is not below it, the topmost frame above the root; `None` if there is none.
-    pub(super) fn ground(&self, frame: &str) -> Option<Ground> {
+    pub(super) fn ground(&self, frame: &str) -> Option<AnchorFrame> {
         let planning = self.virtual_joints();
         let known = |name: &str| {
             let pose_rf = self.pose_by_tf(name)?;
-            Some(Ground { frame: name.to_owned(), pose_rf, certainty: Certainty::Told })
+            Some(AnchorFrame { frame: name.to_owned(), pose_rf, certainty: Certainty::Told })
         };
         let assumed = || {
             let above = self.transforms.ancestors(frame);
             let joint = planning.clone().find(|joint| above.iter().any(|a| a.name == joint.parent_frame))?;
             let certainty = if joint.kind == "fixed" { Certainty::Fixed } else { Certainty::Assumed };
-            Some(Ground { frame: joint.parent_frame.clone(), pose_rf: Pose::identity(), certainty })
+            Some(AnchorFrame { frame: joint.parent_frame.clone(), pose_rf: Pose::identity(), certainty })
         };
         let topmost = || self.transforms.topmost_above(self.root_name()).and_then(known);
         planning.clone().find_map(|joint| known(&joint.parent_frame)).or_else(assumed).or_else(topmost)

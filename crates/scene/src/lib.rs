@@ -50,8 +50,8 @@ mod way;
 mod world;
 
 pub use allowed_collision_matrix::{AllowedCollisionMatrix, MatrixEntries, MatrixError};
-pub use anchors::Grounds;
-pub use anchors::{Lost, Told, is_elsewhere};
+pub use anchors::AnchorFrames;
+pub use anchors::{Lost, TrackedFrame, is_elsewhere};
 pub use attached_object::{AttachedId, AttachedObject};
 pub use body_id::BodyId;
 pub use change::{

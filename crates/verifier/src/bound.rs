@@ -3,8 +3,8 @@
 use clearance_geometry::math::{Extremes, Point, Vector};
 
 use super::body::Body;
-use super::course::Rate;
-use super::moment::{Line, Placed};
+use super::interval_midpoint::{Line, Placed};
+use super::segment_kinematics::Rate;
 
 /// Steps between the lowest common ancestor of a pair and one of the two, the ancestor's first, and what the body reaches from the line
 /// of each; of a body that has no end, what the other reaches.

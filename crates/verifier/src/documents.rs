@@ -6,8 +6,8 @@ use clearance_motion::{Certificate, CertificateParts, shown};
 use clearance_robot::RobotModel;
 
 use super::Refusal;
-use super::course::Course;
 use super::differences::Differences;
+use super::segment_kinematics::SegmentKinematics;
 use super::subjects::Pair;
 
 /// What a certificate has to name.
@@ -99,7 +99,11 @@ fn check_pairs(given: &[[String; 2]], expected: &[Pair]) -> Result<(), Refusal> 
 }
 
 /// Refuses a segment whose ends are no configurations.
-pub(super) fn check_ends(segment: usize, course: &Course, robot: &RobotModel) -> Result<(), Refusal> {
+pub(super) fn check_ends(
+    segment: usize,
+    course: &SegmentKinematics,
+    robot: &RobotModel,
+) -> Result<(), Refusal> {
     for t in [0.0, 1.0] {
         let end = course.motion.at(t);
         robot.configuration(end.positions()).map_err(|error| Refusal::Configuration { segment, error })?;

@@ -5,7 +5,7 @@
 
 use clearance_motion::{Join, JoinError, MotionSegment, join};
 
-use super::course::Course;
+use super::segment_kinematics::SegmentKinematics;
 use super::verifier::{Interval, Pass};
 use super::{Refusal, Verifier};
 
@@ -17,14 +17,14 @@ pub(super) fn check(
     verifier: &Verifier,
     segment: usize,
     last: &MotionSegment,
-    course: &Course,
+    course: &SegmentKinematics,
 ) -> Result<(), Refusal> {
     let joined = join(last, &course.motion).map_err(|error| broken(verifier, segment, error))?;
     prove(verifier, segment, joined)
 }
 
 /// Rejects a first segment whose obstacles do not start where the world has them.
-pub(super) fn check_start(verifier: &Verifier, course: &Course) -> Result<(), Refusal> {
+pub(super) fn check_start(verifier: &Verifier, course: &SegmentKinematics) -> Result<(), Refusal> {
     let standing = course.motion.standing_at_start();
     let joined = join(&standing, &course.motion).map_err(|error| match error {
         JoinError::Obstacle { name, by } => {
@@ -48,7 +48,7 @@ fn broken(verifier: &Verifier, segment: usize, error: JoinError) -> Refusal {
 
 fn prove(verifier: &Verifier, segment: usize, joined: Join) -> Result<(), Refusal> {
     let Join::Gap(gap) = joined else { return Ok(()) };
-    let course = Course::new(verifier.robot, verifier.world, segment, *gap)?;
+    let course = SegmentKinematics::new(verifier.robot, verifier.world, segment, *gap)?;
     let mut pass = Pass::new(verifier, segment, &course);
     for (number, pair) in verifier.subject.pairs.iter().enumerate() {
         if !stays_apart(&mut pass, number, [0.0, 1.0], MOST_HALVINGS) {

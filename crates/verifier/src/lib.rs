@@ -24,7 +24,6 @@
 mod apart;
 mod body;
 mod bound;
-mod course;
 mod coverage;
 mod differences;
 mod direction;
@@ -32,9 +31,10 @@ mod documents;
 mod element;
 mod expected;
 mod interior;
+mod interval_midpoint;
 mod joins;
-mod moment;
 mod refusal;
+mod segment_kinematics;
 mod subjects;
 mod verifier;
 

@@ -13,9 +13,9 @@ use std::borrow::Cow;
 use super::apart::Apart;
 use super::body::Body;
 use super::bound::{Approach, Side};
-use super::course::{Course, Rate, link_paths};
 use super::documents::{self, Subject};
-use super::moment::{Moment, Ride};
+use super::interval_midpoint::{IntervalMidpoint, Ride};
+use super::segment_kinematics::{Rate, SegmentKinematics, link_paths};
 use super::{Expected, Refusal, Verified, coverage, joins, subjects};
 
 /// How far (m) distances may be below what is claimed: where the search for nearest points of round solids stops.
@@ -108,9 +108,9 @@ impl<'r> Verifier<'r> {
     ) -> Result<Verified, Refusal> {
         let pairs = self.subject.pairs.len();
         let mut verified = Verified { segments: segments.len(), pairs, ..Verified::default() };
-        let mut last: Option<Course> = None;
+        let mut last: Option<SegmentKinematics> = None;
         for ((segment, motion), proof) in segments.into_iter().enumerate().zip(&certificate.segments) {
-            let course = Course::new(self.robot, self.world, segment, motion)?;
+            let course = SegmentKinematics::new(self.robot, self.world, segment, motion)?;
             documents::check_ends(segment, &course, self.robot)?;
             match &last {
                 Some(last) => joins::check(self, segment, &last.motion, &course)?,
@@ -131,8 +131,8 @@ impl<'r> Verifier<'r> {
 pub(super) struct Pass<'p, 'r> {
     verifier: &'p Verifier<'r>,
     segment: usize,
-    course: &'p Course,
-    moment: Moment,
+    course: &'p SegmentKinematics,
+    moment: IntervalMidpoint,
     /// By step, for the interval at hand.
     rates: Vec<Rate>,
     verified: Verified,
@@ -153,8 +153,8 @@ impl Interval {
 }
 
 impl<'p, 'r> Pass<'p, 'r> {
-    pub fn new(verifier: &'p Verifier<'r>, segment: usize, course: &'p Course) -> Self {
-        let moment = Moment::new(verifier.robot, verifier.bodies.len());
+    pub fn new(verifier: &'p Verifier<'r>, segment: usize, course: &'p SegmentKinematics) -> Self {
+        let moment = IntervalMidpoint::new(verifier.robot, verifier.bodies.len());
         Self { verifier, segment, course, moment, rates: Vec::new(), verified: Verified::default() }
     }
 

@@ -121,9 +121,9 @@ fn check(random: &mut Random, far: f64, levels: &[Level]) -> f64 {
     let count = 1 + random.below(20);
     let capsules: Vec<LinkCapsule> =
         (0..count).map(|_| random_pair(random)).flat_map(|(c, d)| [c, d]).collect();
-    let riders: Vec<_> = capsules.iter().enumerate().map(|(i, &c)| (i % 2, c)).collect();
+    let robot_bodies: Vec<_> = capsules.iter().enumerate().map(|(i, &c)| (i % 2, c)).collect();
     let list: Vec<_> = (0..count).map(|i| (2 * i, 2 * i + 1)).collect();
-    let pairs = CapsulePairs::new(&riders, &list);
+    let pairs = CapsulePairs::new(&robot_bodies, &list);
     let still = random.below(2) == 0;
     let frames: Vec<Vec<_>> = (0..8)
         .map(|_| {
@@ -135,7 +135,7 @@ fn check(random: &mut Random, far: f64, levels: &[Level]) -> f64 {
     let margin = [0.0, 0.01, 0.2][random.below(3)];
     let mut loosest = 0.0_f64;
     for (state, answers) in frames.iter().zip(ask(&pairs, &frames, margin, levels)) {
-        let seen: Vec<_> = riders.iter().map(|(body, c)| c.seen_through(&state[*body])).collect();
+        let seen: Vec<_> = robot_bodies.iter().map(|(body, c)| c.seen_through(&state[*body])).collect();
         let extent =
             seen.iter().map(|c| (c.a - seen[0].a).amax().max((c.b - seen[0].a).amax())).fold(1.0, f64::max);
         for (i, pair) in seen.chunks_exact(2).enumerate() {

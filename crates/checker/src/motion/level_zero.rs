@@ -5,12 +5,12 @@ use clearance_geometry::math::UnitVector;
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, dispatch, f64x8};
 use clearance_motion::MotionSegment;
-use clearance_robot::{Deviation, Deviations, Frame, WaysToRoot};
+use clearance_robot::{Deviation, Deviations, Frame, PathsToRoot};
 
 use super::MotionScratch;
-use super::moment::of_whole_interval;
+use super::interval_midpoint::of_whole_interval;
 use crate::batch::Eight;
-use crate::bodies::Rider;
+use crate::bodies::RobotBody;
 use crate::capsules::up;
 use crate::collision_checker::CollisionChecker;
 use crate::questions::near_pairs;
@@ -28,16 +28,16 @@ pub struct Ways {
 }
 
 impl Ways {
-    pub fn new(ways_to_root: &WaysToRoot, riders: &[Rider]) -> Self {
+    pub fn new(paths_to_root: &PathsToRoot, robot_bodies: &[RobotBody]) -> Self {
         let (mut starts, mut to_root) = (Vec::new(), Vec::new());
         let mut next = 0;
-        for rider in riders {
-            let depth = ways_to_root.depth(rider.body);
+        for robot_body in robot_bodies {
+            let depth = paths_to_root.depth(robot_body.body);
             starts.push(next);
             to_root.push(next + depth);
             next += depth + 1;
         }
-        Self { starts, to_root, reach: riders.iter().map(Rider::reach).collect() }
+        Self { starts, to_root, reach: robot_bodies.iter().map(RobotBody::reach).collect() }
     }
 }
 
@@ -102,7 +102,7 @@ impl CollisionChecker {
     pub(super) fn tolerated(&self, segment: &MotionSegment, ways: &mut Vec<f64>, off: &mut Vec<f32>) {
         if segment.tube().is_empty() {
             off.clear();
-            off.resize(self.infos.len() + self.riders.len(), 0.0);
+            off.resize(self.infos.len() + self.robot_bodies.len(), 0.0);
             return;
         }
         self.fill_ways(&Off(segment), segment, ways);
@@ -111,8 +111,8 @@ impl CollisionChecker {
 
     fn fill_ways(&self, deviations: &impl Deviations, segment: &MotionSegment, ways: &mut Vec<f64>) {
         ways.clear();
-        for (rider, reach) in self.riders.iter().zip(&self.ways.reach) {
-            self.chain.stretched_ways(rider.body, *reach, deviations, |i| segment.range(i), ways);
+        for (robot_body, reach) in self.robot_bodies.iter().zip(&self.ways.reach) {
+            self.chain.stretched_ways(robot_body.body, *reach, deviations, |i| segment.range(i), ways);
         }
     }
 
@@ -175,9 +175,9 @@ impl CollisionChecker {
             return;
         }
         let movers = self.moving_places(segment);
-        for (part, rider) in self.riders.iter().enumerate() {
+        for (part, robot_body) in self.robot_bodies.iter().enumerate() {
             let capsules: [_; LANES] =
-                std::array::from_fn(|lane| self.capsule_of(part, &frame(rider.body, lane)));
+                std::array::from_fn(|lane| self.capsule_of(part, &frame(robot_body.body, lane)));
             let motion = f64::from(motion(part));
             self.each_obstacle_near(part, &capsules, motion, workspace, |place, intervals| {
                 if !movers.contains(&place) {
@@ -255,7 +255,7 @@ impl CollisionChecker {
         });
         let whole = of_whole_interval(segment, [from, to]);
         let motion = |part: usize| {
-            let reach = self.reach_of(part, &frames[self.riders[part].body].frame());
+            let reach = self.reach_of(part, &frames[self.robot_bodies[part].body].frame());
             let moved = self.chain.side_motion(self.to_root(part).side(0), &reach, &frames, &whole);
             up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };

@@ -18,9 +18,9 @@
 
 mod certify;
 mod edges;
+mod interval_midpoint;
 mod level_zero;
 mod look_ahead;
-mod moment;
 mod order;
 mod prover;
 mod report;

@@ -13,8 +13,8 @@ use clearance_proximity as query;
 use clearance_proximity::{Effort, Work};
 use clearance_robot::{Configuration, LinkPoses};
 
+use super::interval_midpoint::{IntervalMidpoint, PlacedPair};
 use super::level_zero::NearPair;
-use super::moment::{Moment, PlacedPair};
 use super::report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 use crate::collision_checker::CollisionChecker;
 use crate::pair::Pair;
@@ -364,7 +364,7 @@ impl Prover<'_> {
             scratch,
         );
         scratch.work.volume_tests += 1;
-        let Moment { pair, approach, lower } = &moment;
+        let IntervalMidpoint { pair, approach, lower } = &moment;
         let padding = pair.info.padding;
         let (bound, motion) = (approach.within(1.0), approach.motion());
         if lower - padding > bound {
@@ -437,7 +437,7 @@ impl Prover<'_> {
 impl CollisionChecker {
     /// A point in the frame of a pair's first body, as seen from the root.
     fn in_root(&self, pair: &Pair, point: &Point, segment: &MotionSegment, t: f64) -> Option<Point> {
-        let link = self.riders[pair.info.bodies.0].link;
+        let link = self.robot_bodies[pair.info.bodies.0].link;
         let mut poses = LinkPoses::new(self.robot());
         self.robot().forward_kinematics(&segment.at(t), &mut poses);
         let seat = self.chain.seat(link.index())?;
@@ -447,7 +447,7 @@ impl CollisionChecker {
     }
 }
 
-impl Moment<'_> {
+impl IntervalMidpoint<'_> {
     /// What a distance (m) proves, if it is worth it.
     fn proven(&self, lower: f64) -> Option<Look> {
         let share = self.approach.share(lower - self.pair.info.padding);

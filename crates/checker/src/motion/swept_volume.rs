@@ -4,7 +4,7 @@ use clearance_geometry::math::Point;
 use clearance_geometry::simd::dispatch;
 use clearance_motion::MotionSegment;
 
-use super::moment::of_whole_interval;
+use super::interval_midpoint::of_whole_interval;
 use crate::collision_checker::CollisionChecker;
 use crate::workspace::Workspace;
 use clearance_scene::BodyId;
@@ -38,19 +38,19 @@ impl CollisionChecker {
             let end = |i: usize| i as f64 / intervals.max(1) as f64;
             let t = [end(interval), end(interval + 1)];
             segment.positions_at(0.5 * (t[0] + t[1]), &mut positions);
-            let bounded = self.riders.iter().filter(|rider| rider.capsule.radius.is_finite());
-            for rider in bounded {
-                let between = self.ways_to_root.to_root(rider.body);
+            let bounded = self.robot_bodies.iter().filter(|robot_body| robot_body.capsule.radius.is_finite());
+            for robot_body in bounded {
+                let between = self.paths_to_root.to_root(robot_body.body);
                 let frames = &mut workspace.frames;
                 dispatch!(workspace.scratch.level(), simd => {
                     self.chain.frames_between(simd, &between, &positions, frames);
                 });
-                let reach = rider.reach_at(&(&frames[rider.body]).into());
+                let reach = robot_body.reach_at(&(&frames[robot_body.body]).into());
                 let motion = of_whole_interval(segment, t);
                 let moved = self.chain.side_motion(between.side(0), &reach, frames, &motion);
                 let [a, b] = reach.ends.map(Point::from);
                 let radius = (reach.radius + moved.way + moved.off) * (1.0 + 1e-9) + 1e-9;
-                volumes.push(SweptVolume { body: rider.id, t, a, b, radius });
+                volumes.push(SweptVolume { body: robot_body.id, t, a, b, radius });
             }
         }
         volumes

@@ -83,7 +83,7 @@ pub(super) fn each_segment(
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Stretch<'t> {
     Segment(&'t MotionSegment),
-    /// Between two segments: nothing of it stands in a certificate, since a verifier proves it by itself.
+    /// KinematicPath two segments: nothing of it stands in a certificate, since a verifier proves it by itself.
     Gap(&'t MotionSegment),
 }
 

@@ -27,11 +27,11 @@ fn a_world_known_to_be_incomplete_is_unknown_until_it_is_not() {
         let mut monitor = incomplete_for(&reason);
         // nor is a collision told that would be one
         for (seconds, joints) in [(0.0, FREE), (0.1, COLLIDING), (0.2, FREE)] {
-            let judgement = monitor.on_joint_state(state(seconds, joints), at(seconds));
-            assert_eq!(code(&judgement), reason.code());
-            assert!(judgement.stale_world.is_some() && judgement.placement.is_some());
-            assert_eq!((judgement.speed_scale, judgement.distance().is_nan()), (0.0, true));
-            let text = judgement.status.reason().unwrap().to_string();
+            let evaluation = monitor.on_joint_state(state(seconds, joints), at(seconds));
+            assert_eq!(code(&evaluation), reason.code());
+            assert!(evaluation.stale_world.is_some() && evaluation.placement.is_some());
+            assert_eq!((evaluation.speed_scale, evaluation.distance().is_nan()), (0.0, true));
+            let text = evaluation.status.reason().unwrap().to_string();
             assert!(text.contains(named), "{text}");
         }
         monitor.note_world_faults(Vec::new(), None);

@@ -78,7 +78,7 @@ proptest! {
         let mut monitor = lookout();
         let mut heard = Vec::new();
         for (happening, now) in happenings {
-            let judgement = match happening {
+            let evaluation = match happening {
                 Happening::JointState(input) => {
                     // without positions it is skipped
                     if input.names.is_empty() || !input.positions.is_empty() {
@@ -93,13 +93,13 @@ proptest! {
                 }
             };
             let _ = monitor.time_to_heartbeat(now);
-            prop_assert!((0.0..=0.5).contains(&judgement.time_to_contact()));
-            prop_assert!(judgement.speed_scale == 0.0 || judgement.status.is_free());
+            prop_assert!((0.0..=0.5).contains(&evaluation.time_to_contact()));
+            prop_assert!(evaluation.speed_scale == 0.0 || evaluation.status.is_free());
             let allowed = may_be_free(&heard, now);
-            prop_assert!(!judgement.status.is_free() || allowed, "{:?}", judgement.status);
+            prop_assert!(!evaluation.status.is_free() || allowed, "{:?}", evaluation.status);
             prop_assert_eq!(
-                judgement.evidence.is_some(),
-                !matches!(judgement.status, Status::Unknown(_))
+                evaluation.checked_state.is_some(),
+                !matches!(evaluation.status, Status::Unknown(_))
             );
         }
     }

@@ -42,10 +42,10 @@ fn monitor_of(urdf: &str) -> Monitor {
 #[test]
 fn wrong_mimic_joints_of_one_message_are_unknown_and_named() {
     for (follower, expected) in CASES_IN_ONE_MESSAGE {
-        let judgement = monitor().on_joint_state(with_follower(0.0, follower), at(0.0));
-        assert_eq!(code(&judgement), expected, "{follower}");
-        assert_eq!(judgement.placement.is_some(), expected == "FREE");
-        let reason = judgement.status.reason().map_or("'follower'".to_owned(), ToString::to_string);
+        let evaluation = monitor().on_joint_state(with_follower(0.0, follower), at(0.0));
+        assert_eq!(code(&evaluation), expected, "{follower}");
+        assert_eq!(evaluation.placement.is_some(), expected == "FREE");
+        let reason = evaluation.status.reason().map_or("'follower'".to_owned(), ToString::to_string);
         assert!(reason.contains("'follower'"), "{reason}");
     }
     let twice = input(0.0, &[("shoulder", 0.0), ("elbow", 0.0), ("follower", 0.0), ("follower", 0.0)]);
@@ -63,8 +63,8 @@ fn wrong_mimic_joints_of_a_message_of_their_own_are_unknown_as_well() {
                 [part(1, 0.0, &[("shoulder", 0.0), ("elbow", 0.0)]), part(2, 0.0, &[("follower", follower)])];
             let [first, last] = if follower_first { [1, 0] } else { [0, 1] };
             monitor.on_joint_state(parts[first].clone(), at(0.0));
-            let judgement = monitor.on_joint_state(parts[last].clone(), at(0.0));
-            assert_eq!(code(&judgement), expected, "{follower}");
+            let evaluation = monitor.on_joint_state(parts[last].clone(), at(0.0));
+            assert_eq!(code(&evaluation), expected, "{follower}");
             // it ends when the report has grown old, or another one comes
             let own = part(2, 0.1, &[("follower", 0.0)]);
             assert_eq!(code(&monitor.on_joint_state(own, at(0.1))), "FREE", "after {follower}");
@@ -126,8 +126,8 @@ fn a_moving_mimic_joint_reported_later_than_its_leader_is_no_contradiction() {
             ..part(1, 0.0, &[("shoulder", 0.0), ("elbow", 1.15)])
         };
         monitor.on_joint_state(driver, at(0.0));
-        let judgement = monitor.on_joint_state(part(2, 0.01, &message), at(0.01));
-        assert_eq!(code(&judgement), expected, "{message:?}");
+        let evaluation = monitor.on_joint_state(part(2, 0.01, &message), at(0.01));
+        assert_eq!(code(&evaluation), expected, "{message:?}");
     }
 }
 
@@ -145,17 +145,17 @@ fn velocities_excuse_half_a_radian_at_most() {
 #[test]
 fn mimic_contradictions_may_be_warnings_but_no_number_is_never_one() {
     for (follower, expected) in CASES_IN_ONE_MESSAGE {
-        let judgement = monitor_that_warns().on_joint_state(with_follower(0.0, follower), at(0.0));
+        let evaluation = monitor_that_warns().on_joint_state(with_follower(0.0, follower), at(0.0));
         if expected == "contradiction" {
-            assert_eq!(code(&judgement), "FREE", "{follower}");
+            assert_eq!(code(&evaluation), "FREE", "{follower}");
             let warned = format!("'follower' is reported at {follower}, but it mimics 'elbow'");
             assert!(
-                judgement.warnings.iter().any(|warning| warning.contains(&warned)),
+                evaluation.warnings.iter().any(|warning| warning.contains(&warned)),
                 "{:?}",
-                judgement.warnings
+                evaluation.warnings
             );
         } else {
-            assert_eq!((code(&judgement), judgement.warnings.len()), (expected, 0), "{follower}");
+            assert_eq!((code(&evaluation), evaluation.warnings.len()), (expected, 0), "{follower}");
         }
     }
 }
@@ -191,18 +191,18 @@ fn mimic_joints_of_every_kind_are_compared_with_where_they_are_checked() {
     ] {
         for (value, expected) in [(right, true), (wrong, false)] {
             let state = input(0.0, &[("finger", 0.04), ("wheel", 3.0), (name, value)]);
-            let judgement = monitor_of(&urdf).on_joint_state(state, at(0.0));
+            let evaluation = monitor_of(&urdf).on_joint_state(state, at(0.0));
             assert_eq!(
-                code(&judgement) != "contradiction",
+                code(&evaluation) != "contradiction",
                 expected,
                 "{name} at {value}: {:?}",
-                judgement.status
+                evaluation.status
             );
             let apart = part(2, 0.0, &[(name, value)]);
             let mut monitor = monitor_of(&urdf);
             monitor.on_joint_state(input(0.0, &[("finger", 0.04), ("wheel", 3.0)]), at(0.0));
-            let judgement = monitor.on_joint_state(apart, at(0.0));
-            assert_eq!(code(&judgement) != "contradiction", expected, "{name} alone at {value}");
+            let evaluation = monitor.on_joint_state(apart, at(0.0));
+            assert_eq!(code(&evaluation) != "contradiction", expected, "{name} alone at {value}");
         }
     }
 }
@@ -222,7 +222,7 @@ fn of_many_mimic_contradictions_one_is_told_and_the_rest_counted() {
     let names: Vec<String> = (0..5).map(|i| format!("f{i}")).collect();
     let joints: Vec<(&str, f64)> =
         [("j", 0.0)].into_iter().chain(names.iter().map(|name| (name.as_str(), 1.0))).collect();
-    let judgement = monitor_of(&urdf).on_joint_state(input(0.0, &joints), at(0.0));
-    let reason = judgement.status.reason().unwrap().to_string();
+    let evaluation = monitor_of(&urdf).on_joint_state(input(0.0, &joints), at(0.0));
+    let reason = evaluation.status.reason().unwrap().to_string();
     assert!(reason.contains("'f0'") && reason.contains("4 more mimic joints"), "{reason}");
 }

@@ -2,16 +2,16 @@
 
 #![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
 
+mod check_budget;
 mod contact;
-mod ground;
 mod held;
 mod incomplete;
 mod laws;
 mod mimic_joints;
 mod models;
-mod pace;
 mod placement;
 mod publishers;
+mod root_location;
 mod speed;
 mod unpositioned;
 mod world_updates;
@@ -115,8 +115,8 @@ fn moving(seconds: f64, positions: [f64; 2], velocities: &[f64]) -> JointStateIn
     JointStateInput { velocities: velocities.to_vec(), ..state(seconds, positions) }
 }
 
-fn code(judgement: &Judgement) -> &'static str {
-    judgement.status.reason().map_or(judgement.status.word(), Reason::code)
+fn code(evaluation: &Evaluation) -> &'static str {
+    evaluation.status.reason().map_or(evaluation.status.word(), Reason::code)
 }
 
 #[test]
@@ -157,11 +157,11 @@ fn what_is_wrong_is_unknown_and_named() {
         (state(-0.6, FREE), "stale", "0.600 s"),
         (state(0.6, FREE), "future_stamp", "0.600 s"),
     ] {
-        let judgement = monitor().on_joint_state(input.clone(), at(0.0));
-        assert_eq!(code(&judgement), expected, "{input:?}");
-        let reason = judgement.status.reason().unwrap().to_string();
+        let evaluation = monitor().on_joint_state(input.clone(), at(0.0));
+        assert_eq!(code(&evaluation), expected, "{input:?}");
+        let reason = evaluation.status.reason().unwrap().to_string();
         assert!(reason.contains(named), "{reason}");
-        assert!(judgement.evidence.is_none() && judgement.distance().is_nan());
+        assert!(evaluation.checked_state.is_none() && evaluation.distance().is_nan());
     }
 }
 
@@ -177,10 +177,10 @@ fn what_is_odd_is_judged_with_a_warning() {
         (state(0.0, [3.3, 0.0]), Some("joint 'shoulder' is at 3.3, outside its limits")),
         (unstamped, Some("stamp")),
     ] {
-        let judgement = monitor().on_joint_state(input.clone(), at(0.0));
-        assert!(judgement.evidence.is_some(), "{input:?}: {}", code(&judgement));
-        assert_eq!(judgement.warnings.len(), usize::from(warned.is_some()), "{input:?}");
-        assert!(judgement.warnings.iter().all(|w| w.contains(warned.unwrap_or_default())));
+        let evaluation = monitor().on_joint_state(input.clone(), at(0.0));
+        assert!(evaluation.checked_state.is_some(), "{input:?}: {}", code(&evaluation));
+        assert_eq!(evaluation.warnings.len(), usize::from(warned.is_some()), "{input:?}");
+        assert!(evaluation.warnings.iter().all(|w| w.contains(warned.unwrap_or_default())));
     }
 }
 
@@ -209,9 +209,9 @@ fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(0.0, FREE), at(0.0));
     for (seconds, expected) in [(0.1, "FREE"), (0.5, "FREE"), (0.51, "stale"), (9.0, "stale")] {
-        let judgement = monitor.on_heartbeat(at(seconds));
-        assert_eq!(code(&judgement), expected, "after {seconds} s");
-        assert!((judgement.age.unwrap() - seconds).abs() < 1e-9);
+        let evaluation = monitor.on_heartbeat(at(seconds));
+        assert_eq!(code(&evaluation), expected, "after {seconds} s");
+        assert!((evaluation.age.unwrap() - seconds).abs() < 1e-9);
     }
     assert_eq!(code(&monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
 }
@@ -220,12 +220,12 @@ fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
 #[test]
 fn a_judgement_ages_while_the_monitor_is_busy() {
     let mut monitor = monitor();
-    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
-    let fresh = judgement.clone().aged(at(0.49));
+    let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    let fresh = evaluation.clone().aged(at(0.49));
     assert_eq!((code(&fresh), fresh.placement.is_some()), ("FREE", true));
     assert!((fresh.age.unwrap() - 0.49).abs() < 1e-9);
-    let old = judgement.aged(at(0.51));
-    assert_eq!((code(&old), old.placement.is_some(), old.evidence.is_some()), ("stale", false, false));
+    let old = evaluation.aged(at(0.51));
+    assert_eq!((code(&old), old.placement.is_some(), old.checked_state.is_some()), ("stale", false, false));
     assert_eq!((old.speed_scale, old.stale_world.is_some()), (0.0, false));
     assert!(old.status.reason().unwrap().to_string().contains("judged for 0.510 s"));
 }
@@ -237,8 +237,8 @@ fn a_robot_without_collision_geometry_is_never_free() {
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
     let mut monitor = monitor();
     monitor.set_checker(Arc::new(Revision::new(checker, 2, 0)));
-    let judgement = monitor.on_joint_state(input(0.0, &[("any", 0.0)]), at(0.0));
-    assert_eq!(code(&judgement), "no_geometry");
+    let evaluation = monitor.on_joint_state(input(0.0, &[("any", 0.0)]), at(0.0));
+    assert_eq!(code(&evaluation), "no_geometry");
     assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "no_geometry");
 }
 
@@ -291,9 +291,9 @@ fn what_was_heard_before_the_clock_was_set_far_back_counts_no_more() {
     let stepped = Now { ros: at(99.8).ros, steady: at(100.0).steady };
     assert_eq!(code(&monitor.on_heartbeat(stepped)), "FREE");
     let restarted = |seconds| Now { ros: at(seconds).ros, steady: at(100.1 + seconds).steady };
-    let judgement = monitor.on_heartbeat(restarted(0.0));
-    assert_eq!((code(&judgement), judgement.stamp, judgement.age), ("clock_jump", None, None));
-    assert!(judgement.status.reason().unwrap().to_string().contains("99.800 s"), "{:?}", judgement.status);
+    let evaluation = monitor.on_heartbeat(restarted(0.0));
+    assert_eq!((code(&evaluation), evaluation.stamp, evaluation.age), ("clock_jump", None, None));
+    assert!(evaluation.status.reason().unwrap().to_string().contains("99.800 s"), "{:?}", evaluation.status);
     assert_eq!(code(&monitor.on_heartbeat(restarted(0.1))), "clock_jump");
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), restarted(0.1))), "FREE");
     // a leap forward makes it old
@@ -306,8 +306,8 @@ fn nothing_is_known_while_checking_is_disabled() {
     assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), at(0.0))), "FREE");
     monitor.set_enabled(false);
     assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
-    let judgement = monitor.on_heartbeat(at(0.0));
-    assert!(code(&judgement) == "disabled" && judgement.placement.is_none());
+    let evaluation = monitor.on_heartbeat(at(0.0));
+    assert!(code(&evaluation) == "disabled" && evaluation.placement.is_none());
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "disabled");
     // whatever is stale meanwhile
     assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "disabled");
@@ -324,16 +324,20 @@ fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
         distance_limit: 5.0,
         ..settings_of_lookout()
     });
-    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
-    assert_eq!(code(&judgement), "deadline");
-    let reason = judgement.status.reason().unwrap().to_string();
+    let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(code(&evaluation), "deadline");
+    let reason = evaluation.status.reason().unwrap().to_string();
     assert!(
         reason.contains("1 pairs were decided") && reason.contains("'base'") && reason.contains("'ball'"),
         "{reason}"
     );
-    assert!(judgement.evidence.is_none() && judgement.distance().is_nan() && judgement.placement.is_some());
-    assert_eq!(judgement.time_to_contact(), 0.0);
-    assert!(judgement.warnings[0].contains("check_deadline"), "{:?}", judgement.warnings);
+    assert!(
+        evaluation.checked_state.is_none()
+            && evaluation.distance().is_nan()
+            && evaluation.placement.is_some()
+    );
+    assert_eq!(evaluation.time_to_contact(), 0.0);
+    assert!(evaluation.warnings[0].contains("check_deadline"), "{:?}", evaluation.warnings);
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "deadline");
     assert_eq!(code(&monitor.on_heartbeat(at(1.0))), "stale");
 
@@ -374,8 +378,8 @@ fn distances_within_a_tolerance_are_told_too_small_if_anything() {
 #[test]
 fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
     let mut monitor = monitor();
-    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
-    assert_eq!(judgement.revision.unwrap().model, 1);
+    let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(evaluation.revision.unwrap().model, 1);
     assert!(monitor.time_to_heartbeat(at(0.0)) > Duration::ZERO);
 
     monitor.set_checker(revision(2));
@@ -383,8 +387,8 @@ fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
     assert_eq!(monitor.on_heartbeat(at(0.1)).revision.unwrap().model, 2);
 
     monitor.set_settings(MonitorSettings { distance_limit: 1.0, ..MonitorSettings::default() });
-    let judgement = monitor.on_heartbeat(at(0.2));
-    assert_eq!((code(&judgement), judgement.distance()), ("FREE", f64::INFINITY));
+    let evaluation = monitor.on_heartbeat(at(0.2));
+    assert_eq!((code(&evaluation), evaluation.distance()), ("FREE", f64::INFINITY));
 
     // a model that was refused changes nothing
     monitor.note_model_fault("not XML".to_owned());
@@ -405,45 +409,50 @@ fn the_next_heartbeat_is_due_after_its_period_or_when_the_judgement_turns_stale(
 
 #[test]
 fn a_world_that_nobody_has_seen_lately_is_unknown() {
-    let seen = |seconds| Some(Sight { stamp: time(START + seconds), at: Duration::from_secs_f64(seconds) });
+    let seen =
+        |seconds| Some(Observation { stamp: time(START + seconds), at: Duration::from_secs_f64(seconds) });
     let watched = |seen| {
         let mut revision = Arc::into_inner(revision(2)).unwrap();
         let source = |name: &str, seen| WorldSource { name: name.to_owned(), seen, ttl: 0.25 };
         revision.sources = vec![
             source("/camera", seen),
-            source("/other", Some(Sight { stamp: time(START + 9.0), at: Duration::from_secs(9) })),
+            source("/other", Some(Observation { stamp: time(START + 9.0), at: Duration::from_secs(9) })),
         ];
         revision.warnings = vec!["a cloud was dropped".to_owned()];
         Arc::new(revision)
     };
     let mut monitor = monitor();
     monitor.set_checker(watched(None));
-    let judgement = monitor.on_joint_state(state(0.0, FREE), at(0.0));
-    assert_eq!(code(&judgement), "stale_world");
-    assert!(judgement.status.reason().unwrap().to_string().contains("'/camera'"));
-    assert!(judgement.evidence.is_none() && judgement.placement.is_some() && judgement.distance().is_nan());
-    assert_eq!(&*judgement.warnings, ["a cloud was dropped"]);
+    let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    assert_eq!(code(&evaluation), "stale_world");
+    assert!(evaluation.status.reason().unwrap().to_string().contains("'/camera'"));
+    assert!(
+        evaluation.checked_state.is_none()
+            && evaluation.placement.is_some()
+            && evaluation.distance().is_nan()
+    );
+    assert_eq!(&*evaluation.warnings, ["a cloud was dropped"]);
 
     monitor.set_checker(watched(seen(0.0)));
     assert_eq!(code(&monitor.on_heartbeat(at(0.2))), "FREE");
     let due = monitor.time_to_heartbeat(at(0.2));
     assert!((0.05..0.06).contains(&due.as_secs_f64()), "{due:?}");
-    let judgement = monitor.on_heartbeat(at(0.2 + due.as_secs_f64()));
-    assert_eq!((code(&judgement), judgement.stale_world.is_some()), ("stale_world", true));
+    let evaluation = monitor.on_heartbeat(at(0.2 + due.as_secs_f64()));
+    assert_eq!((code(&evaluation), evaluation.stale_world.is_some()), ("stale_world", true));
     // nor is it told to who asks while the monitor is busy
     let aged = monitor.on_heartbeat(at(0.2)).aged(at(0.26));
     assert_eq!((code(&aged), aged.stale_world.is_some(), aged.placement.is_some()), ("stale", true, true));
     // a joint state does not make it known, nor does a collision that it would be
     assert_eq!(code(&monitor.on_joint_state(state(0.3, COLLIDING), at(0.3))), "stale_world");
     // what comes late has used up its time already
-    monitor.set_checker(watched(Some(Sight { stamp: time(START), at: Duration::from_secs_f64(0.3) })));
+    monitor.set_checker(watched(Some(Observation { stamp: time(START), at: Duration::from_secs_f64(0.3) })));
     assert_eq!(code(&monitor.on_heartbeat(at(0.3))), "stale_world");
     monitor.set_checker(watched(seen(0.3)));
     assert_eq!(code(&monitor.on_heartbeat(at(0.31))), "COLLIDING");
     // a stale joint state is told first
-    let judgement = monitor.on_heartbeat(at(1.0));
-    assert_eq!((code(&judgement), judgement.stale_world.is_some()), ("stale", true));
-    assert!(judgement.placement.is_none());
+    let evaluation = monitor.on_heartbeat(at(1.0));
+    assert_eq!((code(&evaluation), evaluation.stale_world.is_some()), ("stale", true));
+    assert!(evaluation.placement.is_none());
 }
 
 #[test]
@@ -461,11 +470,11 @@ fn hostile_names_make_no_long_message() {
     let names: Vec<String> = (0..1000).map(|i| format!("{long}{i}")).collect();
     let positions = vec![0.0; names.len()];
     let hostile = JointStateInput { names, positions, ..state(0.0, FREE) };
-    let judgement = monitor().on_joint_state(hostile, at(0.0));
-    assert_eq!(code(&judgement), "partial");
-    assert!(judgement.status.reason().unwrap().to_string().len() < 1000);
+    let evaluation = monitor().on_joint_state(hostile, at(0.0));
+    assert_eq!(code(&evaluation), "partial");
+    assert!(evaluation.status.reason().unwrap().to_string().len() < 1000);
 
     let twice = input(0.0, &[("elbow", 0.0), ("elbow", 1.0), (&long, 0.0)]);
-    let judgement = monitor().on_joint_state(twice, at(0.0));
-    assert!(judgement.warnings.iter().all(|warning| warning.len() < 1000));
+    let evaluation = monitor().on_joint_state(twice, at(0.0));
+    assert!(evaluation.warnings.iter().all(|warning| warning.len() < 1000));
 }

@@ -14,9 +14,9 @@ fn nothing_is_known_until_another_model_is_there_or_refused() {
 
     monitor.note_model_swap();
     monitor.note_model_fault("not XML".to_owned());
-    let judgement = monitor.on_heartbeat(at(0.2));
-    assert_eq!(code(&judgement), "FREE");
-    assert!(judgement.warnings[0].contains("not XML"), "{:?}", judgement.warnings);
+    let evaluation = monitor.on_heartbeat(at(0.2));
+    assert_eq!(code(&evaluation), "FREE");
+    assert!(evaluation.warnings[0].contains("not XML"), "{:?}", evaluation.warnings);
 
     // it stays refused while the world changes, and is forgotten with the next model
     monitor.set_checker(Arc::new(Revision { world: 1, ..Arc::into_inner(revision(2)).unwrap() }));

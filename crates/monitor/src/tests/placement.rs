@@ -61,21 +61,21 @@ fn a_base_stands_where_tf_tells() {
     ] {
         let mut monitor = rover(kind);
         let lift = || input(0.0, &[("lift", 0.5)]);
-        let judgement = monitor.on_joint_state(lift(), at(0.0));
-        let reason = judgement.status.reason().unwrap().to_string();
-        assert_eq!(code(&judgement), "partial", "without a word of tf: {reason}");
+        let evaluation = monitor.on_joint_state(lift(), at(0.0));
+        let reason = evaluation.status.reason().unwrap().to_string();
+        assert_eq!(code(&evaluation), "partial", "without a word of tf: {reason}");
         monitor.note_transforms(&TransformTree::default());
-        let judgement = monitor.on_joint_state(lift(), at(0.0));
-        let reason = judgement.status.reason().unwrap().to_string();
-        assert_eq!(code(&judgement), "no_transform");
+        let evaluation = monitor.on_joint_state(lift(), at(0.0));
+        let reason = evaluation.status.reason().unwrap().to_string();
+        assert_eq!(code(&evaluation), "no_transform");
         assert!(reason.contains("'odom' to 'base'") && reason.contains("'drive'"), "{reason}");
 
         monitor.note_transforms(&tree(0.0, there));
-        let judgement = monitor.on_heartbeat(at(0.0));
-        assert_eq!(code(&judgement), "FREE");
-        let evidence = judgement.evidence.unwrap();
-        let base = judgement.revision.unwrap().checker.robot().link_by_name("base").unwrap();
-        let apart = evidence.poses.pose(base).inv_mul(&there);
+        let evaluation = monitor.on_heartbeat(at(0.0));
+        assert_eq!(code(&evaluation), "FREE");
+        let checked_state = evaluation.checked_state.unwrap();
+        let base = evaluation.revision.unwrap().checker.robot().link_by_name("base").unwrap();
+        let apart = checked_state.poses.pose(base).inv_mul(&there);
         assert!(apart.translation.vector.norm() < 1e-9 && apart.rotation.angle() < 1e-9, "{kind}: {apart}");
     }
 }
@@ -93,9 +93,9 @@ fn a_transform_that_is_old_or_leaves_the_plane_places_nothing() {
     assert_eq!(code(&monitor.on_joint_state(lift(1.0), at(1.0))), "FREE");
     let due = monitor.time_to_heartbeat(at(1.0));
     assert!(due < Duration::from_millis(2), "{due:?}");
-    let judgement = monitor.on_heartbeat(at(1.01));
-    assert!(judgement.placement.is_none() && code(&judgement) == "no_transform");
-    assert!(judgement.status.reason().unwrap().to_string().contains("1.010 s old"));
+    let evaluation = monitor.on_heartbeat(at(1.01));
+    assert!(evaluation.placement.is_none() && code(&evaluation) == "no_transform");
+    assert!(evaluation.status.reason().unwrap().to_string().contains("1.010 s old"));
     monitor.note_transforms(&tree(1.1, pose([3.0, 0.0, 0.0], [0.0; 3])));
     assert_eq!(code(&monitor.on_heartbeat(at(1.1))), "FREE");
 
@@ -105,9 +105,9 @@ fn a_transform_that_is_old_or_leaves_the_plane_places_nothing() {
         (tree(9.0, pose([3.0, 0.0, 0.0], [0.0; 3])), "in the future"),
     ] {
         monitor.note_transforms(&there);
-        let judgement = monitor.on_joint_state(lift(1.2), at(1.2));
-        let reason = judgement.status.reason().unwrap().to_string();
-        assert!(code(&judgement) == "no_transform" && reason.contains(why), "{reason}");
+        let evaluation = monitor.on_joint_state(lift(1.2), at(1.2));
+        let reason = evaluation.status.reason().unwrap().to_string();
+        assert!(code(&evaluation) == "no_transform" && reason.contains(why), "{reason}");
     }
 }
 
@@ -117,8 +117,8 @@ fn a_wish_for_transforms_that_cannot_be_fulfilled_is_told() {
     let mut monitor = rover("floating");
     monitor.set_settings(MonitorSettings { transform_joints, ..MonitorSettings::default() });
     monitor.note_transforms(&tree(0.0, pose([3.0, 0.0, 0.0], [0.0; 3])));
-    let judgement = monitor.on_joint_state(input(0.0, &[("lift", 0.5)]), at(0.0));
-    assert_eq!(code(&judgement), "FREE");
-    assert_eq!(judgement.warnings.len(), 2);
-    assert!(judgement.warnings[0].contains("'lift'") && judgement.warnings[1].contains("'wing'"));
+    let evaluation = monitor.on_joint_state(input(0.0, &[("lift", 0.5)]), at(0.0));
+    assert_eq!(code(&evaluation), "FREE");
+    assert_eq!(evaluation.warnings.len(), 2);
+    assert!(evaluation.warnings[0].contains("'lift'") && evaluation.warnings[1].contains("'wing'"));
 }

@@ -25,12 +25,12 @@ fn what_several_publishers_say_is_one_state_with_an_age_for_each_joint() {
     monitor.on_heartbeat(at(0.45));
     let due = monitor.time_to_heartbeat(at(0.45)).as_secs_f64();
     assert!((0.05..0.06).contains(&due), "{due}");
-    let judgement = monitor.on_joint_state(part(2, 0.6, &[("elbow", 0.0)]), at(0.6));
-    let reason = judgement.status.reason().unwrap().to_string();
-    assert_eq!(code(&judgement), "stale");
+    let evaluation = monitor.on_joint_state(part(2, 0.6, &[("elbow", 0.0)]), at(0.6));
+    let reason = evaluation.status.reason().unwrap().to_string();
+    assert_eq!(code(&evaluation), "stale");
     assert!(reason.contains("'shoulder' is 0.600 s old") && !reason.contains("elbow"), "{reason}");
-    let judgement = monitor.on_joint_state(part(3, 0.6, &[("shoulder", 0.0)]), at(0.6));
-    assert_eq!(code(&judgement), "FREE", "another takes its place");
+    let evaluation = monitor.on_joint_state(part(3, 0.6, &[("shoulder", 0.0)]), at(0.6));
+    assert_eq!(code(&evaluation), "FREE", "another takes its place");
     let reason = monitor.on_heartbeat(at(2.0)).status.reason().unwrap().to_string();
     assert!(reason.starts_with("the last joint state is 1.400 s old"), "{reason}");
 }
@@ -78,7 +78,7 @@ fn a_played_bag_is_one_publisher_that_says_what_several_said() {
 #[test]
 fn what_is_only_heard_is_judged_with_the_next() {
     let mut monitor = monitor();
-    monitor.hear(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0));
+    monitor.receive(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0));
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.0, &[("elbow", 0.0)]), at(0.0))), "FREE");
 }
 
@@ -89,7 +89,7 @@ fn velocities_of_several_publishers_are_those_of_one_robot() {
         velocities: vec![velocity],
         ..part(from, 0.0, &[(name, 0.0)])
     };
-    monitor.hear(with(1, "shoulder", 0.0), at(0.0));
+    monitor.receive(with(1, "shoulder", 0.0), at(0.0));
     assert_eq!(monitor.on_joint_state(with(2, "elbow", 0.0), at(0.0)).time_to_contact(), 0.5);
     assert_eq!(monitor.on_joint_state(with(2, "elbow", f64::NAN), at(0.0)).time_to_contact(), 0.0);
 }

@@ -105,8 +105,8 @@ fn drivers_that_tell_no_velocities_hide_none_of_others() {
                 ..told
             };
             monitor.on_joint_state(told, at(seconds));
-            let judgement = monitor.on_joint_state(turntable(seconds + 0.01), at(seconds + 0.01));
-            scales.push((judgement.speed_scale, elbow));
+            let evaluation = monitor.on_joint_state(turntable(seconds + 0.01), at(seconds + 0.01));
+            scales.push((evaluation.speed_scale, elbow));
         }
         for (scale, elbow) in &scales[8..] {
             // the share lags by the counts
@@ -166,8 +166,8 @@ proptest! {
         let distance = distance_at(elbow);
         let rate = (distance_at(elbow - STEP * velocity) - distance_at(elbow + STEP * velocity)) / (2.0 * STEP);
         prop_assume!(rate.abs() > 0.01 && distance > 0.0 && distance < 0.5);
-        let judgement = governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0));
+        let evaluation = governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0));
         let expected = if rate < 0.0 { 1.0 } else { ((distance - 0.1 * rate - 0.1) / 0.4).clamp(0.0, 1.0) };
-        prop_assert!((judgement.speed_scale - expected).abs() < 1e-3, "{} but {expected}", judgement.speed_scale);
+        prop_assert!((evaluation.speed_scale - expected).abs() < 1e-3, "{} but {expected}", evaluation.speed_scale);
     }
 }

@@ -19,10 +19,10 @@ fn a_message_that_is_not_in_force_soon_makes_the_state_unknown_until_it_is() {
     let busy = monitor.on_heartbeat(at(0.14)).aged(at(0.16));
     assert!(!busy.status.is_free() && busy.stale_world.is_some());
     for (seconds, joints) in [(0.151, FREE), (0.2, COLLIDING), (5.0, FREE)] {
-        let judgement = monitor.on_joint_state(state(seconds, joints), at(seconds));
-        assert_eq!(code(&judgement), "world_update");
-        assert!(judgement.stale_world.is_some() && judgement.placement.is_some());
-        assert_eq!((judgement.speed_scale, judgement.distance().is_nan()), (0.0, true));
+        let evaluation = monitor.on_joint_state(state(seconds, joints), at(seconds));
+        assert_eq!(code(&evaluation), "world_update");
+        assert!(evaluation.stale_world.is_some() && evaluation.placement.is_some());
+        assert_eq!((evaluation.speed_scale, evaluation.distance().is_nan()), (0.0, true));
     }
     let reason = monitor.on_heartbeat(at(5.0)).status.reason().unwrap().to_string();
     assert!(reason.contains("1 messages about it are not in force yet, the oldest for 4.950 s"), "{reason}");

@@ -180,7 +180,7 @@ mod tests {
     }
 
     fn approach(chain: &Chain, bodies: [usize; 2], capsules: &[Reach; 2], wave: &Wave) -> Approach {
-        let ways = chain.ways_to_root();
+        let ways = chain.paths_to_root();
         let common = ways.common_depths(bodies[0])[bodies[1]];
         let between = ways.between(bodies, bodies.map(|body| ways.depth(body) - common));
         let mut seen = vec![PlacedFrame::IDENTITY; chain.body_count()];

@@ -2,7 +2,7 @@
 
 use clearance_geometry::math::{Pose, RotationMatrix, UnitVector, Vector};
 
-use super::{Body, Chain, ChainJoint, EightSources, Frame, Motion, Seat, Source, Step, Turn};
+use super::{Body, Chain, ChainJoint, EightSources, Frame, LinkInBody, Motion, Source, Step, Turn};
 
 impl Chain {
     /// Compiles `joints`, parents first, of a robot whose links are numbered; `needed` says by link whether its frame
@@ -247,8 +247,8 @@ impl DraftBody {
 }
 
 impl DraftSeat {
-    fn aimed(&self, aims: &[f64]) -> Seat {
-        Seat { body: self.body, place: self.place.seen_from(aims[self.body]).frame() }
+    fn aimed(&self, aims: &[f64]) -> LinkInBody {
+        LinkInBody { body: self.body, place: self.place.seen_from(aims[self.body]).frame() }
     }
 }
 

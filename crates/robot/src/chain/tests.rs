@@ -214,7 +214,7 @@ fn bodies_never_leave_their_territories() {
                 *farthest = farthest.max((Vector::from(frame.t) - territory.centre).norm());
             }
         }
-        for (farthest, Territory { radius, .. }) in farthest.iter().zip(&territories) {
+        for (farthest, ReachableRegion { radius, .. }) in farthest.iter().zip(&territories) {
             assert!(*farthest <= radius + 1e-12, "{farthest} {radius}");
             bounded += usize::from(radius.is_finite() && *radius > 0.0);
             tight += usize::from(*farthest > 0.9 * radius && *radius > 0.0);
@@ -249,7 +249,7 @@ fn ways_of_long_chains_are_stored_once() {
         Chain::compile(0, &joints, &vec![true; parents.len() + 1])
     };
     let parents: Vec<usize> = (0..2000).collect();
-    assert_eq!(chain_of(&parents).ways_to_root().stored(), 2001);
-    assert_eq!(chain_of(&[0; 100]).ways_to_root().stored(), 200);
-    assert_eq!(chain_of(&[]).ways_to_root().stored(), 1);
+    assert_eq!(chain_of(&parents).paths_to_root().stored(), 2001);
+    assert_eq!(chain_of(&[0; 100]).paths_to_root().stored(), 200);
+    assert_eq!(chain_of(&[]).paths_to_root().stored(), 1);
 }

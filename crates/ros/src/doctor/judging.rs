@@ -1,7 +1,7 @@
 //! Whether what is heard will do.
 
 use clearance_checker::{CollisionChecker, solid_mesh_remarks};
-use clearance_monitor::{Judgement, Monitor, MonitorSettings, Revision, Status, Time};
+use clearance_monitor::{Evaluation, Monitor, MonitorSettings, Revision, Status, Time};
 use clearance_robot::quoted_list;
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
 use clearance_scene::World;
@@ -143,8 +143,8 @@ pub fn about_joint_states(
     };
     match judge((robot, mesh_model), heard, parameters) {
         Err(error) => findings.push(wrong("robot", error)),
-        Ok(judgement) => {
-            findings.push(match &judgement.status {
+        Ok(evaluation) => {
+            findings.push(match &evaluation.status {
                 Status::Free => good(about, "the robot is free of itself"),
                 Status::Colliding => note(
                     about,
@@ -152,7 +152,7 @@ pub fn about_joint_states(
                 ),
                 Status::Unknown(reason) => wrong(about, reason.to_string()),
             });
-            findings.extend(judgement.warnings.iter().map(|warning| note(about, warning.clone())));
+            findings.extend(evaluation.warnings.iter().map(|warning| note(about, warning.clone())));
         }
     }
     findings
@@ -163,7 +163,7 @@ fn judge(
     (robot, mesh_model): (RobotModel, MeshModel),
     heard: &Heard,
     parameters: &Parameters,
-) -> Result<Judgement, String> {
+) -> Result<Evaluation, String> {
     let settings = Settings { mesh_model, ..Settings::default() };
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), settings);
     let checker = checker.map_err(|error| error.to_string())?;
@@ -178,11 +178,11 @@ fn judge(
     let mut monitor = Monitor::new(settings, || Duration::ZERO);
     monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
     monitor.note_transforms(&heard.transforms);
-    let mut judgement = None;
+    let mut evaluation = None;
     for (message, publisher, came) in &heard.joint_states {
-        judgement = Some(monitor.on_joint_state(joint_state_input(message.clone(), *publisher), *came));
+        evaluation = Some(monitor.on_joint_state(joint_state_input(message.clone(), *publisher), *came));
     }
-    judgement.ok_or_else(|| "no joint state came".to_owned())
+    evaluation.ok_or_else(|| "no joint state came".to_owned())
 }
 
 #[cfg(test)]

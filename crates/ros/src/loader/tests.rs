@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use clearance_monitor::{Monitor, SourceId, Time, Trail};
+use clearance_monitor::{JointStateHistory, Monitor, SourceId, Time};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2, PointField};
 
 use super::*;
+use crate::loader_inputs::places_of;
 use crate::messages::{joint_state_input, stamp_message};
-use crate::outlook::places_of;
 
 /// A ball that turns about z, which is all of a robot of this name.
 fn urdf(name: &str) -> String {
@@ -42,18 +42,22 @@ fn cloud() -> PointCloud2 {
 struct Cell {
     loader: Loader,
     monitor: Monitor,
-    trail: Trail,
-    judgement: Option<clearance_monitor::Judgement>,
+    joint_state_history: JointStateHistory,
+    evaluation: Option<clearance_monitor::Evaluation>,
     parameters: Parameters,
 }
 
 impl Cell {
     fn pass(&mut self, milliseconds: u64, orders: Vec<Order>, clouds: BTreeMap<String, CloudMessage>) {
-        let places = places_of(&clouds, &self.trail);
-        let judgement = self.judgement.clone();
-        let glimpse = Glimpse { judgement, places, ..Glimpse::first(&self.parameters, now(milliseconds)) };
+        let places = places_of(&clouds, &self.joint_state_history);
+        let evaluation = self.evaluation.clone();
+        let update_context = SceneUpdateContext {
+            evaluation,
+            places,
+            ..SceneUpdateContext::first(&self.parameters, now(milliseconds))
+        };
         let monitor = &mut self.monitor;
-        self.loader.carry_out(Pass { glimpse, orders, clouds }, |event| match event {
+        self.loader.carry_out(Pass { update_context, orders, clouds }, |event| match event {
             Event::Checker(revision) => monitor.set_checker(revision),
             Event::ModelFault(fault) => panic!("{fault}"),
             _ => {}
@@ -66,9 +70,9 @@ impl Cell {
             JointState { name: vec!["turn".to_owned()], position: vec![0.5], ..JointState::default() };
         message.header.stamp = stamp_message(now.ros.unwrap());
         let input = joint_state_input(message, SourceId([1; 16]));
-        let judgement = self.monitor.on_joint_state(input, now);
-        self.trail.note(&judgement);
-        self.judgement = Some(judgement);
+        let evaluation = self.monitor.on_joint_state(input, now);
+        self.joint_state_history.note(&evaluation);
+        self.evaluation = Some(evaluation);
     }
 }
 
@@ -85,8 +89,8 @@ fn a_robot_that_is_replaced_is_freed() {
     let mut cell = Cell {
         loader: Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface)),
         monitor: Monitor::new(parameters.monitor_settings(), || Duration::ZERO),
-        trail: Trail::default(),
-        judgement: None,
+        joint_state_history: JointStateHistory::default(),
+        evaluation: None,
         parameters,
     };
     cell.pass(1000, vec![Order::Description(urdf("first"))], BTreeMap::new());
@@ -94,16 +98,16 @@ fn a_robot_that_is_replaced_is_freed() {
     let seen = CloudMessage { cloud: Arc::new(cloud()), came: now(1020), since: std::time::Instant::now() };
     cell.pass(1020, vec![Order::Clouds], BTreeMap::from([("points".to_owned(), seen)]));
     cell.turn(1030);
-    let revision = cell.judgement.as_ref().unwrap().revision.as_ref().unwrap();
+    let revision = cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap();
     assert_eq!(revision.checker.world().obstacles().count(), 1, "the cloud was taken");
     let (first, revision) = (Arc::downgrade(revision.checker.robot()), Arc::downgrade(revision));
     assert!(first.upgrade().is_some() && revision.upgrade().is_some());
 
     cell.pass(1040, vec![Order::Description(urdf("second"))], BTreeMap::new());
     // nothing is known of where the second one is
-    cell.judgement = Some(cell.monitor.on_heartbeat(now(1050)));
-    cell.trail.note(cell.judgement.as_ref().unwrap());
-    assert_eq!(cell.judgement.as_ref().unwrap().revision.as_ref().unwrap().checker.robot().name(), "second");
+    cell.evaluation = Some(cell.monitor.on_heartbeat(now(1050)));
+    cell.joint_state_history.note(cell.evaluation.as_ref().unwrap());
+    assert_eq!(cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap().checker.robot().name(), "second");
     assert!(revision.upgrade().is_none(), "the checker of the first robot is still there");
     assert!(first.upgrade().is_none(), "the first robot is still there");
 }
@@ -115,9 +119,10 @@ fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
     let mut loader = Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface));
     let parameters = Parameters::default();
     let mut told = |milliseconds, orders| {
-        let glimpse = Glimpse::first(&parameters, now(milliseconds));
+        let update_context = SceneUpdateContext::first(&parameters, now(milliseconds));
         let mut events = Vec::new();
-        loader.carry_out(Pass { glimpse, orders, clouds: BTreeMap::new() }, |event| events.push(event));
+        loader
+            .carry_out(Pass { update_context, orders, clouds: BTreeMap::new() }, |event| events.push(event));
         let names = events.iter().map(|event| match event {
             Event::WorldUpdate(WorldUpdate::Completing(updates)) => format!("completing {updates}"),
             Event::Checker(_) => "checker".to_owned(),

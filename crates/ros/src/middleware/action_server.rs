@@ -16,9 +16,9 @@ use rustdds::GUID;
 use serde::{Deserialize, Serialize};
 
 use super::answering::Answering;
-use super::bell;
-use super::complaints::Complaints;
+use super::decode_error_log::DecodeErrorLog;
 use super::peers::Peers;
+use super::wakeup;
 use super::{Message, RequestId, lock};
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
@@ -42,7 +42,7 @@ where
     peers: Arc<Peers>,
     /// Results, which may be long.
     results: Answering,
-    complaints: Complaints,
+    complaints: DecodeErrorLog,
     priority: ThreadPriority,
 }
 
@@ -61,7 +61,7 @@ macro_rules! next_request {
                 // what has not come leaves its waker with the reader
                 pin!(inner.$server().async_receive_request()).poll(context)
             });
-            match bell::wait($self.priority, taken).await {
+            match wakeup::wait($self.priority, taken).await {
                 Ok((id, request)) => break (RequestId(id), request),
                 Err(error) => {
                     $self
@@ -86,7 +86,14 @@ where
         priority: ThreadPriority,
     ) -> Self {
         let results = Answering::new(name.clone(), &format!("{name}/_action/get_result"), Arc::clone(&peers));
-        Self { inner: Mutex::new(inner), name, peers, results, complaints: Complaints::default(), priority }
+        Self {
+            inner: Mutex::new(inner),
+            name,
+            peers,
+            results,
+            complaints: DecodeErrorLog::default(),
+            priority,
+        }
     }
 
     /// Calls the library.

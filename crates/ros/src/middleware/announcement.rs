@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use rustdds::{DomainParticipant, DomainParticipantBuilder, RTPSEntity as _};
 
-use super::deafness::heed_panics;
-use super::{MiddlewareError, refused, scout};
+use super::receive_thread_watch::heed_panics;
+use super::{MiddlewareError, discovery_probe, refused};
 use crate::environment::{Environment, Reach};
 use crate::thread_priority::ThreadPriority;
 
@@ -44,7 +44,7 @@ impl Announcement {
         let participant = (priority.inherited_by(|| without_signals(|| participant.build())))
             .map_err(refused("cannot start threads of realtime priority"))?
             .map_err(refused("cannot join the ROS network"))?;
-        scout::go_ahead(participant.guid().to_bytes(), environment.domain);
+        discovery_probe::go_ahead(participant.guid().to_bytes(), environment.domain);
         Ok(Self { environment, priority, participant, since: Instant::now() })
     }
 

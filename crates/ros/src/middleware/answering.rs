@@ -14,7 +14,7 @@ use rustdds::GUID;
 use smol::Timer;
 use smol::lock::Mutex;
 
-use super::complaints::Complaints;
+use super::decode_error_log::DecodeErrorLog;
 use super::fragments::Answer;
 use super::peers::{Hearer, Peers};
 use crate::cdr;
@@ -52,7 +52,7 @@ pub struct Answering {
     peers: Arc<Peers>,
     /// One is sent at a time.
     numbers: Mutex<Numbers>,
-    complaints: Complaints,
+    complaints: DecodeErrorLog,
 }
 
 /// Numbers of the samples of a writer.
@@ -72,7 +72,7 @@ impl Answering {
             name,
             peers,
             numbers: Mutex::default(),
-            complaints: Complaints::default(),
+            complaints: DecodeErrorLog::default(),
         }
     }
 

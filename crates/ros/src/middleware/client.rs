@@ -6,7 +6,7 @@ use futures_lite::future;
 use smol::Timer;
 
 use super::Message;
-use super::bell;
+use super::wakeup;
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
 
@@ -30,7 +30,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Client<Request, Re
     /// not hear it: ask again.
     pub async fn call(&self, request: Request, patience: Duration) -> Result<Response, String> {
         let answer = async {
-            bell::wait(self.priority, self.inner.async_call_service(request))
+            wakeup::wait(self.priority, self.inner.async_call_service(request))
                 .await
                 .map_err(|error| format!("{} was called in vain: {error}", self.name))
         };

@@ -5,16 +5,16 @@
 mod action_server;
 mod announcement;
 mod answering;
-mod bell;
 mod client;
-mod complaints;
-mod deafness;
+mod decode_error_log;
+mod discovery_probe;
 mod first_request;
 mod fragments;
 mod peers;
+mod receive_thread_watch;
 mod rtps;
-mod scout;
 mod server;
+mod wakeup;
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -33,18 +33,18 @@ use ros2_client::{RosoutRaw as _, ServiceTypeName};
 use rustdds::policy::ResourceLimits;
 use rustdds::{QosPolicies, QosPolicyBuilder, RTPSEntity, TopicKind};
 
-pub use self::complaints::Complaints;
+pub use self::decode_error_log::DecodeErrorLog;
 use self::peers::Peers;
-use super::arrivals::Arrivals;
 use super::logging::Line;
 use super::names::{FullName, NameError};
+use super::sequence_gaps::SequenceGaps;
 use super::thread_priority::ThreadPriority;
 use clearance_monitor::{SourceId, Time};
 
 pub use self::action_server::{ActionServer, CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
 pub use self::announcement::Announcement;
 pub use self::client::Client;
-pub use self::deafness::{deafness, heed, is_deaf};
+pub use self::receive_thread_watch::{deafness, heed, is_deaf};
 pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
 pub use ros2_client::builtin_interfaces::Time as Stamp;
@@ -223,7 +223,7 @@ impl Middleware {
         Ok(Subscription {
             inner,
             name: name.clone(),
-            complaints: Complaints::default(),
+            complaints: DecodeErrorLog::default(),
             arrivals: Mutex::default(),
             priority: self.priority,
         })
@@ -440,8 +440,8 @@ pub struct Unreadable;
 pub struct Subscription<M> {
     inner: ros2_client::Subscription<M>,
     name: FullName,
-    complaints: Complaints,
-    arrivals: Mutex<Arrivals>,
+    complaints: DecodeErrorLog,
+    arrivals: Mutex<SequenceGaps>,
     priority: ThreadPriority,
 }
 
@@ -460,7 +460,7 @@ impl<M: Message + 'static> Subscription<M> {
         loop {
             // a topic that is never silent must not starve what waits beside it, such as the order to end
             future::yield_now().await;
-            match bell::wait(self.priority, self.inner.async_take()).await {
+            match wakeup::wait(self.priority, self.inner.async_take()).await {
                 Ok((_, info)) if self.is_overtaken(&info) => {}
                 Ok((message, info)) => return Ok((message, origin(&info))),
                 Err(error) => {

@@ -9,15 +9,15 @@ use futures_lite::{StreamExt, future};
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, QosPolicies, StatusEvented};
 use smol::Timer;
 
-use super::bell;
 use super::first_request::FirstRequests;
 use super::lock;
 use super::rtps::Wire;
+use super::wakeup;
 use crate::environment::Reach;
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
 
-/// Complaints made at most, so that a hostile network can not fill the memory.
+/// DecodeErrorLog made at most, so that a hostile network can not fill the memory.
 const COMPLAINTS: usize = 1000;
 
 /// Addresses of a reader that messages are sent to at most: who announces thousands would have others flooded.
@@ -125,7 +125,7 @@ impl Peers {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
         let mut told = HashSet::new();
-        while let Some(event) = self.next_event(bell::wait(priority, events.next())).await {
+        while let Some(event) = self.next_event(wakeup::wait(priority, events.next())).await {
             self.note_event(participant, &event);
             self.send_first_requests();
             // DDS itself keeps quiet about both

@@ -7,9 +7,9 @@ use ros2_client::RmwRequestId;
 
 use super::Message;
 use super::answering::Answering;
-use super::bell;
-use super::complaints::Complaints;
+use super::decode_error_log::DecodeErrorLog;
 use super::peers::Peers;
+use super::wakeup;
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
 
@@ -18,7 +18,7 @@ pub struct Server<Request: Message, Response: Message> {
     inner: ros2_client::Server<Request, Response>,
     name: FullName,
     answering: Answering,
-    unread: Complaints,
+    unread: DecodeErrorLog,
     priority: ThreadPriority,
 }
 
@@ -33,7 +33,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         priority: ThreadPriority,
     ) -> Self {
         let answering = Answering::new(name.clone(), name.as_str(), peers);
-        Self { inner, name, answering, unread: Complaints::default(), priority }
+        Self { inner, name, answering, unread: DecodeErrorLog::default(), priority }
     }
 
     /// The next request, waiting for it. What can not be decoded is logged and passed over.
@@ -41,7 +41,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         loop {
             // as of topics: a client that never rests must not starve what waits beside it
             future::yield_now().await;
-            match bell::wait(self.priority, self.inner.async_receive_request()).await {
+            match wakeup::wait(self.priority, self.inner.async_receive_request()).await {
                 Ok((id, request)) => return (RequestId(id), request),
                 Err(error) => {
                     self.unread.warn(|| format!("a request to {} could not be read: {error}", self.name));

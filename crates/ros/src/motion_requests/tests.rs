@@ -27,7 +27,7 @@ fn names(names: &[&str]) -> Vec<String> {
 }
 
 /// What the monitor says about the robot at these positions; about no joint state without any.
-fn judgement(positions: &[f64]) -> Judgement {
+fn evaluation(positions: &[f64]) -> Evaluation {
     let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
     let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
@@ -47,7 +47,7 @@ fn from_to(start: &[f64], goal: &[f64]) -> CheckMotionRequest {
 }
 
 fn ask(request: &CheckMotionRequest) -> MotionFindings {
-    answer_motion(request, ContinuousDirection::Shortest, Some(&judgement(&[0.0, 0.0])), &mut None)
+    answer_motion(request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None)
         .response
         .motion
 }
@@ -65,7 +65,7 @@ fn along(points: Vec<JointTrajectoryPoint>) -> CheckTrajectoryRequest {
 }
 
 fn ask_along(request: &CheckTrajectoryRequest) -> CheckTrajectoryResponse {
-    answer_trajectory(request, None, Some(&judgement(&[0.0, 0.0])), &mut None).response
+    answer_trajectory(request, None, Some(&evaluation(&[0.0, 0.0])), &mut None).response
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_free_way_is_free_with_its_certificate() {
 
     request.terms.certificate = true;
     let answered =
-        answer_motion(&request, ContinuousDirection::Shortest, Some(&judgement(&[0.0, 0.0])), &mut None);
+        answer_motion(&request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None);
     let text = answered.certificate.unwrap();
     let certificate = Certificate::from_json(&text).unwrap();
     let motion = answered.response.motion;
@@ -127,19 +127,19 @@ fn what_is_not_decided_says_why() {
 fn a_way_may_begin_at_the_current_joint_state_and_leave_joints_out() {
     let request =
         CheckMotionRequest { joint_names: names(&JOINTS[..1]), goal: vec![1.0], ..from_to(&[], &[]) };
-    let told = |judgement: &Judgement, request: &CheckMotionRequest| {
-        answer_motion(request, ContinuousDirection::Shortest, Some(judgement), &mut None).response.motion
+    let told = |evaluation: &Evaluation, request: &CheckMotionRequest| {
+        answer_motion(request, ContinuousDirection::Shortest, Some(evaluation), &mut None).response.motion
     };
-    assert_eq!(told(&judgement(&[0.0, 0.0]), &request).verdict, MotionFindings::FREE);
+    assert_eq!(told(&evaluation(&[0.0, 0.0]), &request).verdict, MotionFindings::FREE);
     // joint 2 stays folded onto the base
-    assert_eq!(told(&judgement(&[0.0, PI]), &request).verdict, MotionFindings::CONTACT);
+    assert_eq!(told(&evaluation(&[0.0, PI]), &request).verdict, MotionFindings::CONTACT);
     for unknown in [&[][..], &[0.0], &[f64::NAN, 0.0]] {
-        let answer = told(&judgement(unknown), &request);
+        let answer = told(&evaluation(unknown), &request);
         assert_eq!((answer.verdict, answer.reason_code.as_str()), (0, "no_joint_state"), "{answer:?}");
         assert_eq!(answer.t_free, 0.0);
     }
     let request = CheckMotionRequest { start: vec![0.0], ..request };
-    let answer = told(&judgement(&[]), &request);
+    let answer = told(&evaluation(&[]), &request);
     assert_eq!(answer.verdict, MotionFindings::FREE);
     assert!(answer.message.starts_with("'joint2' stand at their defaults"), "{}", answer.message);
 }
@@ -244,7 +244,7 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
     for (points, sent) in [(100, true), (1_000, false), (20_000, false)] {
         let mut request = along(zigzag(points));
         request.terms.certificate = true;
-        let answered = answer_trajectory(&request, None, Some(&judgement(&[0.0, 0.0])), &mut None);
+        let answered = answer_trajectory(&request, None, Some(&evaluation(&[0.0, 0.0])), &mut None);
         let motion = answered.response.motion;
         assert_eq!(motion.verdict, MotionFindings::FREE);
         assert_eq!(answered.certificate.is_some(), sent, "{points} points");
@@ -255,7 +255,7 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
 }
 
 /// A bar on a continuous joint, at these positions; `k` mimics the joint.
-fn at_the_wheel(position: f64, mimic: &str) -> Judgement {
+fn at_the_wheel(position: f64, mimic: &str) -> Evaluation {
     let urdf = format!(
         "<robot name='r'><link name='base'/><link name='bar'><collision><origin xyz='0.5 0 0'/><geometry><box size='1 0.05 0.05'/>\
          </geometry></collision></link><joint name='j' type='continuous'><parent link='base'/><child link='bar'/><axis xyz='0 0 1'/></joint>\
@@ -278,7 +278,7 @@ fn at_the_wheel(position: f64, mimic: &str) -> Judgement {
 fn continuous_joints_go_the_shortest_way_from_the_current_state() {
     use ContinuousDirection::{AsGiven, Shortest};
     let (free, contact) = (MotionFindings::FREE, MotionFindings::CONTACT);
-    let judgement = at_the_wheel(3.0, "");
+    let evaluation = at_the_wheel(3.0, "");
     for (start, usual, asked, verdict) in [
         (&[][..], Shortest, MotionTerms::DEFAULT, contact),
         (&[], AsGiven, MotionTerms::DEFAULT, free),
@@ -291,7 +291,7 @@ fn continuous_joints_go_the_shortest_way_from_the_current_state() {
         let (joint_names, start, goal) = (names(&["j"]), start.to_vec(), vec![-3.0]);
         let request = CheckMotionRequest { joint_names, start, goal, terms };
         let CheckTrajectoryResponse { motion, turns, .. } =
-            answer_motion(&request, usual, Some(&judgement), &mut None).response;
+            answer_motion(&request, usual, Some(&evaluation), &mut None).response;
         assert_eq!(motion.verdict, verdict, "{request:?}");
         assert_eq!((turns.continuous_joints, turns.continuous_goals), (names(&["j"]), vec![-3.0]));
         let long = verdict == free;
@@ -302,7 +302,7 @@ fn continuous_joints_go_the_shortest_way_from_the_current_state() {
 
 #[test]
 fn trajectories_go_the_shortest_way_only_if_asked() {
-    let judgement = at_the_wheel(0.0, "");
+    let evaluation = at_the_wheel(0.0, "");
     let point = |position: f64, sec| JointTrajectoryPoint {
         positions: vec![position],
         time_from_start: SpanMessage { sec, nanosec: 0 },
@@ -313,7 +313,7 @@ fn trajectories_go_the_shortest_way_only_if_asked() {
     let mut request = CheckTrajectoryRequest { trajectory, terms: MotionTerms::default() };
     let mut answer = |direction: u8| {
         request.terms.continuous_joint_direction = direction;
-        answer_trajectory(&request, None, Some(&judgement), &mut None).response
+        answer_trajectory(&request, None, Some(&evaluation), &mut None).response
     };
     let given = answer(MotionTerms::DEFAULT);
     assert_eq!(given.motion.verdict, MotionFindings::FREE);
@@ -330,11 +330,11 @@ fn trajectories_go_the_shortest_way_only_if_asked() {
 /// A whole turn of the leader would bring the mimic joint elsewhere.
 #[test]
 fn a_mimic_joint_may_keep_its_leader_from_the_shortest_way() {
-    let judgement = at_the_wheel(3.0, "<mimic joint='j' multiplier='0.5'/>");
+    let evaluation = at_the_wheel(3.0, "<mimic joint='j' multiplier='0.5'/>");
     let mut request = from_to(&[], &[-3.0]);
     request.joint_names = names(&["j"]);
     let answer = |request: &CheckMotionRequest| {
-        answer_motion(request, ContinuousDirection::Shortest, Some(&judgement), &mut None).response.motion
+        answer_motion(request, ContinuousDirection::Shortest, Some(&evaluation), &mut None).response.motion
     };
     let usual = answer(&request);
     assert_eq!(usual.verdict, MotionFindings::FREE);

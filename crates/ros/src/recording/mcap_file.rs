@@ -10,7 +10,7 @@ use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 
-use super::step::Step;
+use super::step::RecordStep;
 use crate::cdr;
 
 /// The private name of the topic that holds the steps.
@@ -60,8 +60,8 @@ pub enum Entry {
         data: Vec<u8>,
     },
     /// A step, the messages before it, and the message that it is itself.
-    Step {
-        step: Box<Step>,
+    RecordStep {
+        step: Box<RecordStep>,
         messages: Vec<RawMessage>,
         itself: RawMessage,
     },
@@ -199,7 +199,7 @@ impl RecordingFile {
         let step = serde_json::from_str(&text.data)
             .map_err(|error| wrong(format!("is no step of this version of clearance: {error}")))?;
         self.bytes = 0;
-        Ok(Entry::Step { step: Box::new(step), messages: std::mem::take(&mut self.messages), itself })
+        Ok(Entry::RecordStep { step: Box::new(step), messages: std::mem::take(&mut self.messages), itself })
     }
 }
 

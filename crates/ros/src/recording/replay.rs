@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use clearance_monitor::{JointStateInput, Judgement, Monitor, Now, SourceId, Time, Trail};
+use clearance_monitor::{Evaluation, JointStateHistory, JointStateInput, Monitor, Now, SourceId, Time};
 use clearance_robot::{MeshFiles, MeshUse, RecordedMeshes, RobotModel};
 use clearance_scene::MeshModel;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
@@ -13,20 +13,22 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as String
 use serde_json::{Map, Value as Json};
 
 use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
-use super::step::{Clocks, CloudStep, Late, OrderStep, SceneDoor, Step, Tidings, parameters_from_json};
+use super::step::{
+    Clocks, CloudStep, Late, OrderStep, RecordStep, RecordedMonitorEvent, SceneDoor, parameters_from_json,
+};
 use crate::cdr;
 use crate::clearance_msgs::CollisionState;
 use crate::loader::{Loader, Surroundings};
+use crate::loader_inputs::{Pass, places_of};
 use crate::messages::{collision_state, joint_state_input};
 use crate::monitor_loop::{Event, WorldUpdate};
 use crate::order::Order;
-use crate::outlook::{Pass, places_of};
 use crate::parameters::Parameters;
 use crate::scene::{
     CloudMessage, attached_order, clear_octomap, note_transforms, object_order, octomap_order, scene_order,
     unreadable_order, world_order,
 };
-use crate::scene_keeper::Glimpse;
+use crate::scene_keeper::SceneUpdateContext;
 use crate::scene_order::SceneOrder;
 
 /// What a recording has beside its messages: files, and what the node was given.
@@ -93,9 +95,9 @@ impl Archive {
         while let Some(entry) = file.next()? {
             match entry {
                 Entry::Attachment { name, data } => drop(files.insert(name, Arc::<[u8]>::from(data))),
-                Entry::Step { step, .. } => match *step {
-                    Step::Mesh { folder, uri, file } => uses.push(MeshUse { folder, uri, file }),
-                    Step::Started { version, given, .. } if started.is_none() => {
+                Entry::RecordStep { step, .. } => match *step {
+                    RecordStep::Mesh { folder, uri, file } => uses.push(MeshUse { folder, uri, file }),
+                    RecordStep::Started { version, given, .. } if started.is_none() => {
                         started = Some((version, given));
                     }
                     _ => {}
@@ -137,19 +139,19 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     let mut run: Option<Run> = None;
     let mut outcome = Outcome::default();
     while let Some(entry) = file.next()? {
-        let Entry::Step { step, messages, itself } = entry else { continue };
+        let Entry::RecordStep { step, messages, itself } = entry else { continue };
         match (*step, &mut run) {
-            (Step::Started { parameters, version, .. }, None) => {
+            (RecordStep::Started { parameters, version, .. }, None) => {
                 let parameters = parameters_from_json(&parameters).map_err(|why| file.refuse(why))?;
                 let prepared = prepared.take().ok_or_else(|| file.refuse("begins twice"))?;
                 run = Some(Run::new(prepared, &parameters).map_err(|why| file.refuse(why))?);
                 outcome.version = version;
             }
-            (Step::Lost { steps }, _) => {
+            (RecordStep::Lost { steps }, _) => {
                 outcome.lost = Some(steps);
                 return Ok(outcome);
             }
-            (Step::Ended { .. }, _) => return Ok(outcome),
+            (RecordStep::Ended { .. }, _) => return Ok(outcome),
             (_, None) => return Err(file.refuse("does not begin with the start of a node")),
             (step, Some(run)) => {
                 let mut messages = Messages(messages.into_iter());
@@ -181,8 +183,8 @@ struct Run {
     /// What the loader has told and the monitor has not heeded yet.
     told: VecDeque<Event>,
     transforms: clearance_scene::TransformTree,
-    judgement: Option<Judgement>,
-    trail: Trail,
+    evaluation: Option<Evaluation>,
+    joint_state_history: JointStateHistory,
 }
 
 /// What came of one step.
@@ -198,8 +200,9 @@ impl Run {
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
         let mut loader = Loader::new((mesh_files, surroundings, mesh_model));
         if let Some(robot) = robot {
-            let glimpse = Glimpse::first(parameters, Now { ros: None, steady: Duration::ZERO });
-            monitor.set_checker(loader.take_given(robot, &glimpse)?);
+            let update_context =
+                SceneUpdateContext::first(parameters, Now { ros: None, steady: Duration::ZERO });
+            monitor.set_checker(loader.take_given(robot, &update_context)?);
         }
         let transforms = clearance_scene::TransformTree::default();
         Ok(Self {
@@ -207,43 +210,46 @@ impl Run {
             loader,
             told: VecDeque::new(),
             transforms,
-            judgement: None,
-            trail: Trail::default(),
+            evaluation: None,
+            joint_state_history: JointStateHistory::default(),
         })
     }
 
-    fn follow(&mut self, step: Step, messages: &mut Messages) -> Result<Done, String> {
+    fn follow(&mut self, step: RecordStep, messages: &mut Messages) -> Result<Done, String> {
         match step {
-            Step::Pass { now, parameters, orders, clouds } => {
+            RecordStep::Pass { now, parameters, orders, clouds } => {
                 let pass = self.pass(now, &parameters, (orders, clouds), messages)?;
                 self.loader.carry_out(pass, |event| self.told.push_back(event));
             }
-            Step::Told(tidings) => return Ok(self.heed(&tidings)),
-            Step::Parameters(parameters) => {
+            RecordStep::Told(tidings) => return Ok(self.heed(&tidings)),
+            RecordStep::Parameters(parameters) => {
                 self.monitor.set_settings(parameters_from_json(&parameters)?.monitor_settings());
             }
-            Step::Transforms { now, fixed } => {
+            RecordStep::Transforms { now, fixed } => {
                 let now = now.map(Time::from_nanoseconds);
                 drop(note_transforms(&mut self.transforms, messages.next("a transform")?, now, fixed));
             }
-            Step::Enabled(enabled) => self.monitor.set_enabled(enabled),
-            Step::Looked => self.monitor.note_transforms(&self.transforms),
-            Step::Heard { now, source } => {
-                self.monitor.hear(messages.joint_state(&source)?, now.into());
+            RecordStep::Enabled(enabled) => self.monitor.set_enabled(enabled),
+            RecordStep::Looked => self.monitor.note_transforms(&self.transforms),
+            RecordStep::Heard { now, source } => {
+                self.monitor.receive(messages.joint_state(&source)?, now.into());
             }
-            Step::JointState { now, source, late } => {
+            RecordStep::JointState { now, source, late } => {
                 self.monitor.leave_out(late.into());
-                let judgement = self.monitor.on_joint_state(messages.joint_state(&source)?, now.into());
+                let evaluation = self.monitor.on_joint_state(messages.joint_state(&source)?, now.into());
                 self.monitor.prepare();
-                return self.compare(judgement, late, messages);
+                return self.compare(evaluation, late, messages);
             }
-            Step::Heartbeat { now, late } => {
+            RecordStep::Heartbeat { now, late } => {
                 self.monitor.leave_out(late.into());
-                let judgement = self.monitor.on_heartbeat(now.into());
-                return self.compare(judgement, late, messages);
+                let evaluation = self.monitor.on_heartbeat(now.into());
+                return self.compare(evaluation, late, messages);
             }
-            Step::Started { .. } => return Err("begins twice".to_owned()),
-            Step::Mesh { .. } | Step::Clock | Step::Lost { .. } | Step::Ended { .. } => {}
+            RecordStep::Started { .. } => return Err("begins twice".to_owned()),
+            RecordStep::Mesh { .. }
+            | RecordStep::Clock
+            | RecordStep::Lost { .. }
+            | RecordStep::Ended { .. } => {}
         }
         Ok(Done::Nothing)
     }
@@ -261,50 +267,57 @@ impl Run {
             let cloud = Arc::new(messages.next("a cloud")?);
             read.insert(topic, CloudMessage { cloud, came: came.into(), since: Instant::now() });
         }
-        let glimpse = Glimpse {
+        let update_context = SceneUpdateContext {
             now: now.into(),
             parameters: parameters_from_json(parameters)?,
             transforms: self.transforms.clone(),
-            judgement: self.judgement.clone(),
-            places: places_of(&read, &self.trail),
+            evaluation: self.evaluation.clone(),
+            places: places_of(&read, &self.joint_state_history),
         };
-        Ok(Pass { glimpse, orders, clouds: read })
+        Ok(Pass { update_context, orders, clouds: read })
     }
 
     /// The monitor heeds what the loader told it next, which must be what it was.
-    fn heed(&mut self, recorded: &Tidings) -> Done {
+    fn heed(&mut self, recorded: &RecordedMonitorEvent) -> Done {
         let differs = |replayed: String| Done::Differs {
             field: "what the loader made of its orders".to_owned(),
             recorded: format!("{recorded:?}"),
             replayed,
         };
-        if *recorded == Tidings::Described {
+        if *recorded == RecordedMonitorEvent::Described {
             self.monitor.note_description();
             return Done::Nothing;
         }
-        if let Tidings::Memory { used, limit } = *recorded {
+        if let RecordedMonitorEvent::Memory { used, limit } = *recorded {
             self.monitor.note_memory(used, limit);
             return Done::Nothing;
         }
-        if let Tidings::WorldUpdate(update @ (WorldUpdate::Received { .. } | WorldUpdate::Withdrawn)) =
-            *recorded
+        if let RecordedMonitorEvent::WorldUpdate(
+            update @ (WorldUpdate::Received { .. } | WorldUpdate::Withdrawn),
+        ) = *recorded
         {
             update.tell(&mut self.monitor);
             return Done::Nothing;
         }
         self.heed_untold(recorded);
         match (recorded, self.told.pop_front()) {
-            (Tidings::Checker, Some(Event::Checker(revision))) => self.monitor.set_checker(revision),
-            (Tidings::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
-            (Tidings::Heeded, Some(Event::Heeded(descriptions))) => self.monitor.note_heeded(descriptions),
+            (RecordedMonitorEvent::Checker, Some(Event::Checker(revision))) => {
+                self.monitor.set_checker(revision)
+            }
+            (RecordedMonitorEvent::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
+            (RecordedMonitorEvent::Heeded, Some(Event::Heeded(descriptions))) => {
+                self.monitor.note_heeded(descriptions)
+            }
             // the words name folders that are not here
-            (Tidings::ModelFault(fault), Some(Event::ModelFault(_))) => {
+            (RecordedMonitorEvent::ModelFault(fault), Some(Event::ModelFault(_))) => {
                 self.monitor.note_model_fault(fault.clone());
             }
-            (Tidings::WorldUpdate(told), Some(Event::WorldUpdate(update))) if *told == update => {
+            (RecordedMonitorEvent::WorldUpdate(told), Some(Event::WorldUpdate(update)))
+                if *told == update =>
+            {
                 update.tell(&mut self.monitor);
             }
-            (Tidings::World, Some(Event::World(_, faults, incomplete))) => {
+            (RecordedMonitorEvent::World, Some(Event::World(_, faults, incomplete))) => {
                 self.monitor.note_world_faults(faults, incomplete);
             }
             (_, Some(Event::ModelFault(fault))) => return differs(format!("ModelFault: {fault}")),
@@ -333,13 +346,15 @@ impl Run {
     }
 
     /// Applies events that recordings of older versions do not contain.
-    fn heed_untold(&mut self, recorded: &Tidings) {
+    fn heed_untold(&mut self, recorded: &RecordedMonitorEvent) {
         loop {
             match self.told.front() {
-                Some(Event::Heeded(descriptions)) if *recorded != Tidings::Heeded => {
+                Some(Event::Heeded(descriptions)) if *recorded != RecordedMonitorEvent::Heeded => {
                     self.monitor.note_heeded(*descriptions);
                 }
-                Some(Event::WorldUpdate(update)) if !matches!(recorded, Tidings::WorldUpdate(_)) => {
+                Some(Event::WorldUpdate(update))
+                    if !matches!(recorded, RecordedMonitorEvent::WorldUpdate(_)) =>
+                {
                     update.tell(&mut self.monitor);
                 }
                 _ => return,
@@ -348,16 +363,21 @@ impl Run {
         }
     }
 
-    fn compare(&mut self, judgement: Judgement, late: Late, messages: &mut Messages) -> Result<Done, String> {
-        let difference = difference(&judgement, late, messages)?;
-        self.trail.note(&judgement);
-        self.judgement = Some(judgement);
+    fn compare(
+        &mut self,
+        evaluation: Evaluation,
+        late: Late,
+        messages: &mut Messages,
+    ) -> Result<Done, String> {
+        let difference = difference(&evaluation, late, messages)?;
+        self.joint_state_history.note(&evaluation);
+        self.evaluation = Some(evaluation);
         Ok(difference.unwrap_or(Done::Same(late)))
     }
 }
 
 /// What of an answer is not as it was recorded, if anything is.
-fn difference(judgement: &Judgement, late: Late, messages: &mut Messages) -> Result<Option<Done>, String> {
+fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> Result<Option<Done>, String> {
     let differs = |field: &str, recorded: &Json, replayed: &Json| {
         let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
         (recorded != replayed).then(|| Done::Differs { field: field.to_owned(), recorded, replayed })
@@ -365,7 +385,7 @@ fn difference(judgement: &Judgement, late: Late, messages: &mut Messages) -> Res
     let raw = messages.raw("an answer")?;
     let names = fields(&raw.schema);
     let recorded = json(&state(&raw)?)?;
-    let replayed = json(&collision_state(judgement))?;
+    let replayed = json(&collision_state(evaluation))?;
     for (field, replayed) in replayed.as_object().into_iter().flatten() {
         // how long it took is no part of the answer; fields that came later have nothing to be compared with
         if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
@@ -386,11 +406,11 @@ fn difference(judgement: &Judgement, late: Late, messages: &mut Messages) -> Res
         let is_same = was.to_bits() == is.to_bits() || (was.is_nan() && is.is_nan());
         (!is_same).then(|| differs(field, &told(was), &told(is)))?
     };
-    if let Some(difference) = differs("is_free", &is_free.data.into(), &judgement.status.is_free().into()) {
+    if let Some(difference) = differs("is_free", &is_free.data.into(), &evaluation.status.is_free().into()) {
         return Ok(Some(difference));
     }
     if late != Late::Pairs
-        && let Some(difference) = number("distance", distance.data, judgement.distance())
+        && let Some(difference) = number("distance", distance.data, evaluation.distance())
     {
         return Ok(Some(difference));
     }
@@ -399,7 +419,7 @@ fn difference(judgement: &Judgement, late: Late, messages: &mut Messages) -> Res
         return Ok(None);
     }
     let speed_scale: Float64 = messages.next("speed_scale")?;
-    Ok(number("speed_scale", speed_scale.data, judgement.speed_scale))
+    Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
 }
 
 /// A field that this version records: versions without it warn of less.

@@ -9,7 +9,7 @@ use mcap::Attachment;
 use mcap::records::MessageHeader;
 
 use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
-use super::step::Step;
+use super::step::RecordStep;
 use super::writer::mcap_writer;
 
 /// Copies a recording up to its answer number `last` (counted from 1), with as many answers as `kept` before it and those that the
@@ -31,9 +31,9 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
             Entry::Attachment { name, data } => {
                 copy.attachment(name, data).map_err(|error| refused(&error))?;
             }
-            Entry::Step { step, mut messages, itself } => {
+            Entry::RecordStep { step, mut messages, itself } => {
                 messages.push(itself);
-                let is_answer = matches!(*step, Step::JointState { .. } | Step::Heartbeat { .. });
+                let is_answer = matches!(*step, RecordStep::JointState { .. } | RecordStep::Heartbeat { .. });
                 answers += u64::from(is_answer);
                 if is_answer && answers.saturating_add(kept) < last {
                     is_part = true;
@@ -44,7 +44,7 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
                 if is_part && is_answer {
                     leave_out_speed(&mut messages);
                 }
-                let before = before.take_if(|_| is_answer || matches!(*step, Step::Pass { .. }));
+                let before = before.take_if(|_| is_answer || matches!(*step, RecordStep::Pass { .. }));
                 for message in before.iter().flatten().chain(&messages) {
                     copy.message(message).map_err(|error| refused(&error))?;
                 }

@@ -14,7 +14,7 @@ use crate::parameters::{DECLARATIONS, Parameters, UNKNOWN_OR_WARN};
 /// One thing that changed what is known or said. The messages that it is about stand right before it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Step {
+pub enum RecordStep {
     /// The node began; `given` is what the command line named, whose files are attached by their names.
     Started { version: String, node: String, parameters: Map<String, Json>, given: Json },
     /// A mesh name led to a file, which is attached under its real path.
@@ -22,7 +22,7 @@ pub enum Step {
     /// The loader heeded orders and clouds: one message each, in this order.
     Pass { now: Clocks, parameters: Map<String, Json>, orders: Vec<OrderStep>, clouds: Vec<CloudStep> },
     /// The monitor heeded what the loader had told it next.
-    Told(Tidings),
+    Told(RecordedMonitorEvent),
     /// The monitor's parameters changed.
     Parameters(Map<String, Json>),
     /// Checking was turned on or off.
@@ -67,7 +67,7 @@ pub enum Late {
 /// Events for the monitor: a description or a message about the world was received, or the loader reports its progress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Tidings {
+pub enum RecordedMonitorEvent {
     Checker,
     ModelSwap,
     Described,

@@ -8,7 +8,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clearance_geometry::testing::Random;
-use clearance_monitor::{Judgement, LeftOut, Monitor, Now, Reason, SourceId, Status, Time, Trail};
+use clearance_monitor::{
+    Evaluation, JointStateHistory, LeftOut, Monitor, Now, Reason, SourceId, Status, Time,
+};
 use clearance_robot::{MeshFiles, MeshLog, RobotModel, RobotText};
 use clearance_scene::MeshModel;
 use clearance_scene::{Scene, TransformTree};
@@ -19,21 +21,21 @@ use ros2_interfaces_jazzy_serde::shape_msgs::msg::SolidPrimitive;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use serde_json::json;
 
-use super::step::{OrderStep, SceneDoor, Tidings, parameters_from_json, parameters_to_json};
-use super::tape::Backlog;
+use super::recorder_handle::Backlog;
+use super::step::{OrderStep, RecordedMonitorEvent, SceneDoor, parameters_from_json, parameters_to_json};
 use super::{
-    Archive, Given, Happening, Judged, Original, Outcome, Prepared, Recorder, RecordingSettings, Tape,
-    recorded_path, replay, save_part,
+    Archive, Given, Judged, OriginalMessage, Outcome, Prepared, RecordedEvent, Recorder, RecorderHandle,
+    RecordingSettings, recorded_path, replay, save_part,
 };
 use crate::loader::Loader;
+use crate::loader_inputs::{Pass, places_of};
 use crate::messages::{joint_state_input, stamp_message};
 use crate::monitor_loop::Event;
 use crate::names::Names;
 use crate::order::Order;
-use crate::outlook::{Pass, places_of};
 use crate::parameters::Parameters;
 use crate::scene::{CloudMessage, note_transforms, object_order};
-use crate::scene_keeper::Glimpse;
+use crate::scene_keeper::SceneUpdateContext;
 
 /// A rod with a mesh for its tip, which turns about z.
 const URDF: &str = r#"<robot name="rod">
@@ -48,13 +50,13 @@ const SOURCE: SourceId = SourceId([7; 16]);
 struct Cell {
     monitor: Monitor,
     loader: Loader,
-    tape: Tape,
+    tape: RecorderHandle,
     recorder: Recorder,
     meshes: MeshLog,
     parameters: Parameters,
     transforms: TransformTree,
-    judgement: Option<Judgement>,
-    trail: Trail,
+    evaluation: Option<Evaluation>,
+    joint_state_history: JointStateHistory,
     milliseconds: u64,
 }
 
@@ -78,15 +80,15 @@ impl Cell {
         let robot = RobotModel::load_with(&folder.join("rod.urdf"), None, &mesh_files).unwrap();
         let mut loader = Loader::new((mesh_files, nothing_around(), MeshModel::Surface));
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
-        let glimpse = Glimpse::first(&parameters, now(0));
-        monitor.set_checker(loader.take_given(robot, &glimpse).unwrap());
+        let update_context = SceneUpdateContext::first(&parameters, now(0));
+        monitor.set_checker(loader.take_given(robot, &update_context).unwrap());
         let file = folder.join("record.mcap");
         let settings = RecordingSettings { file, max_size: 0.0, max_duration };
         let urdf = recorded_path(&folder.join("rod.urdf"));
         let given = Given { arguments: json!({ "urdf": urdf }), files: vec![urdf], meshes: meshes.clone() };
         let names = Names::new("clearance", &[]).unwrap();
         let (tape, recorder) = Recorder::start(&settings, &names, given, &parameters).unwrap();
-        tape.note(|| Happening::Meshes(meshes.take()));
+        tape.note(|| RecordedEvent::Meshes(meshes.take()));
         Self {
             monitor,
             loader,
@@ -95,8 +97,8 @@ impl Cell {
             meshes,
             parameters,
             transforms: TransformTree::default(),
-            judgement: None,
-            trail: Trail::default(),
+            evaluation: None,
+            joint_state_history: JointStateHistory::default(),
             milliseconds: 1000,
         }
     }
@@ -106,44 +108,45 @@ impl Cell {
         now(self.milliseconds)
     }
 
-    fn turn(&mut self, angle: f64) -> Judgement {
+    fn turn(&mut self, angle: f64) -> Evaluation {
         let now = self.tick();
-        let judgement = self.monitor.on_joint_state(joint_state_input(joint_state(angle, now), SOURCE), now);
+        let evaluation = self.monitor.on_joint_state(joint_state_input(joint_state(angle, now), SOURCE), now);
         self.monitor.prepare();
-        self.say(judgement, now, Some(joint_state(angle, now)))
+        self.say(evaluation, now, Some(joint_state(angle, now)))
     }
 
     /// A joint state that another one follows at once.
     fn pass_over(&mut self, angle: f64) {
         let now = self.tick();
         let message = joint_state(angle, now);
-        self.tape.note(|| Happening::Heard { now, message: Box::new(message.clone()), source: SOURCE });
-        self.monitor.hear(joint_state_input(message, SOURCE), now);
+        self.tape.note(|| RecordedEvent::Heard { now, message: Box::new(message.clone()), source: SOURCE });
+        self.monitor.receive(joint_state_input(message, SOURCE), now);
     }
 
     fn enable(&mut self, enabled: bool) {
-        self.tape.note(|| Happening::Enabled(enabled));
+        self.tape.note(|| RecordedEvent::Enabled(enabled));
         self.monitor.set_enabled(enabled);
     }
 
     fn change(&mut self, change: impl FnOnce(&mut Parameters)) {
         change(&mut self.parameters);
-        self.tape.note(|| Happening::Parameters(Box::new(self.parameters.clone())));
+        self.tape.note(|| RecordedEvent::Parameters(Box::new(self.parameters.clone())));
         self.monitor.set_settings(self.parameters.monitor_settings());
     }
 
-    fn wait(&mut self) -> Judgement {
+    fn wait(&mut self) -> Evaluation {
         let now = self.tick();
-        let judgement = self.monitor.on_heartbeat(now);
-        self.say(judgement, now, None)
+        let evaluation = self.monitor.on_heartbeat(now);
+        self.say(evaluation, now, None)
     }
 
-    fn say(&mut self, judgement: Judgement, now: Now, heard: Option<JointState>) -> Judgement {
-        self.judgement = Some(judgement.clone());
-        self.trail.note(&judgement);
+    fn say(&mut self, evaluation: Evaluation, now: Now, heard: Option<JointState>) -> Evaluation {
+        self.evaluation = Some(evaluation.clone());
+        self.joint_state_history.note(&evaluation);
         let heard = heard.map(|message| (message, SOURCE));
-        self.tape.note(|| Happening::Judged(Box::new(Judged { now, heard, answer: (&judgement).into() })));
-        judgement
+        self.tape
+            .note(|| RecordedEvent::Judged(Box::new(Judged { now, heard, answer: (&evaluation).into() })));
+        evaluation
     }
 
     /// A transform of a camera.
@@ -154,13 +157,13 @@ impl Cell {
         transform.transform.rotation.w = 1.0;
         transform.transform.translation.z = 0.05;
         let message = TFMessage { transforms: vec![transform] };
-        self.tape.note(|| Happening::Transforms { message: message.clone(), now: now.ros, fixed: true });
+        self.tape.note(|| RecordedEvent::Transforms { message: message.clone(), now: now.ros, fixed: true });
         note_transforms(&mut self.transforms, message, now.ros, true);
     }
 
     fn ball(&mut self, x: f64) {
         let (came, message) = (self.tick(), ball(x));
-        let original = Original::Object(Box::new(message.clone()));
+        let original = OriginalMessage::Object(Box::new(message.clone()));
         let step = OrderStep::Scene {
             by: SceneDoor::CollisionObject,
             came: came.into(),
@@ -175,12 +178,16 @@ impl Cell {
         self.carry_out(vec![(Order::Clouds, OrderStep::Clouds, None)], Some(cloud()));
     }
 
-    fn carry_out(&mut self, orders: Vec<(Order, OrderStep, Option<Original>)>, cloud: Option<PointCloud2>) {
+    fn carry_out(
+        &mut self,
+        orders: Vec<(Order, OrderStep, Option<OriginalMessage>)>,
+        cloud: Option<PointCloud2>,
+    ) {
         let now = self.tick();
         let cloud = cloud.map(|cloud| ("points".to_owned(), now, Arc::new(cloud)));
         let (orders, steps): (Vec<_>, Vec<_>) =
             orders.into_iter().map(|(order, step, original)| (order, (step, original))).unzip();
-        self.tape.note(|| Happening::Pass {
+        self.tape.note(|| RecordedEvent::Pass {
             now,
             parameters: Box::new(self.parameters.clone()),
             orders: steps,
@@ -191,28 +198,28 @@ impl Cell {
                 (topic, CloudMessage { cloud, came, since: std::time::Instant::now() })
             })
             .collect();
-        let glimpse = Glimpse {
+        let update_context = SceneUpdateContext {
             transforms: self.transforms.clone(),
-            judgement: self.judgement.clone(),
-            places: places_of(&clouds, &self.trail),
-            ..Glimpse::first(&self.parameters, now)
+            evaluation: self.evaluation.clone(),
+            places: places_of(&clouds, &self.joint_state_history),
+            ..SceneUpdateContext::first(&self.parameters, now)
         };
-        let pass = Pass { glimpse, orders, clouds };
+        let pass = Pass { update_context, orders, clouds };
         let mut told = Vec::new();
         self.loader.carry_out(pass, |event| told.push(event));
-        self.tape.note(|| Happening::Meshes(self.meshes.take()));
+        self.tape.note(|| RecordedEvent::Meshes(self.meshes.take()));
         for event in told {
             match event {
                 Event::Checker(revision) => {
-                    self.tape.note(|| Happening::Told(Tidings::Checker));
+                    self.tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::Checker));
                     self.monitor.set_checker(revision);
                 }
                 Event::World(_, faults, incomplete) => {
-                    self.tape.note(|| Happening::Told(Tidings::World));
+                    self.tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
                     self.monitor.note_world_faults(faults, incomplete);
                 }
                 Event::WorldUpdate(update) => {
-                    self.tape.note(|| Happening::Told(Tidings::WorldUpdate(update)));
+                    self.tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::WorldUpdate(update)));
                     update.tell(&mut self.monitor);
                 }
                 _ => panic!("nothing else is expected"),
@@ -319,8 +326,12 @@ fn a_recorded_run_is_the_same_run_bit_for_bit_without_its_files() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
     run(&mut cell);
-    let last = cell.judgement.clone().unwrap();
-    assert!(last.evidence.is_some_and(|evidence| evidence.report.nearest.is_some()), "{:?}", last.status);
+    let last = cell.evaluation.clone().unwrap();
+    assert!(
+        last.checked_state.is_some_and(|checked_state| checked_state.report.nearest.is_some()),
+        "{:?}",
+        last.status
+    );
     assert_eq!(last.revision.unwrap().world, 2);
     cell.end();
     std::fs::remove_file(folder.path().join("tip.obj")).unwrap();
@@ -388,8 +399,8 @@ fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
     run(&mut cell);
-    let other = cell.judgement.clone().unwrap();
-    // a judgement of another joint state
+    let other = cell.evaluation.clone().unwrap();
+    // a evaluation of another joint state
     let now = cell.tick();
     let _ = cell.monitor.on_joint_state(joint_state_input(joint_state(2.0, now), SOURCE), now);
     cell.say(other, now, Some(joint_state(2.0, now)));

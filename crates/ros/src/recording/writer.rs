@@ -19,8 +19,10 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as String
 use serde::Serialize;
 
 use super::messages::schema;
-use super::step::{Clocks, CloudStep, OrderStep, Step, parameters_to_json};
-use super::tape::{Backlog, Given, Happening, Item, Judged, Original, Tape, system_time};
+use super::recorder_handle::{
+    Backlog, Given, Item, Judged, OriginalMessage, RecordedEvent, RecorderHandle, system_time,
+};
+use super::step::{Clocks, CloudStep, OrderStep, RecordStep, parameters_to_json};
 use crate::cdr;
 use crate::mailbox::{self, Receiver};
 use crate::names::Names;
@@ -68,7 +70,7 @@ impl Recorder {
         names: &Names,
         given: Given,
         parameters: &Parameters,
-    ) -> Result<(Tape, Self), String> {
+    ) -> Result<(RecorderHandle, Self), String> {
         let refused =
             |error: &dyn std::fmt::Display| format!("record_file: {}: {error}", settings.file.display());
         let created = create(&settings.file).map_err(|error| refused(&error))?;
@@ -80,16 +82,16 @@ impl Recorder {
         (file, path): (File, PathBuf),
         settings: &RecordingSettings,
         (names, given, parameters): (&Names, Given, &Parameters),
-    ) -> Result<(Tape, Self), Box<dyn std::error::Error>> {
+    ) -> Result<(RecorderHandle, Self), Box<dyn std::error::Error>> {
         let topics = Topics::new(names);
         let measured = file.try_clone()?;
         let mcap = mcap_writer(file)?;
         let (items, items_in) = mailbox::bounded(LONGEST_QUEUE);
         let backlog = Arc::new(Backlog::default());
-        let tape = Tape::to(items, Arc::clone(&backlog));
+        let tape = RecorderHandle::to(items, Arc::clone(&backlog));
         let ends = Arc::clone(&backlog);
         let mut writer = Writer { mcap, channels: BTreeMap::new(), topics, written: 0 };
-        let started = Step::Started {
+        let started = RecordStep::Started {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             node: names.full_node_name(),
             parameters: parameters_to_json(parameters),
@@ -109,7 +111,7 @@ impl Recorder {
             // from here on nobody listens: what is told is passed over
             drop(items_in);
             let why = written.as_deref().unwrap_or("the recording failed").to_owned();
-            let ended = writer.step(&Step::Ended { why }, system_time());
+            let ended = writer.step(&RecordStep::Ended { why }, system_time());
             let finished = ended.and_then(|()| writer.mcap.finish().map(drop).map_err(|e| e.to_string()));
             match written.and_then(|why| finished.map(|()| why)) {
                 Ok(why) => log::info!("{} is complete: {why}", path.display()),
@@ -190,7 +192,7 @@ fn follow(
         if lost > 0 {
             missing += lost;
             log::warn!("the recording misses {lost} steps here: the disk is slower than what happens");
-            writer.step(&Step::Lost { steps: lost }, system_time())?;
+            writer.step(&RecordStep::Lost { steps: lost }, system_time())?;
         }
         match item {
             Some(Some(item)) => {
@@ -279,17 +281,17 @@ struct Writer {
 }
 
 impl Writer {
-    fn write(&mut self, what: Happening, at: u64) -> Result<(), String> {
+    fn write(&mut self, what: RecordedEvent, at: u64) -> Result<(), String> {
         let step = match what {
-            Happening::Meshes(meshes) => {
+            RecordedEvent::Meshes(meshes) => {
                 for mesh in meshes {
                     self.attach(&mesh.file, &mesh.file)?;
                     let (folder, uri, file) = (mesh.folder, mesh.uri, mesh.file);
-                    self.step(&Step::Mesh { folder, uri, file }, at)?;
+                    self.step(&RecordStep::Mesh { folder, uri, file }, at)?;
                 }
                 return Ok(());
             }
-            Happening::Pass { now, parameters, orders, clouds } => {
+            RecordedEvent::Pass { now, parameters, orders, clouds } => {
                 for (order, original) in &orders {
                     if let Some(original) = original {
                         self.original(order, original, now, at)?;
@@ -306,43 +308,43 @@ impl Writer {
                 }
                 let clouds =
                     clouds.into_iter().map(|(topic, came, _)| CloudStep { topic, came: came.into() });
-                Step::Pass {
+                RecordStep::Pass {
                     now: now.into(),
                     parameters: parameters_to_json(&parameters),
                     orders: orders.into_iter().map(|(order, _)| order).collect(),
                     clouds: clouds.collect(),
                 }
             }
-            Happening::Told(tidings) => Step::Told(tidings),
-            Happening::Parameters(parameters) => Step::Parameters(parameters_to_json(&parameters)),
-            Happening::Enabled(enabled) => Step::Enabled(enabled),
-            Happening::Looked => Step::Looked,
-            Happening::Heard { now, message, source } => {
-                Step::Heard { now: now.into(), source: self.joint_state(&message, source, at)? }
+            RecordedEvent::Told(tidings) => RecordStep::Told(tidings),
+            RecordedEvent::Parameters(parameters) => RecordStep::Parameters(parameters_to_json(&parameters)),
+            RecordedEvent::Enabled(enabled) => RecordStep::Enabled(enabled),
+            RecordedEvent::Looked => RecordStep::Looked,
+            RecordedEvent::Heard { now, message, source } => {
+                RecordStep::Heard { now: now.into(), source: self.joint_state(&message, source, at)? }
             }
-            Happening::Judged(judged) => self.judged(*judged, at)?,
-            Happening::Transforms { message, now, fixed } => {
+            RecordedEvent::Judged(judged) => self.judged(*judged, at)?,
+            RecordedEvent::Transforms { message, now, fixed } => {
                 let topic = self.topics.named(if fixed { "tf_static" } else { "tf" });
                 self.message(&topic, "tf2_msgs/msg/TFMessage", &message, at)?;
-                Step::Transforms { now: now.map(clearance_monitor::Time::nanoseconds), fixed }
+                RecordStep::Transforms { now: now.map(clearance_monitor::Time::nanoseconds), fixed }
             }
-            Happening::Clock(message) => {
+            RecordedEvent::Clock(message) => {
                 self.message("/clock", "rosgraph_msgs/msg/Clock", &message, at)?;
-                Step::Clock
+                RecordStep::Clock
             }
         };
         self.step(&step, at)
     }
 
     /// What was heard, if it was a joint state, and what was said.
-    fn judged(&mut self, judged: Judged, at: u64) -> Result<Step, String> {
+    fn judged(&mut self, judged: Judged, at: u64) -> Result<RecordStep, String> {
         let Judged { now, heard, answer } = judged;
         let (now, late) = (now.into(), answer.left_out.into());
         let step = match heard {
             Some((message, source)) => {
-                Step::JointState { now, source: self.joint_state(&message, source, at)?, late }
+                RecordStep::JointState { now, source: self.joint_state(&message, source, at)?, late }
             }
-            None => Step::Heartbeat { now, late },
+            None => RecordStep::Heartbeat { now, late },
         };
         let [state, is_free, distance, speed_scale] =
             ["~/state", "~/is_free", "~/distance", "~/speed_scale"].map(|name| self.topics.named(name));
@@ -361,7 +363,13 @@ impl Writer {
         Ok(format!("{:032x}", u128::from_be_bytes(source.0)))
     }
 
-    fn original(&mut self, order: &OrderStep, original: &Original, now: Now, at: u64) -> Result<(), String> {
+    fn original(
+        &mut self,
+        order: &OrderStep,
+        original: &OriginalMessage,
+        now: Now,
+        at: u64,
+    ) -> Result<(), String> {
         let (topic, at) = match order {
             OrderStep::Scene { by, came, .. } => (by.name(), before(at, now, (*came).into())),
             OrderStep::Semantic => ("robot_description_semantic", at),
@@ -369,22 +377,28 @@ impl Writer {
         };
         let topic = self.topics.named(topic);
         match original {
-            Original::Text(text) => {
+            OriginalMessage::Text(text) => {
                 self.message(&topic, "std_msgs/msg/String", &StringMessage { data: text.clone() }, at)
             }
-            Original::Scene(message) => self.message(&topic, "moveit_msgs/msg/PlanningScene", message, at),
-            Original::World(message) => {
+            OriginalMessage::Scene(message) => {
+                self.message(&topic, "moveit_msgs/msg/PlanningScene", message, at)
+            }
+            OriginalMessage::World(message) => {
                 self.message(&topic, "moveit_msgs/msg/PlanningSceneWorld", message, at)
             }
-            Original::Object(message) => self.message(&topic, "moveit_msgs/msg/CollisionObject", message, at),
-            Original::Attached(message) => {
+            OriginalMessage::Object(message) => {
+                self.message(&topic, "moveit_msgs/msg/CollisionObject", message, at)
+            }
+            OriginalMessage::Attached(message) => {
                 self.message(&topic, "moveit_msgs/msg/AttachedCollisionObject", message, at)
             }
-            Original::Octomap(message) => self.message(&topic, "octomap_msgs/msg/Octomap", message, at),
+            OriginalMessage::Octomap(message) => {
+                self.message(&topic, "octomap_msgs/msg/Octomap", message, at)
+            }
         }
     }
 
-    fn step(&mut self, step: &Step, at: u64) -> Result<(), String> {
+    fn step(&mut self, step: &RecordStep, at: u64) -> Result<(), String> {
         let data = serde_json::to_string(step).map_err(|error| error.to_string())?;
         let topic = self.topics.steps();
         self.message(&topic, "std_msgs/msg/String", &StringMessage { data }, at)

@@ -8,14 +8,14 @@
 //! get_planning_scene, check_state_validity <──────┘
 //! ```
 
-mod asking;
 mod clouds;
 mod monitored;
 mod octomaps;
 mod orders;
 mod reading;
+mod scene_messages;
+mod scene_request;
 mod services;
-mod telling;
 #[cfg(test)]
 mod tests;
 mod topics;

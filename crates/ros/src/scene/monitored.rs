@@ -7,7 +7,7 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     CollisionObject, PlanningScene, PlanningSceneComponents,
 };
 
-use super::telling::{Told, scene_message};
+use super::scene_messages::{SceneMessages, scene_message};
 use crate::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Quality};
 use crate::names::Names;
 use crate::scene_keeper::SceneInForce;
@@ -130,8 +130,8 @@ pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningS
     spread(first, size, objects)
 }
 
-fn told(scene: &SceneInForce) -> Told<'_> {
-    Told {
+fn told(scene: &SceneInForce) -> SceneMessages<'_> {
+    SceneMessages {
         robot: scene.revision.checker.robot(),
         scene: &scene.scene,
         padding: scene.parameters.padding,

@@ -1,6 +1,6 @@
 //! Messages about the world as orders of the loader: the same for those that come now, and those of a recording.
 
-use clearance_monitor::{Now, Sight, Time};
+use clearance_monitor::{Now, Observation, Time};
 use clearance_scene::{Extent, Gap, SceneRejection, SceneUpdate, Subject};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
@@ -90,7 +90,7 @@ pub fn clear_octomap() -> SceneOrder {
 }
 
 /// When what is in a message was seen; without a stamp it is new.
-fn sight(stamp: Time, came: Now) -> Sight {
+fn sight(stamp: Time, came: Now) -> Observation {
     let stamp = if stamp == Time::ZERO { came.ros.unwrap_or_default() } else { stamp };
-    Sight { stamp, at: came.steady }
+    Observation { stamp, at: came.steady }
 }

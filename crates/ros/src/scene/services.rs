@@ -16,16 +16,16 @@ use smol::channel::{self, Receiver, Sender};
 use smol::lock::Semaphore;
 
 use super::orders::clear_octomap;
-use super::telling::{Told, scene_message};
+use super::scene_messages::{SceneMessages, scene_message};
 use super::topics::{SceneTopics, Shared};
 use super::validity::{Situation, constraints_given, state_validity};
-use crate::cell::known;
-use crate::flood::Flood;
-use crate::middleware::{Complaints, Message, Middleware, MiddlewareError, RequestId, Server};
-use crate::monitor_loop::CurrentJudgement;
+use crate::log_rate_limiter::LogRateLimiter;
+use crate::middleware::{DecodeErrorLog, Message, Middleware, MiddlewareError, RequestId, Server};
+use crate::monitor_loop::CurrentEvaluation;
 use crate::names::Names;
 use crate::recording::{OrderStep, SceneDoor};
 use crate::refusal::shortened;
+use crate::request_context::known;
 use crate::scene_keeper::{CurrentScene, SceneInForce};
 
 /// Questions about states that wait at most; who comes then is told at once that the state is not valid.
@@ -49,11 +49,11 @@ pub struct SceneServices {
     clear: Server<Empty, Empty>,
     validity: Server<GetStateValidityRequest, GetStateValidityResponse>,
     scene: CurrentScene,
-    judgement: CurrentJudgement,
+    evaluation: CurrentEvaluation,
     questions: Sender<(RequestId, GetStateValidityRequest)>,
     answers: Receiver<(RequestId, GetStateValidityResponse)>,
-    busy: Complaints,
-    empty: Complaints,
+    busy: DecodeErrorLog,
+    empty: DecodeErrorLog,
 }
 
 /// The side that checks states.
@@ -61,7 +61,7 @@ pub struct ValidityDesk {
     questions: Receiver<(RequestId, GetStateValidityRequest)>,
     answers: Sender<(RequestId, GetStateValidityResponse)>,
     scene: CurrentScene,
-    judgement: CurrentJudgement,
+    evaluation: CurrentEvaluation,
     shared: Shared,
 }
 
@@ -70,7 +70,7 @@ impl SceneServices {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        judgement: CurrentJudgement,
+        evaluation: CurrentEvaluation,
         shared: Shared,
     ) -> Result<(Self, ValidityDesk), MiddlewareError> {
         let scene = Arc::clone(&shared.scene);
@@ -85,13 +85,13 @@ impl SceneServices {
             validity: middleware
                 .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
             scene: Arc::clone(&scene),
-            judgement: Arc::clone(&judgement),
+            evaluation: Arc::clone(&evaluation),
             questions,
             answers: answers_in,
-            busy: Complaints::default(),
-            empty: Complaints::default(),
+            busy: DecodeErrorLog::default(),
+            empty: DecodeErrorLog::default(),
         };
-        Ok((services, ValidityDesk { questions: questions_in, answers, scene, judgement, shared }))
+        Ok((services, ValidityDesk { questions: questions_in, answers, scene, evaluation, shared }))
     }
 
     /// Serves for ever.
@@ -161,17 +161,17 @@ impl SceneServices {
             self.empty.warn(|| "get_planning_scene: there is no robot model yet".to_owned());
             return ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene::default();
         };
-        let judgement = self.judgement.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let placement = judgement.and_then(|judgement| {
-            let same = judgement.revision?.model == scene.revision.model;
-            judgement.placement.filter(|_| same)
+        let evaluation = self.evaluation.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let placement = evaluation.and_then(|evaluation| {
+            let same = evaluation.revision?.model == scene.revision.model;
+            evaluation.placement.filter(|_| same)
         });
         let SceneInForce { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
-        let told = Told {
+        let told = SceneMessages {
             robot: revision.checker.robot(),
             scene: state,
             padding: parameters.padding,
-            configuration: placement.as_ref().map(|evidence| &evidence.configuration),
+            configuration: placement.as_ref().map(|checked_state| &checked_state.configuration),
             octomap: octomap.as_deref(),
         };
         scene_message(&told, components)
@@ -181,7 +181,7 @@ impl SceneServices {
 impl ValidityDesk {
     /// Checks what is asked until there is no one left to ask.
     pub fn work(self) {
-        let mut flood = Flood::default();
+        let mut flood = LogRateLimiter::default();
         let mut warn = |why: &str| {
             if flood.admit(self.shared.clock.read().steady) {
                 log::warn!("check_state_validity: not valid: {why}");
@@ -213,11 +213,11 @@ impl ValidityDesk {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot model yet")?;
         let now = self.shared.clock.read();
-        let judgement = known(&self.judgement, now);
+        let evaluation = known(&self.evaluation, now);
         let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
         state_validity(
             request,
-            &Situation { scene: &scene, judgement: judgement.as_ref(), transforms: &transforms, now },
+            &Situation { scene: &scene, evaluation: evaluation.as_ref(), transforms: &transforms, now },
         )
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
 use clearance_monitor::{
-    JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Sight, Time, WorldSource,
+    Evaluation, JointStateInput, Monitor, MonitorSettings, Now, Observation, Revision, Time, WorldSource,
 };
 use clearance_robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
 use clearance_scene::MeshModel;
@@ -26,7 +26,7 @@ use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, So
 
 use super::octomaps::octomap_placement;
 use super::reading::{object_change, scene_change};
-use super::telling::{Told, scene_message};
+use super::scene_messages::{SceneMessages, scene_message};
 use super::validity::{Situation, state_validity};
 use super::{decode, monitored};
 use crate::checker_of_scene::checker_of;
@@ -223,7 +223,7 @@ fn what_is_told_of_a_scene_makes_the_same_scene() {
     let before = scene(&[difference(vec![thing.clone()], vec![part()])]);
     let robot = robot();
     let configuration = robot.configuration(&FOLDED).unwrap();
-    let told = |scene| Told {
+    let told = |scene| SceneMessages {
         robot: &robot,
         scene,
         padding: 0.01,
@@ -247,7 +247,8 @@ fn what_is_told_of_a_scene_makes_the_same_scene() {
 fn only_the_components_that_are_asked_for_are_told() {
     let scene = scene(&[difference(vec![ball("a", at(2.5, 0.0, 0.0), 0.1, "")], vec![part()])]);
     let robot = robot();
-    let told = Told { robot: &robot, scene: &scene, padding: 0.0, configuration: None, octomap: None };
+    let told =
+        SceneMessages { robot: &robot, scene: &scene, padding: 0.0, configuration: None, octomap: None };
     let get = |components| scene_message(&told, components);
     let named = get(C::WORLD_OBJECT_NAMES);
     assert_eq!(

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use clearance_monitor::{Now, Time, Trail};
-use clearance_scene::{Grounds, OCTOMAP, Transform, TransformTree};
+use clearance_monitor::{JointStateHistory, Now, Time};
+use clearance_scene::{AnchorFrames, OCTOMAP, Transform, TransformTree};
 use futures_lite::{FutureExt, future};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
@@ -16,26 +16,26 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use smol::channel::{self, Receiver, Sender};
 
-use super::asking::Asking;
 use super::clouds::{CloudMessage, CloudMessages};
 use super::orders::{
     attached_order, object_order, octomap_order, scene_order, unreadable_order, world_order,
 };
 use super::reading::transform_pose;
-use crate::arrivals::Arrivals;
+use super::scene_request::SceneRequester;
 use crate::clock::RosClock;
 use crate::mailbox;
 use crate::messages::time_of;
 use crate::middleware::{
-    Complaints, MessageKind, Middleware, MiddlewareError, Origin, Quality, Subscription,
+    DecodeErrorLog, MessageKind, Middleware, MiddlewareError, Origin, Quality, Subscription,
 };
 use crate::monitor_loop::{Event, WorldUpdate};
 use crate::names::Names;
 use crate::order::Order;
 use crate::parameter_services::ParameterStore;
-use crate::recording::{Happening, OrderStep, Original, SceneDoor, Tape};
+use crate::recording::{OrderStep, OriginalMessage, RecordedEvent, RecorderHandle, SceneDoor};
 use crate::scene_keeper::CurrentScene;
 use crate::scene_order::SceneOrder;
+use crate::sequence_gaps::SequenceGaps;
 
 /// Frames that others publish, shared between who hears and who needs them.
 pub type Transforms = Arc<Mutex<TransformTree>>;
@@ -71,24 +71,29 @@ pub struct Shared {
     pub scene: CurrentScene,
     pub transforms: Transforms,
     /// What the loader has obstacles stand in.
-    pub grounds: Arc<Mutex<Grounds>>,
+    pub grounds: Arc<Mutex<AnchorFrames>>,
     pub clouds: Arc<CloudMessages>,
-    /// Where the robot was lately; whoever holds the judgement too takes that first.
-    pub trail: Arc<Mutex<Trail>>,
+    /// Where the robot was lately; whoever holds the evaluation too takes that first.
+    pub joint_state_history: Arc<Mutex<JointStateHistory>>,
     pub store: ParameterStore,
     pub clock: Arc<RosClock>,
-    pub tape: Tape,
+    pub tape: RecorderHandle,
 }
 
 impl Shared {
     #[must_use]
-    pub fn new(scene: CurrentScene, store: ParameterStore, clock: Arc<RosClock>, tape: Tape) -> Self {
+    pub fn new(
+        scene: CurrentScene,
+        store: ParameterStore,
+        clock: Arc<RosClock>,
+        tape: RecorderHandle,
+    ) -> Self {
         Self {
             scene,
             transforms: Transforms::default(),
             grounds: Arc::default(),
             clouds: Arc::default(),
-            trail: Arc::default(),
+            joint_state_history: Arc::default(),
             store,
             clock,
             tape,
@@ -166,17 +171,17 @@ impl SceneTopics {
             Some(order.after(lost))
         };
         let objects =
-            self.hear(SceneDoor::CollisionObject, &self.objects, |m, lost| after(self.object(m), lost));
-        let attached = self.hear(SceneDoor::AttachedCollisionObject, &self.attached, |m, lost| {
+            self.receive(SceneDoor::CollisionObject, &self.objects, |m, lost| after(self.object(m), lost));
+        let attached = self.receive(SceneDoor::AttachedCollisionObject, &self.attached, |m, lost| {
             after(self.attached(m), lost)
         });
-        let worlds = self.hear(SceneDoor::PlanningSceneWorld, &self.worlds, |m, _| Some(self.world(m)));
-        let scenes = self.hear(SceneDoor::PlanningScene, &self.scenes, |m, lost| {
+        let worlds = self.receive(SceneDoor::PlanningSceneWorld, &self.worlds, |m, _| Some(self.world(m)));
+        let scenes = self.receive(SceneDoor::PlanningScene, &self.scenes, |m, lost| {
             after(self.scene(SceneDoor::PlanningScene, m), lost)
         });
         let octomap = |topic: usize, twin: usize| {
             let last = &twins[topic];
-            self.hear(OCTOMAP_DOORS[topic], &self.octomaps[topic][twin], move |m, _| {
+            self.receive(OCTOMAP_DOORS[topic], &self.octomaps[topic][twin], move |m, _| {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 last.is_new(twin, &m).then(|| self.octomap(topic, m))
             })
@@ -185,18 +190,18 @@ impl SceneTopics {
         let octomaps =
             future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
         let transforms = future::zip(self.follow(&self.tf, false), self.follow(&self.tf_static, true));
-        let others = future::zip(self.watch(), Asking::default().go_on(self));
+        let others = future::zip(self.watch(), SceneRequester::default().go_on(self));
         future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
     }
 
     /// Turns messages into orders; `read` is told how many were lost right before each.
-    async fn hear<M: crate::middleware::Message + 'static>(
+    async fn receive<M: crate::middleware::Message + 'static>(
         &self,
         by: SceneDoor,
         topic: &Subscription<M>,
         read: impl Fn(M, u64) -> Option<SceneOrder>,
     ) {
-        let mut arrivals = Arrivals::default();
+        let mut arrivals = SequenceGaps::default();
         loop {
             let Ok((message, Origin { publisher, number, received })) = topic.next_or_unreadable().await
             else {
@@ -261,7 +266,7 @@ impl SceneTopics {
         &self,
         by: SceneDoor,
         message: M,
-        keep: impl FnOnce(M) -> Original,
+        keep: impl FnOnce(M) -> OriginalMessage,
         read: impl FnOnce(M, bool, Now) -> SceneOrder,
     ) -> SceneOrder {
         let Shared { store, clock, tape, .. } = &self.shared;
@@ -286,33 +291,38 @@ impl SceneTopics {
     }
 
     fn object(&self, message: CollisionObject) -> SceneOrder {
-        let keep = |m| Original::Object(Box::new(m));
+        let keep = |m| OriginalMessage::Object(Box::new(m));
         self.order(SceneDoor::CollisionObject, message, keep, |m, _, _| object_order(&m))
     }
 
     fn attached(&self, message: AttachedCollisionObject) -> SceneOrder {
-        let keep = |m| Original::Attached(Box::new(m));
+        let keep = |m| OriginalMessage::Attached(Box::new(m));
         self.order(SceneDoor::AttachedCollisionObject, message, keep, |m, _, _| attached_order(&m))
     }
 
     fn world(&self, message: PlanningSceneWorld) -> SceneOrder {
-        self.order(SceneDoor::PlanningSceneWorld, message, |m| Original::World(Box::new(m)), world_order)
+        self.order(
+            SceneDoor::PlanningSceneWorld,
+            message,
+            |m| OriginalMessage::World(Box::new(m)),
+            world_order,
+        )
     }
 
     /// An order to apply a whole or partial scene.
     pub fn scene(&self, by: SceneDoor, message: PlanningScene) -> SceneOrder {
         let read = |m, unknown_is_occupied, came| scene_order(by, m, unknown_is_occupied, came);
-        self.order(by, message, |m| Original::Scene(Box::new(m)), read)
+        self.order(by, message, |m| OriginalMessage::Scene(Box::new(m)), read)
     }
 
     fn octomap(&self, topic: usize, message: Octomap) -> SceneOrder {
         let by = OCTOMAP_DOORS[topic];
         let read = |m, unknown_is_occupied, came| octomap_order(by, m, unknown_is_occupied, came);
-        self.order(by, message, |m| Original::Octomap(Box::new(m)), read)
+        self.order(by, message, |m| OriginalMessage::Octomap(Box::new(m)), read)
     }
 
     async fn follow(&self, topic: &Subscription<TFMessage>, fixed: bool) {
-        let complaints = Complaints::default();
+        let complaints = DecodeErrorLog::default();
         loop {
             let (message, _) = topic.next().await;
             let (fault, is_elsewhere) = self.heed(message, fixed);
@@ -331,7 +341,7 @@ impl SceneTopics {
         let now = clock.now();
         let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // a recording has it before whatever is made of this tree
-        tape.note(|| Happening::Transforms { message: message.clone(), now, fixed });
+        tape.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
         let fault = note_transforms(&mut tree, message, now, fixed);
         (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }

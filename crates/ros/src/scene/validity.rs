@@ -2,7 +2,7 @@
 
 use clearance_checker::{CollisionChecker, Contact, Question};
 use clearance_geometry::math::{Point, Pose, Vector};
-use clearance_monitor::{Evidence, Judgement, Now, Reason};
+use clearance_monitor::{CheckedState, Evaluation, Now, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
 use clearance_scene::AttachedId;
@@ -19,9 +19,9 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::reading::{robot_state_change, transform_pose};
-use crate::cell::undecided;
 use crate::checker_of_scene::checker_of;
 use crate::messages::{point_message, stamp_message};
+use crate::request_context::undecided;
 use crate::scene_keeper::SceneInForce;
 
 /// Contacts told at most: the answer must not grow with the number of bodies.
@@ -30,7 +30,7 @@ const CONTACTS_TOLD: usize = 200;
 /// What a question is asked about.
 pub struct Situation<'s> {
     pub scene: &'s SceneInForce,
-    pub judgement: Option<&'s Judgement>,
+    pub evaluation: Option<&'s Evaluation>,
     pub transforms: &'s TransformTree,
     pub now: Now,
 }
@@ -78,16 +78,16 @@ pub fn state_validity(
 
 /// Why it is not known what is around the robot, or which robot it is.
 fn unknown_world(situation: &Situation) -> Option<Reason> {
-    let Situation { scene, judgement, now, .. } = situation;
-    if judgement.is_some_and(|judgement| judgement.is_swapping) {
+    let Situation { scene, evaluation, now, .. } = situation;
+    if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
         return Some(Reason::ModelSwap);
     }
     if !scene.revision.has_geometry() {
         return Some(Reason::NoGeometry);
     }
-    let stale = judgement.and_then(|judgement| judgement.stale_world.clone());
+    let stale = evaluation.and_then(|evaluation| evaluation.stale_world.clone());
     // a scene that the monitor has not taken note of yet may be incomplete
-    let judged = judgement.and_then(|judgement| judgement.revision.as_ref());
+    let judged = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
     let is_judged = judged.is_some_and(|judged| Arc::ptr_eq(judged, &scene.revision));
     let incomplete = scene.revision.incomplete.clone().filter(|_| !is_judged);
     scene.revision.stale_world(*now).or(incomplete).or(stale)
@@ -177,8 +177,8 @@ fn configuration(
     let (names, positions): (Vec<&str>, Vec<f64>) = single.chain(several).unzip();
     let named = robot.named_joints(names).map_err(refuse)?;
     let usual;
-    let rest = if let Some(evidence) = placement(situation) {
-        &evidence.configuration
+    let rest = if let Some(checked_state) = placement(situation) {
+        &checked_state.configuration
     } else {
         let missing = undecided(robot, &named);
         if !missing.is_empty() {
@@ -194,10 +194,10 @@ fn configuration(
 }
 
 /// Where the robot is now, if that is known.
-fn placement<'s>(situation: &Situation<'s>) -> Option<&'s Evidence> {
-    let judgement = situation.judgement?;
-    let same = judgement.revision.as_ref()?.model == situation.scene.revision.model;
-    judgement.placement.as_deref().filter(|_| same)
+fn placement<'s>(situation: &Situation<'s>) -> Option<&'s CheckedState> {
+    let evaluation = situation.evaluation?;
+    let same = evaluation.revision.as_ref()?.model == situation.scene.revision.model;
+    evaluation.placement.as_deref().filter(|_| same)
 }
 
 /// The positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must stand at zero.
@@ -250,7 +250,7 @@ fn with_request(
     let asked = context_at(Some(poses));
     // what is taken up from the world is taken up where the robot is now
     let placement = placement(situation);
-    let today = context_at(placement.map(|evidence| &evidence.poses));
+    let today = context_at(placement.map(|checked_state| &checked_state.poses));
     let (mut changed, mut applied) = (scene.clone(), Applied::default());
     let attached = std::mem::take(&mut read.change.attached);
     // what a state that is no difference may not say is refused with the rest of it

@@ -7,20 +7,20 @@ use std::time::{Duration, Instant};
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 use clearance_monitor::cloud::{SelfFilter, Sieve};
-use clearance_monitor::{Now, Sight, Time};
+use clearance_monitor::{Now, Observation, Time};
 use clearance_robot::RobotModel;
 use clearance_scene::Obstacle;
 use clearance_scene::SceneContext;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 
-use super::{Glimpse, SceneKeeper};
+use super::{SceneKeeper, SceneUpdateContext};
 use crate::parameters::Parameters;
 use crate::scene::{CloudMessage, CloudReport, decode, is_at_origin};
 
 /// The last cloud of one topic.
 #[derive(Default)]
 pub(super) struct Cloud {
-    pub seen: Option<Sight>,
+    pub seen: Option<Observation>,
     pub report: CloudReport,
     /// When the message came that is being made use of.
     pub since: Option<Instant>,
@@ -36,9 +36,9 @@ impl SceneKeeper {
         &mut self,
         messages: BTreeMap<String, CloudMessage>,
         robot: &Arc<RobotModel>,
-        glimpse: &Glimpse,
+        update_context: &SceneUpdateContext,
     ) -> bool {
-        let parameters = &glimpse.parameters;
+        let parameters = &update_context.parameters;
         let mut changed = self.forget_unwatched(parameters);
         for (topic, message) in messages {
             if !parameters.point_cloud_topics.contains(&topic) {
@@ -46,13 +46,13 @@ impl SceneKeeper {
             }
             let (since, stamp) = (message.since, message.stamp());
             let seen = check_stamp(stamp, message.came, parameters)
-                .and_then(|()| self.sieve(&topic, &message.cloud, robot, glimpse));
+                .and_then(|()| self.sieve(&topic, &message.cloud, robot, update_context));
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
                 Ok((obstacle, report)) => {
                     let is_kept = report.blind.is_some() && parameters.blind_makes_unknown();
                     cloud.report = report;
-                    cloud.seen = Some(Sight { stamp, at: message.came.steady });
+                    cloud.seen = Some(Observation { stamp, at: message.came.steady });
                     cloud.since = Some(since);
                     if let Some(cause) = cloud.report.blind.clone() {
                         cloud.complain(&topic, &cause);
@@ -64,8 +64,8 @@ impl SceneKeeper {
                     let context = SceneContext::new(
                         robot,
                         None,
-                        &glimpse.transforms,
-                        glimpse.now.ros,
+                        &update_context.transforms,
+                        update_context.now.ros,
                         parameters.transform_ttl,
                     );
                     self.state.anchor(&topic, &message.cloud.header.frame_id, &context);
@@ -99,12 +99,13 @@ impl SceneKeeper {
         topic: &str,
         message: &PointCloud2,
         robot: &Arc<RobotModel>,
-        glimpse: &Glimpse,
+        update_context: &SceneUpdateContext,
     ) -> Result<(Option<Obstacle>, CloudReport), String> {
-        let Glimpse { now, parameters, transforms, .. } = glimpse;
+        let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let points = decode(message)?;
-        let poses =
-            glimpse.poses_at(robot, topic).ok_or("no fresh joint state tells which points are the robot")?;
+        let poses = update_context
+            .poses_at(robot, topic)
+            .ok_or("no fresh joint state tells which points are the robot")?;
         let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =

@@ -45,7 +45,7 @@ fn monitor(world: &World, settings: MonitorSettings) -> Monitor {
 }
 
 /// What a monitor says about the robot at these positions; about no joint state without any.
-fn judged(monitor: &mut Monitor, positions: &[f64]) -> Judgement {
+fn judged(monitor: &mut Monitor, positions: &[f64]) -> Evaluation {
     let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
     let names = names(&JOINTS[..positions.len()]);
     if positions.is_empty() {
@@ -55,7 +55,7 @@ fn judged(monitor: &mut Monitor, positions: &[f64]) -> Judgement {
     monitor.on_joint_state(JointStateInput { names, positions, ..JointStateInput::default() }, now)
 }
 
-fn judgement(world: &World, positions: &[f64]) -> Judgement {
+fn evaluation(world: &World, positions: &[f64]) -> Evaluation {
     judged(&mut monitor(world, MonitorSettings::default()), positions)
 }
 
@@ -65,7 +65,7 @@ fn batch(states: &[[f64; 2]]) -> CheckStatesRequest {
 }
 
 fn ask(request: &CheckStatesRequest) -> CheckStatesResponse {
-    answer_states(request, Some(&judgement(&World::default(), &[0.0, 0.0])), &mut None)
+    answer_states(request, Some(&evaluation(&World::default(), &[0.0, 0.0])), &mut None)
 }
 
 fn at(positions: &[f64]) -> GetDistancesRequest {
@@ -74,7 +74,7 @@ fn at(positions: &[f64]) -> GetDistancesRequest {
 }
 
 fn ask_distances(request: &GetDistancesRequest) -> GetDistancesResponse {
-    answer_distances(request, Some(&judgement(&with_ball(), &[0.0, 0.0])), &mut None)
+    answer_distances(request, Some(&evaluation(&with_ball(), &[0.0, 0.0])), &mut None)
 }
 
 fn told_pair(response: &GetDistancesResponse, i: usize) -> [&str; 2] {
@@ -119,8 +119,8 @@ fn while_another_robot_is_built_nothing_is_checked() {
     let mut monitor = monitor(&World::default(), MonitorSettings::default());
     judged(&mut monitor, &[0.0, 0.0]);
     monitor.note_model_swap();
-    let judgement = judged(&mut monitor, &[]);
-    let answer = answer_states(&batch(&[NEAR]), Some(&judgement), &mut None);
+    let evaluation = judged(&mut monitor, &[]);
+    let answer = answer_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
     assert!(answer.message.contains("still being built"), "{}", answer.message);
 }
@@ -128,14 +128,14 @@ fn while_another_robot_is_built_nothing_is_checked() {
 #[test]
 fn where_only_the_check_was_late_the_robot_stands_where_it_is() {
     let settings = MonitorSettings { check_deadline: 1e-9, ..MonitorSettings::default() };
-    let judgement = judged(&mut monitor(&World::default(), settings), &[0.0, PI]);
-    assert_eq!(judgement.status.reason().map(Reason::code), Some("deadline"));
+    let evaluation = judged(&mut monitor(&World::default(), settings), &[0.0, PI]);
+    assert_eq!(evaluation.status.reason().map(Reason::code), Some("deadline"));
     let request = CheckStatesRequest {
         joint_names: names(&["joint1"]),
         positions: vec![0.5],
         ..CheckStatesRequest::default()
     };
-    let answer = answer_states(&request, Some(&judgement), &mut None);
+    let answer = answer_states(&request, Some(&evaluation), &mut None);
     assert_eq!((answer.verdict, answer.message.as_str()), (COLLIDING, ""));
 }
 
@@ -152,7 +152,7 @@ fn names_that_do_not_fit_are_left_out() {
     }
     let mut request = batch(&states);
     request.with_distance = true;
-    let answer = answer_states(&request, Some(&judgement(&world, &[0.0, 0.0])), &mut None);
+    let answer = answer_states(&request, Some(&evaluation(&world, &[0.0, 0.0])), &mut None);
     assert!(answer.distances.iter().all(|distance| (distance - 0.1).abs() < 1e-9), "{answer:?}");
     let fitting = (LONGEST_NAMES - "tip".len()) / LENGTH;
     assert_eq!(answer.bodies.len(), 1 + fitting);
@@ -178,8 +178,8 @@ fn what_is_not_decided_in_time_is_unknown() {
 
 #[test]
 fn a_batch_with_something_open_is_not_free() {
-    let judgement = judgement(&World::default(), &[0.0, 0.0]);
-    let checker = &judgement.revision.as_ref().unwrap().checker;
+    let evaluation = evaluation(&World::default(), &[0.0, 0.0]);
+    let checker = &evaluation.revision.as_ref().unwrap().checker;
     let free = CollisionReport::default();
     let hit = CollisionReport {
         self_collision: true,
@@ -208,14 +208,14 @@ fn joints_that_are_not_named_stand_where_they_are() {
     let request =
         CheckStatesRequest { joint_names: names(&JOINTS[..1]), positions: vec![0.0, 1.0], ..batch(&[]) };
     let empty = World::default();
-    let verdicts = |now: &[f64]| answer_states(&request, Some(&judgement(&empty, now)), &mut None);
+    let verdicts = |now: &[f64]| answer_states(&request, Some(&evaluation(&empty, now)), &mut None);
     assert_eq!(verdicts(&[0.0, 0.0]).verdicts, [FREE; 2]);
     assert_eq!(verdicts(&ONTO).verdicts, [COLLIDING; 2]);
     let answer = verdicts(&[]);
     assert_eq!(answer.verdicts, [FREE; 2]);
     assert!(answer.message.starts_with("'joint2' stand at their defaults"), "{}", answer.message);
 
-    let current = |now: &[f64]| answer_distances(&at(&[]), Some(&judgement(&empty, now)), &mut None);
+    let current = |now: &[f64]| answer_distances(&at(&[]), Some(&evaluation(&empty, now)), &mut None);
     assert_eq!((current(&NEAR).verdict, current(&ONTO).verdict), (FREE, COLLIDING));
     let answer = current(&[]);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (0, "no_joint_state"));
@@ -311,8 +311,8 @@ fn a_robot_without_geometry_is_not_checked() {
     monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
     for enabled in [true, false] {
         monitor.set_enabled(enabled);
-        let judgement = monitor.on_heartbeat(Now { ros: None, steady: Duration::ZERO });
-        let answer = answer_states(&batch(&[NEAR]), Some(&judgement), &mut None);
+        let evaluation = monitor.on_heartbeat(Now { ros: None, steady: Duration::ZERO });
+        let answer = answer_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
         assert_eq!(answer.reason_code, "no_model");
         assert!(answer.message.contains("no link of the robot has collision geometry"), "{}", answer.message);
     }

@@ -1,7 +1,7 @@
 //! The live view: robot and world in a web browser, as the monitor judges them.
 //!
 //! ```text
-//! monitor loop ──observer──> slot (the last judgement) <──at its own pace── server ──HTTP──> browsers: view/src
+//! monitor loop ──observer──> slot (the last evaluation) <──at its own pace── server ──HTTP──> browsers: view/src
 //! ```
 //!
 //! | path | what |
@@ -10,7 +10,7 @@
 //! | `/robot`, `/world` | geometry: bodies and shapes as JSON, with the numbers of meshes and clouds behind it |
 //! | `/updates` | server-sent events: status, distances, poses |
 //!
-//! The monitor leaves a judgement in the slot and goes on; it waits for no browser. No path opens a file.
+//! The monitor leaves a evaluation in the slot and goes on; it waits for no browser. No path opens a file.
 
 mod address;
 mod assets;

@@ -69,11 +69,11 @@ impl View {
         &self.url
     }
 
-    /// What takes judgements to the view; it never waits.
+    /// What takes evaluations to the view; it never waits.
     #[must_use]
     pub fn observer(&self) -> Observer {
         let slot = Arc::clone(&self.slot);
-        Box::new(move |judgement, settings| slot.put(judgement, settings))
+        Box::new(move |evaluation, settings| slot.put(evaluation, settings))
     }
 }
 

@@ -91,7 +91,7 @@ impl Site {
     async fn geometry(&self, document: fn(&Revision) -> Bytes) -> Answer {
         let seat = self.documents.acquire_arc().await;
         let said = self.slot.last().clone();
-        let Some(revision) = said.and_then(|said| said.judgement.revision.clone()) else {
+        let Some(revision) = said.and_then(|said| said.evaluation.revision.clone()) else {
             return refusal(StatusCode::NOT_FOUND, "there is no robot yet");
         };
         // large meshes take a while; other browsers go on meanwhile
@@ -127,7 +127,7 @@ impl Viewer {
         Self { slot, _seat: seat, since: Instant::now(), last: None }
     }
 
-    /// The newest judgement, when what came before is on its way, as soon as there is a new one and not too often; the last one again
+    /// The newest evaluation, when what came before is on its way, as soon as there is a new one and not too often; the last one again
     /// after a pause.
     /// Nothing when the stream has lasted long enough.
     async fn next_event(&mut self) -> Option<Bytes> {

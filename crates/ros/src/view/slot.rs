@@ -1,14 +1,14 @@
-//! The last judgement, handed over without a lock: whoever is slow sees the newest one, never a queue of old ones.
+//! The last evaluation, handed over without a lock: whoever is slow sees the newest one, never a queue of old ones.
 
 use std::time::Instant;
 
 use arc_swap::{ArcSwapOption, Guard};
-use clearance_monitor::{Judgement, MonitorSettings};
+use clearance_monitor::{Evaluation, MonitorSettings};
 
-/// A judgement and when it was made.
+/// A evaluation and when it was made.
 #[derive(Debug)]
 pub struct Said {
-    pub judgement: Judgement,
+    pub evaluation: Evaluation,
     pub at: Instant,
     /// What it was made with: when it is stale, and when the next one comes at the latest.
     pub settings: MonitorSettings,
@@ -19,9 +19,9 @@ pub struct Said {
 pub struct Slot(ArcSwapOption<Said>);
 
 impl Slot {
-    /// Leaves a judgement here.
-    pub fn put(&self, judgement: &Judgement, settings: &MonitorSettings) {
-        let said = Said { judgement: judgement.clone(), at: Instant::now(), settings: settings.clone() };
+    /// Leaves a evaluation here.
+    pub fn put(&self, evaluation: &Evaluation, settings: &MonitorSettings) {
+        let said = Said { evaluation: evaluation.clone(), at: Instant::now(), settings: settings.clone() };
         self.0.store(Some(said.into()));
     }
 

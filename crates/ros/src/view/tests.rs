@@ -3,7 +3,7 @@
 use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Pose, Vector};
 use clearance_geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
-use clearance_monitor::{JointStateInput, Judgement, Monitor, MonitorSettings, Now, Revision, Time};
+use clearance_monitor::{Evaluation, JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
 use clearance_robot::{MeshFiles, RobotModel};
 use clearance_scene::Settings;
 use clearance_scene::{AttachedObject, Obstacle, ObstacleShape, World};
@@ -50,7 +50,7 @@ fn now() -> Now {
 }
 
 /// What a monitor says about an elbow.
-fn judgement(elbow: f64) -> Judgement {
+fn evaluation(elbow: f64) -> Evaluation {
     let mut monitor = Monitor::new(settings(), || Duration::ZERO);
     monitor.set_checker(revision(&World::default(), Settings::default()));
     let input = JointStateInput {
@@ -63,19 +63,19 @@ fn judgement(elbow: f64) -> Judgement {
 }
 
 /// What a page is told `later` than it was said.
-fn told(judgement: &Judgement, later: Duration) -> Value {
-    told_with(judgement, settings(), later)
+fn told(evaluation: &Evaluation, later: Duration) -> Value {
+    told_with(evaluation, settings(), later)
 }
 
-fn told_with(judgement: &Judgement, settings: MonitorSettings, later: Duration) -> Value {
+fn told_with(evaluation: &Evaluation, settings: MonitorSettings, later: Duration) -> Value {
     let at = Instant::now();
-    let said = Said { judgement: judgement.clone(), at, settings };
+    let said = Said { evaluation: evaluation.clone(), at, settings };
     serde_json::from_str(&update(Some(&said), at + later)).unwrap()
 }
 
 #[test]
 fn a_free_state_is_told_with_distances_and_poses() {
-    let told = told(&judgement(0.0), Duration::ZERO);
+    let told = told(&evaluation(0.0), Duration::ZERO);
     assert_eq!((&told["status"], &told["reason"]), (&"FREE".into(), &Value::Null));
     assert_eq!((told["model"].as_u64(), told["world"].as_u64()), (Some(3), Some(7)));
     assert_eq!(told["nearest"]["bodies"], serde_json::json!([["link", "base"], ["link", "ball"]]));
@@ -88,7 +88,7 @@ fn a_free_state_is_told_with_distances_and_poses() {
 
 #[test]
 fn colliding_pairs_are_told() {
-    let told = told(&judgement(std::f64::consts::PI), Duration::ZERO);
+    let told = told(&evaluation(std::f64::consts::PI), Duration::ZERO);
     assert_eq!(told["status"], "COLLIDING");
     assert_eq!(told["colliding"], serde_json::json!([[["link", "base"], ["link", "ball"]]]));
     assert_eq!(told["colliding_count"], 1);
@@ -96,7 +96,7 @@ fn colliding_pairs_are_told() {
 
 #[test]
 fn what_is_unknown_has_its_reason_and_no_distance() {
-    let told = told(&judgement(f64::NAN), Duration::ZERO);
+    let told = told(&evaluation(f64::NAN), Duration::ZERO);
     assert_eq!((&told["status"], &told["reason_code"]), (&"UNKNOWN".into(), &"non_finite".into()));
     assert!(told["reason"].as_str().unwrap().contains("elbow"), "{told}");
     assert!(told["poses"].is_null() && told.get("nearest").is_none());
@@ -104,7 +104,7 @@ fn what_is_unknown_has_its_reason_and_no_distance() {
 
 #[test]
 fn silence_of_the_monitor_is_not_shown_as_free() {
-    let free = judgement(0.0);
+    let free = evaluation(0.0);
     assert_eq!(told(&free, Duration::from_millis(200))["status"], "FREE");
     let silent = told(&free, Duration::from_millis(1201));
     assert_eq!((&silent["status"], &silent["reason_code"]), (&"UNKNOWN".into(), &"silent".into()));
@@ -115,7 +115,7 @@ fn silence_of_the_monitor_is_not_shown_as_free() {
 
 #[test]
 fn what_has_become_stale_since_is_not_shown_as_free() {
-    let free = judgement(0.0);
+    let free = evaluation(0.0);
     let settings = MonitorSettings { stale_after: 0.1, ..settings() };
     assert_eq!(told_with(&free, settings.clone(), Duration::from_millis(98))["status"], "FREE");
     let stale = told_with(&free, settings, Duration::from_millis(100));
@@ -230,11 +230,11 @@ fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
 }
 
 /// Judges and asks for updates until there is room, and until one of them says this.
-fn seated(view: &View, wanted: &str, judgement: &Judgement) {
+fn seated(view: &View, wanted: &str, evaluation: &Evaluation) {
     let socket = view.url().trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     loop {
-        view.observer()(judgement, &settings());
+        view.observer()(evaluation, &settings());
         let text = answer(socket, "GET /updates", "localhost");
         if text.starts_with("HTTP/1.1 200") && text.contains(wanted) {
             return;
@@ -273,7 +273,7 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     let one_too_many = answer(socket, "GET /updates", "localhost");
     assert!(one_too_many.starts_with("HTTP/1.1 503"), "{one_too_many}");
 
-    let free = judgement(0.0);
+    let free = evaluation(0.0);
     let start = Instant::now();
     for _ in 0..1000 {
         observer(&free, &settings());
@@ -283,7 +283,7 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     // who leaves makes room
     browsers.pop();
     seated(&view, "FREE", &free);
-    seated(&view, "COLLIDING", &judgement(std::f64::consts::PI));
+    seated(&view, "COLLIDING", &evaluation(std::f64::consts::PI));
     assert!(answer(socket, "GET /robot", "localhost").starts_with("HTTP/1.1 200"));
 }
 
@@ -291,7 +291,7 @@ fn judgements_reach_browsers_while_others_read_nothing() {
 fn robot_data_is_not_read_by_pages_of_other_sites() {
     let (view, socket) = view();
     let mut observer = view.observer();
-    observer(&judgement(0.0), &settings());
+    observer(&evaluation(0.0), &settings());
     for path in ["/updates", "/robot", "/world", "/"] {
         for origin in ["http://evil.example", "null", "http://localhost:1"] {
             let line = format!("GET {path} HTTP/1.1\r\nOrigin: {origin}");
@@ -334,7 +334,7 @@ fn browsers_that_read_nothing_keep_no_place() {
     let (view, socket) = view();
     let request = "GET /updates HTTP/1.1\r\nHost: localhost\r\n\r\n";
     let stalled: Vec<_> = (0..VIEWERS).map(|_| ask(socket, request)).collect();
-    seated(&view, "FREE", &judgement(0.0));
+    seated(&view, "FREE", &evaluation(0.0));
     drop(stalled);
 }
 

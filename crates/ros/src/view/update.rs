@@ -1,8 +1,8 @@
-//! A judgement as the page reads it.
+//! A evaluation as the page reads it.
 
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_geometry::math::Point;
-use clearance_monitor::{Evidence, Judgement, MonitorSettings, Reason, Revision};
+use clearance_monitor::{CheckedState, Evaluation, MonitorSettings, Reason, Revision};
 use clearance_robot::LinkPoses;
 use clearance_scene::BodyId;
 use serde::Serialize;
@@ -60,9 +60,9 @@ fn patience(heartbeat: Duration) -> Duration {
     2 * heartbeat + Duration::from_secs(1)
 }
 
-/// What is known now, as JSON; without a judgement, that nothing is.
+/// What is known now, as JSON; without a evaluation, that nothing is.
 pub fn update(said: Option<&Said>, now: Instant) -> String {
-    let Some(Said { judgement, at, settings }) = said else {
+    let Some(Said { evaluation, at, settings }) = said else {
         return json(&nothing_known("the node has not said anything yet".to_owned(), "silent"));
     };
     let silence = now.saturating_duration_since(*at);
@@ -70,16 +70,16 @@ pub fn update(said: Option<&Said>, now: Instant) -> String {
         let reason = format!("the node has been silent for {:.1} s", silence.as_secs_f64());
         return json(&nothing_known(reason, "silent"));
     }
-    let age = judgement.age.map(|age| age + silence.as_secs_f64());
-    if let Some(stale) = age.and_then(|age| gone_stale(judgement, age, settings)) {
+    let age = evaluation.age.map(|age| age + silence.as_secs_f64());
+    if let Some(stale) = age.and_then(|age| gone_stale(evaluation, age, settings)) {
         return json(&nothing_known(stale.to_string(), stale.code()));
     }
-    let Judgement { status, placement, evidence, revision, warnings, .. } = judgement;
+    let Evaluation { status, placement, checked_state, revision, warnings, .. } = evaluation;
     let reason = status.reason();
     let (model, world) = revision.as_ref().map_or((0, 0), |r| (r.model, r.world));
-    let both = |evidence: &'_ Option<_>| evidence.clone().zip(revision.as_ref());
+    let both = |checked_state: &'_ Option<_>| checked_state.clone().zip(revision.as_ref());
     let poses = both(placement).map(|(placement, revision)| poses(revision, &placement.poses));
-    let findings = evidence.as_deref().zip(revision.as_deref());
+    let findings = checked_state.as_deref().zip(revision.as_deref());
     json(&Update {
         status: status.word(),
         reason: reason.map(ToString::to_string),
@@ -89,14 +89,14 @@ pub fn update(said: Option<&Said>, now: Instant) -> String {
         world,
         age,
         poses,
-        findings: findings.map(|(evidence, revision)| found(evidence, &revision.checker)),
+        findings: findings.map(|(checked_state, revision)| found(checked_state, &revision.checker)),
     })
 }
 
 /// What was right when it was said may have become stale since.
-fn gone_stale(judgement: &Judgement, age: f64, settings: &MonitorSettings) -> Option<Reason> {
+fn gone_stale(evaluation: &Evaluation, age: f64, settings: &MonitorSettings) -> Option<Reason> {
     let stale_after = settings.stale_after;
-    let is_stale = judgement.evidence.is_some() && age > stale_after;
+    let is_stale = evaluation.checked_state.is_some() && age > stale_after;
     is_stale.then(|| Reason::Stale { joints: Vec::new(), age, stale_after, also: None })
 }
 
@@ -123,8 +123,8 @@ fn poses(revision: &Revision, poses: &LinkPoses) -> Vec<[f32; 7]> {
     revision.checker.robot().link_ids().map(|link| pose_numbers(poses.pose(link))).collect()
 }
 
-fn found<'a>(evidence: &'a Evidence, checker: &'a CollisionChecker) -> Findings<'a> {
-    let CollisionReport { nearest, pair_distances, colliding_pairs, .. } = &evidence.report;
+fn found<'a>(checked_state: &'a CheckedState, checker: &'a CollisionChecker) -> Findings<'a> {
+    let CollisionReport { nearest, pair_distances, colliding_pairs, .. } = &checked_state.report;
     let mut near: Vec<&PairDistance> = pair_distances.iter().collect();
     near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let name = |body| (kind(body), checker.body_name(body));
@@ -134,9 +134,9 @@ fn found<'a>(evidence: &'a Evidence, checker: &'a CollisionChecker) -> Findings<
         witness_points: pair.witness_points.map(|point: Point| point.coords.map(short).into()),
     };
     Findings {
-        compute_time: evidence.compute_time.as_secs_f64(),
+        compute_time: checked_state.compute_time.as_secs_f64(),
         pairs_checked: checker.pairs().len(),
-        free_for: evidence.look_ahead.map(|ahead| ahead.free_for),
+        free_for: checked_state.look_ahead.map(|ahead| ahead.free_for),
         nearest: nearest.as_ref().map(pair),
         near: near.into_iter().take(PAIRS_SHOWN).map(pair).collect(),
         near_count: pair_distances.len(),

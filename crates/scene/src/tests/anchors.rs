@@ -241,7 +241,7 @@ fn a_chain_of_frames_is_followed_so_far_and_no_farther() {
         assert!(!drive_on(&mut cell));
         let grounds = cell.scene.grounds(&cell.robot);
         assert_eq!(grounds.lost(&cell.transforms), (!found).then_some(Lost::Endless), "{frames} frames");
-        let told: Vec<Told> = grounds.told_of(&cell.transforms).collect();
+        let told: Vec<TrackedFrame> = grounds.tracked_frames(&cell.transforms).collect();
         let links = told.iter().flat_map(|told| told.way.live_links()).count();
         assert_eq!(links, frames.min(256));
     }

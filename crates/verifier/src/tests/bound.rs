@@ -10,7 +10,7 @@ use clearance_scene::{AttachedObject, Obstacle, ObstacleId, World};
 
 use super::scenes::{ALL_KINDS, motion, plane, point_of, robot, world};
 use crate::Verifier;
-use crate::course::Course;
+use crate::segment_kinematics::SegmentKinematics;
 use crate::verifier::{Interval, Pass};
 
 /// Where a body is at t, the robot anywhere in its tube.
@@ -62,7 +62,7 @@ fn worst(random: &mut Random, extent: f64) -> f64 {
     let world = world(random, 0.5);
     let motion = motion(random, &robot, extent);
     let verifier = Verifier::new(&robot, &world, &Settings::default(), None).unwrap();
-    let course = Course::new(&robot, &world, 0, motion.clone()).unwrap();
+    let course = SegmentKinematics::new(&robot, &world, 0, motion.clone()).unwrap();
     let mut pass = Pass::new(&verifier, 0, &course);
     let mut scene =
         Scene { robot: &robot, world: &world, motion: &motion, poses: LinkPoses::new(&robot), t: 0.0 };
@@ -156,7 +156,7 @@ fn worst_before_planes(
     motion: &MotionSegment,
 ) -> f64 {
     let verifier = Verifier::new(robot, world, &Settings::default(), None).unwrap();
-    let course = Course::new(robot, world, 0, motion.clone()).unwrap();
+    let course = SegmentKinematics::new(robot, world, 0, motion.clone()).unwrap();
     let mut pass = Pass::new(&verifier, 0, &course);
     let interval = Interval::new(0.2, 0.2 + 0.8 * random.within(1.0).abs());
     pass.go_to(interval);

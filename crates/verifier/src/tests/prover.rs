@@ -4,7 +4,7 @@ use clearance_motion::{model_fingerprint, world_fingerprint};
 use clearance_scene::Settings;
 
 use crate::Verifier;
-use crate::course::Course;
+use crate::segment_kinematics::SegmentKinematics;
 use crate::verifier::{Interval, Pass};
 
 /// Shortest interval that is tried.
@@ -18,7 +18,7 @@ pub fn prove(
 ) -> Result<Certificate, usize> {
     let mut proofs = Vec::new();
     for (segment, motion) in segments.iter().enumerate() {
-        let course = Course::new(verifier.robot, verifier.world, segment, motion.clone()).unwrap();
+        let course = SegmentKinematics::new(verifier.robot, verifier.world, segment, motion.clone()).unwrap();
         let mut pass = Pass::new(verifier, segment, &course);
         let mut list = Vec::new();
         for pair in 0..verifier.subject.pairs.len() {

@@ -9,16 +9,16 @@ use crate::mailbox;
 fn what_does_not_fit_is_lost_and_counted_and_nobody_waits() {
     let (items, items_in) = mailbox::bounded(2);
     let backlog = Arc::new(Backlog::default());
-    let tape = Tape::to(items, Arc::clone(&backlog));
+    let tape = RecorderHandle::to(items, Arc::clone(&backlog));
     for _ in 0..5 {
-        tape.note(|| Happening::Told(Tidings::World));
+        tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
     }
     assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3);
     drop(items_in);
-    tape.note(|| Happening::Told(Tidings::World));
+    tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
     assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3, "nobody records any more");
-    assert!(!Tape::default().is_on());
-    Tape::default().note(|| panic!("nothing is made that nobody records"));
+    assert!(!RecorderHandle::default().is_on());
+    RecorderHandle::default().note(|| panic!("nothing is made that nobody records"));
 }
 
 #[test]
@@ -57,13 +57,13 @@ fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
 }
 
 /// What a recorder says of what it can not write, as soon as it does.
-fn fault(tape: &Tape) -> String {
+fn fault(tape: &RecorderHandle) -> String {
     let end = Instant::now() + Duration::from_secs(30);
     while Instant::now() < end {
         if let Some(fault) = tape.fault() {
             return fault;
         }
-        tape.note(|| Happening::Told(Tidings::World));
+        tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
         std::thread::sleep(Duration::from_millis(5));
     }
     panic!("no fault of the recording is told");

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// The judgement of the robot at these positions.
-fn judgement(scene: &SceneInForce, positions: &[f64]) -> Judgement {
+/// The evaluation of the robot at these positions.
+fn evaluation(scene: &SceneInForce, positions: &[f64]) -> Evaluation {
     let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
     monitor.set_checker(Arc::clone(&scene.revision));
     let names = ["joint1", "joint2"][..positions.len()].iter().map(|name| (*name).to_owned()).collect();
@@ -28,9 +28,9 @@ fn ask(
     current: &[f64],
     request: &GetStateValidityRequest,
 ) -> Result<GetStateValidityResponse, String> {
-    let judgement = judgement(scene, current);
+    let evaluation = evaluation(scene, current);
     let transforms = TransformTree::default();
-    let situation = Situation { scene, judgement: Some(&judgement), transforms: &transforms, now: now() };
+    let situation = Situation { scene, evaluation: Some(&evaluation), transforms: &transforms, now: now() };
     state_validity(request, &situation)
 }
 
@@ -184,7 +184,7 @@ fn what_is_not_looked_at_is_not_valid() {
     let camera = |seen| WorldSource { name: "/camera".to_owned(), seen, ttl: 1.0 };
     let unseen = in_force(Scene::default(), vec![camera(None)]);
     assert!(ask(&unseen, &STRETCHED, &whole(STRETCHED)).unwrap_err().contains("'/camera'"));
-    let seen = Some(Sight { stamp: Time::from_nanoseconds(5), at: Duration::ZERO });
+    let seen = Some(Observation { stamp: Time::from_nanoseconds(5), at: Duration::ZERO });
     let seen = in_force(Scene::default(), vec![camera(seen)]);
     assert!(ask(&seen, &STRETCHED, &whole(STRETCHED)).unwrap().valid);
 }

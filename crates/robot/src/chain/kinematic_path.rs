@@ -13,7 +13,7 @@ use super::{Body, Chain, Columns, Frame, PlacedFrame, Step};
 
 /// The bodies from each body up to the root. Those of a body are the end of the way from a leaf, so that a chain has one way for all.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct WaysToRoot {
+pub struct PathsToRoot {
     /// From leaves to the root, way by way.
     bodies: Vec<usize>,
     /// By body: itself first, the root last.
@@ -22,7 +22,7 @@ pub struct WaysToRoot {
 
 /// Two bodies' ways to their lowest common ancestor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Between<'w> {
+pub struct KinematicPath<'w> {
     ancestor: usize,
     /// By side: bodies from the most distal one to the ancestor, which is left out.
     sides: [&'w [usize]; 2],
@@ -81,8 +81,8 @@ pub struct SideMotion {
 impl Chain {
     #[must_use]
     #[inline]
-    pub fn ways_to_root(&self) -> WaysToRoot {
-        let mut found = WaysToRoot { bodies: Vec::new(), ways: vec![0..0; self.body_count()] };
+    pub fn paths_to_root(&self) -> PathsToRoot {
+        let mut found = PathsToRoot { bodies: Vec::new(), ways: vec![0..0; self.body_count()] };
         // children before parents: what no way has passed yet is a leaf
         for leaf in (0..self.body_count()).rev() {
             if found.ways[leaf].is_empty() {
@@ -97,7 +97,7 @@ impl Chain {
     pub fn frames_between<S: Simd>(
         &self,
         simd: S,
-        between: &Between,
+        between: &KinematicPath,
         positions: &[f64],
         frames: &mut [PlacedFrame],
     ) {
@@ -160,7 +160,7 @@ impl Chain {
     }
 }
 
-impl WaysToRoot {
+impl PathsToRoot {
     /// Adds the way from a leaf.
     fn add(&mut self, leaf: usize, parent: impl Fn(usize) -> usize) {
         let mut body = leaf;
@@ -211,15 +211,15 @@ impl WaysToRoot {
     /// The ways between two bodies, which have this many joints on either side of their lowest common ancestor.
     #[must_use]
     #[inline]
-    pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> Between<'_> {
+    pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> KinematicPath<'_> {
         let side = |i: usize| &self.way(bodies[i])[..joints[i]];
-        Between { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
+        KinematicPath { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
     }
 
     /// The way between a body and the root.
     #[must_use]
     #[inline]
-    pub fn to_root(&self, body: usize) -> Between<'_> {
+    pub fn to_root(&self, body: usize) -> KinematicPath<'_> {
         self.between([body, Chain::ROOT], [self.depth(body), 0])
     }
 
@@ -231,7 +231,7 @@ impl WaysToRoot {
     }
 }
 
-impl Between<'_> {
+impl KinematicPath<'_> {
     /// Bodies on the way from one of the two to the ancestor, which is left out.
     #[must_use]
     #[inline]
@@ -395,7 +395,7 @@ mod tests {
         for _ in 0..100 {
             let (joints, _, needed) = random_tree(&mut random, 12);
             let chain = Chain::compile(0, &joints, &needed);
-            let ways = chain.ways_to_root();
+            let ways = chain.paths_to_root();
             let up = |mut body: usize| {
                 let mut way = vec![body];
                 while body != Chain::ROOT {

@@ -9,9 +9,9 @@ const MOST: usize = 100;
 
 /// The last number of each publisher.
 #[derive(Debug, Default)]
-pub struct Arrivals(BTreeMap<SourceId, i64>);
+pub struct SequenceGaps(BTreeMap<SourceId, i64>);
 
-impl Arrivals {
+impl SequenceGaps {
     /// How many messages of a publisher are missing right before its message `number`. Nobody knows what came before the first.
     pub fn missing_before(&mut self, publisher: SourceId, number: i64) -> u64 {
         if self.0.len() >= MOST && !self.0.contains_key(&publisher) {
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn gaps_are_counted_for_each_publisher() {
-        let mut arrivals = Arrivals::default();
+        let mut arrivals = SequenceGaps::default();
         let mut missing = |source, numbers: &[i64]| {
             numbers.iter().map(|&n| arrivals.missing_before(publisher(source), n)).collect::<Vec<_>>()
         };
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn what_is_overtaken_is_known_for_each_publisher() {
-        let mut arrivals = Arrivals::default();
+        let mut arrivals = SequenceGaps::default();
         let mut overtaken = |source, numbers: &[i64]| {
             numbers.iter().map(|&n| arrivals.is_overtaken(publisher(source), n)).collect::<Vec<_>>()
         };
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn publishers_without_end_take_no_memory_without_end() {
-        let mut arrivals = Arrivals::default();
+        let mut arrivals = SequenceGaps::default();
         for number in 0..=u8::MAX {
             assert_eq!(arrivals.missing_before(publisher(number), 5), 0);
             assert!(arrivals.0.len() <= MOST);

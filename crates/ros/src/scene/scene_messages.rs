@@ -20,7 +20,7 @@ use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, So
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 /// What is told from.
-pub struct Told<'t> {
+pub struct SceneMessages<'t> {
     pub robot: &'t RobotModel,
     pub scene: &'t Scene,
     /// Padding (m) of links that the scene does not name.
@@ -33,7 +33,7 @@ pub struct Told<'t> {
 
 /// The components that a client asks for, by their bits; all of them if it asks for none.
 #[must_use]
-pub fn scene_message(told: &Told, components: u32) -> PlanningScene {
+pub fn scene_message(told: &SceneMessages, components: u32) -> PlanningScene {
     let wanted = |component: u32| components == 0 || components & component != 0;
     let mut message = PlanningScene::default();
     if wanted(Components::SCENE_SETTINGS) {
@@ -69,7 +69,7 @@ pub fn scene_message(told: &Told, components: u32) -> PlanningScene {
     message
 }
 
-impl Told<'_> {
+impl SceneMessages<'_> {
     fn root(&self) -> &str {
         &self.robot.link(self.robot.root()).name
     }

@@ -23,7 +23,7 @@ use writer::Writer;
 
 /// A URDF without faults of its own, before links and joints are put together.
 #[derive(Debug, Default)]
-pub(super) struct SoundUrdf {
+pub(super) struct ValidUrdf {
     /// Links with their collisions, and joints; nothing else, each with sound attributes.
     pub text: String,
     /// By link, in the order of the text.
@@ -59,21 +59,21 @@ pub(super) struct JointNotes {
 }
 
 /// Reads a URDF as XML and reports all its faults, as far as they can be told without meshes.
-pub(super) fn check(text: &str, file: Option<&str>) -> Result<SoundUrdf, ModelError> {
+pub(super) fn check(text: &str, file: Option<&str>) -> Result<ValidUrdf, ModelError> {
     let mut warnings = Vec::new();
     let expected = Expected { file, language: "a URDF", root: "robot" };
-    let checked = read_xml(text, expected, &mut warnings, |xml, _| Door::new(xml).check())?;
+    let checked = read_xml(text, expected, &mut warnings, |xml, _| Validator::new(xml).check())?;
     let mut urdf = checked?;
     urdf.warnings.splice(0..0, warnings);
     Ok(urdf)
 }
 
 /// The check under way: faults and warnings so far, and the sound text so far.
-struct Door<'d> {
+struct Validator<'d> {
     xml: &'d Xml<'d>,
     version: (u32, u32),
     faults: Vec<Fault>,
-    sound: SoundUrdf,
+    sound: ValidUrdf,
     writer: Writer,
     /// Links with `<visual>` and without `<collision>`.
     without_collision: Vec<(String, Node<'d, 'd>)>,
@@ -94,19 +94,19 @@ const SRDF_ELEMENTS: [&str; 8] = [
 /// Most links that the warning about missing collision geometry names.
 const MOST_NAMED: usize = 20;
 
-impl<'d> Door<'d> {
+impl<'d> Validator<'d> {
     fn new(xml: &'d Xml<'d>) -> Self {
         Self {
             xml,
             version: (1, 0),
             faults: Vec::new(),
-            sound: SoundUrdf::default(),
+            sound: ValidUrdf::default(),
             writer: Writer::default(),
             without_collision: Vec::new(),
         }
     }
 
-    fn check(mut self) -> Result<SoundUrdf, ModelError> {
+    fn check(mut self) -> Result<ValidUrdf, ModelError> {
         let root = self.xml.root();
         self.check_root(root)?;
         let name = root.attribute("name").unwrap_or_default();

@@ -8,13 +8,13 @@ const MOST: u32 = 10;
 
 /// Counts what was said of late.
 #[derive(Debug, Default)]
-pub struct Flood {
+pub struct LogRateLimiter {
     /// Steady time at which counting began.
     since: Duration,
     said: u32,
 }
 
-impl Flood {
+impl LogRateLimiter {
     /// Whether one thing more may be said at this steady time.
     pub fn admit(&mut self, now: Duration) -> bool {
         if now.saturating_sub(self.since) >= PERIOD {
@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn a_second_has_room_for_some() {
-        let mut flood = Flood::default();
+        let mut flood = LogRateLimiter::default();
         let mut admitted = |from: u64| -> usize {
             (from..from + 900).filter(|ms| flood.admit(Duration::from_millis(*ms))).count()
         };

@@ -7,7 +7,7 @@ use clearance_motion::{MotionSegment, MovingObstacle};
 use clearance_proximity::Scratch;
 use clearance_robot::{Approach, Deviation, Deviations, PlacedFrame, Reach, SideMotion};
 
-use crate::bodies::Rider;
+use crate::bodies::RobotBody;
 use crate::collision_checker::CollisionChecker;
 use crate::nearby::capsule_bound;
 use crate::numbers::PairNumber;
@@ -42,7 +42,7 @@ pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl 
 }
 
 /// A pair in the middle of an interval.
-pub struct Moment<'c> {
+pub struct IntervalMidpoint<'c> {
     pub pair: Pair<'c>,
     pub approach: Approach,
     /// A number (m) never larger than the bodies' distance, padding not taken off, by their capsules.
@@ -69,7 +69,7 @@ impl CollisionChecker {
         let (info, between) = (self.info(index), self.between(index));
         segment.positions_at(t, positions);
         dispatch!(scratch.level(), simd => self.chain.frames_between(simd, &between, positions, frames));
-        let a = &self.riders[info.bodies.0];
+        let a = &self.robot_bodies[info.bodies.0];
         let pose_ra = MatrixPose::from(&frames[a.body]);
         let (solid, pose_rb, reach) = if let BodyId::Obstacle(_) = info.ids.1 {
             let b = self.obstacles.at(info.bodies.1);
@@ -81,7 +81,7 @@ impl CollisionChecker {
                 None => (&b.solid, b.pose_ro, b.reach),
             }
         } else {
-            let b = &self.riders[info.bodies.1];
+            let b = &self.robot_bodies[info.bodies.1];
             let pose = MatrixPose::from(&frames[b.body]);
             (&b.solid, pose, b.reach_at(&pose))
         };
@@ -100,7 +100,7 @@ impl CollisionChecker {
         frames: &mut [PlacedFrame],
         positions: &mut [f64],
         scratch: &Scratch,
-    ) -> Moment<'c> {
+    ) -> IntervalMidpoint<'c> {
         let PlacedPair { pair, reaches } =
             self.placed_pair(index, segment, middle, frames, positions, scratch);
         let around = Around { segment, middle, half_width };
@@ -118,7 +118,7 @@ impl CollisionChecker {
             None => side(1),
         };
         let approach = Approach::new(&[side(0), second], &reaches, half_width, segment.size());
-        Moment { pair, approach, lower }
+        IntervalMidpoint { pair, approach, lower }
     }
 
     /// How the obstacle of a pair moves, if it does.
@@ -166,7 +166,7 @@ fn of_obstacle(mover: &MovingObstacle, reach: &Reach, around: &Around) -> SideMo
     motion
 }
 
-impl Rider {
+impl RobotBody {
     /// Its capsule, seen from outside.
     pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
         self.capsule.reach_at(pose)

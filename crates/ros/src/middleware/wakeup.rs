@@ -12,12 +12,12 @@ use super::lock;
 use crate::thread_priority::ThreadPriority;
 
 /// Rung by what is waited for.
-struct Bell {
+struct Wakeup {
     has_rung: AtomicBool,
     waiting: Mutex<Option<Waker>>,
 }
 
-impl Wake for Bell {
+impl Wake for Wakeup {
     fn wake(self: Arc<Self>) {
         self.has_rung.store(true, Ordering::Release);
         if let Some(waiting) = lock(&self.waiting).take() {
@@ -28,7 +28,7 @@ impl Wake for Bell {
 
 /// Waits for `work`, and lends its thread a priority whenever it is looked at.
 pub fn wait<F: Future>(priority: ThreadPriority, work: F) -> impl Future<Output = F::Output> {
-    let bell = Arc::new(Bell { has_rung: AtomicBool::new(true), waiting: Mutex::default() });
+    let bell = Arc::new(Wakeup { has_rung: AtomicBool::new(true), waiting: Mutex::default() });
     let waker = Waker::from(Arc::clone(&bell));
     let mut work = Box::pin(work);
     poll_fn(move |context| {

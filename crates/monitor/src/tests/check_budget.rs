@@ -37,12 +37,12 @@ fn monitor_of(exact_distance_share: f64) -> Monitor {
     monitor
 }
 
-fn is_exact(judgement: &Judgement) -> bool {
-    judgement.evidence.as_ref().unwrap().is_exact
+fn is_exact(evaluation: &Evaluation) -> bool {
+    evaluation.checked_state.as_ref().unwrap().is_exact
 }
 
 /// What it says to joint states that come so many seconds apart.
-fn told_at(monitor: &mut Monitor, interval: f64) -> Vec<Judgement> {
+fn told_at(monitor: &mut Monitor, interval: f64) -> Vec<Evaluation> {
     let states = (0..40).map(|i| {
         let (seconds, angle) = (interval * f64::from(i), 1e-4 * f64::from(i));
         monitor.on_joint_state(state(seconds, [angle, 0.0]), at(seconds))
@@ -60,7 +60,7 @@ fn distances_are_lower_bounds_only_while_there_is_no_time_for_exact_ones() {
     assert!(unhurried.iter().all(is_exact));
     let (first, later) = hurried.split_at(16);
     assert!(first.iter().all(is_exact), "how fast joint states come is not known yet");
-    let rough = later.iter().filter(|judgement| !is_exact(judgement)).count();
+    let rough = later.iter().filter(|evaluation| !is_exact(evaluation)).count();
     assert!(rough > 20, "{rough} of 24");
     for ((truth, slow), fast) in truth.iter().zip(&unhurried).zip(&hurried) {
         assert_eq!((code(truth), code(fast)), ("FREE", "FREE"));

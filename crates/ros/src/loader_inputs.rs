@@ -3,42 +3,45 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 
-use clearance_monitor::Trail;
+use clearance_monitor::JointStateHistory;
 use clearance_robot::{Configuration, MeshLog, RobotModel};
 
-use super::monitor_loop::CurrentJudgement;
+use super::monitor_loop::CurrentEvaluation;
 use super::order::Order;
-use super::recording::{Happening, OrderStep, Original};
+use super::recording::{OrderStep, OriginalMessage, RecordedEvent};
 use super::scene::{CloudMessage, Shared};
-use super::scene_keeper::Glimpse;
+use super::scene_keeper::SceneUpdateContext;
 
 /// Where which robot was at the stamps of clouds, by their topics.
 pub type Places = BTreeMap<String, (Arc<RobotModel>, Configuration)>;
 
 /// Where the robot was when clouds were seen.
 #[must_use]
-pub fn places_of(clouds: &BTreeMap<String, CloudMessage>, trail: &Trail) -> Places {
-    clouds.iter().filter_map(|(topic, cloud)| Some((topic.clone(), trail.at(cloud.stamp())?))).collect()
+pub fn places_of(clouds: &BTreeMap<String, CloudMessage>, joint_state_history: &JointStateHistory) -> Places {
+    clouds
+        .iter()
+        .filter_map(|(topic, cloud)| Some((topic.clone(), joint_state_history.at(cloud.stamp())?)))
+        .collect()
 }
 
 /// Orders that are followed together, the newest clouds, and what is known meanwhile.
 pub struct Pass {
-    pub glimpse: Glimpse,
+    pub update_context: SceneUpdateContext,
     pub orders: Vec<Order>,
     pub clouds: BTreeMap<String, CloudMessage>,
 }
 
 /// What the loader looks at when it begins a pass, and whom it tells of it.
-pub struct Outlook {
+pub struct LoaderInputs {
     pub shared: Shared,
-    pub judgement: CurrentJudgement,
+    pub evaluation: CurrentEvaluation,
     pub meshes: MeshLog,
 }
 
-impl Outlook {
+impl LoaderInputs {
     /// What is known now. A recording has what came before it before it, and what comes later after it.
     pub fn begin(&self, mut orders: Vec<Order>) -> Pass {
-        let Shared { transforms, clouds, trail, store, clock, tape, .. } = &self.shared;
+        let Shared { transforms, clouds, joint_state_history, store, clock, tape, .. } = &self.shared;
         let parameters = store.get();
         let clouds = clouds.take();
         let originals: Vec<_> =
@@ -47,14 +50,25 @@ impl Outlook {
         let used_parameters = Box::new(parameters.clone());
         let transforms = transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // the monitor waits for this one: no more is done under it than has to be
-        let current = self.judgement.lock().unwrap_or_else(PoisonError::into_inner);
+        let current = self.evaluation.lock().unwrap_or_else(PoisonError::into_inner);
         let now = clock.read();
-        tape.note(|| Happening::Pass { now, parameters: used_parameters, orders: originals, clouds: used });
-        let judgement = current.clone();
-        let places = places_of(&clouds, &trail.lock().unwrap_or_else(PoisonError::into_inner));
+        tape.note(|| RecordedEvent::Pass {
+            now,
+            parameters: used_parameters,
+            orders: originals,
+            clouds: used,
+        });
+        let evaluation = current.clone();
+        let places = places_of(&clouds, &joint_state_history.lock().unwrap_or_else(PoisonError::into_inner));
         drop(current);
         Pass {
-            glimpse: Glimpse { now, parameters, transforms: transforms.clone(), judgement, places },
+            update_context: SceneUpdateContext {
+                now,
+                parameters,
+                transforms: transforms.clone(),
+                evaluation,
+                places,
+            },
             orders,
             clouds,
         }
@@ -64,16 +78,16 @@ impl Outlook {
     pub fn note_meshes(&self) {
         let meshes = self.meshes.take();
         if !meshes.is_empty() {
-            self.shared.tape.note(|| Happening::Meshes(meshes));
+            self.shared.tape.note(|| RecordedEvent::Meshes(meshes));
         }
     }
 }
 
 /// An order as a recording has it.
-fn original(order: &mut Order) -> (OrderStep, Option<Original>) {
+fn original(order: &mut Order) -> (OrderStep, Option<OriginalMessage>) {
     match order {
-        Order::Description(text) => (OrderStep::Description, Some(Original::Text(text.clone()))),
-        Order::Semantic(text) => (OrderStep::Semantic, Some(Original::Text(text.clone()))),
+        Order::Description(text) => (OrderStep::Description, Some(OriginalMessage::Text(text.clone()))),
+        Order::Semantic(text) => (OrderStep::Semantic, Some(OriginalMessage::Text(text.clone()))),
         Order::Parameters => (OrderStep::Parameters, None),
         Order::Clouds => (OrderStep::Clouds, None),
         Order::Display => (OrderStep::Display, None),

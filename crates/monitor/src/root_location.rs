@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
-use clearance_scene::{Grounds, Link, Lost, Told, TransformTree};
+use clearance_scene::{AnchorFrames, Link, Lost, TrackedFrame, TransformTree};
 
 use super::drift::{Drift, Track};
-use super::world_source::{Sight, WorldSource};
+use super::world_source::{Observation, WorldSource};
 use super::{Now, Reason, Time};
 
 /// What `tf` told last of the frames that obstacles stand in.
 #[derive(Debug, Default)]
-pub(super) struct GroundWatch {
+pub(super) struct RootLocationWatch {
     /// Those that it tells of again and again.
     seen: BTreeMap<String, Seen>,
     /// Where each frame on the way to them was in its parent.
@@ -38,14 +38,14 @@ struct Seen {
     drift: Drift,
 }
 
-impl GroundWatch {
+impl RootLocationWatch {
     /// Obstacles are where they belonged at that time, by the steady clock; `None`: where they belong now.
     pub fn note_placed(&mut self, at: Option<Duration>) {
         self.right_at = at;
     }
 
     /// What `tf` tells now.
-    pub fn look(&mut self, grounds: &Grounds, tree: &TransformTree) {
+    pub fn look(&mut self, grounds: &AnchorFrames, tree: &TransformTree) {
         self.lost = grounds.lost(tree).map(|lost| match lost {
             Lost::In(frame) => of_root(frame),
             Lost::Endless => {
@@ -56,7 +56,7 @@ impl GroundWatch {
         self.assumed = grounds.assumed(tree).map(str::to_owned);
         self.are_elsewhere = grounds.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
-        for told in grounds.told_of(tree) {
+        for told in grounds.tracked_frames(tree) {
             let before = seen.get(told.frame).filter(|seen| seen.stamp == told.stamp);
             let drift = Drift { frame: told.frame.to_owned(), motions: self.motions(&told, &tracks) };
             let seen = Seen { stamp: told.stamp, since: before.and_then(|seen| seen.since), drift };
@@ -65,7 +65,7 @@ impl GroundWatch {
     }
 
     /// How a frame moves in the root's frame by what moves on the way to it.
-    fn motions(&mut self, told: &Told, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
+    fn motions(&mut self, told: &TrackedFrame, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
         let pose_rf = told.way.pose();
         let moved = told.way.live_links().filter_map(|Link { name, pose_pf, stamp }| {
             let known = || tracks.get(name).cloned().unwrap_or_default();
@@ -135,7 +135,7 @@ impl GroundWatch {
 
     fn sources(&self, now: Now, ttl: f64) -> impl Iterator<Item = WorldSource> {
         self.seen.iter().map(move |(frame, seen)| {
-            let sight = Sight { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
+            let sight = Observation { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
             WorldSource { name: of_root(frame), seen: Some(sight), ttl }
         })
     }

@@ -4,15 +4,15 @@ use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 use clearance_checker::CollisionChecker;
-use clearance_monitor::{Judgement, Now, Reason};
+use clearance_monitor::{Evaluation, Now, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, NamedJoints, RobotModel};
 
-use super::monitor_loop::CurrentJudgement;
+use super::monitor_loop::CurrentEvaluation;
 use super::refusal::{Refusal, bad};
 
 /// The robot, its surroundings, and where it is now.
-pub struct Cell<'a> {
+pub struct RequestContext<'a> {
     pub checker: &'a CollisionChecker,
     /// Where the robot is, or why that is not known.
     pub now: Result<&'a Configuration, String>,
@@ -21,29 +21,29 @@ pub struct Cell<'a> {
 }
 
 /// What is known at `now`, which is less than what the monitor said last if it has been busy since.
-pub fn known(current: &CurrentJudgement, now: Now) -> Option<Judgement> {
-    let judgement = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    judgement.map(|judgement| judgement.aged(now))
+pub fn known(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
+    let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    evaluation.map(|evaluation| evaluation.aged(now))
 }
 
-impl<'a> Cell<'a> {
-    pub fn of(judgement: Option<&'a Judgement>) -> Result<Self, Refusal> {
-        let reason = judgement.and_then(|judgement| judgement.status.reason());
+impl<'a> RequestContext<'a> {
+    pub fn of(evaluation: Option<&'a Evaluation>) -> Result<Self, Refusal> {
+        let reason = evaluation.and_then(|evaluation| evaluation.status.reason());
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
-        let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+        let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
         // while another robot is being built, none counts, also if checking is disabled
-        if judgement.is_some_and(|judgement| judgement.is_swapping) {
+        if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
             return Err(Refusal::NoModel(Reason::ModelSwap.to_string()));
         }
         let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
         if !revision.has_geometry() {
             return Err(Refusal::NoModel(Reason::NoGeometry.to_string()));
         }
-        if let Some(stale) = judgement.and_then(|judgement| judgement.stale_world.as_ref()) {
+        if let Some(stale) = evaluation.and_then(|evaluation| evaluation.stale_world.as_ref()) {
             return Err(Refusal::of_world(stale));
         }
-        let placement = judgement.and_then(|judgement| judgement.placement.as_ref());
-        let now = placement.map(|evidence| &evidence.configuration).ok_or_else(|| why.to_string());
+        let placement = evaluation.and_then(|evaluation| evaluation.placement.as_ref());
+        let now = placement.map(|checked_state| &checked_state.configuration).ok_or_else(|| why.to_string());
         let is_contradicted = now.is_err() && why.is_about_positions();
         Ok(Self { checker: &revision.checker, now, is_contradicted })
     }
@@ -85,9 +85,9 @@ pub fn undecided(robot: &RobotModel, named: &NamedJoints) -> Vec<String> {
     names.filter(|(position, _)| !named.decides(*position)).map(|(_, name)| name.clone()).collect()
 }
 
-/// The revisions of the robot and of the world that a judgement is about.
-pub fn revisions(judgement: Option<&Judgement>) -> (u64, u64) {
-    let revision = judgement.and_then(|judgement| judgement.revision.as_ref());
+/// The revisions of the robot and of the world that a evaluation is about.
+pub fn revisions(evaluation: Option<&Evaluation>) -> (u64, u64) {
+    let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
     revision.map_or((0, 0), |revision| (revision.model, revision.world))
 }
 

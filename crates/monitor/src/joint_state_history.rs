@@ -6,7 +6,7 @@ use std::sync::{Arc, Weak};
 use clearance_geometry::math::without_whole_turns;
 use clearance_robot::{Configuration, JointKind, RobotModel};
 
-use super::{Judgement, Time};
+use super::{Evaluation, Time};
 
 /// Time (s) that is remembered.
 const LONGEST: f64 = 3.0;
@@ -16,7 +16,7 @@ const STEP: f64 = 0.002;
 
 /// The positions of one robot by the stamps of the joint states that told them: drivers of its parts measure at different times.
 #[derive(Debug, Default)]
-pub struct Trail {
+pub struct JointStateHistory {
     /// A robot that was replaced is not kept for this.
     robot: Weak<RobotModel>,
     ways: Vec<Way>,
@@ -32,11 +32,11 @@ struct Way {
     is_stepped: bool,
 }
 
-impl Trail {
+impl JointStateHistory {
     /// Takes note of where the robot was judged to be.
-    pub fn note(&mut self, judgement: &Judgement) {
-        let Judgement { stamp: Some(stamp), placement: Some(placement), revision: Some(revision), .. } =
-            judgement
+    pub fn note(&mut self, evaluation: &Evaluation) {
+        let Evaluation { stamp: Some(stamp), placement: Some(placement), revision: Some(revision), .. } =
+            evaluation
         else {
             return;
         };
@@ -143,7 +143,7 @@ mod tests {
         monitor
     }
 
-    fn heard(monitor: &mut Monitor, milliseconds: i64, joints: &[(&str, f64)]) -> Judgement {
+    fn heard(monitor: &mut Monitor, milliseconds: i64, joints: &[(&str, f64)]) -> Evaluation {
         let stamp = time(milliseconds);
         let (names, positions) =
             joints.iter().map(|(name, position)| ((*name).to_owned(), *position)).unzip();
@@ -152,36 +152,36 @@ mod tests {
         monitor.on_joint_state(input, Now { ros: Some(stamp), steady: Duration::ZERO })
     }
 
-    fn judged(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Judgement {
+    fn judged(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Evaluation {
         heard(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
     }
 
     #[test]
     fn each_driver_has_times_of_its_own() {
-        let (revision, mut trail) = (revision(), Trail::default());
+        let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
         let mut monitor = monitor(&revision);
         for i in 0..100 {
             let milliseconds = 10 * i;
             #[expect(clippy::cast_precision_loss, reason = "few")]
             let position = 1e-3 * milliseconds as f64;
             if i % 40 == 0 {
-                trail.note(&heard(&mut monitor, milliseconds, &[("slide", position)]));
+                joint_state_history.note(&heard(&mut monitor, milliseconds, &[("slide", position)]));
             }
-            trail.note(&heard(&mut monitor, milliseconds, &[("turn", position)]));
+            joint_state_history.note(&heard(&mut monitor, milliseconds, &[("turn", position)]));
         }
-        let (_, told) = trail.at(time(605)).unwrap();
+        let (_, told) = joint_state_history.at(time(605)).unwrap();
         let apart = told.positions().iter().map(|position| (position - 0.605).abs());
         assert!(apart.fold(0.0, f64::max) < 1e-12, "{told:?}");
     }
 
     #[test]
     fn the_robot_was_between_where_it_was_before_and_after() {
-        let (revision, mut trail) = (revision(), Trail::default());
+        let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
         let robot = Arc::clone(revision.checker.robot());
-        assert!(trail.at(time(0)).is_none());
+        assert!(joint_state_history.at(time(0)).is_none());
         // past half a turn, where an encoder begins anew
         for (milliseconds, positions) in [(0, [3.0, 0.0]), (100, [3.2 - TAU, 1.0]), (200, [3.4 - TAU, 1.0])] {
-            trail.note(&judged(&revision, milliseconds, positions));
+            joint_state_history.note(&judged(&revision, milliseconds, positions));
         }
         for (milliseconds, expected) in [
             (-500, [3.0, 0.0]),
@@ -192,7 +192,7 @@ mod tests {
             (200, [3.4 - TAU, 1.0]),
             (900, [3.4 - TAU, 1.0]),
         ] {
-            let (of, told) = trail.at(time(milliseconds)).unwrap();
+            let (of, told) = joint_state_history.at(time(milliseconds)).unwrap();
             assert!(Arc::ptr_eq(&of, &robot));
             let apart = told.positions().iter().zip(expected).map(|(a, b)| (a - b).abs());
             assert!(apart.fold(0.0, f64::max) < 1e-12, "{told:?} at {milliseconds} ms");
@@ -201,18 +201,24 @@ mod tests {
 
     #[test]
     fn it_has_an_end_and_begins_anew_when_the_clock_is_set_back() {
-        let (revision, mut trail) = (revision(), Trail::default());
+        let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
         for milliseconds in 0..10_000 {
-            trail.note(&judged(&revision, milliseconds, [0.0, 0.0]));
+            joint_state_history.note(&judged(&revision, milliseconds, [0.0, 0.0]));
         }
-        let counts = |trail: &Trail| trail.ways.iter().map(|way| way.values.len()).collect::<Vec<_>>();
-        assert!(counts(&trail).iter().all(|count| (1400..1600).contains(count)), "{:?}", counts(&trail));
-        let before = counts(&trail);
-        trail.note(&judged(&revision, 9_900, [0.0, 1.0]));
-        assert_eq!(counts(&trail), before, "who lags behind");
-        trail.note(&judged(&revision, 0, [0.0, 1.0]));
-        assert_eq!(counts(&trail), [1, 1]);
-        trail.note(&judged(&self::revision(), 100, [0.0, 1.0]));
-        assert_eq!(counts(&trail), [1, 1], "another robot");
+        let counts = |joint_state_history: &JointStateHistory| {
+            joint_state_history.ways.iter().map(|way| way.values.len()).collect::<Vec<_>>()
+        };
+        assert!(
+            counts(&joint_state_history).iter().all(|count| (1400..1600).contains(count)),
+            "{:?}",
+            counts(&joint_state_history)
+        );
+        let before = counts(&joint_state_history);
+        joint_state_history.note(&judged(&revision, 9_900, [0.0, 1.0]));
+        assert_eq!(counts(&joint_state_history), before, "who lags behind");
+        joint_state_history.note(&judged(&revision, 0, [0.0, 1.0]));
+        assert_eq!(counts(&joint_state_history), [1, 1]);
+        joint_state_history.note(&judged(&self::revision(), 100, [0.0, 1.0]));
+        assert_eq!(counts(&joint_state_history), [1, 1], "another robot");
     }
 }

@@ -12,7 +12,7 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetPlanningSceneRequest, Get
 use smol::Timer;
 
 use super::topics::SceneTopics;
-use crate::middleware::{Client, Complaints};
+use crate::middleware::{Client, DecodeErrorLog};
 use crate::names::FullName;
 use crate::recording::SceneDoor;
 
@@ -41,9 +41,9 @@ const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
 
 /// Who was asked, and whether that has to be done again.
 #[derive(Default)]
-pub struct Asking {
+pub struct SceneRequester {
     service: Option<Service>,
-    complaints: Complaints,
+    complaints: DecodeErrorLog,
 }
 
 /// A service and those who offer it.
@@ -57,7 +57,7 @@ struct Service {
     patience: Duration,
 }
 
-impl Asking {
+impl SceneRequester {
     /// Asks whenever there is reason to, for ever.
     pub async fn go_on(mut self, topics: &SceneTopics) {
         loop {

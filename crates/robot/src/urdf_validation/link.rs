@@ -5,13 +5,13 @@ use clearance_geometry::math::Rotation;
 use nalgebra::Quaternion;
 use roxmltree::Node;
 
-use super::{CollisionNotes, Door, LinkNotes, is_unexpanded};
+use super::{CollisionNotes, LinkNotes, Validator, is_unexpanded};
 use crate::numbers::{decimals, shortened};
 use crate::xml::{is_foreign, own_children};
 
 pub(super) const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
 
-impl<'d> Door<'d> {
+impl<'d> Validator<'d> {
     pub(super) fn check_link(&mut self, name: &str, link: Node<'d, 'd>) {
         self.writer.open("link", &[("name", name)]);
         let mut notes =

@@ -25,12 +25,12 @@ const ROUGHLY: Effort = Effort {
 
 /// How fast joint states come.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct CheckBudget {
     /// When the last ones came, by the steady clock.
     arrivals: VecDeque<Duration>,
 }
 
-impl Pace {
+impl CheckBudget {
     /// A joint state is taken in.
     pub fn note(&mut self, arrival: Duration) {
         self.rests(arrival);

@@ -74,7 +74,7 @@ impl Room {
     }
 
     /// What a fresh joint state is judged as.
-    fn judged(&mut self, seconds: f64) -> Judgement {
+    fn judged(&mut self, seconds: f64) -> Evaluation {
         self.monitor.note_transforms(&self.transforms);
         self.monitor.on_joint_state(state(seconds, FREE), at(seconds))
     }
@@ -105,8 +105,8 @@ fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
     assert_eq!(code(&room.judged(3.0)), "FREE");
     room.monitor.note_transforms(&room.transforms);
     let standing = Now { steady: Duration::from_secs(5), ..at(3.0) };
-    let judgement = room.monitor.on_joint_state(state(3.001, FREE), standing);
-    assert_eq!(code(&judgement), "stale_world");
+    let evaluation = room.monitor.on_joint_state(state(3.001, FREE), standing);
+    assert_eq!(code(&evaluation), "stale_world");
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
 }
 
 /// The pillar is 6.8 m in front of the ball, and the root drives at 1 m/s, told of 50 times a second.
-fn drive(settings: MonitorSettings, speed: f64, seconds: f64) -> (Room, Judgement) {
+fn drive(settings: MonitorSettings, speed: f64, seconds: f64) -> (Room, Evaluation) {
     let mut room = Room::new();
     room.monitor.set_settings(settings);
     let mut last = None;
@@ -258,22 +258,26 @@ fn driving_towards_an_obstacle_slows_the_robot_down_and_away_from_it_does_not() 
         ..MonitorSettings::default()
     };
     // 0.8 m are left, of which the reaction takes 0.5
-    let (_, judgement) = drive(with(1.0), 3.0, 2.0);
-    assert!((judgement.speed_scale - 0.0).abs() < 1e-9, "1.5 m in half a second: {}", judgement.speed_scale);
-    let (_, judgement) = drive(with(1.0), 1.0, 6.0);
-    assert!((judgement.speed_scale - 0.125).abs() < 1e-6, "{}", judgement.speed_scale);
+    let (_, evaluation) = drive(with(1.0), 3.0, 2.0);
+    assert!(
+        (evaluation.speed_scale - 0.0).abs() < 1e-9,
+        "1.5 m in half a second: {}",
+        evaluation.speed_scale
+    );
+    let (_, evaluation) = drive(with(1.0), 1.0, 6.0);
+    assert!((evaluation.speed_scale - 0.125).abs() < 1e-6, "{}", evaluation.speed_scale);
     // 1.3 m are left: more than the slow-down distance
-    let (_, judgement) = drive(with(1.0), 1.0, 5.5);
-    assert!((judgement.speed_scale - 0.75).abs() < 1e-6, "{}", judgement.speed_scale);
-    let (_, judgement) = drive(with(8.0), -1.0, 0.5);
-    assert!((judgement.speed_scale - 1.0).abs() < 1e-9, "{}", judgement.speed_scale);
+    let (_, evaluation) = drive(with(1.0), 1.0, 5.5);
+    assert!((evaluation.speed_scale - 0.75).abs() < 1e-6, "{}", evaluation.speed_scale);
+    let (_, evaluation) = drive(with(8.0), -1.0, 0.5);
+    assert!((evaluation.speed_scale - 1.0).abs() < 1e-9, "{}", evaluation.speed_scale);
 }
 
 #[test]
 fn of_a_root_that_moves_no_time_to_contact_is_certain() {
-    let (mut room, judgement) = drive(settings_of_lookout(), 1.0, 2.0);
-    assert!(judgement.time_to_contact() <= 0.0);
-    assert!(judgement.warnings.iter().any(|warning| warning.contains("the robot's root moves in map")));
+    let (mut room, evaluation) = drive(settings_of_lookout(), 1.0, 2.0);
+    assert!(evaluation.time_to_contact() <= 0.0);
+    assert!(evaluation.warnings.iter().any(|warning| warning.contains("the robot's root moves in map")));
     // it stops, and nobody says anything of the joints
     room.tell(2.0, 2.1);
     room.monitor.note_transforms(&room.transforms);
@@ -304,12 +308,12 @@ fn a_localiser_that_comes_slowly_hides_no_drive() {
             room.follow();
         }
         room.monitor.note_transforms(&room.transforms);
-        let judgement = room.monitor.on_joint_state(moving(seconds, FREE, &[0.0, 0.0]), at(seconds));
+        let evaluation = room.monitor.on_joint_state(moving(seconds, FREE, &[0.0, 0.0]), at(seconds));
         if i < 60 {
             continue;
         }
-        assert!(judgement.time_to_contact() <= 0.0, "it drives after {seconds} s");
-        let drifts = &judgement.evidence.as_ref().unwrap().drifts;
+        assert!(evaluation.time_to_contact() <= 0.0, "it drives after {seconds} s");
+        let drifts = &evaluation.checked_state.as_ref().unwrap().drifts;
         let way = drifts[0].way_of(&clearance_geometry::math::Point::origin(), 1.0);
         assert!((way.x + 0.5).abs() < 1e-6, "{way}");
     }

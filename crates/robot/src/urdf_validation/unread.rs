@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
-use super::Door;
+use super::Validator;
 use crate::Warning;
 use crate::numbers::shortened;
 use crate::similar_names::nearest;
@@ -132,7 +132,7 @@ const INCLUDES: [&str; 1] = ["include"];
 #[derive(Default)]
 struct Unread(BTreeMap<(&'static str, &'static str, String), (Warning, usize)>);
 
-impl<'d> Door<'d> {
+impl<'d> Validator<'d> {
     /// Adds the warnings about names that are not read, in the order of their lines.
     pub(super) fn warn_of_unread(&mut self, root: Node<'d, 'd>) {
         let mut unread = Unread::default();

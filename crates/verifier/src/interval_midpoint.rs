@@ -4,14 +4,14 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_robot::{LinkId, LinkPoses, RobotModel};
 
 use super::body::Body;
-use super::course::{Carrier, Course};
+use super::segment_kinematics::{Carrier, SegmentKinematics};
 
 /// The rounding (m) of kinematics and of distances, for every metre of the coordinates that enter and every radian.
 const ROUNDING: f64 = 1e-14;
 
 /// The robot and the obstacles at one t. What bodies reach is found when it is asked for, once.
 #[derive(Debug)]
-pub(super) struct Moment {
+pub(super) struct IntervalMidpoint {
     pub t: f64,
     poses: LinkPoses,
     /// By step.
@@ -83,7 +83,7 @@ impl Placed {
     }
 }
 
-impl Moment {
+impl IntervalMidpoint {
     pub fn new(robot: &RobotModel, bodies: usize) -> Self {
         Self {
             t: f64::NAN,
@@ -97,7 +97,7 @@ impl Moment {
     }
 
     /// Goes to another t, or to another segment.
-    pub fn go_to(&mut self, robot: &RobotModel, course: &Course, t: f64) {
+    pub fn go_to(&mut self, robot: &RobotModel, course: &SegmentKinematics, t: f64) {
         self.t = t;
         self.size = course.motion.size();
         self.bodies.fill_with(|| None);
@@ -125,7 +125,13 @@ impl Moment {
 
     /// Finds where a body is and what its box reaches, if that is not known yet: it rides on a link, or is an obstacle.
     /// `path` has the numbers of the steps that move it.
-    pub fn place(&mut self, course: &Course, (index, ride): (usize, Ride), body: &Body, path: &[usize]) {
+    pub fn place(
+        &mut self,
+        course: &SegmentKinematics,
+        (index, ride): (usize, Ride),
+        body: &Body,
+        path: &[usize],
+    ) {
         let Self { poses, lines, bodies, t, .. } = self;
         bodies[index].get_or_insert_with(|| {
             let pose_rb = match ride {

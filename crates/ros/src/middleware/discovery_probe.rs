@@ -2,9 +2,9 @@
 //!
 //! When Fast DDS meets a participant it says at once how many endpoints there are to ask for (a HEARTBEAT of each of discovery's writers), and
 //! a second later again. `RustDDS` passes over what its sender says in the first millisecond after they met, so that a node, always the newcomer,
-//! would hear its joint states a second late, and others its answers. Therefore a scout goes ahead: a participant without endpoints,
+//! would hear its joint states a second late, and others its answers. Therefore a discovery_probe goes ahead: a participant without endpoints,
 //! of which there is nothing but its announcement. Who meets it introduces itself to it, and that is passed on to `RustDDS`, whose own
-//! announcement follows. Nobody hears of the scout again, so others forget it after its lease.
+//! announcement follows. Nobody hears of the discovery_probe again, so others forget it after its lease.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
@@ -19,7 +19,7 @@ const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 /// Participants of one machine that are looked for, and of which each could be the one that is told.
 const PARTICIPANTS: u16 = 16;
 
-/// How long others may take to answer. `RustDDS` meets the scout, too, and announces itself some 10 ms later: whoever answers after that is
+/// How long others may take to answer. `RustDDS` meets the discovery_probe, too, and announces itself some 10 ms later: whoever answers after that is
 /// met a second late.
 const PATIENCE: Duration = Duration::from_millis(60);
 
@@ -31,7 +31,7 @@ const ANYBODY: [u8; 4] = [0; 4];
 const PARTICIPANT: [u8; 4] = [0, 0, 1, 0xc1];
 const ANNOUNCER: [u8; 4] = [0, 1, 0, 0xc2];
 
-/// Sends a scout ahead of `own`, a participant of that domain that was made just now; does not wait for it.
+/// Sends a discovery_probe ahead of `own`, a participant of that domain that was made just now; does not wait for it.
 pub fn go_ahead(own: Entity, domain: u16) {
     let explore = move || {
         if let Err(error) = explore(&own, &discovery_addresses(domain), PATIENCE) {
@@ -39,7 +39,7 @@ pub fn go_ahead(own: Entity, domain: u16) {
         }
     };
     // without a thread for it they are met a second later
-    let _ = thread::Builder::new().name("scout".to_owned()).spawn(explore);
+    let _ = thread::Builder::new().name("discovery_probe".to_owned()).spawn(explore);
 }
 
 fn explore(own: &Entity, everybody: &[SocketAddr], patience: Duration) -> io::Result<()> {
@@ -74,16 +74,16 @@ fn discovery_addresses(domain: u16) -> Vec<SocketAddr> {
 
 /// A participant that is none of `RustDDS`'s: these begin with its vendor and are random.
 fn scout_of(own: &Entity) -> Entity {
-    let mut scout = *own;
-    for byte in &mut scout[2..12] {
+    let mut discovery_probe = *own;
+    for byte in &mut discovery_probe[2..12] {
         *byte = !*byte;
     }
-    scout[12..].copy_from_slice(&PARTICIPANT);
-    scout
+    discovery_probe[12..].copy_from_slice(&PARTICIPANT);
+    discovery_probe
 }
 
-/// What says that `scout` is there, hears discovery at this port of this machine, and has no endpoints.
-fn announcement(scout: &Entity, port: u16) -> Vec<u8> {
+/// What says that `discovery_probe` is there, hears discovery at this port of this machine, and has no endpoints.
+fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
     const DATA: (u8, u8) = (0x15, 0x04);
     /// No flags more, and no quality of service before the data.
     const BEFORE_DATA: [u8; 4] = [0, 0, 16, 0];
@@ -92,13 +92,13 @@ fn announcement(scout: &Entity, port: u16) -> Vec<u8> {
     const SENTINEL: [u8; 4] = [1, 0, 0, 0];
     let locator = locator(port);
     let parameters: [(u16, &[u8]); 7] = [
-        (0x15, &[2, 4, 0, 0]),               // protocol version
-        (0x16, &[scout[0], scout[1], 0, 0]), // vendor
-        (0x50, scout),                       // participant
-        (0x32, &locator),                    // where it hears discovery
-        (0x31, &locator),                    // where it hears the rest
-        (0x02, &[1, 0, 0, 0, 0, 0, 0, 0]),   // lease: 1 s
-        (0x58, &[3, 0, 0, 0]),               // it announces itself, and hears announcements
+        (0x15, &[2, 4, 0, 0]),                                   // protocol version
+        (0x16, &[discovery_probe[0], discovery_probe[1], 0, 0]), // vendor
+        (0x50, discovery_probe),                                 // participant
+        (0x32, &locator),                                        // where it hears discovery
+        (0x31, &locator),                                        // where it hears the rest
+        (0x02, &[1, 0, 0, 0, 0, 0, 0, 0]),                       // lease: 1 s
+        (0x58, &[3, 0, 0, 0]), // it announces itself, and hears announcements
     ];
     let parameters = parameters.iter().flat_map(|&(id, value)| {
         // each is shorter than a locator
@@ -116,7 +116,7 @@ fn announcement(scout: &Entity, port: u16) -> Vec<u8> {
         &SENTINEL,
     ]
     .concat();
-    message(scout, &[0; 16], DATA, &body)
+    message(discovery_probe, &[0; 16], DATA, &body)
 }
 
 /// A port of this machine: kind UDP over IPv4, port, address in the last four of sixteen bytes.
@@ -144,9 +144,9 @@ mod tests {
 
     #[test]
     fn an_announcement_is_what_discovery_sends() {
-        let scout = scout_of(&OWN);
-        assert_eq!(scout[..3], [1, 0x12, !7]);
-        let message = announcement(&scout, 0x1234);
+        let discovery_probe = scout_of(&OWN);
+        assert_eq!(discovery_probe[..3], [1, 0x12, !7]);
+        let message = announcement(&discovery_probe, 0x1234);
         assert_eq!(message[..8], *b"RTPS\x02\x04\x01\x12");
         let data = &message[36..];
         assert_eq!(data[..2], [0x15, 0x05]);
@@ -170,11 +170,11 @@ mod tests {
         thread::spawn(move || explore(&OWN, &addresses, Duration::from_secs(600)));
         let mut heard = [0; LONGEST];
         everybody.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
-        let (length, scout) = everybody.recv_from(&mut heard).unwrap();
+        let (length, discovery_probe) = everybody.recv_from(&mut heard).unwrap();
         assert!(!is_introduction(&heard[..length]), "of no Fast DDS participant");
         let introduction = [b"RTPS\x02\x02\x01\x0f\x01\x0f".as_slice(), &[9; 24], &ANNOUNCER].concat();
-        other.send_to(b"noise", scout).unwrap();
-        other.send_to(&introduction, scout).unwrap();
+        other.send_to(b"noise", discovery_probe).unwrap();
+        other.send_to(&introduction, discovery_probe).unwrap();
         let length = everybody.recv(&mut heard).unwrap();
         assert_eq!(heard[..length], introduction);
     }

@@ -9,7 +9,7 @@ use super::Refusal;
 
 /// A segment as turns about lines and slides along them.
 #[derive(Debug)]
-pub(super) struct Course {
+pub(super) struct SegmentKinematics {
     pub motion: MotionSegment,
     /// Those of joints first, in the order of the tree; a planar joint has three, a floating one two.
     pub steps: Vec<Step>,
@@ -78,7 +78,7 @@ fn step_count(kind: &JointKind) -> usize {
     }
 }
 
-impl Course {
+impl SegmentKinematics {
     pub fn new(
         robot: &RobotModel,
         world: &World,

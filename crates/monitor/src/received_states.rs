@@ -15,7 +15,7 @@ const MOST_TEXT: usize = 1 << 20;
 
 /// A joint state, and when it came.
 #[derive(Debug)]
-pub(super) struct Heard {
+pub(super) struct ReceivedState {
     pub input: JointStateInput,
     /// The stamp that counts: its own, or when it came if it has none.
     pub stamp: Time,
@@ -32,7 +32,7 @@ pub(super) struct Heard {
 /// No joint moves so far (rad, m) from one message to the next: what seems to was counted anew, or set.
 const LONGEST_WAY: f64 = std::f64::consts::PI;
 
-impl Heard {
+impl ReceivedState {
     /// How long (s) ago it came.
     pub fn silence(&self, now: Now) -> f64 {
         now.steady.saturating_sub(self.at).as_secs_f64()
@@ -46,10 +46,10 @@ impl Heard {
 /// The last message of every stream, the one that came last at the end. A stream is what one publisher says about the same joints:
 /// several drivers may share the topic, and a played bag is one publisher that says what several said.
 #[derive(Debug, Default)]
-pub(super) struct Hearing(Vec<Heard>);
+pub(super) struct ReceivedStates(Vec<ReceivedState>);
 
-impl Hearing {
-    pub fn hear(&mut self, mut input: JointStateInput, now: Now) {
+impl ReceivedStates {
+    pub fn receive(&mut self, mut input: JointStateInput, now: Now) {
         input.names.truncate(MOST_JOINTS);
         input.positions.truncate(MOST_JOINTS);
         input.velocities.truncate(MOST_JOINTS);
@@ -64,8 +64,8 @@ impl Hearing {
         let judged = before.and_then(|before| before.judged);
         let newest = judged.filter(|_| input.stamp != Time::ZERO);
         let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
-        self.0.push(Heard { input, stamp, at: now.steady, behind, judged, rates });
-        let mut text: usize = self.0.iter().map(Heard::text).sum();
+        self.0.push(ReceivedState { input, stamp, at: now.steady, behind, judged, rates });
+        let mut text: usize = self.0.iter().map(ReceivedState::text).sum();
         while self.0.len() > MOST_MESSAGES || (text > MOST_TEXT && self.0.len() > 1) {
             text -= self.0.remove(0).text();
         }
@@ -90,13 +90,13 @@ impl Hearing {
     }
 
     /// In the order in which they came.
-    pub fn messages(&self) -> &[Heard] {
+    pub fn messages(&self) -> &[ReceivedState] {
         &self.0
     }
 }
 
 /// How fast the joints of a message move, which may follow another one of its stream.
-fn rates(input: &JointStateInput, stamp: Time, before: Option<&Heard>) -> Vec<f64> {
+fn rates(input: &JointStateInput, stamp: Time, before: Option<&ReceivedState>) -> Vec<f64> {
     let JointStateInput { names, positions, velocities, .. } = input;
     if velocities.len() == names.len() {
         return velocities.clone();

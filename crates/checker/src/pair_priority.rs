@@ -6,11 +6,11 @@ const MOST: usize = 16;
 /// The pairs that were hit most of late, most likely first. The order of questions changes no answer, only how soon a hit is
 /// found.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LikelyPairs {
+pub(super) struct PairPriority {
     pairs: Vec<usize>,
 }
 
-impl LikelyPairs {
+impl PairPriority {
     pub fn new() -> Self {
         Self { pairs: Vec::with_capacity(MOST) }
     }
@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn what_is_hit_most_comes_first_and_none_comes_twice() {
-        let mut likely = LikelyPairs::new();
+        let mut likely = PairPriority::new();
         for i in 0..1000 {
             likely.hit(if i % 2 == 0 { 7 } else { i });
         }

@@ -10,16 +10,16 @@ use clearance_proximity::Effort;
 use clearance_robot::LinkPoses;
 
 use super::approach::slows_within;
+use super::check_budget::CheckBudget;
 use super::drift::Drift;
 use super::look_ahead::Lookout;
 use super::monitor::Stopwatch;
-use super::pace::Pace;
 use super::tracker::{Reading, Tracker};
-use super::{Evidence, LeftOut, MonitorSettings, Reason, Revision, Status};
+use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
 
 /// The robot and world to check, and what checking them needs.
 #[derive(Debug)]
-pub(super) struct Subject {
+pub(super) struct StateEvaluator {
     pub revision: Arc<Revision>,
     /// Whether there is anything of the robot that could touch something.
     pub has_geometry: bool,
@@ -28,31 +28,31 @@ pub(super) struct Subject {
     pub lookout: Lookout,
 }
 
-/// A judgement but for its age.
+/// A evaluation but for its age.
 #[derive(Debug)]
-pub(super) struct Verdict {
+pub(super) struct CheckResult {
     pub status: Status,
-    pub evidence: Option<Arc<Evidence>>,
+    pub checked_state: Option<Arc<CheckedState>>,
     pub left_out: LeftOut,
     pub warnings: Vec<String>,
 }
 
-impl Verdict {
+impl CheckResult {
     pub fn unknown(reason: Reason) -> Self {
         let (status, left_out) = (Status::Unknown(reason), LeftOut::Nothing);
-        Self { status, evidence: None, left_out, warnings: Vec::new() }
+        Self { status, checked_state: None, left_out, warnings: Vec::new() }
     }
 }
 
-impl Subject {
+impl StateEvaluator {
     /// What a check of a whole joint state finds.
-    pub fn judge(
+    pub fn evaluate(
         &mut self,
         (reading, drifts): (Reading, Vec<Drift>),
-        (settings, pace): (&MonitorSettings, &Pace),
+        (settings, check_budget): (&MonitorSettings, &CheckBudget),
         fixed: Option<LeftOut>,
         stopwatch: Stopwatch,
-    ) -> Verdict {
+    ) -> CheckResult {
         let Reading { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
             reading;
         let checker = &self.revision.checker;
@@ -68,7 +68,7 @@ impl Subject {
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
         // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
         let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
-        let effort = Effort { exact_within, ..pace.limit(effort, settings.exact_distance_share) };
+        let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
         let is_exact = report.is_exact();
         report.tell_certain_distances();
@@ -96,7 +96,7 @@ impl Subject {
             let (deadline, pair) = (settings.check_deadline, Default::default());
             status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
         }
-        let evidence = Some(Arc::new(Evidence {
+        let checked_state = Some(Arc::new(CheckedState {
             report,
             coming,
             configuration,
@@ -111,7 +111,7 @@ impl Subject {
             is_hurried: !is_exact && effort.exact_cost > 0,
             compute_time,
         }));
-        Verdict { status, evidence, left_out, warnings }
+        CheckResult { status, checked_state, left_out, warnings }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use clearance_monitor::{Judgement, LeftOut, Now, SourceId, Time};
+use clearance_monitor::{Evaluation, LeftOut, Now, SourceId, Time};
 use clearance_robot::{MeshLog, MeshUse};
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::TransformStamped;
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
@@ -16,7 +16,7 @@ use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2};
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 
-use super::step::{OrderStep, Tidings};
+use super::step::{OrderStep, RecordedMonitorEvent};
 use crate::clearance_msgs::{BodyPair, CollisionState};
 use crate::mailbox::{Refused, Sender};
 use crate::messages::collision_state;
@@ -38,7 +38,7 @@ pub struct Given {
 
 /// A message as it came.
 #[derive(Clone, Debug)]
-pub enum Original {
+pub enum OriginalMessage {
     Text(String),
     Scene(Box<PlanningScene>),
     World(Box<PlanningSceneWorld>),
@@ -49,15 +49,15 @@ pub enum Original {
 
 /// One thing that changed what is known or said.
 #[derive(Debug)]
-pub enum Happening {
+pub enum RecordedEvent {
     Meshes(Vec<MeshUse>),
     Pass {
         now: Now,
         parameters: Box<Parameters>,
-        orders: Vec<(OrderStep, Option<Original>)>,
+        orders: Vec<(OrderStep, Option<OriginalMessage>)>,
         clouds: Vec<(String, Now, Arc<PointCloud2>)>,
     },
-    Told(Tidings),
+    Told(RecordedMonitorEvent),
     Parameters(Box<Parameters>),
     Enabled(bool),
     /// The monitor looked at the transforms.
@@ -77,17 +77,17 @@ pub enum Happening {
     Clock(Clock),
 }
 
-/// A judgement as it is said, and what it was made from: a joint state, or the time that passed.
+/// A evaluation as it is said, and what it was made from: a joint state, or the time that passed.
 #[derive(Debug)]
 pub struct Judged {
     pub now: Now,
     pub heard: Option<(JointState, SourceId)>,
-    pub answer: Answer,
+    pub answer: RecordedResult,
 }
 
-/// What is written of a judgement. It holds no checker: what waits for a slow disk must not keep robots and worlds of old.
+/// What is written of a evaluation. It holds no checker: what waits for a slow disk must not keep robots and worlds of old.
 #[derive(Debug)]
-pub struct Answer {
+pub struct RecordedResult {
     pub state: CollisionState,
     pub is_free: bool,
     pub distance: f64,
@@ -95,14 +95,14 @@ pub struct Answer {
     pub left_out: LeftOut,
 }
 
-impl From<&Judgement> for Answer {
-    fn from(judgement: &Judgement) -> Self {
+impl From<&Evaluation> for RecordedResult {
+    fn from(evaluation: &Evaluation) -> Self {
         Self {
-            state: collision_state(judgement),
-            is_free: judgement.status.is_free(),
-            distance: judgement.distance(),
-            speed_scale: judgement.speed_scale,
-            left_out: judgement.left_out,
+            state: collision_state(evaluation),
+            is_free: evaluation.status.is_free(),
+            distance: evaluation.distance(),
+            speed_scale: evaluation.speed_scale,
+            left_out: evaluation.left_out,
         }
     }
 }
@@ -111,13 +111,13 @@ impl From<&Judgement> for Answer {
 pub(super) struct Item {
     /// Nanoseconds since 1970 when it happened.
     pub at: u64,
-    pub what: Happening,
+    pub what: RecordedEvent,
     pub bytes: usize,
 }
 
 /// Leads to the recorder, if there is one.
 #[derive(Clone, Debug, Default)]
-pub struct Tape(Option<Arc<Line>>);
+pub struct RecorderHandle(Option<Arc<Line>>);
 
 #[derive(Debug)]
 struct Line {
@@ -146,7 +146,7 @@ impl Backlog {
     }
 }
 
-impl Tape {
+impl RecorderHandle {
     pub(super) fn to(items: Sender<Item>, backlog: Arc<Backlog>) -> Self {
         Self(Some(Arc::new(Line { items, backlog })))
     }
@@ -178,7 +178,7 @@ impl Tape {
     }
 
     /// Tells what happened, if somebody records; never waits. What does not fit is lost and counted.
-    pub fn note(&self, what: impl FnOnce() -> Happening) {
+    pub fn note(&self, what: impl FnOnce() -> RecordedEvent) {
         let Some(line) = &self.0 else { return };
         let what = what();
         let bytes = size(&what);
@@ -214,11 +214,11 @@ fn of_attached(attached: &[AttachedCollisionObject]) -> usize {
 }
 
 /// Roughly, the bytes that something takes.
-fn size(what: &Happening) -> usize {
+fn size(what: &RecordedEvent) -> usize {
     const ANY: usize = 1000;
-    let of_original = |original: &Original| match original {
-        Original::Text(text) => text.len(),
-        Original::Scene(scene) => {
+    let of_original = |original: &OriginalMessage| match original {
+        OriginalMessage::Text(text) => text.len(),
+        OriginalMessage::Scene(scene) => {
             let matrix = &scene.allowed_collision_matrix;
             let names = scene.link_padding.len() + scene.link_scale.len() + scene.object_colors.len();
             of_objects(&scene.world.collision_objects)
@@ -227,30 +227,32 @@ fn size(what: &Happening) -> usize {
                 + matrix.entry_values.iter().map(|row| NAME + row.enabled.len()).sum::<usize>()
                 + NAME * (names + matrix.default_entry_names.len())
         }
-        Original::World(world) => of_objects(&world.collision_objects) + world.octomap.octomap.data.len(),
-        Original::Object(object) => of_objects(std::slice::from_ref(object)),
-        Original::Attached(attached) => of_attached(std::slice::from_ref(attached)),
-        Original::Octomap(octomap) => octomap.data.len(),
+        OriginalMessage::World(world) => {
+            of_objects(&world.collision_objects) + world.octomap.octomap.data.len()
+        }
+        OriginalMessage::Object(object) => of_objects(std::slice::from_ref(object)),
+        OriginalMessage::Attached(attached) => of_attached(std::slice::from_ref(attached)),
+        OriginalMessage::Octomap(octomap) => octomap.data.len(),
     };
     ANY + match what {
-        Happening::Pass { orders, clouds, .. } => {
+        RecordedEvent::Pass { orders, clouds, .. } => {
             let clouds: usize = clouds.iter().map(|(_, _, cloud)| cloud.data.len()).sum();
             clouds
                 + orders.iter().filter_map(|(_, original)| original.as_ref()).map(of_original).sum::<usize>()
         }
-        Happening::Heard { message, .. } => of_joint_state(message),
-        Happening::Judged(judged) => {
+        RecordedEvent::Heard { message, .. } => of_joint_state(message),
+        RecordedEvent::Judged(judged) => {
             let heard = judged.heard.as_ref().map_or(0, |(state, _)| of_joint_state(state));
             heard + of_collision_state(&judged.answer.state)
         }
-        Happening::Transforms { message, .. } => {
+        RecordedEvent::Transforms { message, .. } => {
             let name = |transform: &TransformStamped| {
                 transform.child_frame_id.len() + transform.header.frame_id.len()
             };
             message.transforms.iter().map(|transform| 200 + name(transform)).sum()
         }
-        Happening::Meshes(meshes) => ANY * meshes.len(),
-        Happening::Told(Tidings::ModelFault(fault)) => fault.len(),
+        RecordedEvent::Meshes(meshes) => ANY * meshes.len(),
+        RecordedEvent::Told(RecordedMonitorEvent::ModelFault(fault)) => fault.len(),
         _ => 0,
     }
 }
@@ -288,12 +290,12 @@ mod tests {
     use crate::waiting::wait_at_most;
     use clearance_monitor::{Expiry, Reason, Status};
 
-    fn judgement() -> Judgement {
-        Judgement {
+    fn evaluation() -> Evaluation {
+        Evaluation {
             status: Status::Unknown(Reason::NoJointState),
             stamp: None,
             age: None,
-            evidence: None,
+            checked_state: None,
             placement: None,
             speed_scale: 0.0,
             left_out: LeftOut::Nothing,
@@ -305,12 +307,12 @@ mod tests {
         }
     }
 
-    fn judged(pairs: usize, warning: usize) -> Happening {
-        let mut answer = Answer::from(&judgement());
+    fn judged(pairs: usize, warning: usize) -> RecordedEvent {
+        let mut answer = RecordedResult::from(&evaluation());
         answer.state.pair_distances = vec![PairDistance::default(); pairs];
         answer.state.warnings = vec!["w".repeat(warning)];
         let now = Now { ros: None, steady: std::time::Duration::ZERO };
-        Happening::Judged(Box::new(Judged { now, heard: None, answer }))
+        RecordedEvent::Judged(Box::new(Judged { now, heard: None, answer }))
     }
 
     #[test]
@@ -323,7 +325,7 @@ mod tests {
     fn what_waits_has_a_bound_in_bytes() {
         let (items, waiting) = mailbox::bounded(1000);
         let backlog = Arc::new(Backlog::default());
-        let tape = Tape::to(items, Arc::clone(&backlog));
+        let tape = RecorderHandle::to(items, Arc::clone(&backlog));
         let large = LONGEST_QUEUE / 4;
         for _ in 0..10 {
             tape.note(|| judged(0, large));

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance};
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses};
-use clearance_scene::Grounds;
+use clearance_scene::AnchorFrames;
 
 use super::drift::Drift;
 use super::{Now, Reason, Status, Time, WorldSource};
@@ -26,7 +26,7 @@ pub struct Revision {
     /// What has to be known about the world beside that.
     pub warnings: Vec<String>,
     /// The frames that obstacles stand in.
-    pub grounds: Grounds,
+    pub grounds: AnchorFrames,
     /// When obstacles were where `tf` had them, by the steady clock; `None`: when this comes into force.
     pub placed_at: Option<Duration>,
 }
@@ -42,7 +42,7 @@ impl Revision {
             sources: Vec::new(),
             incomplete: None,
             warnings: Vec::new(),
-            grounds: Grounds::default(),
+            grounds: AnchorFrames::default(),
             placed_at: None,
         }
     }
@@ -69,7 +69,7 @@ impl Revision {
 
 /// What a check found.
 #[derive(Clone, Debug)]
-pub struct Evidence {
+pub struct CheckedState {
     pub report: CollisionReport,
     /// Pairs beyond those that are told, which may come near before the robot has slowed down.
     pub coming: Vec<PairDistance>,
@@ -110,16 +110,16 @@ pub enum LeftOut {
 
 /// What is known about the robot now. Cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Judgement {
+pub struct Evaluation {
     pub status: Status,
     /// Stamp of the joint state that this is about, if there was one.
     pub stamp: Option<Time>,
     /// How old that joint state is (s).
     pub age: Option<f64>,
     /// Present exactly when the status is FREE or COLLIDING.
-    pub evidence: Option<Arc<Evidence>>,
+    pub checked_state: Option<Arc<CheckedState>>,
     /// The same, also when only the world around the robot has become stale: where the robot is, is still known.
-    pub placement: Option<Arc<Evidence>>,
+    pub placement: Option<Arc<CheckedState>>,
     /// The share of its speed that the robot may have, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
     pub left_out: LeftOut,
@@ -129,7 +129,7 @@ pub struct Judgement {
     pub stale_world: Option<Reason>,
     /// The robot and world that were checked, or would be.
     pub revision: Option<Arc<Revision>>,
-    /// What did not prevent the judgement and should be known.
+    /// What did not prevent the evaluation and should be known.
     pub warnings: Arc<[String]>,
     /// How long what is known holds, if nothing more comes.
     pub expiry: Expiry,
@@ -138,7 +138,7 @@ pub struct Judgement {
 /// When what was known is known no longer, by the steady clock; `None`: never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expiry {
-    /// When the judgement was said.
+    /// When the evaluation was said.
     pub said_at: Duration,
     /// Of where the robot is.
     pub of_robot: Option<Duration>,
@@ -146,7 +146,7 @@ pub struct Expiry {
     pub of_world: Option<Duration>,
 }
 
-impl Judgement {
+impl Evaluation {
     /// As it holds at `now`, while the monitor is busy with the next one.
     #[must_use]
     pub fn aged(mut self, now: Now) -> Self {
@@ -175,7 +175,7 @@ impl Judgement {
     }
 
     fn know_nothing(&mut self, why: Reason) {
-        self.evidence = None;
+        self.checked_state = None;
         self.speed_scale = 0.0;
         if self.status.reason().is_none() {
             self.status = Status::Unknown(why);
@@ -185,10 +185,10 @@ impl Judgement {
     /// The least distance (m): NaN when nothing is known, infinite when nothing is within the distance limit.
     #[must_use]
     pub fn distance(&self) -> f64 {
-        match &self.evidence {
+        match &self.checked_state {
             None => f64::NAN,
-            Some(evidence) => {
-                (evidence.report.nearest.as_ref()).map_or(f64::INFINITY, |nearest| nearest.distance)
+            Some(checked_state) => {
+                (checked_state.report.nearest.as_ref()).map_or(f64::INFINITY, |nearest| nearest.distance)
             }
         }
     }
@@ -196,7 +196,7 @@ impl Judgement {
     /// The first pair that touches, or else the nearest with its distance, in words; `None` if nothing is known, or nothing near.
     #[must_use]
     pub fn foremost(&self) -> Option<String> {
-        let report = &self.evidence.as_ref()?.report;
+        let report = &self.checked_state.as_ref()?.report;
         let checker = &self.revision.as_ref()?.checker;
         let names = |a, b| format!("{} and {}", checker.body_name(a), checker.body_name(b));
         if let Some(&(a, b)) = report.colliding_pairs.first() {
@@ -213,7 +213,7 @@ impl Judgement {
     /// How long from now on (s) it is certain that nothing touches: 0 when something does, or nothing is known.
     #[must_use]
     pub fn time_to_contact(&self) -> f64 {
-        let look_ahead = self.evidence.as_ref().and_then(|evidence| evidence.look_ahead);
+        let look_ahead = self.checked_state.as_ref().and_then(|checked_state| checked_state.look_ahead);
         // a stamp in the future gives no time on top
         look_ahead.map_or(0.0, |ahead| {
             (ahead.free_for - self.age.unwrap_or(f64::INFINITY).greater(0.0)).greater(0.0)

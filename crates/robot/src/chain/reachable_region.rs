@@ -11,7 +11,7 @@ const GRANTED: f64 = 1e-9;
 
 /// A ball (root frame) that something never leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Territory {
+pub struct ReachableRegion {
     pub centre: Vector,
     /// Infinite where a joint floats, or slides by a position that has no range (m).
     pub radius: f64,
@@ -22,14 +22,17 @@ impl Chain {
     /// Joints turn as far as they like.
     #[must_use]
     #[inline]
-    pub fn territories(&self, range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>) -> Vec<Territory> {
-        let mut all = vec![Territory { centre: Vector::zeros(), radius: 0.0 }];
+    pub fn territories(
+        &self,
+        range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>,
+    ) -> Vec<ReachableRegion> {
+        let mut all = vec![ReachableRegion { centre: Vector::zeros(), radius: 0.0 }];
         for body in &self.bodies {
-            let Territory { centre, radius } = all[body.parent];
+            let ReachableRegion { centre, radius } = all[body.parent];
             let offset = Vector::from(body.origin);
             let farther = match &body.step {
                 Step::Turn(..) if body.parent == Self::ROOT => {
-                    all.push(Territory { centre: offset, radius: 0.0 });
+                    all.push(ReachableRegion { centre: offset, radius: 0.0 });
                     continue;
                 }
                 Step::Turn(..) => offset.norm(),
@@ -40,7 +43,7 @@ impl Chain {
                 }
                 Step::Float(..) => f64::INFINITY,
             };
-            all.push(Territory { centre, radius: (radius + farther) * (1.0 + GRANTED) + GRANTED });
+            all.push(ReachableRegion { centre, radius: (radius + farther) * (1.0 + GRANTED) + GRANTED });
         }
         all
     }

@@ -6,12 +6,12 @@ use clearance_geometry::constants::AXIS_LENGTH_SLACK;
 use clearance_geometry::math::Vector;
 use roxmltree::Node;
 
-use super::{Door, JointNotes};
+use super::{JointNotes, Validator};
 use crate::numbers::shortened;
 
 const TYPES: [&str; 6] = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"];
 
-impl<'d> Door<'d> {
+impl<'d> Validator<'d> {
     pub(super) fn check_joint(&mut self, name: &str, joint: Node<'d, 'd>, links: &HashSet<&str>) {
         let element = format!("joint '{name}'");
         let kind = self.check_type(joint, &element);

@@ -14,7 +14,7 @@ use super::stream::Due;
 use super::workspace::{QueuedPair, Workspace};
 
 /// A state that something is asked about, and what is known so far.
-pub(super) struct Asked<'a> {
+pub(super) struct StateQuery<'a> {
     pub checker: &'a CollisionChecker,
     pub q: &'a Configuration,
     pub effort: &'a Effort,
@@ -22,7 +22,7 @@ pub(super) struct Asked<'a> {
     pub report: &'a mut CollisionReport,
 }
 
-impl Asked<'_> {
+impl StateQuery<'_> {
     pub fn answer(&mut self, question: Question) {
         match question {
             Question::Free => self.first_hits(),

@@ -10,9 +10,9 @@ const PAUSE: Duration = Duration::from_secs(1);
 
 /// The complaints of one endpoint.
 #[derive(Default)]
-pub struct Complaints(Mutex<Option<Instant>>);
+pub struct DecodeErrorLog(Mutex<Option<Instant>>);
 
-impl Complaints {
+impl DecodeErrorLog {
     /// Warns, unless that was done just before.
     pub fn warn(&self, text: impl FnOnce() -> String) {
         if self.is_due(Instant::now()) {
@@ -36,7 +36,7 @@ mod tests {
 
     #[test]
     fn a_flood_is_told_once_in_a_while() {
-        let (complaints, start) = (Complaints::default(), Instant::now());
+        let (complaints, start) = (DecodeErrorLog::default(), Instant::now());
         let due = |milliseconds| complaints.is_due(start + Duration::from_millis(milliseconds));
         assert_eq!([0, 1, 999, 1001, 1002, 2500].map(due), [true, false, false, true, false, true]);
     }
