@@ -5,7 +5,7 @@
 pub const CONTACT_DISTANCE: f64 = 1e-9;
 
 /// Slack of a test of two bounding volumes in f32, relative to the coordinates that enter it: 64 units in the last place,
-/// about 4 µm a metre (derived at [`Relative::of_trees`](clearance_proximity::bounding_volume::Relative::of_trees)).
+/// about 4 µm a metre (derived at `Relative::of_trees` of clearance-proximity).
 pub const VOLUME_SLACK: f64 = 64.0 / 16_777_216.0;
 
 /// Rounding of f64 in placing one tree in the frame of another, relative to the coordinates that enter, four times over:

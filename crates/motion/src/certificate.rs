@@ -25,7 +25,7 @@ pub const FORMAT_1: &str = "clearance certificate 1";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// [`FORMAT`] or [`FORMAT_1`].
+    /// Name and version of the format.
     pub format: String,
     /// The robot's name.
     pub robot: String,

@@ -81,7 +81,7 @@ impl Front {
 
     /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
     /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front, and there is
-    /// none if it costs more than `most` ([`Work::cost`]).
+    /// none if it costs more than `most` ([`Work::cost`](crate::Work::cost)).
     #[inline]
     pub fn collect(
         &mut self,

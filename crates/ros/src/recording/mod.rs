@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A recording is an MCAP file of the `ros2` profile: messages in CDR with `ros2msg` schemas, as `ros2 bag` and Foxglove read them.
-//! The topic `~/recording` (`std_msgs/String`) has one [`RecordStep`] in JSON for everything that changed what is known or said; the messages
+//! The topic `~/recording` (`std_msgs/String`) has one `RecordStep` in JSON for everything that changed what is known or said; the messages
 //! that a step is about stand right before it. Files (robot, world, meshes) are attachments.
 
 mod mcap_file;
