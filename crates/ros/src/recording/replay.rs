@@ -302,11 +302,11 @@ impl Run {
         self.heed_untold(recorded);
         match (recorded, self.told.pop_front()) {
             (RecordedMonitorEvent::Checker, Some(Event::Checker(revision))) => {
-                self.monitor.set_checker(revision)
+                self.monitor.set_checker(revision);
             }
             (RecordedMonitorEvent::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
             (RecordedMonitorEvent::Heeded, Some(Event::Heeded(descriptions))) => {
-                self.monitor.note_heeded(descriptions)
+                self.monitor.note_heeded(descriptions);
             }
             // the words name folders that are not here
             (RecordedMonitorEvent::ModelFault(fault), Some(Event::ModelFault(_))) => {
