@@ -1,5 +1,5 @@
-//! Tests of the pages: links, anchors and file names are valid, the book lists every page, every page names its readers, lines
-//! are short, and the table of parameters has the defaults of `config/clearance.yaml`.
+//! Tests of the pages: links, anchors and file names are valid, the book lists every page, every page names its
+//! readers, lines are short, and the table of parameters has the defaults of `config/clearance.yaml`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
@@ -190,7 +190,8 @@ fn files_that_pages_name_exist() {
         for (number, line) in prose(&text) {
             for span in line.split('`').skip(1).step_by(2) {
                 let is_path = |c: char| c.is_alphanumeric() || "_-./".contains(c);
-                let named = FOLDERS.iter().any(|folder| span.starts_with(folder)) && span.chars().all(is_path);
+                let named =
+                    FOLDERS.iter().any(|folder| span.starts_with(folder)) && span.chars().all(is_path);
                 if named && !NO_PATHS.contains(&span) {
                     count += 1;
                     if !root().join(span).exists() {
