@@ -80,3 +80,8 @@ pub use clearance_verifier::Verifier;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// The examples of the page about Rust compile and run.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/plan/rust.md")]
+struct RustPage;

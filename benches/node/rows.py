@@ -19,7 +19,8 @@ class Row:
 
 def markdown(rows, facts):
     lines = ["# The node, measured", ""]
-    lines += ["Written by `benches/node/run.sh`, whose [README](../benches/node/README.md) says what is measured and how.", ""]
+    lines += ["For operators who need latencies, losses, memory and restart times of the node.", ""]
+    lines += ["Written by `benches/node/run.sh`, whose README (`benches/node/README.md`) says what is measured and how.", ""]
     lines += [f"- {name}: {fact}" for name, fact in facts.items()] + [""]
     lines += ["| measure | at least | found | reached |", "|---|---|---|---|"]
     lines += [f"| {row.measure} | {row.required} | {row.found} | {row.word} |" for row in rows]

@@ -9,6 +9,7 @@ mod command_line;
 mod command_messages;
 mod continuous_joints;
 mod default_collisions;
+mod documentation;
 mod effort;
 mod held_planes;
 mod hostile;

@@ -1,4 +1,4 @@
-"""The fail-safe table of the README, and what brings its conditions about."""
+"""The fail-safe table of the documentation, and helpers that bring its conditions about."""
 
 import re
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ import two_link
 from cell import Companions
 from node_process import ROOT
 
-HEADING = "### When the answer is UNKNOWN"
+PAGE = "docs/reference/fail_safe.md"
+HEADING = "## Conditions"
 STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
 # What is published beside `~/state` when nothing is known.
 NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
@@ -49,7 +50,7 @@ class Line:
 
 
 def table():
-    section = (ROOT / "README.md").read_text().split(HEADING)[1].split("\n#")[0]
+    section = (ROOT / PAGE).read_text().split(HEADING)[1].split("\n#")[0]
     rows = re.findall(r"^\|(.*)\|$", section, re.MULTILINE)
     cells = [[cell.strip() for cell in row.split("|")] for row in rows][2:]
     return [Line(condition, status, code.strip("`"), free, says) for condition, status, code, free, says in cells]

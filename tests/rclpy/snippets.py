@@ -1,4 +1,4 @@
-"""The commands and scripts that README and docs show."""
+"""The commands and scripts that README, CONTRIBUTING and docs show."""
 
 import re
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Snippet:
 
 def snippets(language):
     """Those of a language, in the order of the pages."""
-    pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
     return [
         Snippet(str(page.relative_to(ROOT)), found[1], found[2], found[3] or "")
         for page in pages

@@ -176,7 +176,7 @@ def test_beside_moveit(peer, domain_id, tmp_path):
 
 def test_beside_moveit_by_hand(peer, domain_id):
     """As the manual says it."""
-    manual = (ROOT / "docs/operation.md").read_text().split("## Beside MoveIt")[1]
+    manual = (ROOT / "docs/operate/moveit.md").read_text()
     words = shlex.split(manual.split("```sh\n")[1].split("```")[0].replace("\\\n", " "))
     assert words[:2] == ["clearance", "node"]
     two_link.Driver(peer, "/joint_states")

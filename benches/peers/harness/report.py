@@ -32,6 +32,8 @@ def markdown(
     parts = [
         "# Benchmarks",
         "",
+        "For readers who compare the speed with that of other libraries.",
+        "",
         "Written by `python3 benches/peers/run.py`; do not edit. Compare ratios, and only within this file.",
         "",
         *([note, ""] if note else []),
@@ -68,7 +70,7 @@ def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
         f"- One process a contestant, all on core {core}, in turn, {rounds} rounds (long ones fewer, but two).",
         "- CPU time; µs a state: best pass / median pass (ratio of best passes to `clearance`).",
         "- The same triangles, pairs and states for all; kinematics included. What is fair, and how every peer is set:",
-        "  [`benches/peers/README.md`](../benches/peers/README.md).",
+        "  `benches/peers/README.md`.",
         "",
     ]
 

@@ -380,9 +380,8 @@ mod tests {
         let words = list.split([',', ' ', '#', '\n']).filter(|word| !word.is_empty() && *word != "or");
         assert_eq!(words.collect::<BTreeSet<_>>(), codes(), "CollisionState.msg");
 
-        let readme =
-            include_str!("../../../README.md").split_once("### When the answer is UNKNOWN").unwrap().1;
-        for (place, table) in [("monitor/lib.rs", include_str!("lib.rs")), ("README.md", readme)] {
+        let page = include_str!("../../../docs/reference/fail_safe.md");
+        for (place, table) in [("monitor/lib.rs", include_str!("lib.rs")), ("fail_safe.md", page)] {
             let code = |line: &'static str| {
                 line.split_once("| UNKNOWN | `")?.1.split_once('`').map(|(code, _)| code)
             };
