@@ -1,20 +1,20 @@
-//! What the node did: lately, and since its start.
+//! Counters of the node's work: since the last diagnostics report, and since the start.
 
 use std::time::Duration;
 
 use clearance_monitor::Evaluation;
 use hdrhistogram::Histogram;
 
-/// What happened in some stretch of time.
+/// Counters over one period.
 #[derive(Clone, Debug, Default)]
 pub struct Stretch {
-    /// Joint states that were judged, each by itself.
+    /// Joint states that were evaluated one by one.
     pub judged: u64,
-    /// Joint states that a newer one overtook before they could be judged.
+    /// Joint states that a newer one replaced before they were evaluated.
     pub passed_over: u64,
-    /// Joint states that their publishers numbered and that never came.
+    /// Joint states that were published, by the sequence numbers of their publishers, but not received.
     pub lost: u64,
-    /// Messages that a subscriber's full window kept from being sent.
+    /// Messages that were not sent because the window of a subscriber was full.
     pub dropped: u64,
     pub checks: u32,
     pub compute_time: Duration,
@@ -23,7 +23,7 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Joint states that came.
+    /// Number of joint states received.
     #[must_use]
     pub fn heard(&self) -> u64 {
         self.judged + self.passed_over
@@ -40,7 +40,7 @@ impl Stretch {
     }
 }
 
-/// Everything that is counted.
+/// All counters of the node.
 #[derive(Clone, Debug, Default)]
 pub struct Activity {
     /// Since the last report.
@@ -50,7 +50,7 @@ pub struct Activity {
 }
 
 impl Activity {
-    /// A joint state was judged, and what was said about it was said `latency` after it had come.
+    /// Counts one evaluated joint state. `latency` is the time from its reception to the publication of its result.
     pub fn note_judged(&mut self, evaluation: &Evaluation, latency: Duration) {
         self.note(|stretch| stretch.note_judged(evaluation, latency));
     }
@@ -67,7 +67,7 @@ impl Activity {
         self.note(|stretch| stretch.dropped += count);
     }
 
-    /// What is noted from now on is for the next report.
+    /// Starts a new period for the next report.
     pub fn begin_anew(&mut self) {
         self.lately = Stretch::default();
     }
@@ -78,15 +78,15 @@ impl Activity {
     }
 }
 
-/// How long answers took: a distribution that takes the same memory however many there are.
+/// Distribution of response times. Its memory does not grow with the number of samples.
 #[derive(Clone, Debug)]
 pub struct Latencies(Histogram<u64>);
 
-/// Longer ones count as this long (µs).
+/// Upper limit (µs): longer times are counted with this value.
 const LONGEST: u64 = 60_000_000;
 
 impl Default for Latencies {
-    /// Quantiles are told to two digits, never less than they were.
+    /// Quantiles have two significant digits and are rounded up.
     fn default() -> Self {
         Self(Histogram::new_with_bounds(1, LONGEST, 2).expect("the bounds of the distribution are valid"))
     }
@@ -102,7 +102,7 @@ impl Latencies {
         self.0.is_empty()
     }
 
-    /// The least duration that this part of all answers did not exceed.
+    /// Smallest duration that this fraction of all responses did not exceed.
     #[must_use]
     pub fn quantile(&self, part: f64) -> Duration {
         Duration::from_micros(self.0.value_at_quantile(part))

@@ -1,4 +1,4 @@
-//! What follows `--ros-args` on the command line, as every ROS 2 program reads it.
+//! Parser for the arguments after `--ros-args`, with the same syntax as every ROS 2 program.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -11,26 +11,26 @@ use super::parameter_value::{self, Value};
 /// The ROS arguments of one process.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RosArguments {
-    /// `-r from:=to`, in order: the first that matches wins.
+    /// `-r from:=to`, in order: the first rule that matches applies.
     pub remaps: Vec<Remap>,
-    /// Parameter files and single parameters, in order: the last wins.
+    /// Parameter files and single parameters, in order: the last value applies.
     pub parameters: Vec<ParameterSource>,
     /// `--log-level`.
     pub log_level: Option<LevelFilter>,
-    /// What is understood but has no effect here; to be said in the log.
+    /// Arguments that are valid but have no effect here. The node logs them.
     pub ignored: Vec<String>,
 }
 
-/// Where parameter values come from.
+/// Source of parameter values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterSource {
     /// `--params-file FILE`
     File(PathBuf),
-    /// `-p name:=value`, for every node or for the one called `node`.
+    /// `-p name:=value`, for every node or for the node named `node`.
     Single { node: Option<String>, name: String, value: Value },
 }
 
-/// An argument that can not be followed.
+/// Argument that is not valid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ArgumentError {
     #[error("--ros-args: '{0}' is no ROS argument")]
@@ -42,7 +42,7 @@ pub enum ArgumentError {
 }
 
 impl RosArguments {
-    /// Reads the words between `--ros-args` and `--`; either may stand among them again.
+    /// Parses the words between `--ros-args` and `--`. Both words may occur again among them.
     pub fn parse<S: AsRef<str>>(words: &[S]) -> Result<Self, ArgumentError> {
         let mut arguments = Self::default();
         let mut words = words.iter().map(AsRef::as_ref);
@@ -73,7 +73,7 @@ impl RosArguments {
                 }
                 _ if is_log_switch(flag) => arguments.ignored.push(flag.to_owned()),
                 _ => match flag.split_once(":=") {
-                    // the short form of ROS 1 is still in many scripts
+                    // many scripts still use the short form of ROS 1
                     Some(_) => arguments.remaps.push(remap("-r", flag)?),
                     None => return Err(ArgumentError::Unknown(flag.to_owned())),
                 },
@@ -83,7 +83,7 @@ impl RosArguments {
     }
 }
 
-/// `--enable-rosout-logs`, `--disable-stdout-logs` and so on.
+/// Whether a flag is `--enable-rosout-logs`, `--disable-stdout-logs` or similar.
 fn is_log_switch(flag: &str) -> bool {
     (flag.strip_prefix("--enable-").or_else(|| flag.strip_prefix("--disable-")))
         .is_some_and(|what| ["rosout-logs", "stdout-logs", "external-lib-logs"].contains(&what))
@@ -110,7 +110,7 @@ fn parameter(flag: &str, text: &str) -> Result<ParameterSource, ArgumentError> {
     Ok(ParameterSource::Single { node, name: name.to_owned(), value })
 }
 
-/// `node:name` names a node; `name` does not.
+/// Splits `node:name` into node and name; a plain `name` has no node.
 fn node_qualifier(text: &str) -> (Option<String>, &str) {
     match text.split_once(':') {
         Some((node, name)) => (Some(node.to_owned()), name),
@@ -118,7 +118,7 @@ fn node_qualifier(text: &str) -> (Option<String>, &str) {
     }
 }
 
-/// `debug`, or `logger:=debug`; there is one logger here.
+/// Parses `debug` or `logger:=debug`. The logger's name is ignored, because this program has only one logger.
 fn log_level(flag: &str, text: &str) -> Result<LevelFilter, ArgumentError> {
     let level = text.split_once(":=").map_or(text, |(_, level)| level);
     match level.to_ascii_lowercase().as_str() {

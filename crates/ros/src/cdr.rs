@@ -1,4 +1,4 @@
-//! Messages as bytes: CDR with the four bytes before it that say so.
+//! CDR encoding and decoding of messages, including the four-byte encapsulation header.
 
 use std::io;
 
@@ -6,24 +6,24 @@ use byteorder::LittleEndian;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Plain CDR, little end first.
+/// Encapsulation header of plain CDR, little endian.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// A message as it goes over the wire.
+/// Encodes a message as it is sent over the network.
 pub fn encode<M: Serialize>(message: &M) -> Result<Vec<u8>, String> {
     let mut bytes = HEADER.to_vec();
     cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, message).map_err(|error| error.to_string())?;
     Ok(bytes)
 }
 
-/// Bytes that a message takes; of one that can not be written, those before the fault.
+/// Encoded size of a message in bytes. For a message that cannot be encoded: number of bytes written before the error.
 pub fn size_of(message: &impl Serialize) -> usize {
     let mut counter = Counter(HEADER.len());
     let _ = cdr_encoding::to_writer::<_, LittleEndian, _>(&mut counter, message);
     counter.0
 }
 
-/// Counts what is written.
+/// Writer that only counts the bytes.
 struct Counter(usize);
 
 impl io::Write for Counter {
@@ -37,7 +37,8 @@ impl io::Write for Counter {
     }
 }
 
-/// The message that bytes of zero are: no text, empty lists, numbers of zero. A message with a large array of fixed length has none.
+/// The message that is decoded from zero bytes: empty text, empty lists, zero numbers. Fails for a message with a large array of fixed
+/// length.
 pub fn blank<M: DeserializeOwned>() -> Result<M, String> {
     const ZEROS: [u8; 4096] = [0; 4096];
     cdr_encoding::from_bytes::<M, LittleEndian>(&ZEROS)
@@ -45,7 +46,7 @@ pub fn blank<M: DeserializeOwned>() -> Result<M, String> {
         .map_err(|error| error.to_string())
 }
 
-/// A message out of a stranger's bytes.
+/// Decodes a message from untrusted bytes.
 pub fn decode<M: DeserializeOwned>(bytes: &[u8]) -> Result<M, String> {
     let body = bytes.strip_prefix(&HEADER).ok_or("is not plain CDR, little end first")?;
     let decoded = cdr_encoding::from_bytes::<M, LittleEndian>(body);
@@ -60,7 +61,7 @@ mod tests {
     use super::*;
     use crate::clearance_srvs::{CheckStatesResponse, CheckTrajectoryResponse, GetDistancesResponse};
 
-    /// A blank message is short, and is itself again after the wire.
+    /// Whether a blank message is short and does not change when it is encoded and decoded.
     fn is_blank<M: Serialize + DeserializeOwned>() -> bool {
         let bytes = encode(&blank::<M>().unwrap()).unwrap();
         bytes.len() < 1000 && encode(&decode::<M>(&bytes).unwrap()).unwrap() == bytes

@@ -1,4 +1,4 @@
-//! The checker of a robot in a scene, with the settings that scene and parameters make together.
+//! Builds the checker of a robot in a scene from the settings in the scene and in the parameters.
 
 use clearance_checker::{CollisionChecker, SolidMeshRemark, solid_mesh_remarks};
 use clearance_robot::RobotModel;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::parameters::Parameters;
 
-/// A checker of a robot in a scene; what a known one of the same robot has in common with it is shared.
+/// Checker of a robot in a scene. It shares unchanged data with an existing checker of the same robot.
 pub fn checker_of(
     robot: &Arc<RobotModel>,
     scene: &Scene,
@@ -26,12 +26,12 @@ pub fn checker_of(
     built.map_err(|error| error.to_string())
 }
 
-/// Warnings about the checks themselves: faults of meshes that are to be solid, and no pair to check.
+/// Warnings about the checks: defects of meshes that should be solid, and an empty set of pairs.
 pub fn warnings_of(checker: &CollisionChecker, meshes: &[SolidMeshRemark]) -> impl Iterator<Item = String> {
     about_solids(meshes).into_iter().chain(nothing_to_check(checker))
 }
 
-/// Warnings about meshes as solids; none where meshes are surfaces.
+/// Warnings about meshes that are treated as solids; empty where meshes are treated as surfaces.
 pub fn solid_meshes(checker: &CollisionChecker) -> Vec<SolidMeshRemark> {
     match checker.settings().mesh_model {
         MeshModel::Surface => Vec::new(),
@@ -44,7 +44,7 @@ fn nothing_to_check(checker: &CollisionChecker) -> Option<String> {
     checker.pairs().is_empty().then(|| NOTHING.to_owned())
 }
 
-/// One line for all meshes that stay surfaces, and one for each that was repaired.
+/// One line for all meshes that stay surfaces, and one line for each repaired mesh.
 fn about_solids(meshes: &[SolidMeshRemark]) -> Vec<String> {
     const TOLD: usize = 5;
     let (surfaces, repaired): (Vec<_>, Vec<_>) = meshes.iter().partition(|remark| remark.is_surface);

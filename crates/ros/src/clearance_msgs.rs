@@ -1,7 +1,7 @@
 //! The messages of the ROS package `clearance_msgs`, as serde structs.
 //!
-//! CDR carries neither names nor an order of its own: the fields below stand in the order of
-//! `interfaces/clearance_msgs/msg/*.msg`, which also hold every field's unit, frame and meaning.
+//! CDR encodes no field names and no field order: the fields below have the same order as in
+//! `interfaces/clearance_msgs/msg/*.msg`. Those files also define the unit, the frame and the meaning of every field.
 
 use ros2_client::Message;
 use ros2_interfaces_jazzy_serde::{geometry_msgs::msg::Point, std_msgs::msg::Header};
@@ -22,7 +22,7 @@ impl BodyPair {
     pub const ATTACHED: u8 = 2;
 }
 
-/// The least distance between two bodies, and where it is.
+/// Smallest distance between two bodies, and its witness points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairDistance {
     pub pair: BodyPair,
@@ -30,14 +30,14 @@ pub struct PairDistance {
     pub witness_points: [Point; 2],
 }
 
-/// Pairs of bodies that were not checked, counted by the reason why.
+/// Numbers of pairs that were not checked, by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkippedPairs {
     pub reason: String,
     pub count: u32,
 }
 
-/// What is known about one joint state. The default says `UNKNOWN`.
+/// Result for one joint state. The default status is `UNKNOWN`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CollisionState {
     pub header: Header,

@@ -1,8 +1,9 @@
 //! The services and the action of the ROS package `clearance_msgs`, as serde structs.
 //!
-//! Fields stand in the order of `interfaces/clearance_msgs/srv/*.srv` and `action/*.action`, which also hold every field's unit, frame and meaning.
-//! What several share is a struct of its own here: in CDR a struct within a struct is the same as its fields in its place.
-//! A goal of the action is a request of the service of its name, a result is its response.
+//! The fields have the same order as in `interfaces/clearance_msgs/srv/*.srv` and `action/*.action`. Those files also define the unit, the
+//! frame and the meaning of every field.
+//! Fields that several services share are a separate struct here: CDR encodes a nested struct like its fields in the same position.
+//! A goal of the action is the request of the service with the same name; a result is its response.
 
 use ros2_client::Message;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point;
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clearance_msgs::{BodyPair, PairDistance};
 
-/// Is the straight way in joint space free?
+/// Request: is the straight motion in joint space free of collisions?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckMotionRequest {
     pub joint_names: Vec<String>,
@@ -20,14 +21,14 @@ pub struct CheckMotionRequest {
     pub terms: MotionTerms,
 }
 
-/// Is a trajectory free?
+/// Request: is a trajectory free of collisions?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckTrajectoryRequest {
     pub trajectory: JointTrajectory,
     pub terms: MotionTerms,
 }
 
-/// How a motion is to be checked.
+/// Settings for the check of a motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionTerms {
     pub tolerance: f64,
@@ -45,7 +46,7 @@ impl MotionTerms {
     pub const AS_GIVEN: u8 = 2;
 }
 
-/// What is known about a motion. The default says `ERROR`.
+/// Result of the check of a motion. The default status is `ERROR`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionFindings {
     pub verdict: u8,
@@ -72,7 +73,7 @@ impl MotionFindings {
     pub const UNDECIDED: u8 = 3;
 }
 
-/// The continuous joints that turn, and their positions where the motion starts and ends.
+/// The continuous joints that turn, and their positions at the start and at the end of the motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContinuousTurns {
     pub continuous_joints: Vec<String>,
@@ -80,14 +81,14 @@ pub struct ContinuousTurns {
     pub continuous_goals: Vec<f64>,
 }
 
-/// Findings about one straight motion, which two responses share.
+/// Results for one straight motion. Two responses share these fields.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckMotionResponse {
     pub motion: MotionFindings,
     pub turns: ContinuousTurns,
 }
 
-/// What is known about a trajectory: that about one of its segments.
+/// Result of the check of a trajectory: the result of one of its segments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckTrajectoryResponse {
     pub motion: MotionFindings,
@@ -98,7 +99,7 @@ pub struct CheckTrajectoryResponse {
 }
 
 impl CheckTrajectoryResponse {
-    /// About a trajectory that was not checked.
+    /// Response for a trajectory that was not checked.
     #[must_use]
     pub fn unchecked(motion: MotionFindings) -> Self {
         let (time_free, time_contact) = (f64::NAN, f64::NAN);
@@ -106,7 +107,7 @@ impl CheckTrajectoryResponse {
     }
 }
 
-/// How far a trajectory is proven free by now.
+/// Action feedback: the part of a trajectory that is proven free so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckTrajectoryFeedback {
     pub segments_free: u32,
@@ -115,7 +116,7 @@ pub struct CheckTrajectoryFeedback {
     pub time_free: f64,
 }
 
-/// Are these states free, how far are they from touching?
+/// Request: are these states free of collisions, and how large are their distances?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckStatesRequest {
     pub joint_names: Vec<String>,
@@ -125,7 +126,7 @@ pub struct CheckStatesRequest {
     pub timeout: f64,
 }
 
-/// What is known about states. The default says `ERROR`.
+/// Results for states. The default status is `ERROR`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckStatesResponse {
     pub verdict: u8,
@@ -149,7 +150,7 @@ impl CheckStatesResponse {
     pub const UNKNOWN: u8 = 3;
 }
 
-/// How far apart are the bodies in one state?
+/// Request: how far apart are the bodies in one state?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetDistancesRequest {
     pub joint_names: Vec<String>,
@@ -160,7 +161,7 @@ pub struct GetDistancesRequest {
     pub timeout: f64,
 }
 
-/// What is known about the distances of one state. The default says `ERROR`; verdicts are those of [`CheckStatesResponse`].
+/// Distances in one state. The default status is `ERROR`; the status constants are the same as in [`CheckStatesResponse`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetDistancesResponse {
     pub verdict: u8,
@@ -196,7 +197,7 @@ mod tests {
         };
     }
 
-    /// With the fields of a struct in the place of its name.
+    /// Replaces the field `name` by the fields of the struct `inner`.
     fn unfolded(fields: &str, name: &str, inner: &str) -> String {
         let unfold = |field| if field == name { inner } else { field };
         fields.split(' ').map(unfold).collect::<Vec<_>>().join(" ")

@@ -1,11 +1,11 @@
-//! ROS time: the system's clock, or a simulation's.
+//! ROS time: the system clock, or the clock of a simulation.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use clearance_monitor::{Now, Time};
 
-/// The time in which messages are stamped.
+/// Clock for the stamps of messages.
 #[derive(Debug)]
 pub struct RosClock {
     started: Instant,
@@ -30,12 +30,12 @@ impl RosClock {
         self.simulated.store(simulated, Ordering::Relaxed);
     }
 
-    /// A `/clock` message came.
+    /// Stores the time of a `/clock` message.
     pub fn on_simulation_time(&self, time: Time) {
         self.simulation.store(time.nanoseconds(), Ordering::Relaxed);
     }
 
-    /// ROS time; `None` while it is simulated and nothing came.
+    /// ROS time; `None` if time is simulated and no `/clock` message was received yet.
     #[must_use]
     pub fn now(&self) -> Option<Time> {
         if !self.simulated.load(Ordering::Relaxed) {
@@ -47,13 +47,13 @@ impl RosClock {
         }
     }
 
-    /// All clocks.
+    /// Reads all clocks at once.
     #[must_use]
     pub fn read(&self) -> Now {
         Now { ros: self.now(), steady: self.steady() }
     }
 
-    /// Time since the node started, which never jumps.
+    /// Steady time since the start of the node. It never jumps.
     #[must_use]
     pub fn steady(&self) -> Duration {
         self.started.elapsed()
@@ -61,7 +61,7 @@ impl RosClock {
 }
 
 fn system_time() -> Time {
-    // before 1970 and after 2262 no robot runs
+    // times before 1970 and after 2262 are not supported
     let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Time::from_nanoseconds(i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX))
 }

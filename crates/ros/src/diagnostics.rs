@@ -1,4 +1,4 @@
-//! `/diagnostics`: how the node and its robot are, in numbers.
+//! `/diagnostics`: status and statistics of the node and the robot.
 
 use std::time::Duration;
 
@@ -11,8 +11,8 @@ use super::activity::{Activity, Latencies};
 use super::messages::stamp_message;
 use super::scene::CloudReport;
 
-/// A report: what is known, what happened in the last `interval`, what was wrong with the last model if it was refused, and what
-/// became of the last cloud of each topic.
+/// Diagnostics message: the current evaluation, the counters of the last `interval`, the error of the last model if it was rejected, and
+/// the last point cloud of each topic.
 #[must_use]
 pub fn diagnostics(
     node: &str,
@@ -42,7 +42,7 @@ fn level(evaluation: &Evaluation, model_fault: Option<&str>) -> u8 {
         Status::Unknown(Reason::Stale { .. } | Reason::NoJointState | Reason::NoClock) => {
             DiagnosticStatus::STALE
         }
-        // someone meant it to be so
+        // the user disabled the check on purpose
         Status::Unknown(Reason::Disabled) => DiagnosticStatus::WARN,
         Status::Unknown(_) | Status::Colliding => DiagnosticStatus::ERROR,
         Status::Free if evaluation.warnings.is_empty() && model_fault.is_none() => DiagnosticStatus::OK,
@@ -60,7 +60,7 @@ fn message(evaluation: &Evaluation, model_fault: Option<&str>) -> String {
         Status::Unknown(reason) => reason.to_string(),
     };
     match model_fault {
-        // without any model the reason says it already
+        // without any model, the reason already contains this fault
         Some(fault) if evaluation.revision.is_some() => {
             format!("{message}; the last model was refused: {fault}")
         }
@@ -148,7 +148,7 @@ fn values(
     values
 }
 
-/// How long it took from a joint state to its answer, if any was given.
+/// Time from the reception of a joint state to the publication of its result; empty without results.
 fn latency_values(latencies: &Latencies) -> Vec<(&'static str, Duration)> {
     if latencies.is_empty() {
         return Vec::new();
@@ -156,7 +156,7 @@ fn latency_values(latencies: &Latencies) -> Vec<(&'static str, Duration)> {
     vec![("median", latencies.quantile(0.5)), ("p99", latencies.quantile(0.99)), ("max", latencies.max())]
 }
 
-/// What became of the last cloud of a topic.
+/// Report on the last point cloud of a topic.
 fn cloud_values(topic: &str, report: &CloudReport) -> Vec<KeyValue> {
     let mut values = vec![
         ("points avoided", report.points.to_string()),

@@ -1,4 +1,4 @@
-//! `clearance doctor`: what keeps the node from working here, found by listening for a while.
+//! `clearance doctor`: listens to the ROS network for a limited time and reports the causes that keep the node from working.
 
 mod finding;
 mod hearing;
@@ -21,19 +21,19 @@ use hearing::listen;
 use judging::{about_clock, about_joint_states, about_meshes, about_node, about_robot, described};
 use network::{multicast, network};
 
-/// What is to be examined.
+/// Input of the examination.
 #[derive(Debug)]
 pub struct Patient {
     pub arguments: RosArguments,
-    /// Without a robot it is awaited on `robot_description`.
+    /// Robot model; if `None`, the model is received from `robot_description`.
     pub robot: Option<RobotModel>,
     pub mesh_files: MeshFiles,
     pub mesh_model: MeshModel,
-    /// How long topics are listened to.
+    /// Time during which the doctor subscribes to topics.
     pub patience: Duration,
 }
 
-/// Looks at everything.
+/// Runs all examinations and returns their findings.
 pub fn examine(patient: Patient) -> Result<Vec<Finding>, NodeError> {
     let mut findings = Vec::new();
     let variable = |name: &str| std::env::var(name).ok();

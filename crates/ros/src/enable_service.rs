@@ -1,4 +1,4 @@
-//! `~/enable`: checking is turned off and on again.
+//! Service `~/enable`: turns checking off and on.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,13 +7,13 @@ use super::middleware::{Message, Middleware, MiddlewareError, Server};
 use super::monitor_loop::Event;
 use super::names::Names;
 
-/// `std_srvs/srv/SetBool`, what is asked.
+/// Request of `std_srvs/srv/SetBool`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SetBoolRequest {
     data: bool,
 }
 
-/// `std_srvs/srv/SetBool`, what is answered.
+/// Response of `std_srvs/srv/SetBool`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SetBoolResponse {
     success: bool,
@@ -23,7 +23,7 @@ pub struct SetBoolResponse {
 impl Message for SetBoolRequest {}
 impl Message for SetBoolResponse {}
 
-/// Brings requests to the monitor.
+/// Forwards requests to the monitor.
 pub struct EnableService {
     server: Server<SetBoolRequest, SetBoolResponse>,
     events: Sender<Event>,
@@ -39,7 +39,8 @@ impl EnableService {
         Ok(Self { server, events })
     }
 
-    /// Serves for ever. The answer comes when the monitor has heeded the request: nothing older is said after it.
+    /// Serves requests until the node ends. The response is sent after the monitor has applied the request: no result with the old setting
+    /// is published after it.
     pub async fn serve(&self) {
         loop {
             let (id, SetBoolRequest { data }) = self.server.next().await;

@@ -1,21 +1,21 @@
-//! What the process environment says about the ROS network, as `rmw` reads it.
+//! Environment variables that configure the ROS network, read as `rmw` reads them.
 
-/// Which network to join.
+/// Settings of the ROS network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Environment {
-    /// `ROS_DOMAIN_ID`: nodes of different domains never meet.
+    /// `ROS_DOMAIN_ID`: nodes of different domains do not discover each other.
     pub domain: u16,
     pub reach: Reach,
 }
 
-/// How far this node is seen and looks for others.
+/// Discovery range of this node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     Localhost,
     Subnet,
 }
 
-/// A variable whose value means nothing.
+/// Environment variable with an invalid value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("environment variable {name} is '{value}', but must be {expected}")]
 pub struct EnvironmentError {
@@ -24,7 +24,7 @@ pub struct EnvironmentError {
     expected: &'static str,
 }
 
-/// Largest domain whose UDP ports exist.
+/// Largest domain whose UDP port numbers are valid.
 const LARGEST_DOMAIN: u16 = 232;
 
 impl Environment {
@@ -33,7 +33,7 @@ impl Environment {
         Self::read(|name| std::env::var_os(name).map(|value| value.to_string_lossy().into_owned()))
     }
 
-    /// Reads `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY` and `ROS_AUTOMATIC_DISCOVERY_RANGE` from any source.
+    /// Reads `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY` and `ROS_AUTOMATIC_DISCOVERY_RANGE` from any source of variables.
     pub fn read(variable: impl Fn(&str) -> Option<String>) -> Result<Self, EnvironmentError> {
         // an empty variable counts as unset, as in rcutils
         let get = |name| variable(name).filter(|value| !value.is_empty());
@@ -62,7 +62,7 @@ impl Environment {
             None => Reach::Subnet,
             Some(value) => match value.to_ascii_uppercase().as_str() {
                 "SUBNET" | "SYSTEM_DEFAULT" => Reach::Subnet,
-                // with discovery off no peer is found elsewhere; here it stays possible on this machine
+                // `OFF` disables discovery in rmw; here, peers on this machine are still discovered
                 "LOCALHOST" | "OFF" => Reach::Localhost,
                 _ => {
                     return Err(EnvironmentError {
@@ -73,7 +73,7 @@ impl Environment {
                 }
             },
         };
-        // as in rmw, the older variable wins when it is set
+        // as in rmw, the older variable has priority if it is set
         let reach = if localhost_only { Reach::Localhost } else { range };
         Ok(Self { domain, reach })
     }

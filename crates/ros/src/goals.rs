@@ -1,4 +1,4 @@
-//! The goals of an action: how they stand, who waits for their results, and what is forgotten. No I/O.
+//! State of an action's goals: their status, the pending result requests, and the expiry of results. No I/O.
 
 use std::time::Duration;
 
@@ -6,16 +6,16 @@ use clearance_checker::Watch;
 
 use super::middleware::{CancelCode, GoalId, GoalInfo, GoalStatus, Stamp, Standing};
 
-/// Results that are kept for whoever asks for them, at most.
+/// Maximum number of stored results.
 const RESULTS: usize = 64;
 
-/// How long a result is kept.
+/// Time for which a result is stored.
 const KEPT: Duration = Duration::from_secs(60);
 
-/// Questions for the result of one goal that wait at most.
+/// Maximum number of pending result requests per goal.
 const WAITING: usize = 8;
 
-/// Goals by the order of their acceptance; `Ticket` names a question for a result, `Outcome` is one.
+/// Goals in the order of their acceptance. `Ticket` identifies a result request, `Outcome` is a result.
 pub struct Goals<Ticket, Outcome> {
     goals: Vec<Goal<Ticket, Outcome>>,
 }
@@ -25,25 +25,25 @@ struct Goal<Ticket, Outcome> {
     status: Standing,
     watch: Watch,
     waiting: Vec<Ticket>,
-    /// Steady time of its end, and its result.
+    /// Steady time of the goal's end, and its result.
     ended: Option<(Duration, Outcome)>,
 }
 
-/// What a question for a result gets.
+/// Response to a result request.
 #[derive(Debug, PartialEq)]
 pub enum ResultRequest<Ticket, Outcome> {
     Ended(Ticket, Standing, Outcome),
-    /// It is answered when the goal ends.
+    /// The response follows when the goal ends.
     Later,
     Unknown(Ticket),
 }
 
-/// What a cancellation does.
+/// Effect of a cancel request.
 #[derive(Debug)]
 pub struct Canceled {
     pub code: CancelCode,
     pub canceling: Vec<GoalInfo>,
-    /// Those among them that had not begun: they are to be ended now.
+    /// Canceled goals that had not started. The caller must end them now.
     pub not_begun: Vec<GoalId>,
 }
 
@@ -54,7 +54,7 @@ impl<Ticket, Outcome> Default for Goals<Ticket, Outcome> {
 }
 
 impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
-    /// Takes a goal; not one that is known already.
+    /// Accepts a goal; returns false if its id is already in use.
     pub fn accept(&mut self, goal_id: GoalId, stamp: Stamp, watch: Watch) -> bool {
         if self.goals.iter().any(|goal| goal.info.goal_id == goal_id) {
             return false;
@@ -65,7 +65,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         true
     }
 
-    /// Takes back what was accepted.
+    /// Removes an accepted goal.
     pub fn reject(&mut self, id: GoalId) {
         self.goals.retain(|goal| goal.info.goal_id != id);
     }
@@ -78,7 +78,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         }
     }
 
-    /// Whether a goal has not ended yet.
+    /// Whether a goal exists and has not ended yet.
     pub fn is_open(&mut self, id: GoalId) -> bool {
         self.open(id).is_some()
     }
@@ -87,7 +87,8 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         self.goals.iter_mut().find(|goal| goal.info.goal_id == id && goal.ended.is_none())
     }
 
-    /// Cancels the goal named, or those accepted up to a stamp, or both, or with neither all, as `action_msgs/srv/CancelGoal` says.
+    /// Cancels the goal with the given id, the goals accepted up to the given stamp, or both; all goals if neither is given. See
+    /// `action_msgs/srv/CancelGoal`.
     pub fn cancel(&mut self, GoalInfo { goal_id, stamp }: &GoalInfo) -> Canceled {
         let by_id = *goal_id != GoalId::ZERO;
         let by_stamp = *stamp != Stamp::ZERO;
@@ -119,7 +120,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         canceled
     }
 
-    /// Ends a goal, and gives those who wait for its result; `None` if it has ended before.
+    /// Ends a goal and returns its pending result requests; `None` if it has already ended.
     pub fn end(
         &mut self,
         id: GoalId,
@@ -135,7 +136,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         Some(waiting)
     }
 
-    /// Forgets results that nobody has asked for in time, and the oldest of too many.
+    /// Discards expired results, and the oldest results above the maximum number.
     pub fn forget(&mut self, now: Duration) {
         self.goals.retain(|goal| goal.ended.as_ref().is_none_or(|(at, _)| now.saturating_sub(*at) < KEPT));
         let ended = self.goals.iter().filter(|goal| goal.ended.is_some()).count();
@@ -147,7 +148,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         });
     }
 
-    /// Answers a question for a result, or keeps it until the goal has ended.
+    /// Responds to a result request, or stores it until the goal has ended.
     pub fn ask(&mut self, id: GoalId, ticket: Ticket) -> ResultRequest<Ticket, Outcome> {
         match self.goals.iter_mut().find(|goal| goal.info.goal_id == id) {
             Some(Goal { status, ended: Some((_, outcome)), .. }) => {
@@ -161,7 +162,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         }
     }
 
-    /// How all known goals stand.
+    /// Status of all stored goals.
     pub fn standings(&self) -> Vec<GoalStatus> {
         let standing = |goal: &Goal<_, _>| GoalStatus { goal_info: goal.info.clone(), status: goal.status };
         self.goals.iter().map(standing).collect()

@@ -1,10 +1,10 @@
-//! For tests: what `.msg` and `.srv` files declare, and what structs expect.
+//! Test helpers: compare the fields declared in `.msg` and `.srv` files with the fields of the structs.
 
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, Visitor, value::Error};
 use serde::forward_to_deserialize_any;
 
-/// Deserializes nothing: it fails with the field names that the type asks for, in their order.
+/// Deserializer that always fails, with an error that lists the field names of the type in order.
 struct FieldNames;
 
 impl<'de> Deserializer<'de> for FieldNames {
@@ -29,25 +29,25 @@ impl<'de> Deserializer<'de> for FieldNames {
     }
 }
 
-/// The names of a struct's fields, in their order.
+/// Names of a struct's fields, in order.
 pub fn fields_in_rust<'de, M: Deserialize<'de> + std::fmt::Debug>() -> String {
     M::deserialize(FieldNames).unwrap_err().to_string()
 }
 
-/// The declarations of a file or a part of one, comments left out: the type and what follows it.
+/// Declarations in a file or in a part of it, without comments: the type and the text after it.
 fn declarations(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.lines()
         .filter_map(|line| line.split('#').next()?.trim().split_once(char::is_whitespace))
         .map(|(kind, rest)| (kind, rest.trim()))
 }
 
-/// The names of declared fields, in their order.
+/// Names of the declared fields, in order.
 pub fn fields_in_text(text: &str) -> String {
     let names: Vec<_> = declarations(text).map(|(_, rest)| rest).filter(|rest| !rest.contains('=')).collect();
     names.join(" ")
 }
 
-/// Declared constants and their values.
+/// Declared constants with their values.
 pub fn constants_in_text(text: &str) -> Vec<(&str, u8)> {
     declarations(text)
         .filter_map(|(_, rest)| rest.split_once('='))

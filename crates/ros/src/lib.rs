@@ -1,4 +1,4 @@
-//! The ROS 2 node: subscriptions to the monitor, evaluations to publishers. Nothing here decides what is safe.
+//! The ROS 2 node: connects subscriptions to the monitor, and evaluations to publishers. This crate makes no safety decisions.
 //!
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
@@ -14,12 +14,12 @@
 //!
 //! monitor loop, loader, world ──> recorder, if it is wanted
 //!
-//! On request every evaluation is also left for the `view`, which shows it to web browsers.
+//! With the option `view`, every evaluation is also passed to the `view`, which shows it in web browsers.
 //!
-//! Each box is a thread; they talk through channels. Only `middleware` knows the ROS client library's calls. Which threads run first, and why
-//! none of them may wait for others by yielding, is said in `thread_priority`.
+//! Each box is a thread; the threads communicate through channels. Only `middleware` calls the ROS client library. `thread_priority`
+//! documents the priorities of the threads, and why no thread may wait for another one by yielding.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minima of floating-point numbers: see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod activity;

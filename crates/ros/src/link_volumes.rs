@@ -1,4 +1,4 @@
-//! `~/link_volumes`: boxes of the robot's hierarchies at a chosen level, for `RViz`.
+//! `~/link_volumes`: boxes of the robot's bounding volume hierarchies at a selected level, for `RViz`.
 
 use clearance_checker::{CollisionChecker, LinkVolume};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{ColorRGBA, Header};
@@ -9,12 +9,12 @@ use super::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Qua
 use super::names::Names;
 use super::swept_volume_markers::no_markers;
 
-/// Boxes in one message at most (about 350 bytes each): `RustDDS` loses messages of more than about 250 kB.
+/// Maximum number of boxes in one message (about 350 bytes each): `RustDDS` loses messages of more than about 250 kB.
 const BOXES_SHOWN: usize = 500;
 
 const BLUE: [f32; 4] = [0.2, 0.5, 0.9, 0.3];
 
-/// Tells the boxes, whenever they are others. They stand in the frames of their links, which `RViz` moves by tf.
+/// Publishes the boxes when they change. Each box is given in the frame of its link, which `RViz` moves by tf.
 pub struct LinkVolumes {
     publisher: Publisher<MarkerArray>,
     last: MarkerArray,
@@ -28,11 +28,11 @@ impl LinkVolumes {
         Ok(Self { publisher, last: MarkerArray::default() })
     }
 
-    /// Shows the boxes of a level; without one, none.
+    /// Shows the boxes of a level; with `None`, removes all boxes.
     pub fn show(&mut self, checker: &CollisionChecker, level: Option<usize>) {
         let message = match level {
             Some(level) => link_volume_markers(checker, level),
-            // nothing was ever shown: nothing has to be taken away
+            // no boxes were published: there is nothing to remove
             None if self.last.markers.is_empty() => return,
             None => no_markers(),
         };
@@ -42,7 +42,7 @@ impl LinkVolumes {
     }
 }
 
-/// The boxes of a level, or of the deepest one above it that is not too large for a message.
+/// Boxes of the requested level, or of the deepest level above it that is small enough for one message.
 fn link_volume_markers(checker: &CollisionChecker, level: usize) -> MarkerArray {
     let volumes = |level| checker.link_volumes(level).collect::<Vec<LinkVolume>>();
     let mut shown = volumes(0);
@@ -77,7 +77,7 @@ fn marker(checker: &CollisionChecker, id: i32, volume: &LinkVolume) -> Marker {
         pose: pose_message(&volume.pose_lv),
         scale: vector_message(&(2.0 * volume.half_extents)),
         color: ColorRGBA { r, g, b, a },
-        // wherever the link is now
+        // the box follows the link's frame
         frame_locked: true,
         ..Marker::default()
     }

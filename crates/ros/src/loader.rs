@@ -1,5 +1,5 @@
-//! From robot descriptions and what is heard about the world to checkers, on a thread of its own: the monitor goes on with the old
-//! model and world meanwhile.
+//! Builds checkers from robot descriptions and scene messages, on a separate thread. Meanwhile, the monitor uses the previous model and
+//! world.
 
 use clearance_checker::SolidMeshRemark;
 use clearance_monitor::{Now, Revision};
@@ -24,16 +24,16 @@ use super::scene::{CloudMessage, Monitored, Shared};
 use super::scene_keeper::{CurrentScene, SceneInForce, SceneKeeper, SceneUpdateContext};
 use super::scene_order::SceneOrder;
 
-/// What files say there is around a robot. Poses in scene files refer to a robot, so each new robot needs them anew.
+/// Reads the obstacles around a robot from scene files. Their poses refer to the robot, so they are read again for each new robot.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<Scene, String> + Send>;
 
-/// Waits until the monitor has said what it makes of all that it was told; whether there is one.
+/// Waits until the monitor has published its evaluation of all earlier events; returns whether the monitor still exists.
 fn heeded(events: &mailbox::Sender<Event>) -> bool {
     let (said, is_said) = mailbox::bounded(1);
     events.send(Event::Say(said)).is_ok() && future::block_on(is_said.receive()).is_some()
 }
 
-/// The robot in use, for those who want to move it.
+/// The current robot, for the motion services.
 pub type CurrentRobot = Arc<Mutex<Option<Arc<RobotModel>>>>;
 
 /// Builds checkers and hands them to the monitor.
@@ -42,32 +42,32 @@ pub struct Loader {
     surroundings: Surroundings,
     mesh_model: MeshModel,
     told_meshes: ToldMeshes,
-    /// The robot that was given on the command line, which wins over topics.
+    /// Robot from the command line. It has priority over the topics.
     given: Option<RobotModel>,
-    /// What the names of the robot's joints and links begin with.
+    /// Prefixes of the robot's joint names and link names.
     prefixes: [String; 2],
-    /// The last texts that came, so that the same ones again cost nothing.
+    /// The last description texts. A repeated identical text needs no work.
     description: Option<String>,
     semantic: Option<String>,
     robot: Option<Arc<RobotModel>>,
     keeper: SceneKeeper,
-    /// Clouds that came before there was a robot.
+    /// Point clouds that were received before a robot was loaded.
     clouds: BTreeMap<String, CloudMessage>,
-    /// Counts the texts that came, each another one than the last of its topic.
+    /// Number of received texts that differ from the previous text of their topic.
     texts: u64,
-    /// Counts the robots that were taken.
+    /// Number of accepted robots.
     model_revision: u64,
-    /// Counts the changes of the world.
+    /// Number of changes of the world.
     world_revision: u64,
     current: CurrentRobot,
     scene: CurrentScene,
     monitored: Option<Monitored>,
     volumes: Option<LinkVolumes>,
-    /// How many steps below their roots hierarchies are shown, if they are.
+    /// Level of the bounding volume hierarchies to show, counted from their roots; `None` if they are not shown.
     shown_level: Option<usize>,
 }
 
-/// Remarks on meshes that the log has: each once, and not more than a person reads.
+/// Remarks on meshes that were already logged. Each one is logged once, and their number is limited.
 #[derive(Default)]
 struct ToldMeshes(HashSet<String>);
 
@@ -85,7 +85,7 @@ impl ToldMeshes {
     }
 }
 
-/// How much has to be built anew.
+/// The parts that must be rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
     Nothing,
@@ -130,7 +130,7 @@ impl Loader {
         Arc::clone(&self.scene)
     }
 
-    /// From now on every change of the scene is told.
+    /// From now on, publishes every change of the scene.
     pub fn tell_on(&mut self, monitored: Monitored, volumes: LinkVolumes) {
         (self.monitored, self.volumes) = (Some(monitored), Some(volumes));
         self.tell();
@@ -148,7 +148,7 @@ impl Loader {
         }
     }
 
-    /// The checker of a robot from the command line; from now on descriptions on topics are not heeded.
+    /// Builds the checker of a robot from the command line. From now on, descriptions on topics are ignored.
     pub fn take_given(
         &mut self,
         robot: RobotModel,
@@ -159,7 +159,7 @@ impl Loader {
         self.take(robot, update_context)
     }
 
-    /// Follows orders until there is no one left to give them.
+    /// Carries out orders until all senders are gone.
     pub fn follow(
         mut self,
         orders: &Receiver<Order>,
@@ -168,7 +168,7 @@ impl Loader {
     ) {
         self.watch_frames(inputs);
         while let Some(mut together) = self.await_orders(orders, inputs) {
-            // a robot's URDF and SRDF often come together, and objects by the dozen: build once for all
+            // URDF and SRDF often arrive together, and objects in large numbers: rebuild once for all of them
             while let Ok(order) = orders.try_recv() {
                 together.push(order);
             }
@@ -189,7 +189,7 @@ impl Loader {
         }
     }
 
-    /// Does what is asked for together, and tells what the monitor has to know of it.
+    /// Carries out a group of orders and sends the resulting events to the monitor.
     pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
         let Pass { update_context, orders, clouds } = pass;
         let texts = self.texts;
@@ -225,7 +225,7 @@ impl Loader {
         tell(Event::World(self.keeper.note_in_use(), self.keeper.faults(), incomplete));
     }
 
-    /// Builds what changed, and tells what was refused: a robot that is takes no other change with it.
+    /// Rebuilds the changed parts and returns the error if something was rejected. A new robot includes all other changes.
     fn build_anew(
         &mut self,
         is_new_robot: bool,
@@ -250,10 +250,10 @@ impl Loader {
         (built, refused)
     }
 
-    /// The next order, or none when enough time passed without one; `None` when there will be none.
+    /// Waits for the next order. Returns no order after a timeout, and `None` when no more orders can arrive.
     fn await_orders(&mut self, orders: &Receiver<Order>, inputs: &LoaderInputs) -> Option<Vec<Order>> {
         let Shared { transforms, grounds, store, clock, .. } = &inputs.shared;
-        // what tf said while the last orders were followed was compared with where obstacles were before
+        // transforms that arrived during the last pass were compared with the earlier poses of the obstacles
         let tree = lock(transforms);
         if lock(grounds).are_elsewhere(&tree) {
             return Some(vec![Order::Frames]);
@@ -270,7 +270,7 @@ impl Loader {
         Some(order.ok()?.into_iter().collect())
     }
 
-    /// Obstacles are put where they belong.
+    /// Moves the obstacles to the current poses of their frames.
     fn follow_frames(&mut self, update_context: &SceneUpdateContext) -> Change {
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
@@ -279,13 +279,13 @@ impl Loader {
         if moved { Change::World } else { Change::Nothing }
     }
 
-    /// Says what has to be looked at to know whether obstacles are where they belong.
+    /// Sets the frames to watch, in which a movement requires new poses of obstacles.
     fn watch_frames(&self, inputs: &LoaderInputs) {
         let grounds = self.robot.as_ref().map(|robot| self.keeper.state.grounds(robot));
         *lock(&inputs.shared.grounds) = grounds.unwrap_or_default();
     }
 
-    /// New clouds are taken, and what is too old is dropped.
+    /// Adds new point clouds and removes expired ones.
     fn look_at_the_world(
         &mut self,
         clouds: BTreeMap<String, CloudMessage>,
@@ -333,7 +333,7 @@ impl Loader {
         if changed { Change::World } else { Change::Nothing }
     }
 
-    /// The robot that the last texts describe.
+    /// Loads the robot from the last texts.
     fn reload(&mut self, update_context: &SceneUpdateContext) -> Result<Option<Arc<Revision>>, String> {
         if let Some(robot) = self.given.clone() {
             return self.take(robot, update_context).map(Some);
@@ -352,14 +352,14 @@ impl Loader {
         };
         let mut robot = load(&text)?;
         if let Some(srdf) = robot.srdf().filter(|srdf| srdf.robot_name != robot.name()) {
-            // left over from the robot that was described before: its pairs would be nonsense here
+            // this SRDF belongs to the previous robot: its pairs are meaningless for this one
             log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
             robot = load(&RobotText { srdf: None, ..text })?;
         }
         self.take(robot, update_context).map(Some)
     }
 
-    /// The same robot with other settings, or in another world.
+    /// Rebuilds the checker of the same robot with other settings or in another world.
     fn rebuild(
         &mut self,
         change: Change,
@@ -392,7 +392,7 @@ impl Loader {
         let before = self.keeper.state.clone();
         let mut world = self.world_revision;
         if self.keeper.is_untouched() {
-            // poses in files refer to a robot: each needs them anew
+            // poses in scene files refer to a robot: each new robot needs them again
             self.keeper.begin_with((self.surroundings)(&robot)?, &robot, update_context);
             world = world.max(u64::from(!self.keeper.state.world.is_empty()));
         } else {
@@ -409,7 +409,7 @@ impl Loader {
         let revision = match self.build(&robot, (self.model_revision + 1, world), update_context) {
             Ok(revision) => revision,
             Err(fault) => {
-                // the robot before stays, in its scene
+                // the previous robot stays in use, in its scene
                 self.keeper.stay_in(before);
                 self.keeper.note_in_vain(&awaited);
                 return Err(fault);
@@ -427,7 +427,7 @@ impl Loader {
         Ok(revision)
     }
 
-    /// A checker of the scene as it is now, which is in force from now on.
+    /// Builds a checker of the current scene, and makes this scene the active one.
     fn build(
         &mut self,
         robot: &Arc<RobotModel>,
@@ -465,7 +465,7 @@ impl Loader {
 }
 
 impl SceneUpdateContext {
-    /// Before anything is known but the parameters.
+    /// State before anything but the parameters is known.
     #[must_use]
     pub fn first(parameters: &Parameters, now: Now) -> Self {
         Self {
@@ -478,17 +478,17 @@ impl SceneUpdateContext {
     }
 }
 
-/// What names of joints and of links begin with.
+/// Prefixes of the joint names and the link names.
 fn prefixes(parameters: &Parameters) -> [String; 2] {
     [parameters.joint_prefix.clone(), parameters.link_prefix.clone()]
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    // the guarded values are valid between any two statements
+    // the guarded values are valid between any two statements, so a poisoned lock is safe to use
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A message is a stranger's: what it breaks must not take the node with it.
+/// Applies an untrusted scene message. A panic in it must not end the node.
 fn guarded_scene(keeper: &mut SceneKeeper, change: impl FnOnce(&mut SceneKeeper) -> bool) -> bool {
     catch_unwind(AssertUnwindSafe(|| change(keeper))).unwrap_or_else(|_| {
         const FAULT: &str = "a change of the world failed inside the program; the world may lack it";
@@ -501,12 +501,12 @@ fn guarded_scene(keeper: &mut SceneKeeper, change: impl FnOnce(&mut SceneKeeper)
 const DESCRIPTION: &str = "robot_description";
 const SEMANTIC: &str = "robot_description_semantic";
 
-/// A fault that names the topic, if its place in the text does not.
+/// Error text with the name of the topic, if its position in the text does not contain it.
 fn named(fault: &str) -> String {
     if fault.starts_with(DESCRIPTION) { fault.to_owned() } else { format!("{DESCRIPTION}: {fault}") }
 }
 
-/// A description is a stranger's text: what it breaks must not take the node with it.
+/// Builds from an untrusted description. A panic in it must not end the node.
 fn guarded<T>(what: &str, build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(build))
         .unwrap_or_else(|_| Err(format!("{what}: reading it failed inside the program")))

@@ -1,4 +1,4 @@
-//! What the loader looks at when it begins a pass.
+//! Inputs that the loader reads at the beginning of a pass.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
@@ -12,10 +12,10 @@ use super::recording::{OrderStep, OriginalMessage, RecordedEvent};
 use super::scene::{CloudMessage, Shared};
 use super::scene_keeper::SceneUpdateContext;
 
-/// Where which robot was at the stamps of clouds, by their topics.
+/// Robot and its configuration at the stamp of each point cloud, by topic.
 pub type Places = BTreeMap<String, (Arc<RobotModel>, Configuration)>;
 
-/// Where the robot was when clouds were seen.
+/// Configuration of the robot at the stamps of point clouds.
 #[must_use]
 pub fn places_of(clouds: &BTreeMap<String, CloudMessage>, joint_state_history: &JointStateHistory) -> Places {
     clouds
@@ -24,14 +24,14 @@ pub fn places_of(clouds: &BTreeMap<String, CloudMessage>, joint_state_history: &
         .collect()
 }
 
-/// Orders that are followed together, the newest clouds, and what is known meanwhile.
+/// Input of one pass: a group of orders, the newest point clouds, and the update context.
 pub struct Pass {
     pub update_context: SceneUpdateContext,
     pub orders: Vec<Order>,
     pub clouds: BTreeMap<String, CloudMessage>,
 }
 
-/// What the loader looks at when it begins a pass, and whom it tells of it.
+/// Inputs of the loader: shared state that it reads at the beginning of a pass.
 pub struct LoaderInputs {
     pub shared: Shared,
     pub evaluation: CurrentEvaluation,
@@ -39,7 +39,7 @@ pub struct LoaderInputs {
 }
 
 impl LoaderInputs {
-    /// What is known now. A recording has what came before it before it, and what comes later after it.
+    /// Takes a snapshot of all inputs. In a recording, earlier events precede this pass and later events follow it.
     pub fn begin(&self, mut orders: Vec<Order>) -> Pass {
         let Shared { transforms, clouds, joint_state_history, store, clock, tape, .. } = &self.shared;
         let parameters = store.get();
@@ -49,7 +49,7 @@ impl LoaderInputs {
         let used = clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect();
         let used_parameters = Box::new(parameters.clone());
         let transforms = transforms.lock().unwrap_or_else(PoisonError::into_inner);
-        // the monitor waits for this one: no more is done under it than has to be
+        // the monitor waits for this lock: hold it for as little work as possible
         let current = self.evaluation.lock().unwrap_or_else(PoisonError::into_inner);
         let now = clock.read();
         tape.note(|| RecordedEvent::Pass {
@@ -74,7 +74,7 @@ impl LoaderInputs {
         }
     }
 
-    /// Tells the recorder which meshes were read.
+    /// Records which meshes were read.
     pub fn note_meshes(&self) {
         let meshes = self.meshes.take();
         if !meshes.is_empty() {
@@ -83,7 +83,7 @@ impl LoaderInputs {
     }
 }
 
-/// An order as a recording has it.
+/// An order in the form used by recordings.
 fn original(order: &mut Order) -> (OrderStep, Option<OriginalMessage>) {
     match order {
         Order::Description(text) => (OrderStep::Description, Some(OriginalMessage::Text(text.clone()))),
@@ -92,7 +92,7 @@ fn original(order: &mut Order) -> (OrderStep, Option<OriginalMessage>) {
         Order::Clouds => (OrderStep::Clouds, None),
         Order::Display => (OrderStep::Display, None),
         Order::Frames => (OrderStep::Frames, None),
-        // all orders come with what they were made of while somebody records
+        // while recording is on, each scene order carries its original message
         Order::Scene(order) => order.take_original().unwrap_or((OrderStep::Clouds, None)),
     }
 }

@@ -1,21 +1,21 @@
-//! What is said of what changes all the time: not everything.
+//! Rate limiter for repeated log messages.
 
 use std::time::Duration;
 
-/// A second, and how much may be said in one.
+/// Length of one period, and the maximum number of messages in it.
 const PERIOD: Duration = Duration::from_secs(1);
 const MOST: u32 = 10;
 
-/// Counts what was said of late.
+/// Counts the messages of the current period.
 #[derive(Debug, Default)]
 pub struct LogRateLimiter {
-    /// Steady time at which counting began.
+    /// Steady time at which the current period began.
     since: Duration,
     said: u32,
 }
 
 impl LogRateLimiter {
-    /// Whether one thing more may be said at this steady time.
+    /// Whether one more message may be logged at this steady time.
     pub fn admit(&mut self, now: Duration) -> bool {
         if now.saturating_sub(self.since) >= PERIOD {
             *self = Self { since: now, said: 0 };

@@ -1,4 +1,4 @@
-//! Log lines, on stderr and for `/rosout`.
+//! Log output to stderr and to `/rosout`.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -8,13 +8,13 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use super::mailbox::{self, Receiver, Sender};
 use super::middleware;
 
-/// Lines that wait for the network at most; later ones stand on stderr alone.
+/// Maximum number of lines that wait for `/rosout`; further lines appear only on stderr.
 const WAITING: usize = 1000;
 
-/// Who tells the network, if somebody does.
+/// Sender of lines to `/rosout`, once it is set up.
 static TELLER: Mutex<Option<Sender<Line>>> = Mutex::new(None);
 
-/// A line of this program's log.
+/// One line of this program's log.
 #[derive(Clone, Debug)]
 pub struct Line {
     pub level: Level,
@@ -23,8 +23,8 @@ pub struct Line {
     pub line: u32,
 }
 
-/// Sets up the log. The DDS library is heard only when something is wrong: it warns of every datagram over 1500 bytes, and
-/// on an interface without multicast of every message.
+/// Sets up the log. Only errors of the DDS library are logged: it warns about every datagram over 1500 bytes, and about every message on an
+/// interface without multicast.
 pub fn start(level: LevelFilter) {
     let quiet = level.min(LevelFilter::Warn);
     let very_quiet = level.min(LevelFilter::Error);
@@ -32,14 +32,14 @@ pub fn start(level: LevelFilter) {
         .filter_level(level)
         .filter_module("rustdds", very_quiet)
         .filter_module("ros2_client", quiet)
-        // of empty texts it says that they end nowhere
+        // it warns about the missing terminator of empty texts
         .filter_module("cdr_encoding", quiet)
-        // it misses ROS_DISTRO, which says nothing about the peers
+        // it warns if ROS_DISTRO is not set, although this variable says nothing about the peers
         .filter_module("ros2_client::distributions", very_quiet)
         .format_timestamp_millis()
         .format_target(false)
         .build();
-    // what ends the network's threads is heeded even where nothing is printed
+    // errors that end the network threads are processed even if nothing is printed
     let most = stderr.filter().max(LevelFilter::Error);
     match log::set_boxed_logger(Box::new(Both { stderr })) {
         Ok(()) => log::set_max_level(most),
@@ -47,7 +47,7 @@ pub fn start(level: LevelFilter) {
     }
 }
 
-/// From now on lines are also given here, for the network.
+/// Opens the queue of log lines for `/rosout`. From now on, lines are also sent to it.
 #[must_use]
 pub fn listen() -> Receiver<Line> {
     let (teller, lines) = mailbox::bounded(WAITING);
@@ -55,7 +55,7 @@ pub fn listen() -> Receiver<Line> {
     lines
 }
 
-/// The same record with another text.
+/// Copy of a record with a different text.
 fn with_text<'r>(record: &Record<'r>, text: std::fmt::Arguments<'r>) -> Record<'r> {
     let mut copy = Record::builder();
     copy.metadata(record.metadata().clone()).args(text);
@@ -75,7 +75,7 @@ impl Log for Both {
         let text = readable_text::lines(&record.args().to_string()).into_owned();
         self.stderr.log(&with_text(record, format_args!("{text}")));
         middleware::heed(record);
-        // what others log is about the network itself: telling it there could go on for ever
+        // other crates log about the network itself: to publish these lines could cause an endless loop
         if record.level() > Level::Info || !record.target().starts_with("clearance") {
             return;
         }

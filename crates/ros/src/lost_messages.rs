@@ -1,4 +1,4 @@
-//! Messages about the world that were lost on their way: nobody knows what they said.
+//! Scene messages that were lost on the network, so that their content is unknown.
 
 use std::collections::BTreeMap;
 
@@ -9,11 +9,11 @@ use super::recording::SceneDoor;
 
 type Counts = BTreeMap<&'static str, u64>;
 
-/// How many of each topic, until all that they may have said is told anew.
+/// Number of lost messages per topic, until a later update replaces everything that they may have changed.
 #[derive(Debug, Default)]
 pub struct LostMessages {
     now: Counts,
-    /// Those of the scene that is in force, and how many came since.
+    /// Counts for the scene that is in use; `since` counts the messages that were lost after it.
     in_force: Counts,
     since: Counts,
 }
@@ -26,13 +26,13 @@ impl LostMessages {
         }
     }
 
-    /// Everything was told that this says.
+    /// Clears the counts of the topics whose content this update replaces completely.
     pub fn heed(&mut self, update: &SceneUpdate) {
         match update {
-            // nothing of what links hold, nor of matrices and paddings
+            // such an update contains no attached objects, collision matrices or paddings
             SceneUpdate::World(_) => drop(self.now.remove(SceneDoor::CollisionObject.name())),
             whole if whole.is_whole_of_robot() => self.now.clear(),
-            // what links hold stays as it is
+            // such an update does not change attached objects
             SceneUpdate::Scene(scene) if !scene.is_diff => {
                 let of_world =
                     [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
@@ -42,13 +42,13 @@ impl LostMessages {
         }
     }
 
-    /// What was heeded is in force.
+    /// The latest updates are now in use.
     pub fn note_in_use(&mut self) {
         self.in_force = self.now.clone();
         self.since.clear();
     }
 
-    /// What was heeded last did not come into force.
+    /// The latest updates were not taken into use: restores the previous counts.
     pub fn go_back(&mut self) {
         self.now = self.in_force.clone();
         for (topic, count) in &self.since {
