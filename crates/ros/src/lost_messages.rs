@@ -64,7 +64,7 @@ impl LostMessages {
         (!topics.is_empty()).then_some(Reason::LostMessages { topics })
     }
 
-    /// What is told of them.
+    /// One warning per topic with lost messages.
     pub fn told(&self) -> impl Iterator<Item = String> {
         self.now.iter().map(|(topic, count)| {
             format!("{topic}: {count} messages were lost: what they changed is missing here until a whole scene comes")

@@ -1,5 +1,5 @@
-//! A queue between threads of which some run before all others: whoever finds it in use sleeps, and never waits by yielding or spinning,
-//! which a thread of realtime priority would do in the place of the one that it waits for ([`super::thread_priority`]).
+//! Queue between threads of different priorities. A thread that finds the queue locked sleeps. It never waits by yielding or spinning: with
+//! realtime priority it would keep the processor from the thread that holds the lock ([`super::thread_priority`]).
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -7,14 +7,14 @@ use std::future::poll_fn;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Poll, Waker};
 
-/// A queue of so many items at most.
+/// Creates a queue with a maximum number of items.
 pub fn bounded<T>(capacity: usize) -> (Sender<T>, Receiver<T>) {
     let state = State { waiting: VecDeque::new(), capacity, senders: 1, is_read: true, reader: None };
     let shared = Arc::new(Mutex::new(state));
     (Sender(Arc::clone(&shared)), Receiver(shared))
 }
 
-/// A queue without such a limit.
+/// Creates a queue without a maximum number of items.
 pub fn unbounded<T>() -> (Sender<T>, Receiver<T>) {
     bounded(usize::MAX)
 }
@@ -30,23 +30,23 @@ struct State<T> {
 type Shared<T> = Arc<Mutex<State<T>>>;
 
 fn lock<T>(shared: &Shared<T>) -> MutexGuard<'_, State<T>> {
-    // the state is valid between any two statements
+    // the state is valid between any two statements, so a poisoned lock is safe to use
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Why an item was not taken.
+/// Error of an item that was not queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refused {
     Full,
-    /// Nobody reads any more.
+    /// The receiver was dropped.
     Unread,
 }
 
-/// Puts items in.
+/// Sending end of a queue.
 pub struct Sender<T>(Shared<T>);
 
 impl<T> Sender<T> {
-    /// Never waits for room.
+    /// Queues an item. Never waits for free space.
     pub fn send(&self, item: T) -> Result<(), Refused> {
         let mut state = lock(&self.0);
         if !state.is_read {
@@ -90,7 +90,7 @@ impl<T> Drop for Sender<T> {
     }
 }
 
-/// Takes items out, for one task.
+/// Receiving end of a queue, for a single task.
 pub struct Receiver<T>(Shared<T>);
 
 impl<T> fmt::Debug for Receiver<T> {
@@ -100,7 +100,7 @@ impl<T> fmt::Debug for Receiver<T> {
 }
 
 impl<T> Receiver<T> {
-    /// The next item, waiting for it; `None` when nobody is left to send one.
+    /// Waits for the next item; `None` when the queue is empty and all senders were dropped.
     pub async fn receive(&self) -> Option<T> {
         poll_fn(|context| {
             let mut state = lock(&self.0);
@@ -118,7 +118,7 @@ impl<T> Receiver<T> {
 }
 
 impl<T> Drop for Receiver<T> {
-    /// What was not read is dropped: who waits for its answer hears that there is none.
+    /// Drops the unread items: a sender that waits for the response to one of them is informed that there is none.
     fn drop(&mut self) {
         let mut state = lock(&self.0);
         state.is_read = false;

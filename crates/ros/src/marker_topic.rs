@@ -1,5 +1,5 @@
-//! `~/markers`, drawn and sent on a thread of their own: with colliding meshes and a thousand lines that takes longer than a check, and joint
-//! states would wait for it.
+//! `~/markers`, computed and published on a separate thread: colliding meshes and a thousand lines take longer than a check, and would
+//! delay the joint states.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,25 +15,25 @@ use super::names::Names;
 use super::parameters::Parameters;
 use super::waiting::wait_at_most;
 
-/// What the display is to show.
+/// Content of the display.
 #[derive(Debug)]
 enum Picture {
-    /// For so long.
+    /// The markers of an evaluation, with their lifetime.
     Of(Box<Evaluation>, Duration),
-    /// Nothing any more.
+    /// No markers: the published ones are deleted.
     Nothing(Box<Evaluation>),
 }
 
-/// What becomes of evaluations, on the monitor's thread.
+/// Sending end on the monitor's thread: passes evaluations to the thread that publishes the markers.
 #[derive(Debug)]
 pub struct MarkerFeed {
     pictures: Sender<Picture>,
-    /// Status and steady time of the last picture, while there is one.
+    /// Status and steady time of the last queued picture; `None` if nothing is shown.
     shown: Option<(&'static str, Duration)>,
     dropped: Arc<AtomicU64>,
 }
 
-/// Draws what the feed brings, until that ends.
+/// Receiving end: publishes markers until the sending end is dropped.
 pub struct MarkerDesk {
     pictures: Receiver<Picture>,
     publisher: Publisher<MarkerArray>,
@@ -41,7 +41,7 @@ pub struct MarkerDesk {
     dropped: Arc<AtomicU64>,
 }
 
-/// Both ends of the topic.
+/// Creates the sending end and the receiving end of the topic.
 pub fn open(middleware: &Middleware, names: &Names) -> Result<(MarkerFeed, MarkerDesk), MiddlewareError> {
     let kind = MessageKind("visualization_msgs", "MarkerArray");
     let publisher = middleware.publisher(&names.resolve("~/markers")?, kind, Quality::Reliable)?;
@@ -50,14 +50,15 @@ pub fn open(middleware: &Middleware, names: &Names) -> Result<(MarkerFeed, Marke
     Ok((feed, MarkerDesk { pictures, publisher, display: Display::default(), dropped }))
 }
 
-/// One picture waits at most: an older one is worth nothing.
+/// The queue holds one picture: older pictures are of no use.
 fn feed() -> (MarkerFeed, Receiver<Picture>) {
     let (sender, pictures) = mailbox::bounded(1);
     (MarkerFeed { pictures: sender, shown: None, dropped: Arc::default() }, pictures)
 }
 
 impl MarkerFeed {
-    /// Has a evaluation shown, if it is time to, and at every change of status. While the last one is being drawn, the next will do.
+    /// Queues an evaluation at every change of status, and otherwise at the marker rate. It is skipped if the queue still holds the last
+    /// one.
     pub fn show(&mut self, evaluation: &Evaluation, parameters: &Parameters, steady: Duration) {
         let judged = || Box::new(evaluation.clone());
         if !parameters.publish_markers {
@@ -72,7 +73,7 @@ impl MarkerFeed {
         if self.shown.is_some_and(|(last, at)| last == status && early(at)) {
             return;
         }
-        // a marker outlives the longest wait for its successor
+        // the lifetime is longer than the longest time until the next marker
         let heartbeat = parameters.monitor_settings().heartbeat_period();
         let lifetime = 3 * period.max(heartbeat) + Duration::from_secs(1);
         if self.pictures.send(Picture::Of(judged(), lifetime)).is_ok() {
@@ -80,7 +81,7 @@ impl MarkerFeed {
         }
     }
 
-    /// How many messages had to be dropped since this was asked last.
+    /// Number of messages dropped since the last call.
     pub fn take_dropped(&self) -> u64 {
         self.dropped.swap(0, Ordering::Relaxed)
     }
@@ -126,7 +127,7 @@ mod tests {
         show(100);
         show(200);
         assert!(taken(&pictures).is_some() && taken(&pictures).is_none());
-        // what found the last one still waiting did not count as shown
+        // the call at 200 ms found the queue full, so it did not count as shown
         show(201);
         assert!(taken(&pictures).is_some());
     }

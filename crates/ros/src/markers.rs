@@ -1,4 +1,4 @@
-//! What `RViz` shows: colliding links, and lines between near bodies.
+//! Markers for `RViz`: colliding links, and lines between near bodies.
 
 use clearance_checker::PairDistance;
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
@@ -30,26 +30,26 @@ const WHITE: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 
 /// Width of a witness line (m).
 const LINE_WIDTH: f64 = 0.004;
-/// Height of a letter (m).
+/// Height of the text (m).
 const TEXT_HEIGHT: f64 = 0.04;
 const SMALL_TEXT_HEIGHT: f64 = 0.02;
-/// Triangles in one message at most (72 bytes each): `RustDDS` loses messages of more than about 250 kB.
+/// Maximum number of triangles in one message (72 bytes each): `RustDDS` loses messages of more than about 250 kB.
 const TRIANGLES_SHOWN: usize = 2000;
 const LINES_SHOWN: usize = 1000;
-/// Near pairs whose distance is written beside their line, the nearest ones.
+/// Maximum number of lines with a distance as text. The nearest pairs have priority.
 const DISTANCES_SHOWN: usize = 20;
-/// Points of a cloud in one message at most (24 bytes each).
+/// Maximum number of points of a cloud in one message (24 bytes each).
 const POINTS_SHOWN: usize = 4000;
 
-/// What is on the display, so that it can be taken away.
+/// Markers that are currently displayed, so that they can be deleted.
 #[derive(Debug, Default)]
 pub struct Display {
     shown: BTreeSet<(&'static str, i32)>,
 }
 
 impl Display {
-    /// The markers of a evaluation, and the deletion of those that no longer hold. They vanish by themselves after
-    /// `lifetime`, so that nothing is left of a node that has ended.
+    /// Markers of an evaluation, and deletions of the markers that are no longer valid. Markers expire after `lifetime`, so that none
+    /// remain when the node has ended.
     pub fn update(&mut self, evaluation: &Evaluation, lifetime: Duration) -> MarkerArray {
         let mut scene = Scene::new(header(evaluation), lifetime);
         if let (Some(revision), Some(checked_state)) = (&evaluation.revision, &evaluation.checked_state) {
@@ -63,20 +63,20 @@ impl Display {
         scene.finish(&gone)
     }
 
-    /// The deletion of everything.
+    /// Deletions of all markers.
     pub fn clear(&mut self, evaluation: &Evaluation) -> MarkerArray {
         let gone: Vec<_> = std::mem::take(&mut self.shown).into_iter().collect();
         Scene::new(header(evaluation), Duration::ZERO).finish(&gone)
     }
 }
 
-/// A marker array in the making.
+/// Builder of a marker array.
 struct Scene {
     header: Header,
     lifetime: DurationMessage,
     markers: Vec<(&'static str, Marker)>,
     triangles_left: usize,
-    /// The namespace of geometry that is added now.
+    /// Namespace of the geometry that is added next.
     geometry: &'static str,
 }
 
@@ -147,7 +147,7 @@ impl Scene {
             },
             Shape::Points(cloud) => self.add_points(first_id, pose_rs, cloud),
             Shape::Voxels(voxels) => self.add_voxels(first_id, pose_rs, voxels),
-            // what has no end cannot be shown
+            // a plane is infinite: no marker can show it
             Shape::Plane(_) => {}
         }
     }
@@ -186,7 +186,7 @@ impl Scene {
         });
     }
 
-    /// A mesh by its name, for `RViz` to load.
+    /// Adds a mesh by its resource name, which `RViz` loads.
     fn add_mesh_resource(&mut self, id: usize, pose_rs: &Pose, uri: String, scale: &Vector) {
         self.add(self.geometry, id, Marker::MESH_RESOURCE, RED, |marker| {
             marker.pose = pose_message(pose_rs);
@@ -195,7 +195,7 @@ impl Scene {
         });
     }
 
-    /// A mesh as triangles, or as the box around it when it has too many.
+    /// Adds a mesh as triangles, or as its bounding box if it has too many.
     fn add_mesh(&mut self, id: usize, pose_rs: &Pose, mesh: &TriangleMesh) {
         let triangles = mesh.triangles().len();
         if triangles > self.triangles_left {
@@ -210,7 +210,7 @@ impl Scene {
         self.add_triangles(id, pose_rs, mesh.triangles().iter().flatten().map(corner).collect());
     }
 
-    /// Three corners each.
+    /// Adds a triangle list: three points per triangle.
     fn add_triangles(&mut self, id: usize, pose_rs: &Pose, points: Vec<PointMessage>) {
         self.add(self.geometry, id, Marker::TRIANGLE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
@@ -219,7 +219,7 @@ impl Scene {
         });
     }
 
-    /// Some of the points, evenly, when there are too many.
+    /// Adds the points of a cloud, or an evenly spaced subset if there are too many.
     fn add_points(&mut self, id: usize, pose_rs: &Pose, cloud: &PointCloud) {
         let step = cloud.points().len().div_ceil(POINTS_SHOWN);
         let shown =
@@ -227,13 +227,13 @@ impl Scene {
         let points: Vec<PointMessage> = shown.collect();
         self.add(self.geometry, id, Marker::SPHERE_LIST, RED, |marker| {
             marker.pose = pose_message(pose_rs);
-            // what has no size is not seen
+            // a point of size zero would be invisible
             marker.scale = vector_message(&Vector::repeat((2.0 * cloud.radius()).greater(LINE_WIDTH)));
             marker.points = points;
         });
     }
 
-    /// The box around all cubes: a list of cubes has one size for all.
+    /// Adds voxels as a cube list, each as the bounding box of its cubes: all cubes of one list have the same size.
     fn add_voxels(&mut self, id: usize, pose_rs: &Pose, voxels: &Voxels) {
         let (lo, hi) = voxels.bounds();
         let pose = pose_rs * Pose::from_parts(nalgebra::center(&lo, &hi).coords.into(), nalgebra::one());
@@ -265,7 +265,7 @@ impl Scene {
         }
     }
 
-    /// The distance of a pair, above the middle of its line.
+    /// Adds the distance of a pair as text above the middle of its line.
     fn add_text(&mut self, namespace: &'static str, id: usize, pair: &PairDistance, height: f64) {
         let [a, b] = pair.witness_points;
         let middle: Point = nalgebra::center(&a, &b);
@@ -318,12 +318,12 @@ fn colliding_bodies(checked_state: &CheckedState) -> impl Iterator<Item = BodyId
     checked_state.report.colliding_pairs.iter().flat_map(|&(a, b)| [a, b])
 }
 
-/// A number of its own for every marker of a namespace: up to four of each shape.
+/// First marker id of a shape. Ids are unique within a namespace, with up to four markers per shape.
 fn first_id(body: usize, shape: usize) -> usize {
     (body * 1024 + shape) * 4
 }
 
-/// Triangles of a cone's side, `RViz` having no marker for it.
+/// Triangles of a cone's surface: `RViz` has no marker type for cones.
 fn cone_corners(radius: f64, half_length: f64) -> Vec<Point> {
     const SIDES: u32 = 24;
     let rim = |i: u32| {
@@ -334,7 +334,7 @@ fn cone_corners(radius: f64, half_length: f64) -> Vec<Point> {
     (0..SIDES).flat_map(|i| [apex, rim(i), rim(i + 1), foot, rim(i + 1), rim(i)]).collect()
 }
 
-/// The name by which others find a mesh, and its scale; names relative to the URDF mean nothing to them.
+/// Resource name and scale of a mesh for other programs. `None` for file names relative to the URDF, which other programs cannot resolve.
 fn resource(source: &MeshSource) -> Option<(String, Vector)> {
     let uri = match &source.uri {
         uri if uri.starts_with("package://") || uri.starts_with("file://") => uri.clone(),

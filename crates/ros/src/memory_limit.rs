@@ -1,4 +1,4 @@
-//! Memory limit: publishes UNKNOWN and ends the node before the process takes more memory than it may.
+//! Memory limit: publishes UNKNOWN and ends the node before the process uses more memory than it is allowed to.
 
 use std::sync::{Arc, OnceLock, PoisonError};
 use std::thread;
@@ -15,29 +15,29 @@ use super::recording::RecorderHandle;
 use super::scene_keeper::CurrentScene;
 use super::termination::{OUT_OF_MEMORY, arm_watchdog, exit};
 
-/// Time between two readings. A network at full speed brings some 5 MB in it.
+/// Period of the measurements. A network at full speed transfers about 5 MB in this time.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Time that the monitor has to publish that nothing is known any more.
+/// Time that the monitor has to publish the status UNKNOWN.
 const TIME_TO_PUBLISH: Duration = Duration::from_millis(500);
 
-/// How much the memory may still grow beyond its limit until the process ends at once, as a part of the limit and at least: a flood of
-/// packets brings over a GB a second.
+/// Further growth after the limit at which the process ends at once: a fraction (1/4) of the limit, but at least `LEAST_LAST_GROWTH`. A
+/// flood of packets adds more than 1 GB per second.
 const LAST_GROWTH: u64 = 4;
 const LEAST_LAST_GROWTH: u64 = 64 * MIB;
 
-/// Time between two readings beyond the limit.
+/// Period of the measurements above the limit.
 const PERIOD_BEYOND: Duration = Duration::from_millis(10);
 
-/// The limit (MiB) where `memory_limit` is 0, unless a quarter of the machine is less.
+/// Default limit (MiB) if `memory_limit` is 0; a quarter of the machine's memory, if that is less.
 const DEFAULT_LIMIT: u64 = 2048;
 
 const MIB: u64 = 1 << 20;
 
-/// Message of the memory limit, once it was exceeded.
+/// Error message; set when the limit was exceeded.
 pub type OutOfMemory = Arc<OnceLock<String>>;
 
-/// Watches the resident memory of this process.
+/// Monitors the resident memory of this process.
 pub struct MemoryWatch {
     store: ParameterStore,
     events: mailbox::Sender<Event>,
@@ -56,7 +56,7 @@ impl MemoryWatch {
         Arc::clone(&self.out_of_memory)
     }
 
-    /// Returns once the limit was exceeded and that was published.
+    /// Returns after the limit was exceeded and the status was published.
     pub async fn work(self) {
         let Some(mut process) = Process::this() else {
             return future::pending().await;
@@ -66,7 +66,7 @@ impl MemoryWatch {
         loop {
             let used = process.resident_memory();
             let limit = limit(self.store.get().memory_limit, most);
-            // what the robot and its first world take is no growth
+            // memory for the robot and its first world is not counted as growth
             at_start = at_start.or_else(|| self.components.has_robot().then(|| self.components.usage(used)));
             if used > limit * MIB {
                 end_far_beyond(process, used + (limit * MIB / LAST_GROWTH).max(LEAST_LAST_GROWTH));
@@ -83,7 +83,7 @@ impl MemoryWatch {
         let why = format!(
             "the node takes {used} MiB of memory, and memory_limit is {limit} MiB: {growth}; raise memory_limit if the robot and its world need that much"
         );
-        // first of all, as the rest may not be reached; on a thread of its own, as the log may be a pipe that nobody reads
+        // log first, as the later steps may not be reached; on a separate thread, as the log may be a pipe that is not read
         let _ = thread::Builder::new().spawn(move || log::error!("{why}"));
         let (published, is_published) = mailbox::bounded(1);
         if self.events.send(Event::Memory { used, limit, published }).is_ok() {
@@ -93,12 +93,12 @@ impl MemoryWatch {
             };
             future::or(is_published.receive(), give_up).await;
         }
-        // nothing else sets it
+        // the value is set only here
         let _ = self.out_of_memory.set(format!("memory_limit ({limit} MiB) was exceeded"));
     }
 }
 
-/// Ends the process at once when it takes more than `most` bytes of memory, whatever the orderly end waits for.
+/// Ends the process at once when it uses more than `most` bytes of memory, even if the orderly shutdown still waits.
 fn end_far_beyond(mut process: Process, most: u64) {
     let watch = move || {
         loop {
@@ -113,21 +113,21 @@ fn end_far_beyond(mut process: Process, most: u64) {
     }
 }
 
-/// Watches the resident memory of this process until the node runs.
+/// Monitors the resident memory of this process until the node runs.
 pub struct StartupWatch {
     process: Process,
     limit: u64,
 }
 
 impl StartupWatch {
-    /// With the limit that `memory_limit` (MiB) sets.
+    /// Creates a watch for the limit `memory_limit` (MiB).
     pub fn new(memory_limit: f64) -> Option<Self> {
         let process = Process::this()?;
         let limit = limit(memory_limit, process.memory_for_one_node());
         Some(Self { process, limit })
     }
 
-    /// Ends the process when the limit is exceeded. There is no state yet that could be published, and nothing to complete.
+    /// Ends the process when the limit is exceeded. At this time there is no state to publish and no data to save.
     pub fn work(mut self, has_ended: impl Fn() -> bool) {
         while !has_ended() {
             let used = self.process.resident_memory();
@@ -143,18 +143,18 @@ impl StartupWatch {
     }
 }
 
-/// The limit in force (MiB), of the parameter's value and what one node may take of the machine (bytes).
+/// Active limit (MiB), from the parameter's value and the memory available to one node (bytes).
 fn limit(parameter: f64, most: u64) -> u64 {
     if parameter > 0.0 {
-        // whole and far below 2^53, by its range
+        // the parameter's range makes it a whole number far below 2^53
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive and small")]
         return parameter.ceil() as u64;
     }
-    // of a machine that does not report its memory, nothing is known but the default
+    // if the machine does not report its memory, the default applies
     if most == 0 { DEFAULT_LIMIT } else { DEFAULT_LIMIT.min(most / MIB) }
 }
 
-/// This process, as the operating system sees it.
+/// This process in the view of the operating system.
 struct Process {
     system: System,
     id: Pid,
@@ -169,7 +169,7 @@ impl Process {
         Some(Self { system: System::new_with_specifics(RefreshKind::nothing().with_memory(memory)), id })
     }
 
-    /// A quarter of the machine's memory (bytes), or nearly all of the container's that the process runs in, whichever is less.
+    /// Memory available to one node (bytes): a quarter of the machine's memory, or nearly all of the container's memory if that is less.
     fn memory_for_one_node(&self) -> u64 {
         let quarter = self.system.total_memory() / 4;
         self.system.cgroup_limits().map_or(quarter, |group| quarter.min(group.total_memory / 10 * 9))
@@ -182,7 +182,7 @@ impl Process {
     }
 }
 
-/// The components of the node whose memory is known.
+/// Components of the node whose memory is measured.
 pub struct Components {
     pub scene: CurrentScene,
     pub tape: RecorderHandle,
@@ -203,7 +203,7 @@ impl Components {
     }
 }
 
-/// Bytes by component.
+/// Memory in bytes per component.
 #[derive(Clone, Copy, Debug, Default)]
 struct Usage {
     model_and_world: u64,
@@ -212,7 +212,7 @@ struct Usage {
 }
 
 impl Usage {
-    /// Which component grew most, and by how much each did.
+    /// The component that grew most, and the growth of each component.
     fn growth_since(&self, before: &Self) -> String {
         let grown = |now: u64, then: u64| now.saturating_sub(then) / MIB;
         let mut growth = [

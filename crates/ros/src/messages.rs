@@ -1,4 +1,4 @@
-//! Judgements as ROS messages, but for markers and diagnostics; and joint states the other way.
+//! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor input.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_geometry::math::Point;
 use clearance_monitor::{Evaluation, JointStateInput, SourceId, Status, Time};
@@ -10,18 +10,18 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use super::clearance_msgs::{self, BodyPair, CollisionState, SkippedPairs};
 
-/// Pairs in one message at most: `RustDDS` loses messages of more than about 250 kB.
+/// Maximum number of pairs in one message: `RustDDS` loses messages of more than about 250 kB.
 pub const PAIRS_TOLD: usize = 1000;
 
-/// What geometry is checked.
+/// Type of the checked geometry, as reported in messages.
 const FIDELITY: &str = "mesh";
 
-/// The same where distances are not exact.
+/// Type of the checked geometry where distances are only lower bounds.
 const ROUGH_FIDELITY: &str = "mesh, distances as lower bounds";
 
 const NANOSECONDS: i64 = 1_000_000_000;
 
-/// A stamp as it is sent; beyond the year 2038 it stays there.
+/// Converts a time to a message stamp; times after the year 2038 are clamped.
 #[must_use]
 pub fn stamp_message(time: Time) -> StampMessage {
     let nanosecond = time.nanoseconds().rem_euclid(NANOSECONDS);
@@ -32,7 +32,7 @@ pub fn stamp_message(time: Time) -> StampMessage {
     }
 }
 
-/// A stamp as it was sent.
+/// Converts a message stamp to a time.
 #[must_use]
 pub fn time_of(stamp: &StampMessage) -> Time {
     Time::from_nanoseconds(i64::from(stamp.sec) * NANOSECONDS + i64::from(stamp.nanosec))
@@ -54,7 +54,7 @@ pub fn joint_state_input(message: JointState, source: SourceId) -> JointStateInp
     }
 }
 
-/// The header of everything that is said about one joint state.
+/// Header of all messages about one joint state.
 #[must_use]
 pub fn header(evaluation: &Evaluation) -> Header {
     let frame = evaluation.revision.as_ref().map(|revision| revision.frame().to_owned());
@@ -66,7 +66,7 @@ fn fidelity(evaluation: &Evaluation) -> &'static str {
     if is_exact { FIDELITY } else { ROUGH_FIDELITY }
 }
 
-/// `~/state`: everything.
+/// Message for `~/state`: the complete evaluation.
 #[must_use]
 pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
     let mut message = CollisionState {
@@ -104,7 +104,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         if let Some(ahead) = &checked_state.look_ahead {
             message.time_to_contact_known = true;
             message.time_to_contact = ahead.free_for;
-            // the look-ahead has no velocities of obstacles
+            // the look-ahead does not use velocities of obstacles
             message.time_to_contact_considers_obstacle_motion = false;
             let pair = ahead.first.map(|(a, b)| pair_message(&revision.checker, a, b));
             message.first_contact_pair = pair.unwrap_or_default();
@@ -113,7 +113,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
     message
 }
 
-/// How many pairs of bodies a deadline left open.
+/// Number of pairs that were left undecided at the deadline.
 fn undecided(report: &CollisionReport) -> usize {
     let mut open: Vec<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
     open.sort_unstable();
@@ -146,7 +146,7 @@ fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report
     }
 }
 
-/// What a body is, as messages name it.
+/// Kind of a body, as a constant of the message.
 #[must_use]
 pub fn body_type(body: BodyId) -> u8 {
     match body {

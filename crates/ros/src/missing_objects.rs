@@ -1,26 +1,26 @@
-//! What the scene lacks because messages about it were rejected.
+//! Objects that are missing in the scene because messages about them were rejected.
 
 use std::collections::BTreeMap;
 
 use clearance_scene::{Gap, SceneRejection, SceneUpdate, Subject};
 
-/// Gaps remembered at most, so that a hostile network can not fill the memory.
+/// Maximum number of stored gaps, so that a hostile network cannot fill the memory.
 const MOST: usize = 1000;
 
-/// Gaps listed at most, the first by name.
+/// Maximum number of listed gaps, in the order of their names.
 const TOLD: usize = 20;
 
-/// Gaps in the scene, until updates make up for them.
+/// Gaps in the scene that no later update has closed yet.
 #[derive(Debug, Default)]
 pub struct MissingObjects {
-    /// By subject and name: the gap and the fault of the last message that left it.
+    /// By subject and name: the gap, and the fault of the last message that caused it.
     gaps: BTreeMap<(Subject, String), (Gap, String)>,
-    /// How many more there were. They are not known by name: only a whole scene makes up for them.
+    /// Number of further gaps, whose names are not stored: only a complete scene closes them.
     unnamed: usize,
 }
 
 impl MissingObjects {
-    /// Takes note of an update, if the message could be read as one, and of what was rejected of it.
+    /// Processes an update, if the message could be parsed, and the rejected parts of the message.
     pub fn heed(&mut self, source: &str, update: Option<&SceneUpdate>, refusals: &[SceneRejection]) {
         if let Some(update) = update {
             for (gap, fault) in std::mem::take(&mut self.gaps).into_values() {
@@ -40,7 +40,7 @@ impl MissingObjects {
         }
     }
 
-    /// Takes note of an update of which nothing came into force, and why.
+    /// Records the objects of an update that was not applied at all, with the reason.
     pub fn note_unused(&mut self, source: &str, update: &SceneUpdate, why: &str) {
         for gap in update.announced() {
             let refusal = SceneRejection::of(&gap.name, why);
@@ -66,7 +66,7 @@ impl MissingObjects {
         self.gaps.len() + self.unnamed
     }
 
-    /// The fault of each gap, and how many more there are.
+    /// The fault of each listed gap, and the number of further gaps.
     pub fn told(&self) -> impl Iterator<Item = String> {
         let more = self.len().saturating_sub(TOLD);
         let rest =
@@ -116,7 +116,7 @@ mod tests {
         missing.heed("topic", Some(&attach("held")), &[no_link("held")]);
         missing.heed("topic", Some(&add("b")), &[]);
         assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
-        // a world says nothing of what links hold
+        // a world message contains no attached objects
         missing.heed("topic", Some(&SceneUpdate::World(Box::default())), &[]);
         assert_eq!(told(&missing), ["topic: object 'held': no link"]);
         missing.heed("topic", Some(&attach("held")), &[]);
@@ -128,7 +128,7 @@ mod tests {
         let mut missing = MissingObjects::default();
         let append = object("a", Operation::Append);
         missing.heed("topic", Some(&append), &[SceneRejection::of("a", "a mesh")]);
-        // neither does a rejected move make less of it
+        // a rejected move does not reduce the gap either
         let elsewhere = object("a", Operation::Move);
         missing.heed("topic", Some(&elsewhere), &[SceneRejection::of("a", "a frame").of_pose()]);
         missing.heed("topic", Some(&elsewhere), &[]);

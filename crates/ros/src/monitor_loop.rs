@@ -1,4 +1,4 @@
-//! Joint states to the monitor, evaluations to the topics: the thread that must never wait for anything else.
+//! Monitor thread: passes joint states to the monitor and publishes the evaluations. It must never wait for other work.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,25 +25,26 @@ use super::scene_keeper::CloudReports;
 use super::sequence_gaps::SequenceGaps;
 use super::waiting::wait_at_most;
 
-/// What the other threads tell the monitor.
+/// Messages from the other threads to the monitor.
 pub enum Event {
     Checker(Arc<Revision>),
-    /// Another robot was described: its checker or its fault follows.
+    /// A new robot description was received: its checker or its fault follows.
     ModelSwap,
     ModelFault(String),
-    /// A description came that is another one than the last of its topic; and how many of them the loader has taken or refused.
+    /// A description was received that differs from the last one of its topic. `Heeded`: number of descriptions that the loader has
+    /// accepted or rejected.
     Described,
     Heeded(u64),
-    /// Progress of messages about the world, from receipt until they are in force.
+    /// Progress of a scene message, from its reception until it is in use.
     WorldUpdate(WorldUpdate),
-    /// Whether states are checked; who asked is told when it is so.
+    /// Turns checking on or off; the sender is notified when this is done.
     Enabled(bool, Sender<()>),
-    /// Somebody waits for what came before to count: tell when it is said.
+    /// Request to publish an evaluation after all earlier events; the sender is notified when it is published.
     Say(Sender<()>),
-    /// What sensors see, what was rejected of the last changes of the world, and why the world is known to be incomplete, if it is.
+    /// Reports on the point clouds, rejected parts of the last scene updates, and the reason why the world is incomplete, if it is.
     World(CloudReports, Vec<String>, Option<Reason>),
     Parameters(Box<Parameters>),
-    /// The process takes this much memory (MiB), and may take that much; the sender waits until it is published.
+    /// Memory used by the process (MiB) and its limit (MiB); the sender waits until the status is published.
     Memory {
         used: u64,
         limit: u64,
@@ -52,15 +53,15 @@ pub enum Event {
     Stop,
 }
 
-/// Progress of messages about the world, from receipt until they are in force.
+/// Progress of scene messages, from their reception until they are in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WorldUpdate {
-    /// One was received, at this time (ns) by the steady clock.
+    /// A message was received, at this steady time (ns).
     Received { steady: u64 },
-    /// The one that was received last asks for nothing.
+    /// The last received message requires no change.
     Withdrawn,
-    /// So many, the oldest ones, are in force with what the loader tells next.
+    /// This number of messages, the oldest ones, will be in use with the loader's next event.
     Completing(usize),
 }
 
@@ -74,19 +75,19 @@ impl WorldUpdate {
     }
 }
 
-/// The last evaluation, for those who ask about the same robot and world.
+/// The last evaluation, for services that answer requests about the same robot and world.
 pub type CurrentEvaluation = Arc<Mutex<Option<Evaluation>>>;
 
-/// Sees every evaluation and the settings that it was made with, for a display beside ROS. It must be quick.
+/// Callback that receives every evaluation and its settings, for a display outside of ROS. It must return quickly.
 pub type Observer = Box<dyn FnMut(&Evaluation, &MonitorSettings) + Send>;
 
-/// Time between two diagnostics while the status stays.
+/// Period of the diagnostics while the status does not change.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// When a joint state waited longer than this, checks take longer than joint states come: only the newest counts then.
+/// If a joint state waited longer than this, checks take longer than the period of the joint states: then only the newest one is evaluated.
 const LONGEST_WAIT: Duration = Duration::from_millis(20);
 
-/// Everything that the monitor's thread holds.
+/// State of the monitor thread.
 pub struct MonitorLoop {
     pub node: String,
     pub monitor: Monitor,
@@ -104,24 +105,24 @@ pub struct MonitorLoop {
     pub report: Report,
 }
 
-/// Joint states that this program makes itself: they come straight here, and are passed over on the topic.
+/// Joint states that this program publishes itself. They arrive through this queue; their copies from the topic are ignored.
 pub struct OwnMotion {
     pub source: Option<SourceId>,
     pub joint_states: Receiver<JointState>,
 }
 
-/// What the next diagnostics will tell.
+/// Content of the next diagnostics message.
 #[derive(Default)]
 pub struct Report {
     activity: Activity,
     arrivals: SequenceGaps,
     clouds: CloudReports,
-    /// Status and code of the reason that were logged last.
+    /// Status and reason code of the last log line.
     logged: Option<(&'static str, Option<&'static str>)>,
     changes: LogRateLimiter,
     /// Status and steady time of the last diagnostics.
     last: Option<(&'static str, Duration)>,
-    /// The next ones do not wait.
+    /// Whether the next diagnostics are published without waiting for the period.
     is_due: bool,
 }
 
@@ -133,7 +134,7 @@ impl Report {
     }
 }
 
-/// What woke the thread.
+/// Cause for which the thread woke up.
 enum Wake {
     Event(Event),
     JointState(JointState, Origin),
@@ -141,7 +142,7 @@ enum Wake {
 }
 
 impl MonitorLoop {
-    /// Runs until it is told to stop.
+    /// Runs until it receives `Event::Stop`.
     pub fn run(mut self) {
         loop {
             match self.wake() {
@@ -186,7 +187,7 @@ impl MonitorLoop {
             Event::Enabled(enabled, heeded) => {
                 self.monitor.set_enabled(enabled);
                 self.beat();
-                // who no longer waits need not be told
+                // the requester may be gone already
                 let _ = heeded.send(());
             }
             Event::Say(said) => {
@@ -226,15 +227,15 @@ impl MonitorLoop {
             return;
         }
         let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);
-        // a recording has it where it stands among the transforms
+        // the recording stores this at its position among the transforms
         self.tape.note(|| RecordedEvent::Looked);
         self.monitor.note_transforms(&tree);
     }
 
-    /// Tells the recorder what is heeded, and when.
+    /// Records an event and its time.
     fn note(&self, event: &Event) {
         let told = match event {
-            // what is said then is recorded as any answer
+            // the published evaluation is recorded like any other
             Event::Stop | Event::Say(_) => return,
             Event::Checker(_) => RecordedMonitorEvent::Checker,
             Event::ModelSwap => RecordedMonitorEvent::ModelSwap,
@@ -261,7 +262,7 @@ impl MonitorLoop {
                 }
                 self.report.note_arrival(&newer.1);
                 self.report.activity.note_passed_over();
-                // the newer one may be about other joints
+                // the newer message may contain other joints
                 self.receive(message, origin.publisher);
                 (message, origin) = newer;
             }
@@ -278,15 +279,16 @@ impl MonitorLoop {
         self.monitor.prepare();
     }
 
-    /// Takes note of a joint state that is not judged by itself.
+    /// Stores a joint state that is not evaluated by itself.
     fn receive(&mut self, message: JointState, source: SourceId) {
         let now = self.clock.read();
         self.tape.note(|| RecordedEvent::Heard { now, message: Box::new(message.clone()), source });
         self.monitor.receive(joint_state_input(message, source), now);
     }
 
-    /// Says what was judged at `now`, from a joint state if one was heard, as it holds after the check; gives that, and the moment at which
-    /// `~/state` was said. A recording has the evaluation itself: how long a check takes is the machine's.
+    /// Publishes the evaluation made at `now`, from a joint state if one was received, as it is valid after the check. Returns it, and the
+    /// time at which `~/state` was published. A recording stores the evaluation itself, because the duration of a check depends on the
+    /// machine.
     fn publish(
         &mut self,
         evaluation: Evaluation,
@@ -296,7 +298,7 @@ impl MonitorLoop {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         *current = Some(evaluation.clone());
         self.joint_state_history.lock().unwrap_or_else(PoisonError::into_inner).note(&evaluation);
-        // a recording has it before whatever is made of it
+        // the recording stores the evaluation before everything that results from it
         self.tape
             .note(|| RecordedEvent::Judged(Box::new(Judged { now, heard, answer: (&evaluation).into() })));
         drop(current);
@@ -314,7 +316,7 @@ impl MonitorLoop {
         (evaluation, said.state_at)
     }
 
-    /// One line for a change of status or of the reason why it is unknown; of a flood of them only some, and then what it came to.
+    /// Logs one line when the status or the reason for UNKNOWN changes. Frequent changes are rate-limited; then the final status is logged.
     fn log_change(&mut self, evaluation: &Evaluation) {
         let reason = evaluation.status.reason();
         let now = (evaluation.status.word(), reason.map(Reason::code));
@@ -331,7 +333,7 @@ impl MonitorLoop {
         }
     }
 
-    /// Once a second, and at every change of status.
+    /// Publishes diagnostics once per second, and at every change of status.
     fn publish_diagnostics(&mut self, evaluation: &Evaluation) {
         let steady = self.clock.steady();
         let status = evaluation.status.word();

@@ -1,4 +1,4 @@
-//! Slow motions for demonstrations, published on `joint_states` as a driver would.
+//! Slow motions for demonstrations, published on `joint_states` like the output of a robot driver.
 
 use std::f64::consts::TAU;
 use std::sync::PoisonError;
@@ -19,16 +19,16 @@ use super::middleware::Publisher;
 /// Time between two joint states.
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// What moves.
+/// Kind of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// A trajectory over and over.
+    /// A trajectory that is repeated.
     Trajectory(Trajectory),
-    /// Every joint of whatever robot there is, to and fro within its limits.
+    /// All joints of the loaded robot swing within their limits.
     Sweep,
 }
 
-/// Straight pieces in joint space between points; the text of a `trajectory_msgs/JointTrajectory`.
+/// Piecewise linear path in joint space, read from the text of a `trajectory_msgs/JointTrajectory`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Trajectory {
     joint_names: Vec<String>,
@@ -72,7 +72,7 @@ impl Trajectory {
         Ok(trajectory)
     }
 
-    /// Positions at `time` (s), which starts again when the last point is reached.
+    /// Positions at `time` (s). The trajectory starts again after its last point.
     fn sample(&self, time: f64) -> Vec<f64> {
         let at = |index: usize| self.points[index].time_from_start.seconds();
         let last = self.points.len() - 1;
@@ -87,7 +87,7 @@ impl Trajectory {
 }
 
 impl Motion {
-    /// The joint state at `time` (s); none while there is no robot to sweep.
+    /// Joint state at `time` (s); `None` while there is no robot to move.
     fn joint_state(&self, robot: &CurrentRobot, time: f64) -> Result<Option<Named>, ConfigurationError> {
         let robot = robot.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match (self, robot) {
@@ -105,7 +105,7 @@ impl Motion {
 /// Joint names and their positions.
 type Named = (Vec<String>, Vec<f64>);
 
-/// With the joints that named mimic joints move. Names that the robot does not have stay: the monitor reports them.
+/// Adds the leader joints of the named mimic joints. Names of joints that the robot does not have are kept: the monitor reports them.
 fn with_leaders(robot: &RobotModel, (mut names, mut positions): Named) -> Result<Named, ConfigurationError> {
     let Ok(named) = robot.named_joints(names.iter().map(String::as_str)) else {
         return Ok((names, positions));
@@ -127,11 +127,11 @@ fn with_leaders(robot: &RobotModel, (mut names, mut positions): Named) -> Result
     Ok((names, positions))
 }
 
-/// Every joint swings about the middle of its limits, each with a period of its own.
+/// Positions at `time` (s) where each joint swings about the middle of its limits, with a different period per joint.
 fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
-    /// Swing (rad, m) of a joint without limits.
+    /// Amplitude (rad, m) of a joint without limits.
     const FREE_SWING: f64 = 0.5;
-    /// Part of the way from the middle to a limit.
+    /// Amplitude as a fraction of the distance from the middle to a limit.
     const PART: f64 = 0.8;
     const SHORTEST_PERIOD: f64 = 20.0;
     let mut positions = robot.default_configuration().positions().to_vec();
@@ -154,8 +154,8 @@ fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
     positions
 }
 
-/// Publishes a motion for ever. The node's own monitor gets it by a shorter way too, one at a time: on a loopback
-/// interface without multicast, as most machines have it, a process cannot hear itself.
+/// Publishes a motion without end. The node's own monitor also receives it through a queue of one message: on a loopback interface without
+/// multicast, which is the usual case, a process does not receive its own messages.
 pub async fn play(
     motion: &Motion,
     robot: &CurrentRobot,
@@ -185,7 +185,7 @@ pub async fn play(
             velocity: Vec::new(),
             effort: Vec::new(),
         };
-        // a monitor that has not taken the last one yet is left in peace
+        // skipped if the monitor has not taken the last message yet
         let _ = monitor.send(message.clone());
         joint_states.publish(message);
     }

@@ -1,4 +1,4 @@
-//! Requests about motions, answered: from names and numbers to ways, from verdicts to messages. No I/O.
+//! Processes motion requests: converts names and numbers to motions, and results to messages. No I/O.
 
 use std::time::{Duration, Instant};
 
@@ -23,22 +23,22 @@ use super::refusal::{Refusal, bad, shortened};
 use super::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 use super::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 
-/// The longest certificate (bytes) that is sent: `RustDDS` loses messages of more than about 250 kB.
+/// Maximum size of a certificate that is sent (bytes): `RustDDS` loses messages of more than about 250 kB.
 const LONGEST_CERTIFICATE: usize = 200_000;
 
-/// No proof takes fewer bytes of a certificate: `[0,0.0,1.0,0.1,0.1],`.
+/// Minimum size of one proof in a certificate (bytes): `[0,0.0,1.0,0.1,0.1],`.
 const SHORTEST_PROOF: usize = 20;
 
-/// Looks at a pair that one segment may take: some seconds, and memory that a machine has.
+/// Maximum number of pair evaluations per segment: some seconds, and memory that a usual machine has.
 const LOOKS: u64 = 2_000_000;
 
-/// Time that a check takes at most which nobody can stop and whose request says nothing: others wait behind it.
+/// Default timeout of checks that cannot be canceled, because other requests wait in the queue.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// An answer, and what was asked for beside it.
+/// Response with the optional results that the request selects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answered {
-    /// About a straight way only its first part is told.
+    /// For a straight motion, only the first part of this response is sent.
     pub response: CheckTrajectoryResponse,
     pub certificate: Option<String>,
     pub swept_volume: Option<MarkerArray>,
@@ -57,8 +57,8 @@ impl From<&Refusal> for Answered {
     }
 }
 
-/// Answers a request for a straight way. From the current state continuous joints go as `usual` says, unless the request says otherwise. The
-/// workspace is memory that makes the next answer quicker.
+/// Responds to a request for a straight motion. From the current state, continuous joints move in the direction `usual`, unless the request
+/// contains another one. The workspace is memory that is reused to make later checks faster.
 #[must_use]
 pub fn answer_motion(
     request: &CheckMotionRequest,
@@ -69,7 +69,7 @@ pub fn answer_motion(
     answer(&request.terms, None, evaluation, workspace, |cell| cell.straight(request, usual))
 }
 
-/// Answers a request for a trajectory, watched by someone or not.
+/// Responds to a request for a trajectory. With `watch`, the check can be observed and canceled.
 #[must_use]
 pub fn answer_trajectory(
     request: &CheckTrajectoryRequest,
@@ -89,7 +89,7 @@ fn answer(
 ) -> Answered {
     let started = Instant::now();
     let found = RequestContext::of(evaluation).and_then(|cell| {
-        // whoever watches can stop it
+        // a watched check can be canceled, so it needs no default timeout
         let usual = watch.is_none().then_some(LONGEST);
         let options = MotionOptions { watch, ..options(terms, usual, started)? };
         let way = way(&cell)?;
@@ -99,7 +99,7 @@ fn answer(
     });
     let mut answered = found.unwrap_or_else(|refusal| Answered::from(&refusal));
     if terms.swept_volume_intervals > 0 {
-        // without volumes of its own, a request still takes those of the last one away
+        // a request without volumes of its own still deletes the volumes of the last request
         answered.swept_volume.get_or_insert_with(no_markers);
     }
     let motion = &mut answered.response.motion;
@@ -120,14 +120,14 @@ fn options(terms: &MotionTerms, usual: Option<Duration>, started: Instant) -> Re
     })
 }
 
-/// What a request asks about.
+/// Motion in a request.
 struct Way {
     trajectory: Trajectory,
-    /// What its sender should know.
+    /// Notes for the client.
     notes: Vec<String>,
 }
 
-/// Which way round continuous joints go, where a request says so.
+/// Direction of continuous joints, if the request contains one.
 fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Refusal> {
     match terms.continuous_joint_direction {
         MotionTerms::DEFAULT => Ok(None),
@@ -203,7 +203,7 @@ impl RequestContext<'_> {
         Ok(Way { trajectory, notes })
     }
 
-    /// With tolerances (rad, m), one for each of `joints`; none leaves the way exact.
+    /// Adds tolerances (rad, m), one for each of `joints`; an empty list keeps the motion exact.
     fn loosened(
         &self,
         trajectory: Trajectory,
@@ -223,7 +223,7 @@ impl RequestContext<'_> {
     }
 }
 
-/// Refuses more volumes than fit into one message.
+/// Rejects more volumes than fit into one message.
 fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) -> Result<(), Refusal> {
     let segments = trajectory.segments().len();
     let most = most_intervals(robot, segments);
@@ -247,7 +247,7 @@ fn verdict(
     let (trajectory, certificate) = (&trajectory, terms.certificate);
     let ends: Vec<Configuration> = trajectory.segments().iter().flat_map(MotionSegment::ends).collect();
     let limits = checker.robot().limits_note("way", [&ends]);
-    // a long message is cut at its end: what the proof is about comes first
+    // a long message is truncated at its end: the note about the checked motion comes first
     let long_turn = trajectory.long_turn_note(checker.robot());
     let mut notes: Vec<String> = long_turn.into_iter().chain(limits).chain(of_request).collect();
     let segments = trajectory.segments().len();
@@ -286,7 +286,7 @@ fn verdict(
     Answered { response, certificate: text, swept_volume: swept_volume.flatten() }
 }
 
-/// What a report says, but for the robot it is about and the time it took.
+/// Content of a report as a response, without the revisions and the compute time.
 fn response(
     checker: &CollisionChecker,
     trajectory: &Trajectory,

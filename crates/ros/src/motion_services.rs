@@ -1,5 +1,5 @@
-//! `~/check_motion` and `~/check_trajectory`, the latter also as an action: requests come and answers go on the thread of the services;
-//! checks are made one after the other on a thread of their own, so that no motion, however long, delays anything else.
+//! `~/check_motion` and `~/check_trajectory`, the latter also as an action. Requests and responses are handled on the services thread.
+//! Checks run one after the other on a separate thread, so that a long motion does not delay other work.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -27,10 +27,10 @@ use super::refusal::Refusal;
 use super::request_context::known;
 use super::trajectory_action::{Begun, Goal, TrajectoryAction};
 
-/// Requests that wait at most; who comes then is told at once that the node is busy.
+/// Maximum length of the request queue. Further requests get the response that the node is busy.
 const WAITING: usize = 16;
 
-/// A request that waits for its answer.
+/// Queued request.
 enum Request {
     Motion(RequestId, CheckMotionRequest),
     Trajectory(RequestId, CheckTrajectoryRequest),
@@ -40,12 +40,12 @@ enum Request {
 enum Answer {
     Motion(RequestId, Box<Answered>),
     Trajectory(RequestId, Box<Answered>),
-    /// A goal is worked on from now on.
+    /// The check of a goal has started.
     Begun(Begun),
     Goal(GoalId, Box<Answered>),
 }
 
-/// The side that speaks with clients.
+/// Network side: receives requests and sends responses.
 pub struct MotionServices {
     motions: Server<CheckMotionRequest, CheckMotionResponse>,
     trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
@@ -56,7 +56,7 @@ pub struct MotionServices {
     answers: Receiver<Answer>,
 }
 
-/// The side that checks. It holds nothing of the network: the node ends without waiting for it.
+/// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
 pub struct MotionDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
@@ -67,7 +67,7 @@ pub struct MotionDesk {
 }
 
 impl MotionServices {
-    /// Both sides; `current` is what checks are made against.
+    /// Creates both sides. `current` is the evaluation whose robot and world the checks use.
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
@@ -76,7 +76,7 @@ impl MotionServices {
         parameters: ParameterStore,
     ) -> Result<(Self, MotionDesk), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
-        // never more than two for each request that waited
+        // at most two items for each queued request
         let (answers, answers_in) = channel::unbounded();
         let string = MessageKind("std_msgs", "String");
         let markers = MessageKind("visualization_msgs", "MarkerArray");
@@ -103,9 +103,9 @@ impl MotionServices {
         Ok((services, desk))
     }
 
-    /// Serves for ever.
+    /// Handles requests without end.
     pub async fn serve(&self) {
-        // each answer waits for its own client only
+        // each response waits only for its own client
         let sending = LocalExecutor::new();
         let motions = async {
             loop {
@@ -130,7 +130,7 @@ impl MotionServices {
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
-        // a desk that has ended is busy for ever
+        // when the desk has ended, the service reports that it is busy
         if let Err(refused) = self.requests.try_send(request) {
             let answered = Answered::from(&Refusal::Busy(WAITING));
             self.send(refused.into_inner().answered(answered), sending);
@@ -155,7 +155,7 @@ impl MotionServices {
         }
     }
 
-    /// Publishes what was asked for beside the answer, and gives the answer.
+    /// Publishes the optional results and returns the response.
     fn publish_more(&self, answered: Answered) -> CheckTrajectoryResponse {
         let Answered { response, certificate, swept_volume } = answered;
         if let Some(data) = certificate {
@@ -169,11 +169,11 @@ impl MotionServices {
 }
 
 impl MotionDesk {
-    /// Checks what is asked until there is no one left to ask.
+    /// Processes requests until all senders are gone.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
             let evaluation = known(&self.current, self.clock.read());
-            // a goal that was canceled while it waited has its result
+            // a goal that was canceled in the queue has its result already
             if matches!(&request, Request::Goal(goal) if goal.watch.is_stopped()) {
                 continue;
             }
@@ -201,7 +201,7 @@ impl MotionDesk {
         request.answered(answered)
     }
 
-    /// A request is a stranger's text: what it breaks must not take the node with it.
+    /// Processes an untrusted request. A panic in it must not end the node.
     fn guarded(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> Answered) -> Answered {
         catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace))).unwrap_or_else(|_| {
             log::error!("a motion could not be checked: the program failed inside");

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A checked absolute name, such as `/robot1/joint_states`.
+/// Valid absolute name, such as `/robot1/joint_states`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FullName(String);
 
@@ -19,7 +19,7 @@ impl fmt::Display for FullName {
     }
 }
 
-/// Text that is no ROS name.
+/// Text that is not a valid ROS name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{name}' is no {kind}: {why}")]
 pub struct NameError {
@@ -28,7 +28,7 @@ pub struct NameError {
     why: &'static str,
 }
 
-/// `from:=to`, for every node or for the one called `node`.
+/// Remapping rule `from:=to`, for every node or for the node named `node`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remap {
     pub node: Option<String>,
@@ -36,23 +36,23 @@ pub struct Remap {
     pub to: String,
 }
 
-/// A node's name and namespace, and the remaps that hold for it.
+/// A node's name and namespace, and the remapping rules that apply to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
     node: String,
-    /// Begins with a slash and ends with none, but for the root `/`.
+    /// Begins with a slash, and ends with one only for the root `/`.
     namespace: String,
     remaps: Vec<Remap>,
 }
 
 impl Names {
-    /// A node called `default_node` in the root namespace, unless `__node` and `__ns` say otherwise.
+    /// A node named `default_node` in the root namespace, unless the rules for `__node` and `__ns` set others.
     pub fn new(default_node: &str, remaps: &[Remap]) -> Result<Self, NameError> {
         let applicable: Vec<Remap> = (remaps.iter())
             .filter(|r| r.node.as_deref().is_none_or(|node| node == default_node))
             .cloned()
             .collect();
-        // the first rule that matches wins, as in rcl
+        // the first rule that matches applies, as in rcl
         let special = |names: &[&str]| {
             (applicable.iter().find(|r| names.contains(&r.from.as_str()))).map(|r| r.to.as_str())
         };
@@ -77,13 +77,13 @@ impl Names {
         &self.namespace
     }
 
-    /// The node's own full name.
+    /// The node's full name.
     #[must_use]
     pub fn full_node_name(&self) -> String {
         join(&self.namespace, &self.node)
     }
 
-    /// The full name of a topic or service after remaps.
+    /// Full name of a topic or service after remapping.
     pub fn resolve(&self, name: &str) -> Result<FullName, NameError> {
         let full = self.expand(name)?;
         for remap in &self.remaps {
@@ -94,7 +94,7 @@ impl Names {
         Ok(full)
     }
 
-    /// The full name of a topic or service before remaps.
+    /// Full name of a topic or service before remapping.
     pub fn expand(&self, name: &str) -> Result<FullName, NameError> {
         let error = |why| NameError { name: name.to_owned(), kind: "topic or service name", why };
         let name = (name.replace("{node}", &self.node))
@@ -130,7 +130,7 @@ fn check_namespace(namespace: &str) -> Result<(), NameError> {
     rest.split('/').try_for_each(|token| check_token(token).map_err(error))
 }
 
-/// Why no topic can have this name, before namespaces and remaps.
+/// Reason why a topic name is invalid, before namespaces and remapping; `None` if it is valid.
 #[must_use]
 pub fn fault_of_topic(name: &str) -> Option<&'static str> {
     let parts = name.strip_prefix("~/").or_else(|| name.strip_prefix('/')).unwrap_or(name);

@@ -2,20 +2,20 @@
 
 use super::scene_order::SceneOrder;
 
-/// Change of the robot or the world that the loader builds a checker for.
+/// Change of the robot or of the world, for which the loader builds a new checker.
 pub enum Order {
-    /// A URDF came on `robot_description`.
+    /// A URDF was received on `robot_description`.
     Description(String),
-    /// An SRDF came on `robot_description_semantic`.
+    /// An SRDF was received on `robot_description_semantic`.
     Semantic(String),
     /// A parameter changed.
     Parameters,
-    /// Something else of the robot is to be shown.
+    /// The displayed level of the link volumes changed.
     Display,
-    /// A message about the world.
+    /// A scene message was received.
     Scene(Box<SceneOrder>),
-    /// Some topic has a new cloud.
+    /// A new point cloud was received on a topic.
     Clouds,
-    /// The robot is elsewhere in what obstacles stand in.
+    /// The robot has moved relative to the frames of obstacles.
     Frames,
 }
