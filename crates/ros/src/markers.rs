@@ -233,7 +233,7 @@ impl Scene {
         });
     }
 
-    /// Adds voxels as a cube list, each as the bounding box of its cubes: all cubes of one list have the same size.
+    /// Adds the bounding box of all voxels, because all cubes of a cube list have the same size.
     fn add_voxels(&mut self, id: usize, pose_rs: &Pose, voxels: &Voxels) {
         let (lo, hi) = voxels.bounds();
         let pose = pose_rs * Pose::from_parts(nalgebra::center(&lo, &hi).coords.into(), nalgebra::one());

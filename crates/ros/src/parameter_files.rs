@@ -1,4 +1,4 @@
-//! ROS 2 parameter files, and the order in which files and single parameters take effect.
+//! ROS 2 parameter files, and the order in which files and single parameters are applied.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use super::names::Names;
 use super::parameter_value::{self, Value};
 use super::parameters::{Parameters, declaration, similar};
 
-/// A parameter that can not be taken at the start.
+/// Parameter that cannot be applied at the start.
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterFault {
     #[error("parameter file {}: {why}", file.display())]
@@ -22,9 +22,9 @@ pub enum ParameterFault {
     Together(String),
 }
 
-/// The values at the start: defaults, then the files in turn, then the single parameters; the later wins.
+/// Initial values: defaults, then the files in order, then the single parameters; later values replace earlier ones.
 ///
-/// Also says what was passed over: parameters of wildcard sections that other nodes may have but this one has not.
+/// Also returns the ignored parameters: those from wildcard sections that this node does not have, but other nodes may have.
 pub fn initial(
     mut parameters: Parameters,
     sources: &[ParameterSource],
@@ -62,7 +62,7 @@ fn apply_text(
     passed_over: &mut Vec<String>,
 ) -> Result<(), String> {
     let text = yaml::only_document(text).map_err(|error| error.to_string())?;
-    // here `yes` and `on` are booleans, as in other nodes
+    // in this YAML version `yes` and `on` are booleans, as in other nodes
     let document: Yaml =
         serde_saphyr::from_str(&text).map_err(|error| clearance_files::yaml::in_words(&error))?;
     let Yaml::Object(document) = document else {
@@ -78,7 +78,7 @@ fn apply_text(
         passed_over
             .push(format!("all of {}: it is for {known}, and this node is {full_name}", file.display()));
     }
-    // what names this node wins over wildcards
+    // sections with the name of this node have priority over wildcards
     sections.sort_by_key(|section| (section.names_node(), !section.is_wildcard()));
     for section in sections {
         for (name, value) in &section.values {
@@ -94,15 +94,15 @@ fn apply_text(
     Ok(())
 }
 
-/// The parameters of the nodes that a name pattern stands for.
+/// Parameters for all nodes that match a name pattern.
 struct Section {
-    /// Absolute, with `*` for one part of a name and `**` for any number of them.
+    /// Absolute name, with `*` for one part of the name and `**` for any number of parts.
     pattern: String,
     values: Vec<(String, Value)>,
 }
 
 impl Section {
-    /// Whether it is for nodes of one name, in whatever namespaces.
+    /// Whether the section applies to one node name, in any namespaces.
     fn names_node(&self) -> bool {
         self.pattern.rsplit('/').next().is_some_and(|node| !node.contains('*'))
     }
@@ -112,7 +112,7 @@ impl Section {
     }
 }
 
-/// Node names may be nested: `/cell: {left: {ros__parameters: ...}}` is `/cell/left`.
+/// Collects the sections. Node names may be nested: `/cell: {left: {ros__parameters: ...}}` is `/cell/left`.
 fn collect_sections(
     map: &Map<String, Yaml>,
     prefix: &str,
@@ -134,7 +134,7 @@ fn collect_sections(
     Ok(())
 }
 
-/// Nested parameters have dots in their names.
+/// Flattens nested parameters: the parts of their names are joined with dots.
 fn flatten(map: &Map<String, Yaml>, prefix: &str, values: &mut Vec<(String, Value)>) {
     for (key, value) in map {
         match value {
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(parameters.padding, 0.125);
         assert_eq!(parameters.stale_after, 2.0);
         assert_eq!(parameters.heartbeat_rate, 10.0);
-        // what does not fit together is refused when all are known, whatever their order
+        // inconsistent values are rejected after all values are known, in any order
         let crop = |end, x| single(None, end, Value::Doubles(vec![x, -9.0, -9.0]));
         let beyond = single(None, "cloud_crop_max", Value::Doubles(vec![20.0; 3]));
         let (parameters, _) =

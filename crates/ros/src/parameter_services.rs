@@ -1,7 +1,7 @@
-//! The standard parameter services, as `ros2 param` speaks to them, and `/parameter_events`.
+//! The standard parameter services, as used by `ros2 param`, and `/parameter_events`.
 //!
-//! The client library has its own, but they describe nothing, change parameters one by one and lose the first requests
-//! of clients that were there before them.
+//! The client library's own services return no descriptions, change parameters one by one, and lose the first requests of clients
+//! that were started before the node.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,10 +22,10 @@ use super::names::Names;
 use super::parameter_value::{Value, not_set};
 use super::parameters::{DECLARATIONS, Declaration, Parameters, Range, declaration};
 
-/// Called with every new set of parameters, in the order of the changes.
+/// Callback that receives every new set of parameters, in the order of the changes.
 pub type OnChange = Box<dyn Fn(&Parameters) + Send + Sync>;
 
-/// The parameters in force, shared between those who change and those who read them.
+/// Active parameters, shared between the threads that change and read them.
 #[derive(Clone)]
 pub struct ParameterStore {
     values: Arc<Mutex<Parameters>>,
@@ -43,7 +43,7 @@ impl ParameterStore {
         self.values.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Makes all changes or none; the new values come into force together.
+    /// Applies all changes or none. The new values become active at the same time.
     fn set_together(&self, changes: &[(String, Value)]) -> Result<(), String> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
@@ -55,7 +55,7 @@ impl ParameterStore {
         Ok(())
     }
 
-    /// Makes each change that can be made; the new values come into force together.
+    /// Applies each valid change. The new values become active at the same time.
     fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
@@ -69,7 +69,7 @@ impl ParameterStore {
     }
 }
 
-/// The six services of one node.
+/// The six parameter services of one node.
 pub struct ParameterServices {
     store: ParameterStore,
     clock: Arc<RosClock>,
@@ -133,7 +133,7 @@ impl ParameterServices {
         Ok(services)
     }
 
-    /// Answers requests for ever.
+    /// Handles requests without end.
     pub async fn serve(&self) {
         let reading = future::zip(
             future::zip(answer(&self.get, |r| self.values(&r)), answer(&self.get_types, |r| self.types(&r))),
@@ -177,7 +177,7 @@ impl ParameterServices {
         SetParametersAtomicallyResponse { result: result_message(result) }
     }
 
-    /// Tells who listens to `/parameter_events`.
+    /// Publishes a change on `/parameter_events`.
     fn announce(&self, new: &[&Declaration], changed: &[&Declaration]) {
         if new.is_empty() && changed.is_empty() {
             return;
@@ -225,7 +225,7 @@ fn result_message(result: Result<(), String>) -> raw::SetParametersResult {
     raw::SetParametersResult { successful, reason }
 }
 
-/// As rclcpp lists them: all, or those that are a prefix or lie below one. No name here has a dot.
+/// Lists parameters as rclcpp does: all of them, or those that equal a prefix or lie below it. No parameter name of this node has a dot.
 #[expect(clippy::needless_pass_by_value, reason = "a request is answered once")]
 fn list(request: ListParametersRequest) -> ListParametersResponse {
     let wanted = |name: &str| request.prefixes.is_empty() || request.prefixes.iter().any(|p| p == name);

@@ -3,7 +3,7 @@
 use ros2_client::parameters::raw::{ParameterType, ParameterValue};
 use serde_json::Value as Yaml;
 
-/// A value of one of the types that this node's parameters have, or `Other`.
+/// Value of one of the types that this node's parameters have, or `Other`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     Bool(bool),
@@ -11,16 +11,16 @@ pub enum Value {
     Double(f64),
     Text(String),
     Texts(Vec<String>),
-    /// Of integers too.
+    /// List of doubles, or of integers converted to doubles.
     Doubles(Vec<f64>),
-    /// Of nobody knows what.
+    /// Empty list, whose element type is unknown.
     EmptyList,
-    /// Other arrays, and nothing at all: no parameter here takes them; the text says what it was.
+    /// Other arrays, or no value. No parameter of this node accepts them; the text names the type.
     Other(&'static str),
 }
 
 impl Value {
-    /// The kind of value in words.
+    /// Name of the value's type for error messages.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {
@@ -35,7 +35,7 @@ impl Value {
         }
     }
 
-    /// The message that carries this value.
+    /// Converts the value to a message.
     #[must_use]
     pub fn to_message(&self) -> ParameterValue {
         let mut message = not_set();
@@ -69,7 +69,7 @@ impl Value {
         message
     }
 
-    /// What a message says.
+    /// Converts a message to a value.
     #[must_use]
     pub fn from_message(message: &ParameterValue) -> Self {
         match message.ptype {
@@ -77,7 +77,7 @@ impl Value {
             ParameterType::INTEGER => Self::Integer(message.int_value),
             ParameterType::DOUBLE => Self::Double(message.double_value),
             ParameterType::STRING => Self::Text(message.string_value.clone()),
-            // `[]` on the command line of ros2 param is one of bools
+            // `ros2 param` sends `[]` from its command line as an array of bools
             _ if is_empty_array(message) => Self::EmptyList,
             ParameterType::STRING_ARRAY => Self::Texts(message.string_array.clone()),
             ParameterType::DOUBLE_ARRAY => Self::Doubles(message.double_array.clone()),
@@ -102,7 +102,7 @@ fn is_empty_array(message: &ParameterValue) -> bool {
     }
 }
 
-/// The message of a parameter that does not exist.
+/// Message for a parameter that does not exist.
 #[must_use]
 pub fn not_set() -> ParameterValue {
     ParameterValue {
@@ -119,7 +119,7 @@ pub fn not_set() -> ParameterValue {
     }
 }
 
-/// The value after `:=` in `-p name:=value`, which is YAML as in rcl.
+/// Parses the value after `:=` in `-p name:=value`, which is YAML as in rcl.
 pub fn from_yaml(text: &str) -> Result<Value, String> {
     if let Some(special) = special_number(text.trim()) {
         return Ok(Value::Double(special));
@@ -128,7 +128,7 @@ pub fn from_yaml(text: &str) -> Result<Value, String> {
     Ok(from_node(&yaml))
 }
 
-/// The value of a node of a YAML document.
+/// Value of a YAML node.
 #[must_use]
 pub fn from_node(yaml: &Yaml) -> Value {
     match yaml {
@@ -166,7 +166,7 @@ fn from_list(items: &[Yaml]) -> Value {
     numbers.collect::<Option<_>>().map_or(Value::Other("a list of various things"), Value::Doubles)
 }
 
-/// YAML's numbers that JSON has not.
+/// Parses the YAML numbers that JSON does not have.
 fn special_number(text: &str) -> Option<f64> {
     match text.to_ascii_lowercase().as_str() {
         ".nan" => Some(f64::NAN),

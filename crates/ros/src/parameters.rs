@@ -1,4 +1,4 @@
-//! The parameters of the node: what each means, which values it takes, and the values in force.
+//! Parameters of the node: their meaning, their valid ranges, and their current values.
 
 mod declaration;
 mod declarations;
@@ -12,7 +12,7 @@ use super::recording::RecordingSettings;
 use clearance_monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
 use clearance_motion::ContinuousDirection;
 
-/// All parameters in force. One value of this is one consistent choice: it changes as a whole.
+/// All current parameters. One value of this type is a consistent set, and is replaced as a whole.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "one field for each parameter of the node")]
 pub struct Parameters {
@@ -68,9 +68,9 @@ pub struct Parameters {
 }
 
 const STALE_SOURCE_POLICIES: &[&str] = &["unknown", "drop"];
-/// What a fault of the world does: it makes the state UNKNOWN, or is a warning.
+/// Effect of a fault in the world: it makes the status UNKNOWN, or is only a warning.
 pub const UNKNOWN_OR_WARN: &[&str] = &["unknown", "warn"];
-/// Which way round continuous joints go from the current state.
+/// Direction in which continuous joints move from the current state.
 const CONTINUOUS_DIRECTIONS: &[&str] = &["shortest", "as_given"];
 const UNKNOWN_SPACES: &[&str] = &["free", "occupied"];
 
@@ -154,7 +154,7 @@ impl Parameters {
     }
 
     fn speed_settings(&self) -> SpeedSettings {
-        // their ranges are far inside
+        // the parameters' ranges are far inside
         let count = |number: i64| u32::try_from(number).unwrap_or(u32::MAX);
         SpeedSettings {
             own: SpeedDistances { slowdown: self.slowdown_distance_self, stop: self.stop_distance_self },
@@ -165,43 +165,43 @@ impl Parameters {
         }
     }
 
-    /// Whether what has gone stale is dropped, instead of making the state unknown.
+    /// Whether data of stale sources is removed, instead of making the status UNKNOWN.
     #[must_use]
     pub fn drops_stale_sources(&self) -> bool {
         self.stale_source_policy == STALE_SOURCE_POLICIES[1]
     }
 
-    /// Whether a blind sensor makes the state unknown, instead of being a warning.
+    /// Whether a blind sensor makes the status UNKNOWN, instead of being only a warning.
     #[must_use]
     pub fn blind_makes_unknown(&self) -> bool {
         self.blind_cloud == UNKNOWN_OR_WARN[0]
     }
 
-    /// The same of an obstacle that was announced and rejected.
+    /// Whether a rejected obstacle makes the status UNKNOWN, instead of being only a warning.
     #[must_use]
     pub fn rejected_makes_unknown(&self) -> bool {
         self.rejected_obstacle == UNKNOWN_OR_WARN[0]
     }
 
-    /// The same of messages about the world that were lost.
+    /// Whether lost scene messages make the status UNKNOWN, instead of being only a warning.
     #[must_use]
     pub fn lost_makes_unknown(&self) -> bool {
         self.lost_messages == UNKNOWN_OR_WARN[0]
     }
 
-    /// How many steps below their roots hierarchies are shown, if they are.
+    /// Level of the bounding volume hierarchies to show, counted from their roots; `None` if they are not shown.
     #[must_use]
     pub fn shown_level(&self) -> Option<usize> {
         usize::try_from(self.link_volume_level).ok()
     }
 
-    /// Whether what an octomap does not know counts as occupied.
+    /// Whether the unknown space of an octomap counts as occupied.
     #[must_use]
     pub fn unknown_is_occupied(&self) -> bool {
         self.unknown_space == UNKNOWN_SPACES[1]
     }
 
-    /// Which way round continuous joints go from the current state.
+    /// Direction in which continuous joints move from the current state.
     #[must_use]
     pub fn continuous_direction(&self) -> ContinuousDirection {
         if self.continuous_joint_direction == CONTINUOUS_DIRECTIONS[0] {
@@ -211,7 +211,7 @@ impl Parameters {
         }
     }
 
-    /// What is recorded, if anything is.
+    /// Settings of the recording; `None` if recording is off.
     #[must_use]
     pub fn recording(&self) -> Option<RecordingSettings> {
         (!self.record_file.is_empty()).then(|| RecordingSettings {
@@ -221,7 +221,7 @@ impl Parameters {
         })
     }
 
-    /// Sets parameters of a node that runs, all or none, or says why not.
+    /// Changes parameters of a running node: all of them, or none and an error.
     pub fn set_live(&mut self, changes: &[(String, Value)]) -> Result<(), String> {
         let mut changed = self.clone();
         for (name, value) in changes {
@@ -235,14 +235,14 @@ impl Parameters {
         Ok(())
     }
 
-    /// Sets one parameter of several, or says why not; [`Self::check_together`] belongs after the last.
+    /// Assigns one of several parameters. The caller must call [`Self::check_together`] after the last one.
     pub fn assign(&mut self, name: &str, value: &Value) -> Result<(), String> {
         declaration(name).ok_or_else(|| unknown(name))?.set(self, value)
     }
 
-    /// Whether values that are right by themselves are so together.
+    /// Checks that values which are valid individually are also consistent.
     pub fn check_together(&self) -> Result<(), String> {
-        // a box that holds nothing would make every cloud empty
+        // an empty crop box would make every cloud empty
         let below = |(min, max): (&f64, &f64)| min < max;
         if !self.cloud_crop_min.iter().zip(&self.cloud_crop_max).all(below) {
             return Err("every number of cloud_crop_min must be below that of cloud_crop_max".to_owned());

@@ -1,4 +1,4 @@
-//! The topics on which evaluations are said.
+//! Publishers of the evaluations.
 
 use std::time::{Duration, Instant};
 
@@ -13,29 +13,29 @@ use super::middleware::{Message, MessageKind, Middleware, MiddlewareError, Publi
 use super::names::Names;
 use super::parameters::Parameters;
 
-/// Everything this node says.
+/// All publishers of the node's results.
 pub struct Publishers {
     state: Publisher<CollisionState>,
     is_free: Publisher<Bool>,
     distance: Publisher<Float64>,
     speed_scale: Publisher<Float64>,
     time_to_contact: Publisher<Float64>,
-    /// Whether someone may still hold a time to contact that is not zero.
+    /// Whether the last published time to contact may be different from zero.
     looked_ahead: bool,
     markers: MarkerFeed,
     diagnostics: Publisher<DiagnosticArray>,
 }
 
-/// What became of what was said.
+/// Result of a publication.
 pub struct Published {
-    /// Messages that had to be dropped.
+    /// Number of dropped messages.
     pub dropped: u64,
-    /// When `~/state` was handed to the middleware, which sends on a thread of its own.
+    /// Time at which `~/state` was passed to the middleware, which sends it on its own thread.
     pub state_at: Instant,
 }
 
 impl Publishers {
-    /// `markers` are drawn elsewhere.
+    /// `markers` passes evaluations to the thread that publishes the markers.
     pub fn open(
         middleware: &Middleware,
         names: &Names,
@@ -64,7 +64,7 @@ impl Publishers {
         })
     }
 
-    /// Says a evaluation on all topics.
+    /// Publishes an evaluation on all topics.
     pub fn publish(
         &mut self,
         evaluation: &Evaluation,
@@ -73,14 +73,14 @@ impl Publishers {
     ) -> Published {
         let mut dropped = self.markers.take_dropped();
         let mut note = |sent: bool| dropped += u64::from(!sent);
-        // what stops a robot goes first
+        // the topics that stop a robot are published first
         note(self.is_free.publish(Bool { data: evaluation.status.is_free() }));
         note(self.speed_scale.publish(Float64 { data: evaluation.speed_scale }));
         note(self.state.publish(collision_state(evaluation)));
         let state_at = Instant::now();
         note(self.distance.publish(Float64 { data: evaluation.distance() }));
         let looks_ahead = parameters.look_ahead_horizon > 0.0;
-        // once it is turned off, zero is said once more
+        // when the look-ahead is turned off, zero is published once
         if looks_ahead || self.looked_ahead {
             let data = if looks_ahead { evaluation.time_to_contact() } else { 0.0 };
             note(self.time_to_contact.publish(Float64 { data }));

@@ -1,19 +1,19 @@
-//! Why a request is not answered, as services say it.
+//! Reasons for which services reject a request.
 
 use clearance_files::readable_text::on_one_line;
 use clearance_monitor::Reason;
 
-/// Bytes of a message at most: it must not grow with hostile input.
+/// Maximum length of a message (bytes), so that hostile input cannot make it long.
 pub const LONGEST_MESSAGE: usize = 480;
 
-/// Why nothing is checked.
+/// Reason why a request was rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
     #[error("{0}")]
     NoModel(String),
     #[error("there is no joint state to start from: {0}")]
     NoJointState(String),
-    /// The world is not known, or known to be incomplete: why, by a code and in words.
+    /// The world is unknown or incomplete: reason as a code and as text.
     #[error("{1}")]
     UnknownWorld(&'static str, String),
     #[error("{0}")]
@@ -25,7 +25,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// A word that programs may compare with; it never changes.
+    /// Code of the reason, for programs. The codes never change.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
@@ -38,18 +38,18 @@ impl Refusal {
         }
     }
 
-    /// For a world that is not known for this reason.
+    /// Rejection for a world that is unknown for this reason.
     #[must_use]
     pub fn of_world(why: &Reason) -> Self {
         let code = match why {
-            // the monitor was busy, and a sensor has been silent for too long meanwhile
+            // the monitor was busy, and meanwhile a sensor timed out
             Reason::Overdue { .. } => "stale_world",
             _ => why.code(),
         };
         Self::UnknownWorld(code, why.to_string())
     }
 
-    /// What is wrong, as a message.
+    /// Text of the reason.
     #[must_use]
     pub fn message(&self) -> String {
         shortened(on_one_line(&self.to_string()).into_owned())
@@ -60,7 +60,7 @@ pub fn bad(what: impl Into<String>) -> Refusal {
     Refusal::BadRequest(what.into())
 }
 
-/// At most [`LONGEST_MESSAGE`] bytes of a text.
+/// Truncates a text to at most [`LONGEST_MESSAGE`] bytes.
 pub fn shortened(mut text: String) -> String {
     if text.len() > LONGEST_MESSAGE {
         let room = 0..=LONGEST_MESSAGE - '…'.len_utf8();

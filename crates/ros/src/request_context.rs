@@ -1,4 +1,4 @@
-//! What requests are about: the robot, its surroundings, and where it is now. No I/O.
+//! Context of a request: the robot, its world, and its current configuration. No I/O.
 
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
@@ -11,16 +11,16 @@ use clearance_robot::{Configuration, NamedJoints, RobotModel};
 use super::monitor_loop::CurrentEvaluation;
 use super::refusal::{Refusal, bad};
 
-/// The robot, its surroundings, and where it is now.
+/// Context of a request: the robot, its world, and its current configuration.
 pub struct RequestContext<'a> {
     pub checker: &'a CollisionChecker,
-    /// Where the robot is, or why that is not known.
+    /// Current configuration, or the reason why it is unknown.
     pub now: Result<&'a Configuration, String>,
-    /// Whether joint states arrive that cannot be right: the robot is elsewhere than at its defaults, nobody knows where.
+    /// Whether the received joint states are contradictory: then the robot is not at its default configuration, but at an unknown one.
     pub is_contradicted: bool,
 }
 
-/// What is known at `now`, which is less than what the monitor said last if it has been busy since.
+/// The evaluation, updated to the time `now`: it may have become stale while the monitor was busy.
 pub fn known(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
     let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
     evaluation.map(|evaluation| evaluation.aged(now))
@@ -31,7 +31,7 @@ impl<'a> RequestContext<'a> {
         let reason = evaluation.and_then(|evaluation| evaluation.status.reason());
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
         let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
-        // while another robot is being built, none counts, also if checking is disabled
+        // while another robot is being built, no robot is valid, even if checking is disabled
         if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
             return Err(Refusal::NoModel(Reason::ModelSwap.to_string()));
         }
@@ -52,16 +52,16 @@ impl<'a> RequestContext<'a> {
         self.checker.robot()
     }
 
-    /// The joints that a request names.
+    /// Finds the joints that a request names.
     pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Refusal> {
         let named = self.robot().named_joints(names.iter().map(String::as_str));
         named.map_err(|error| bad(format!("{field}: {error}")))
     }
 
-    /// Where joints are that are not named, and a note if that is not known.
+    /// Configuration for the joints that the request does not name, and a note if it is unknown.
     ///
     /// # Errors
-    /// When a joint is not named, and joint states contradict each other.
+    /// Fails if a joint is not named and the joint states contradict each other.
     pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Refusal> {
         let robot = self.robot();
         let why = match &self.now {
@@ -79,19 +79,19 @@ impl<'a> RequestContext<'a> {
     }
 }
 
-/// The positions that named joints leave open.
+/// Names of the positions that the named joints do not determine.
 pub fn undecided(robot: &RobotModel, named: &NamedJoints) -> Vec<String> {
     let names = robot.position_names().iter().enumerate();
     names.filter(|(position, _)| !named.decides(*position)).map(|(_, name)| name.clone()).collect()
 }
 
-/// The revisions of the robot and of the world that a evaluation is about.
+/// Revisions of the robot and the world in an evaluation.
 pub fn revisions(evaluation: Option<&Evaluation>) -> (u64, u64) {
     let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
     revision.map_or((0, 0), |revision| (revision.model, revision.world))
 }
 
-/// Refuses numbers that are not one for each joint.
+/// Rejects a list that does not have one number for each joint.
 pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Refusal> {
     if numbers.len() == joints.len() {
         return Ok(());
@@ -99,7 +99,7 @@ pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result
     Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
 }
 
-/// Refuses a number of the given unit that is not finite or negative.
+/// Rejects a number with the given unit that is negative or not finite.
 pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
@@ -107,10 +107,11 @@ pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
     Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")))
 }
 
-/// When a timeout (s) is over that began at `started`: one of 0 after the usual time, if there is one; one beyond all clocks never.
+/// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the clock gives no
+/// deadline.
 pub fn deadline(timeout: f64, usual: Option<Duration>, started: Instant) -> Result<Option<Instant>, Refusal> {
     not_negative("timeout", "s", timeout)?;
-    // a tiny one is over at once
+    // a tiny timeout becomes zero and ends at once
     let timeout = if timeout > 0.0 { Duration::try_from_secs_f64(timeout).ok() } else { usual };
     Ok(timeout.and_then(|timeout| started.checked_add(timeout)))
 }

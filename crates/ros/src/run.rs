@@ -1,4 +1,4 @@
-//! The node as a whole: its threads, their channels, its beginning and its end.
+//! Start and end of the node, its threads and the channels between them.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -43,30 +43,30 @@ use super::termination::hand_signals_to;
 use super::thread_priority::ThreadPriority;
 use super::threads::{End, Part, run_together, until};
 
-/// The node's name unless it is remapped.
+/// Name of the node, unless it is remapped.
 pub const NODE_NAME: &str = "clearance";
 
-/// Everything that is decided before a node starts.
+/// Input of a node, determined before it starts.
 pub struct NodeOptions {
-    /// Begun before anything that takes time.
+    /// Started before any work that takes time.
     pub startup: Startup,
-    /// The participant that the node's endpoints will belong to.
+    /// DDS participant that the node's endpoints will belong to.
     pub announcement: Announcement,
     pub arguments: RosArguments,
-    /// The parameters in force at the start.
+    /// Initial parameters.
     pub parameters: Parameters,
-    /// Without a robot it is awaited on `robot_description`.
+    /// Robot model; if `None`, the model is received from `robot_description`.
     pub robot: Option<RobotModel>,
-    /// Where meshes of a described robot are looked up.
+    /// Lookup of the meshes of a received robot description.
     pub mesh_files: MeshFiles,
     pub surroundings: Surroundings,
     pub mesh_model: MeshModel,
-    /// A motion to publish on `joint_states`.
+    /// Motion to publish on `joint_states`.
     pub motion: Option<Motion>,
     pub observer: Option<Observer>,
-    /// Called once, when everything that can be rejected was read and the node is on the network.
+    /// Called once, after all input that can be rejected was read and the node has joined the network.
     pub on_start: Option<Box<dyn FnOnce() + Send>>,
-    /// What a recording needs to run again.
+    /// Input that a recording needs for its replay.
     pub given: Given,
 }
 
@@ -80,16 +80,16 @@ impl std::fmt::Debug for NodeOptions {
     }
 }
 
-/// Why a node did not start or did not end well.
+/// Reason why a node did not start, or did not end normally.
 #[derive(Debug, thiserror::Error)]
 pub enum NodeError {
-    /// What the user gave is wrong.
+    /// Invalid user input.
     #[error("{0}")]
     Input(String),
-    /// The network or this program failed.
+    /// Error of the network or of this program.
     #[error("{0}")]
     Internal(String),
-    /// The process took more memory than it may.
+    /// The process exceeded its memory limit.
     #[error("{0}")]
     OutOfMemory(String),
 }
@@ -113,7 +113,7 @@ impl From<NameError> for NodeError {
 const JOINT_STATE: MessageKind = MessageKind("sensor_msgs", "JointState");
 const STRING: MessageKind = MessageKind("std_msgs", "String");
 
-/// Why a node ends by itself.
+/// Error message when the threads of the network library have ended.
 const DEAF: &str = "the threads of the network library have ended, as they do when the process was suspended (Ctrl-Z and fg, a debugger) or a packet was \
                     broken: start the node again";
 
@@ -222,10 +222,10 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     Ok(())
 }
 
-/// Tells peers of the end.
+/// Announces the end of the node to its peers.
 ///
 /// # Errors
-/// When the node ended by itself.
+/// When the node ended because of an error.
 fn leave(middleware: Middleware, out_of_memory: &OutOfMemory) -> Result<(), NodeError> {
     if middleware::is_deaf() {
         return Err(NodeError::Internal(DEAF.to_owned()));
@@ -241,7 +241,7 @@ fn run_first(monitor_loop: MonitorLoop, priority: ThreadPriority) {
     monitor_loop.run();
 }
 
-/// A part that goes on until it is told to stop.
+/// Part of the node that runs until it is stopped.
 fn task<T>(
     name: &'static str,
     stopped: &Receiver<()>,
@@ -251,12 +251,12 @@ fn task<T>(
     Part::new(name, move || smol::block_on(until(&stopped, work())))
 }
 
-/// A part that checks what is asked; a check that takes hours does not hold up the end.
+/// Part of the node that runs checks for requests. A check that takes hours does not delay the end of the node.
 fn desk(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
     task(name, stopped, || smol::unblock(work))
 }
 
-/// A motion, and by what it is published.
+/// Motion with its publisher.
 fn with_publisher(
     motion: Option<Motion>,
     middleware: &Middleware,
@@ -267,7 +267,7 @@ fn with_publisher(
     motion.map(published).transpose()
 }
 
-/// A recorder and the way to it, if the parameters want one.
+/// Recorder and the handle to it, if the parameters turn recording on.
 fn record(
     parameters: &Parameters,
     names: &Names,
@@ -280,10 +280,10 @@ fn record(
     Ok((tape, Some(recorder)))
 }
 
-/// The parameters that files and `-p` ask for.
+/// Parameters from the files and the `-p` arguments.
 ///
 /// # Errors
-/// When a file can not be read, or a value is none that the parameter can have.
+/// When a file cannot be read, or a value is not valid for its parameter.
 pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeError> {
     for ignored in &arguments.ignored {
         log::warn!("{ignored} has no effect here");
@@ -297,10 +297,10 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
     Ok(parameters)
 }
 
-/// Stands for a description that cannot be decoded.
+/// Replaces the text of a description that cannot be decoded.
 const UNREADABLE: &str = "(the message could not be decoded: is its text UTF-8?)";
 
-/// What is neither urgent nor slow, on one thread: descriptions, parameters, simulated time, complaints about peers.
+/// Services that are neither urgent nor slow, on one thread: descriptions, parameters, simulated time, warnings about peers.
 struct Services {
     middleware: Middleware,
     descriptions: Subscription<StringMessage>,
@@ -314,11 +314,11 @@ struct Services {
     clock: Arc<RosClock>,
     clock_topic: FullName,
     orders: Sender<Order>,
-    /// The monitor, unless the robot was given on the command line.
+    /// Queue of the monitor; `None` if the robot was given on the command line.
     heeds_descriptions: Option<mailbox::Sender<Event>>,
     changes: Receiver<()>,
     lines: mailbox::Receiver<Line>,
-    /// The node's name as loggers have it.
+    /// Name of the node in the format of loggers.
     logger: String,
 }
 
@@ -381,16 +381,16 @@ impl Services {
         future::zip(future::zip(listen, serve), meet).await;
     }
 
-    /// Turns descriptions on a topic into orders. The monitor hears of another one before the loader has time for it.
+    /// Converts the descriptions on a topic to orders. The monitor is notified of a new one first, as the loader may be busy.
     async fn forward(&self, topic: &Subscription<StringMessage>, order: fn(String) -> Order) {
         let mut last = None;
         loop {
-            // one that cannot be decoded is refused like any other that is no robot
+            // a message that cannot be decoded is rejected like any other invalid robot description
             let received = topic.next_or_unreadable().await.map(|(StringMessage { data }, _)| data);
             let text = received.unwrap_or_else(|_| UNREADABLE.to_owned());
             if last.as_ref() != Some(&text) {
                 if let Some(events) = &self.heeds_descriptions {
-                    // whoever no longer listens has ended
+                    // an error means that the receiver has ended
                     let _ = events.send(Event::Described);
                 }
                 last = Some(text.clone());
@@ -402,7 +402,7 @@ impl Services {
     }
 }
 
-/// Brings changed parameters to everyone they concern.
+/// Callback that passes changed parameters to all parts that use them.
 fn on_change(
     initial: Parameters,
     clock: Arc<RosClock>,
@@ -414,7 +414,7 @@ fn on_change(
     Box::new(move |parameters| {
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         clock.use_sim_time(parameters.use_sim_time);
-        // whoever no longer listens has ended
+        // an error means that the receiver has ended
         let _ = events.send(Event::Parameters(Box::new(parameters.clone())));
         if what_is_built(&last) != what_is_built(parameters) {
             let _ = orders.try_send(Order::Parameters);
@@ -429,7 +429,7 @@ fn on_change(
     })
 }
 
-/// The parameters that a checker is built with, and what it has to be told.
+/// Parameters that require a rebuild of the checker, or a pass of the loader, when they change.
 fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
     (
         (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
@@ -440,7 +440,7 @@ fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
     )
 }
 
-/// Time since this was first asked.
+/// Time since the first call.
 fn stopwatch() -> Duration {
     static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
     START.elapsed()

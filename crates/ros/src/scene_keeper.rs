@@ -1,4 +1,4 @@
-//! The scene in force: what messages and sensors make of it, and who has to hear of it.
+//! Stores the current scene, applies messages and sensor data to it, and responds to clients that wait for a change.
 
 mod clouds;
 mod incomplete;
@@ -28,90 +28,90 @@ use super::scene_order::SceneOrder;
 use super::whole_scene::WholeScene;
 use clouds::Cloud;
 
-/// Orders that wait for a robot at most; later ones are refused.
+/// Maximum number of orders that wait for a robot; later ones are rejected.
 const WAITING: usize = 1000;
 
-/// Refusals of one message that are told at most.
+/// Maximum number of reported rejections per message.
 const TOLD: usize = 20;
 
-/// What is known at one moment, in whose light orders are followed.
+/// Snapshot of clock, parameters, transforms and last result that a scene update is applied against.
 #[derive(Debug)]
 pub struct SceneUpdateContext {
     pub now: Now,
     pub parameters: Parameters,
     pub transforms: TransformTree,
     pub evaluation: Option<Evaluation>,
-    /// Where which robot was at the stamps of clouds, by their topics.
+    /// Robot and its configuration at the stamp of each point cloud, by topic.
     pub places: Places,
 }
 
-/// What is checked, and the scene that it was made of.
+/// The revision in use, and the scene that it was built from.
 pub struct SceneInForce {
     pub revision: Arc<Revision>,
     pub scene: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
     pub mesh_model: MeshModel,
-    /// Those that it was built with.
+    /// Parameters that it was built with.
     pub parameters: Parameters,
 }
 
-/// The scene in force, for those who tell of it.
+/// The scene in use, for the services that publish it.
 pub type CurrentScene = Arc<Mutex<Option<Arc<SceneInForce>>>>;
 
-/// Keeps the scene; belongs to the loader's thread.
+/// Stores the scene; owned by the loader's thread.
 #[derive(Default)]
 pub struct SceneKeeper {
     pub state: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
-    /// When the octomap was seen last, if one came since it was cleared.
+    /// Last observation of the octomap; `None` if none was received since it was cleared.
     octomap_seen: Option<Observation>,
-    /// Whether the octomap in force tells of any place.
+    /// Whether the current octomap contains any known space.
     octomap_shows_room: bool,
-    /// Why the last octomap of a topic shows nothing of the room, if it does not.
+    /// Why the last octomap of a topic shows nothing of the environment; `None` if it is usable.
     blind_octomap: Option<String>,
     clouds: BTreeMap<String, Cloud>,
     filter: Option<SelfFilter>,
-    /// What came before there was a robot.
+    /// Orders that arrived before there was a robot.
     waiting: VecDeque<SceneOrder>,
-    /// What was refused of the last message that changed the scene, or was meant to.
+    /// Rejected parts of the last message that changed the scene, or was intended to.
     faults: Vec<String>,
-    /// What of the scene does not fit to another robot that came, until a whole scene comes.
+    /// Parts of the scene that are not valid for the new robot; cleared by the next complete scene.
     unfit: Vec<String>,
-    /// What the robot before held and this one can not, until a whole scene comes.
+    /// Objects that the previous robot held and the new one cannot; cleared by the next complete scene.
     dropped_objects: Vec<String>,
-    /// What failed as a whole, until a whole scene comes.
+    /// Failure of a whole update; cleared by the next complete scene.
     failure: Option<String>,
-    /// What of the last message changes nothing, though it was meant to.
+    /// Parts of the last message that were intended to change the scene, but have no effect.
     ineffective: Vec<String>,
     missing: MissingObjects,
     lost: LostMessages,
-    /// Messages with faults that were logged of late.
+    /// Rate limiter for messages with faults.
     flood: LogRateLimiter,
-    /// Sources whose word was dropped because it was too old.
+    /// Sources whose data was removed because it was too old.
     dropped: Vec<String>,
     whole: WholeScene,
-    /// Whether a message or sensor ever changed the scene.
+    /// Whether a message or a sensor has changed the scene since the start.
     touched: bool,
     unanswered: Vec<(Sender<bool>, bool)>,
 }
 
-/// What sensors have to say for themselves.
+/// Reports on the point clouds, by topic.
 pub type CloudReports = Vec<(String, CloudReport)>;
 
 impl SceneKeeper {
-    /// Whether the scene is still that of the files.
+    /// Whether the scene still comes only from the files.
     #[must_use]
     pub fn is_untouched(&self) -> bool {
         !self.touched
     }
 
-    /// The scene as it was: what was made of it last can not be checked.
+    /// Restores an earlier scene, because the checker of the new one could not be built.
     pub fn go_back(&mut self, scene: &Scene, fault: &str) {
         self.stay_in(scene.clone());
         self.note_failure(fault);
     }
 
-    /// The scene as it was, since another robot is refused.
+    /// Restores an earlier scene, because a new robot was rejected.
     pub fn stay_in(&mut self, scene: Scene) {
         self.state = scene;
         self.whole.go_back();
@@ -121,19 +121,19 @@ impl SceneKeeper {
         }
     }
 
-    /// Whom the parameters have asked for a whole scene.
+    /// Sets the service that is queried for the whole scene, from the parameters.
     pub fn ask(&mut self, service: &str) {
         self.whole.ask(service);
     }
 
-    /// Orders by these topics came to nothing: the robot that they waited for is refused.
+    /// Counts orders of these topics as lost, because the robot that they waited for was rejected.
     pub fn note_in_vain(&mut self, topics: &[&'static str]) {
         for topic in topics {
             self.lost.note(topic, 1);
         }
     }
 
-    /// Another robot stands in the same scene.
+    /// Adapts the scene to a new robot.
     pub fn fit_to(&mut self, robot: &RobotModel) {
         let Unfit { dropped, warnings } = self.state.fit_to(robot);
         for warning in dropped.iter().chain(&warnings) {
@@ -144,12 +144,12 @@ impl SceneKeeper {
         self.unfit = warnings.into_iter().take(TOLD).collect();
     }
 
-    /// Frees what was built of the robot before.
+    /// Frees the data that was built for the previous robot.
     pub fn release_robot(&mut self) {
         self.filter = None;
     }
 
-    /// Puts an order aside until there is a robot.
+    /// Stores an order until there is a robot.
     pub fn wait(&mut self, order: SceneOrder) {
         if order.is_waited_for() {
             log::warn!("{}: there is no robot model yet", order.source);
@@ -167,12 +167,12 @@ impl SceneKeeper {
         }
     }
 
-    /// What was put aside.
+    /// Takes the stored orders.
     pub fn awaited(&mut self) -> impl Iterator<Item = SceneOrder> + use<> {
         std::mem::take(&mut self.waiting).into_iter()
     }
 
-    /// Does what a message asks for; whether that changed anything.
+    /// Applies a message to the scene; returns whether the scene changed.
     pub fn apply(
         &mut self,
         order: SceneOrder,
@@ -182,7 +182,7 @@ impl SceneKeeper {
         let SceneOrder { source, mut update, mut refusals, lost, mut octomap, done, .. } = order;
         self.lost.note(source, lost);
         if self.note_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
-            // the last map that showed something stays in force
+            // the last map that showed something stays in use
             self.octomap_seen = octomap.take().map(|(_, sight)| sight);
             update = None;
         }
@@ -230,7 +230,7 @@ impl SceneKeeper {
         changed
     }
 
-    /// Takes what files hold in place of what they held for another robot; in the room it stays where it was.
+    /// Replaces the scene from files for another robot. Obstacles keep their poses in the environment.
     pub fn begin_with(
         &mut self,
         mut state: Scene,
@@ -243,14 +243,14 @@ impl SceneKeeper {
         self.state = state;
     }
 
-    /// Puts obstacles where they belong now that the robot may be elsewhere; whether any had to be.
+    /// Moves the obstacles to the current poses of their frames; returns whether any has moved.
     pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, update_context: &SceneUpdateContext) -> bool {
         let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
         self.state.follow_frames(&context)
     }
 
-    /// Another octomap is in force, or none.
+    /// Stores a new octomap, or that there is none.
     fn note_octomap(
         &mut self,
         octomap: Option<(OctomapWithPose, Observation)>,
@@ -270,7 +270,8 @@ impl SceneKeeper {
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
 
-    /// Takes note of whether an octomap of a topic shows nothing, after one that showed something. A scene that takes the map away means it.
+    /// Records and returns whether the octomap of a topic shows nothing, after one that showed something. A scene message that removes the
+    /// map is intended, and not counted.
     fn note_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
         let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
@@ -289,21 +290,21 @@ impl SceneKeeper {
         }
     }
 
-    /// Whether somebody waits for what came to be in force.
+    /// Whether a client waits until a change is in use.
     #[must_use]
     pub fn is_asked(&self) -> bool {
         !self.unanswered.is_empty()
     }
 
-    /// Answers who waited for what is in force now.
+    /// Responds to the clients whose changes are now in use.
     pub fn answer(&mut self) {
         for (done, succeeded) in self.unanswered.drain(..) {
-            // a client that has gone needs no answer
+            // an error means that the client has gone
             let _ = done.try_send(succeeded);
         }
     }
 
-    /// Takes away what is too old, if the parameters want that; whether anything was.
+    /// Removes data that is too old, if the parameters select this; returns whether anything changed.
     pub fn drop_stale(&mut self, now: Now, parameters: &Parameters) -> bool {
         if !parameters.drops_stale_sources() {
             let any = !self.dropped.is_empty();
@@ -328,7 +329,7 @@ impl SceneKeeper {
         changed
     }
 
-    /// How long it takes until something has to be dropped, if nothing comes.
+    /// Time until the next removal, if no new data arrives.
     #[must_use]
     pub fn time_to_drop(&self, now: Now, parameters: &Parameters) -> Option<Duration> {
         if !parameters.drops_stale_sources() {
@@ -340,7 +341,7 @@ impl SceneKeeper {
         Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
     }
 
-    /// Everyone whose word grows old.
+    /// Sources whose data expires.
     fn watched(&self, parameters: &Parameters) -> Vec<WorldSource> {
         let cloud = |topic: &String| WorldSource {
             name: topic.clone(),
@@ -355,7 +356,7 @@ impl SceneKeeper {
         parameters.point_cloud_topics.iter().map(cloud).chain(octomap).collect()
     }
 
-    /// Those who have to see the world for it to count as known.
+    /// Sources that must be fresh for the world to count as known.
     #[must_use]
     pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
         let mut watched = self.watched(parameters);
@@ -364,7 +365,7 @@ impl SceneKeeper {
         watched
     }
 
-    /// What has to be known about the world.
+    /// Warnings about sources whose data was removed.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let told = |name: &String| {
@@ -373,7 +374,7 @@ impl SceneKeeper {
         self.dropped.iter().map(told).collect()
     }
 
-    /// What came is in use from now on.
+    /// Records that the received data is now in use.
     pub fn note_in_use(&mut self) -> CloudReports {
         self.whole.note_in_use();
         self.lost.note_in_use();
@@ -387,14 +388,14 @@ impl SceneKeeper {
 }
 
 impl SceneUpdateContext {
-    /// What the monitor knows about where the robot is.
+    /// The monitor's last checked state, if it is for this robot.
     fn checked_state(&self, robot: &Arc<RobotModel>) -> Option<Arc<CheckedState>> {
         let evaluation = self.evaluation.as_ref()?;
         let same = evaluation.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
         evaluation.placement.clone().filter(|_| same)
     }
 
-    /// Where the links were when a cloud was seen, as far as that is remembered, or are now.
+    /// Link poses at the stamp of a cloud, if the joint state history contains it; otherwise the current ones.
     fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<LinkPoses> {
         let now = self.checked_state(robot)?;
         let then = self.places.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));

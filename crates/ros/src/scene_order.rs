@@ -1,4 +1,4 @@
-//! What a message about the world asks for: an order of the loader.
+//! Loader order for a scene message.
 
 use clearance_monitor::Observation;
 use clearance_scene::{SceneRejection, SceneUpdate};
@@ -8,20 +8,20 @@ use smol::channel::Sender;
 use super::recording::{OrderStep, OriginalMessage, SceneDoor};
 use super::scene::CLEAR_OCTOMAP;
 
-/// Something to be done to the scene.
+/// Change of the scene.
 pub struct SceneOrder {
-    /// The topic or service that it came by.
+    /// Topic or service of the message.
     pub(super) source: &'static str,
     pub(super) update: Option<SceneUpdate>,
-    /// What could not be understood of the message.
+    /// Parts of the message that are invalid.
     pub(super) refusals: Vec<SceneRejection>,
-    /// How many messages were lost right before it.
+    /// Number of messages that were lost directly before this one.
     pub(super) lost: u64,
-    /// The octomap as it came, and when it was seen.
+    /// The received octomap, and its observation time.
     pub(super) octomap: Option<(OctomapWithPose, Observation)>,
-    /// Who waits for it to be in force: whether all of it was done.
+    /// Notified when the change is in use; true if all of it was applied.
     pub(super) done: Option<Sender<bool>>,
-    /// The message, if somebody records.
+    /// The original message, if recording is on.
     original: Option<(OrderStep, Option<OriginalMessage>)>,
 }
 
@@ -49,13 +49,13 @@ impl SceneOrder {
         Self { refusals, ..self }
     }
 
-    /// Whether it says something of objects, or of what the robot makes of them.
+    /// Whether it contains data of objects, or robot settings that apply to them.
     #[must_use]
     pub fn tells_of_objects(&self) -> bool {
         !self.refusals.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
     }
 
-    /// With what else it says that never came, by the count of messages.
+    /// Sets the number of messages that were lost before this one.
     #[must_use]
     pub fn after(mut self, lost: u64) -> Self {
         if let Some((OrderStep::Scene { lost: told, .. }, _)) = &mut self.original {
@@ -70,18 +70,18 @@ impl SceneOrder {
         Self { octomap: holds_one.then_some((octomap, sight)), ..self }
     }
 
-    /// With the message that it was made of, if somebody records.
+    /// Attaches the original message, if recording is on.
     #[must_use]
     pub fn made_of(self, original: Option<(OrderStep, Option<OriginalMessage>)>) -> Self {
         Self { original, ..self }
     }
 
-    /// What it was made of, told once.
+    /// Takes the original message.
     pub fn take_original(&mut self) -> Option<(OrderStep, Option<OriginalMessage>)> {
         self.original.take()
     }
 
-    /// Whether it is of those that somebody waits for: of a recording, nobody does any more.
+    /// Whether a client waits for the response to this kind of order. In a replay the orders are the same, but there is no client.
     #[must_use]
     pub fn is_waited_for(&self) -> bool {
         const DOORS: [SceneDoor; 2] = [SceneDoor::ApplyPlanningScene, SceneDoor::GetPlanningScene];

@@ -1,30 +1,31 @@
-//! Messages that were sent and never came: gaps in the numbers of their publishers.
+//! Detects lost messages from gaps in the sequence numbers of their publishers.
 
 use std::collections::BTreeMap;
 
 use clearance_monitor::SourceId;
 
-/// Publishers that are followed at a time.
+/// Maximum number of tracked publishers.
 const MOST: usize = 100;
 
-/// The last number of each publisher.
+/// Last sequence number of each publisher.
 #[derive(Debug, Default)]
 pub struct SequenceGaps(BTreeMap<SourceId, i64>);
 
 impl SequenceGaps {
-    /// How many messages of a publisher are missing right before its message `number`. Nobody knows what came before the first.
+    /// Number of missing messages of a publisher directly before its message `number`. Messages before the first received one are not
+    /// counted.
     pub fn missing_before(&mut self, publisher: SourceId, number: i64) -> u64 {
         if self.0.len() >= MOST && !self.0.contains_key(&publisher) {
             self.0.clear();
         }
         let last = self.0.entry(publisher).or_insert(number);
         let missing = number.saturating_sub(*last).saturating_sub(1);
-        // one that comes late was counted when it was missed
+        // a late message was counted as missing before
         *last = number.max(*last);
         u64::try_from(missing).unwrap_or(0)
     }
 
-    /// Whether a publisher's message `number` comes no sooner than one that was sent after it, or comes twice.
+    /// Whether a publisher's message `number` arrives after a later message, or is a duplicate.
     pub fn is_overtaken(&mut self, publisher: SourceId, number: i64) -> bool {
         let is_overtaken = self.0.get(&publisher).is_some_and(|&last| number <= last);
         self.missing_before(publisher, number);

@@ -1,6 +1,6 @@
-//! `/clock`, heard while `use_sim_time` is set.
+//! Subscription to `/clock` while `use_sim_time` is set.
 //!
-//! The client library subscribes to it with another type, so that its simulated time stays zero.
+//! The client library subscribes to it with another message type, so its simulated time stays zero.
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
@@ -13,7 +13,7 @@ use super::names::FullName;
 use super::parameter_services::ParameterStore;
 use super::recording::{RecordedEvent, RecorderHandle};
 
-/// Follows `/clock` for ever; `changes` tells that a parameter changed.
+/// Follows `/clock` without end; `changes` notifies it of changed parameters.
 pub async fn follow(
     middleware: &Middleware,
     name: &FullName,
@@ -28,7 +28,7 @@ pub async fn follow(
             subscription = Some(middleware.subscription(name, kind, Quality::BestEffort)?);
         }
         let change = async {
-            // when nobody is left to change parameters, time goes on
+            // parameters can no longer change, but time goes on
             if changes.recv().await.is_err() {
                 future::pending::<()>().await;
             }

@@ -1,5 +1,5 @@
-//! Start of the node, from the first line of the program on: signals and the memory limit count while a robot and a world that were
-//! given on the command line are read and built.
+//! First phase of the program: signals and the memory limit are already active while the robot and the world from the command line are
+//! loaded.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,17 +9,17 @@ use super::memory_limit::StartupWatch;
 use super::run::NodeError;
 use super::termination;
 
-/// Begins before anything that takes time, and ends when the node runs.
+/// Starts before any work that takes time, and ends when the node runs.
 #[derive(Debug)]
 pub struct Startup {
     has_ended: Arc<AtomicBool>,
 }
 
 impl Startup {
-    /// From now on a signal ends the process, and so does more memory than `memory_limit` (MiB; 0: the default).
+    /// From now on, the process ends on a signal, or when it exceeds `memory_limit` (MiB; 0: the default).
     ///
     /// # Errors
-    /// When signals can not be handled.
+    /// When signals cannot be handled.
     pub fn begin(memory_limit: f64) -> Result<Self, NodeError> {
         termination::end_on_signals()?;
         let has_ended = Arc::new(AtomicBool::new(false));

@@ -1,4 +1,4 @@
-//! Requests about single states, answered: from names and numbers to configurations, from reports to messages. No I/O.
+//! Processes state requests: converts names and numbers to configurations, and reports to messages. No I/O.
 
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
 use clearance_monitor::Evaluation;
@@ -18,34 +18,34 @@ use super::messages::{body_type, distance_message};
 use super::refusal::{Refusal, bad, shortened};
 use super::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 
-/// States of one request at most: with distances they take a second, and others wait for their turn.
+/// Maximum number of states per request: with distances they take about a second, while other requests wait.
 const STATES: usize = 10_000;
 
-/// Bytes of pairs in an answer at most: some 6000 of them.
+/// Maximum size of the pairs in a response (bytes): about 6000 pairs.
 const LONGEST_PAIRS: usize = 1_000_000;
 
-/// Bytes of bodies' names in the answer to a batch at most.
+/// Maximum size of the body names in the response to a batch (bytes).
 const LONGEST_NAMES: usize = 10_000;
 
-/// Time that a batch takes at most where the request says nothing: whoever waits for longer says so, others wait behind it.
+/// Default timeout of a batch. A client that needs longer must set a timeout, because other requests wait in the queue.
 const LONGEST_BATCH: Duration = Duration::from_secs(60);
 
-/// Time that distances take at most where the request says nothing.
+/// Default timeout of distances.
 const LONGEST_DISTANCES: Duration = Duration::from_secs(10);
 
-/// Memory for more pairs than these is given back.
+/// Number of pairs above which the memory is freed after the request.
 const MANY_PAIRS: usize = 100_000;
 
-/// Bytes of a pair without the names of its bodies.
+/// Size of a pair without the names of its bodies (bytes).
 const BYTES_OF_PAIR: usize = 96;
 
-/// Bytes of a text beside its letters, and of what is told with a name.
+/// Size of the data that is sent with each name, without its letters (bytes).
 const BYTES_OF_TEXT: usize = 12;
 
-/// The index of a body where none is told.
+/// Index that stands for no body.
 const NOBODY: i32 = -1;
 
-/// Answers a request for many states. The workspace is memory that makes the next answer quicker.
+/// Responds to a request for many states. The workspace is memory that is reused to make later checks faster.
 #[must_use]
 pub fn answer_states(
     request: &CheckStatesRequest,
@@ -65,7 +65,7 @@ pub fn answer_states(
         let mut told = Told::new(cell.checker, request.with_distance);
         let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
         for state in &states {
-            // nothing is begun when time is over
+            // no check starts after the deadline
             let report =
                 (!effort.is_over()).then(|| cell.checker.check_with(state, question, &effort, workspace));
             told.add(report.as_ref());
@@ -78,7 +78,7 @@ pub fn answer_states(
     response
 }
 
-/// Answers a request for the distances of one state.
+/// Responds to a request for the distances in one state.
 #[must_use]
 pub fn answer_distances(
     request: &GetDistancesRequest,
@@ -107,7 +107,7 @@ pub fn answer_distances(
     response
 }
 
-/// The answer to a batch of which nothing is checked.
+/// Response to a batch that was not checked.
 #[must_use]
 pub fn refused_states(refusal: &Refusal) -> CheckStatesResponse {
     CheckStatesResponse {
@@ -117,7 +117,7 @@ pub fn refused_states(refusal: &Refusal) -> CheckStatesResponse {
     }
 }
 
-/// The answer about a state that is not checked.
+/// Response for a state that was not checked.
 #[must_use]
 pub fn refused_distances(refusal: &Refusal) -> GetDistancesResponse {
     GetDistancesResponse {
@@ -127,14 +127,14 @@ pub fn refused_distances(refusal: &Refusal) -> GetDistancesResponse {
     }
 }
 
-/// A distance (m) up to which is looked; 0 is none.
+/// Maximum distance (m) to search; 0 stands for no limit.
 fn limit(name: &str, distance: f64) -> Result<f64, Refusal> {
     not_negative(name, "m", distance)?;
     Ok(if distance > 0.0 { distance } else { f64::INFINITY })
 }
 
 impl RequestContext<'_> {
-    /// The states of a batch, and what its sender should know.
+    /// The states of a batch, and a note for the client.
     fn states(&self, request: &CheckStatesRequest) -> Result<(Vec<Configuration>, Option<String>), Refusal> {
         let CheckStatesRequest { joint_names, positions, .. } = request;
         if joint_names.is_empty() {
@@ -162,7 +162,7 @@ impl RequestContext<'_> {
         Ok((states.collect::<Result<_, _>>()?, note))
     }
 
-    /// The only state that is asked about, and what its sender should know.
+    /// The state of a request, and a note for the client.
     fn state(&self, request: &GetDistancesRequest) -> Result<(Configuration, Option<String>), Refusal> {
         let GetDistancesRequest { joint_names, positions, .. } = request;
         of_equal_length("positions", positions, joint_names)?;
@@ -177,7 +177,7 @@ impl RequestContext<'_> {
         }
     }
 
-    /// The names of bodies that pairs are wanted of.
+    /// The names of the bodies whose pairs are requested.
     fn wanted<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, Refusal> {
         let (robot, world) = (self.robot(), self.checker.world());
         let known = |name: &str| {
@@ -193,12 +193,12 @@ impl RequestContext<'_> {
     }
 }
 
-/// What is told about a batch, state by state.
+/// Builder of the response to a batch, state by state.
 struct Told<'a> {
     checker: &'a CollisionChecker,
     with_distance: bool,
     indices: HashMap<BodyId, i32>,
-    /// Bytes of names that still fit into the answer.
+    /// Free space for names in the response (bytes).
     room: usize,
     unknown: usize,
     response: CheckStatesResponse,
@@ -210,11 +210,11 @@ impl<'a> Told<'a> {
         Self { checker, with_distance, indices: HashMap::new(), room: LONGEST_NAMES, unknown: 0, response }
     }
 
-    /// Adds what is known about the next state; `None` is nothing at all.
+    /// Adds the result of the next state; `None` if it was not checked.
     fn add(&mut self, report: Option<&CollisionReport>) {
         let touching = report.and_then(|report| report.colliding_pairs.first().copied());
         let nearest = report.and_then(|report| report.nearest).filter(|_| self.with_distance);
-        // of distances, one that is open may be the least
+        // for distances, an undecided pair may be the nearest one
         let known = |report: &CollisionReport| {
             report.is_free() && (report.undecided.is_empty() || !self.with_distance)
         };
@@ -243,7 +243,7 @@ impl<'a> Told<'a> {
         };
     }
 
-    /// The index of a body among those that are told of; none where its name does not fit.
+    /// Index of a body in the response's list of bodies; `NOBODY` if its name does not fit.
     fn index(&mut self, body: BodyId) -> i32 {
         let response = &mut self.response;
         let name = self.checker.body_name(body);
@@ -273,7 +273,7 @@ impl<'a> Told<'a> {
     }
 }
 
-/// What is told about the distances of one state.
+/// Response with the distances in one state.
 fn distances(
     checker: &CollisionChecker,
     report: CollisionReport,
@@ -290,11 +290,11 @@ fn distances(
         CheckStatesResponse::UNKNOWN
     };
     let mut pairs = report.pair_distances;
-    // of those that the timeout cut short, points are known that are so far apart, but not whether others are nearer
+    // pairs that the timeout cut off have only an upper bound of the distance: closer points may exist
     pairs.retain(|pair| pair.lower >= pair.distance);
     let is_wanted = |body| wanted.contains(checker.body_name(body));
     pairs.retain(|pair| wanted.is_empty() || is_wanted(pair.a) || is_wanted(pair.b));
-    // equally near ones stay in the order of the pair list
+    // pairs at the same distance stay in the order of the pair list
     pairs.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let asked = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
     let told = told_pairs(checker, &pairs[..asked]);
@@ -310,7 +310,7 @@ fn distances(
     }
 }
 
-/// As many of the first pairs as fit into an answer.
+/// The first pairs, as many as fit into a response.
 fn told_pairs(checker: &CollisionChecker, pairs: &[PairDistance]) -> Vec<PairDistanceMessage> {
     let mut bytes = 0;
     let messages = pairs.iter().map(|pair| distance_message(checker, pair));
@@ -321,7 +321,7 @@ fn told_pairs(checker: &CollisionChecker, pairs: &[PairDistance]) -> Vec<PairDis
     messages.take_while(fits).collect()
 }
 
-/// What should be known, in words.
+/// Notes for the client as text.
 fn message(checker: &CollisionChecker, notes: impl IntoIterator<Item = Option<String>>) -> String {
     let nothing = (checker.pairs().is_empty())
         .then(|| "there is no pair to check: every state counts as free".to_owned());

@@ -1,5 +1,5 @@
-//! `~/check_states` and `~/get_distances`: requests come and answers go on the thread of the services; checks are made one request
-//! after the other on a thread of their own, so that neither a long batch delays anything else nor a long motion delays a batch.
+//! `~/check_states` and `~/get_distances`. Requests and responses are handled on the services thread. Checks run one request after the
+//! other on a separate thread, so that a long batch delays nothing else, and a long motion does not delay a batch.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -21,10 +21,10 @@ use super::refusal::Refusal;
 use super::request_context::known;
 use super::state_requests::{answer_distances, answer_states, refused_distances, refused_states};
 
-/// Requests that wait at most; who comes then is told at once that the node is busy.
+/// Maximum length of the request queue. Further requests get the response that the node is busy.
 const WAITING: usize = 16;
 
-/// A request that waits for its answer.
+/// Queued request.
 enum Request {
     States(RequestId, CheckStatesRequest),
     Distances(RequestId, GetDistancesRequest),
@@ -35,7 +35,7 @@ enum Answer {
     Distances(RequestId, GetDistancesResponse),
 }
 
-/// The side that speaks with clients.
+/// Network side: receives requests and sends responses.
 pub struct StateServices {
     states: Server<CheckStatesRequest, CheckStatesResponse>,
     distances: Server<GetDistancesRequest, GetDistancesResponse>,
@@ -43,7 +43,7 @@ pub struct StateServices {
     answers: Receiver<Answer>,
 }
 
-/// The side that checks. It holds nothing of the network: the node ends without waiting for it.
+/// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
 pub struct StateDesk {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
@@ -53,7 +53,7 @@ pub struct StateDesk {
 }
 
 impl StateServices {
-    /// Both sides; `current` is what checks are made against.
+    /// Creates both sides. `current` is the evaluation whose robot and world the checks use.
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
@@ -61,7 +61,7 @@ impl StateServices {
         clock: Arc<RosClock>,
     ) -> Result<(Self, StateDesk), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
-        // never more than requests that waited
+        // at most one item for each queued request
         let (answers, answers_in) = channel::unbounded();
         let services = Self {
             states: middleware
@@ -74,9 +74,9 @@ impl StateServices {
         Ok((services, StateDesk { requests: requests_in, answers, current, clock, workspace: None }))
     }
 
-    /// Serves for ever.
+    /// Handles requests without end.
     pub async fn serve(&self) {
-        // each answer waits for its own client only
+        // each response waits only for its own client
         let sending = LocalExecutor::new();
         let states = async {
             loop {
@@ -99,7 +99,7 @@ impl StateServices {
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
-        // a desk that has ended is busy for ever
+        // when the desk has ended, the service reports that it is busy
         if let Err(refused) = self.requests.try_send(request) {
             self.send(refused.into_inner().refused(&Refusal::Busy(WAITING)), sending);
         }
@@ -117,7 +117,7 @@ impl StateServices {
 }
 
 impl StateDesk {
-    /// Checks what is asked until there is no one left to ask.
+    /// Processes requests until all senders are gone.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
             let evaluation = known(&self.current, self.clock.read());
@@ -141,7 +141,7 @@ impl StateDesk {
         }
     }
 
-    /// A request is a stranger's text: what it breaks must not take the node with it.
+    /// Processes an untrusted request. A panic in it must not end the node.
     fn guarded<T>(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> T) -> Option<T> {
         let answered = catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace)));
         if answered.is_err() {

@@ -1,4 +1,4 @@
-//! `~/swept_volume`: what the links sweep over on a way, for `RViz`.
+//! `~/swept_volume`: swept volumes of the links along a motion, for `RViz`.
 
 use clearance_checker::{CollisionChecker, MotionVerdict, SweptVolume, TrajectoryReport, Workspace};
 use clearance_geometry::math::{Pose, Rotation, Vector};
@@ -10,13 +10,13 @@ use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
 use super::markers::{pose_message, vector_message};
 use super::messages::point_message;
 
-/// Bytes of one message at most: `RustDDS` loses messages of more than about 250 kB.
+/// Maximum size of one message (bytes): `RustDDS` loses messages of more than about 250 kB.
 const LONGEST_MESSAGE: usize = 200_000;
 
-/// Bytes of a marker without its names, rounded up: 230 and two points.
+/// Size of a marker without its names (bytes), rounded up: 230 and two points.
 const MARKER_BYTES: usize = 288;
 
-/// Markers of one capsule at most: a cylinder, and the balls at its ends.
+/// Maximum number of markers per capsule: a cylinder, and the spheres at its ends.
 const MARKERS_OF_CAPSULE: usize = 2;
 
 const GREEN: [f32; 4] = [0.1, 0.8, 0.2, 0.25];
@@ -24,7 +24,7 @@ const RED: [f32; 4] = [0.9, 0.1, 0.1, 0.5];
 const YELLOW: [f32; 4] = [1.0, 0.8, 0.1, 0.4];
 const GREY: [f32; 4] = [0.6, 0.6, 0.6, 0.25];
 
-/// How many intervals in each of so many segments fit into one message.
+/// Maximum number of intervals per segment that fit into one message, for this number of segments.
 #[must_use]
 pub fn most_intervals(robot: &RobotModel, segments: usize) -> usize {
     let frame = robot.link(robot.root()).name.len();
@@ -34,15 +34,15 @@ pub fn most_intervals(robot: &RobotModel, segments: usize) -> usize {
     LONGEST_MESSAGE / bytes.saturating_mul(segments).max(1)
 }
 
-/// Takes away all that is shown.
+/// Message that deletes all markers.
 #[must_use]
 pub fn no_markers() -> MarkerArray {
     let pose = pose_message(&Pose::identity());
     MarkerArray { markers: vec![Marker { action: Marker::DELETEALL, pose, ..Marker::default() }] }
 }
 
-/// The volumes of all links, in so many intervals of each segment, coloured by what is known about them; those that were shown before
-/// are taken away. `None` when they are too large for numbers.
+/// Swept volumes of all links for a number of intervals per segment, coloured by the result. Deletes the previous markers first. `None`
+/// when the volumes exceed the range of numbers.
 #[must_use]
 pub fn swept_volume_markers(
     checker: &CollisionChecker,
@@ -64,7 +64,7 @@ pub fn swept_volume_markers(
             let colour = colour(report, segment, &volume);
             shown.markers.extend(capsule(&volume).into_iter().flatten().zip(first_id..).map(
                 |(marker, id)| Marker {
-                    // wherever the root is now
+                    // the volumes move with the root link in `RViz`
                     header: Header { frame_id: frame.clone(), ..Header::default() },
                     ns: checker.body_name(volume.body).to_owned(),
                     id: i32::try_from(id).unwrap_or(i32::MAX),
@@ -78,10 +78,10 @@ pub fn swept_volume_markers(
     Some(shown)
 }
 
-/// What is known about a link on an interval of a segment.
+/// Colour for the result of a link on an interval of a segment.
 fn colour(report: &TrajectoryReport, segment: usize, volume: &SweptVolume) -> ColorRGBA {
     let [from, to] = volume.t;
-    // a contact is known where it is, and what is open may be anywhere in between
+    // the position of a contact is known; an undecided part may be anywhere in its interval
     let (found, proven_until, [first, last], pair) = match report.verdict {
         MotionVerdict::Free => (GREEN, 1.0, [1.0; 2], None),
         MotionVerdict::Contact { t, pair, .. } => (RED, t[0], [t[1]; 2], Some(pair)),
@@ -99,14 +99,14 @@ fn colour(report: &TrajectoryReport, segment: usize, volume: &SweptVolume) -> Co
     ColorRGBA { r, g, b, a }
 }
 
-/// A cylinder, and the balls at its ends in one marker; only a ball where both ends are one.
+/// Cylinder, and one marker with the spheres at its ends; only a sphere if both ends are equal.
 fn capsule(volume: &SweptVolume) -> [Option<Marker>; MARKERS_OF_CAPSULE] {
     let axis = volume.b - volume.a;
     let diameter = 2.0 * volume.radius;
     let length = axis.norm();
     let cylinder = (length > 0.0).then(|| {
         let turn = Rotation::rotation_between(&Vector::z(), &axis);
-        // none is found only for a half turn
+        // the rotation is undefined only for a half turn
         let turn = turn.unwrap_or(Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI));
         let middle = nalgebra::center(&volume.a, &volume.b);
         Marker {

@@ -1,30 +1,31 @@
-//! Whether the threads between a joint state and its answer run before whatever else the machine does.
+//! Optional realtime priority of the threads between the reception of a joint state and the publication of its result.
 //!
-//! `RustDDS` and its callers speak by queues in which one side waits for the other by yielding (those of `std::sync::mpsc`). A thread of
-//! realtime priority yields to none without it: it would wait for a sender that it has itself taken the processor from, until the system
-//! stops all realtime threads for a moment (`sched_rt_runtime_us`, 0.95 s). So whoever calls that library has the priority of its threads
-//! meanwhile ([`ThreadPriority::lend`]), and in queues between our own threads of both kinds nobody waits like that (`mailbox`).
+//! `RustDDS` and its callers communicate through queues in which one side waits for the other by yielding (the queues of
+//! `std::sync::mpsc`). A thread with realtime priority never yields to a thread without it: it could wait for a sender that it has
+//! preempted itself, until the kernel stops all realtime threads for a moment (`sched_rt_runtime_us`, 0.95 s). Therefore a thread that
+//! calls that library runs with the priority of the library's threads during the call ([`ThreadPriority::lend`]), and the queues between
+//! our own threads of both kinds never wait by yielding (`mailbox`).
 
 use std::marker::PhantomData;
 use std::thread;
 
 use super::NodeError;
 
-/// How the threads are scheduled that hear joint states, check them and say what was found.
+/// Scheduling of the threads that receive joint states, check them and publish the results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ThreadPriority {
-    /// As all others.
+    /// Default scheduling of the system.
     #[default]
     Normal,
-    /// `SCHED_FIFO`: they run whenever they can, before all threads that are not of this kind.
+    /// `SCHED_FIFO`: these threads always run before all threads without realtime priority.
     Realtime,
 }
 
 impl ThreadPriority {
-    /// What the parameter `use_realtime_priority` means here.
+    /// Priority selected by the parameter `use_realtime_priority`.
     ///
     /// # Errors
-    /// When the system refuses it to this process.
+    /// When the system does not permit it for this process.
     pub fn allowed(use_realtime_priority: bool) -> Result<Self, NodeError> {
         let priority = if use_realtime_priority { Self::Realtime } else { Self::Normal };
         priority.inherited_by(|| ()).map(|()| priority).map_err(|why| {
@@ -35,7 +36,7 @@ impl ThreadPriority {
         })
     }
 
-    /// Does what starts threads, which inherit this priority; that of the caller stays.
+    /// Runs `start`, which starts threads. They inherit this priority; the caller keeps its own.
     pub(super) fn inherited_by<T: Send>(self, start: impl FnOnce() -> T + Send) -> Result<T, String> {
         if self == Self::Normal {
             return Ok(start());
@@ -44,13 +45,13 @@ impl ThreadPriority {
         thread::scope(|scope| scope.spawn(starter).join()).unwrap_or_else(|_| Err("it failed".to_owned()))
     }
 
-    /// Gives this priority to the thread that calls it.
+    /// Sets this priority for the calling thread.
     pub(super) fn apply(self) -> Result<(), String> {
         if self == Self::Realtime { system::prefer() } else { Ok(()) }
     }
 
-    /// The calling thread has this priority as long as what this gives lives. It costs some microseconds, and nothing where the thread
-    /// has it already.
+    /// Sets this priority for the calling thread until the returned guard is dropped. This takes some microseconds, and nothing if the
+    /// thread already has the priority.
     pub(super) fn lend(self) -> Lent {
         if self == Self::Normal || system::is_preferred() {
             return Lent { is_borrowed: false, of_thread: PhantomData };
@@ -60,11 +61,11 @@ impl ThreadPriority {
     }
 }
 
-/// A priority that its thread gives back, to be as any other.
+/// Guard of a lent priority; resets the thread to the default priority when it is dropped.
 #[must_use = "it is given back at once"]
 pub(super) struct Lent {
     is_borrowed: bool,
-    /// It belongs to its thread.
+    /// Makes the guard `!Send`: it belongs to its thread.
     of_thread: PhantomData<*const ()>,
 }
 
@@ -85,7 +86,7 @@ mod system {
         ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id, thread_schedule_policy,
     };
 
-    /// Below the kernel's own threads for interrupts, which have 50; as Nav2 does.
+    /// Lower than the kernel's interrupt threads, which have 50. Nav2 uses the same value.
     const PRIORITY: i32 = 49;
 
     pub fn prefer() -> Result<(), String> {
@@ -102,7 +103,7 @@ mod system {
         let other = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         let not_nice = ThreadPriority::Os(thread_priority::ThreadPriorityOsValue::default());
         let changed = set_thread_priority_and_policy(thread_native_id(), not_nice, other);
-        // it may have to stay nicer than others
+        // the thread may not be permitted to lower its nice value again
         if is_preferred() { changed.map_err(in_words) } else { Ok(()) }
     }
 

@@ -1,4 +1,4 @@
-//! The parts of the node, each on a thread, beginning and ending together.
+//! The parts of the node, each on its own thread. They start and end together.
 
 use std::collections::HashSet;
 use std::sync::mpsc;
@@ -12,11 +12,11 @@ use super::mailbox;
 use super::monitor_loop::Event;
 use super::order::Order;
 
-/// Time that parts have to end after the first of them has ended or the node was told to end. A part that needs longer, such as the
-/// loader in the middle of a large model, is abandoned.
+/// Time limit for all parts to end, after the first one has ended or the node was requested to end. A part that needs longer, such as the
+/// loader with a large model, is abandoned.
 const TIME_TO_END: Duration = Duration::from_millis(700);
 
-/// A part of the node: its name and its work.
+/// Part of the node: its name and its work.
 pub struct Part {
     pub name: &'static str,
     pub work: Box<dyn FnOnce() + Send>,
@@ -28,25 +28,25 @@ impl Part {
     }
 }
 
-/// Tells every part to end.
+/// Requests the end of every part.
 #[derive(Clone)]
 pub struct End {
     pub events: mailbox::Sender<Event>,
     pub orders: Sender<Order>,
-    /// Parts that wait for other things wait for this channel to be closed too.
+    /// Parts that wait for other things also wait until this channel is closed.
     pub stop: Sender<()>,
 }
 
 impl End {
     pub fn tell(&self) {
-        // a closed channel belongs to a part that has ended already
+        // an error means that this part has ended already
         let _ = self.events.send(Event::Stop);
         self.orders.close();
         self.stop.close();
     }
 }
 
-/// When one part ends, for whatever reason, all do: a node that does half its work looks alive.
+/// When one part ends for any reason, all parts end: a node with only half of its parts would still look alive.
 struct EndsOthers {
     end: End,
     name: &'static str,
@@ -56,12 +56,12 @@ struct EndsOthers {
 impl Drop for EndsOthers {
     fn drop(&mut self) {
         self.end.tell();
-        // there is no receiver any more if this part was abandoned
+        // an error means that this part was abandoned
         let _ = self.has_ended.send(self.name);
     }
 }
 
-/// Runs all parts until they have ended or are abandoned. Says which one failed, if one did.
+/// Runs all parts until they have ended or are abandoned. Returns an error with the name of the part that failed, if any.
 pub fn run_together(parts: Vec<Part>, end: &End) -> Result<(), String> {
     let mut running = Vec::new();
     let mut failed = None;
@@ -90,8 +90,8 @@ pub fn run_together(parts: Vec<Part>, end: &End) -> Result<(), String> {
     failed.map_or(Ok(()), Err)
 }
 
-/// Waits for the first end of a part without a limit, for those of the others for a limited time. Returns the names of the parts that
-/// have ended.
+/// Waits for the first end of a part without a time limit, and for the other parts with one. Returns the names of the parts that have
+/// ended.
 fn await_end(ended: &mpsc::Receiver<&'static str>, time_to_end: Duration) -> HashSet<&'static str> {
     let mut names: HashSet<_> = ended.recv().into_iter().collect();
     let deadline = Instant::now() + time_to_end;
@@ -101,10 +101,10 @@ fn await_end(ended: &mpsc::Receiver<&'static str>, time_to_end: Duration) -> Has
     names
 }
 
-/// Works until told to stop.
+/// Runs `work` until the stop channel is closed.
 pub async fn until<T>(stopped: &Receiver<()>, work: impl Future<Output = T>) {
     let stop = async {
-        // nothing is ever sent: closing the channel is the sign
+        // nothing is ever sent: only the closing of the channel matters
         let _ = stopped.recv().await;
     };
     let work = async {
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_part_that_fails_is_named_and_ends_the_others() {
-        // again and again, since a failing thread reports its end a moment before it has finished
+        // repeated, as a failing thread reports its end shortly before it has finished
         for _ in 0..200 {
             assert_eq!(run_with_a_failing_part(), Err("the broken thread failed".to_owned()));
         }

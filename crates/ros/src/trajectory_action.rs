@@ -1,4 +1,4 @@
-//! `~/check_trajectory` as an action: goals wait among the requests of the services, and tell how far they have come.
+//! `~/check_trajectory` as an action: goals share the request queue of the services, and publish feedback.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -17,21 +17,21 @@ use super::middleware::{
 };
 use super::names::Names;
 
-/// Time between two looks at how far a check has come.
+/// Period of the feedback.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// A goal on its way through the queue.
+/// Queued goal.
 pub struct Goal {
     pub id: GoalId,
     pub request: CheckTrajectoryRequest,
     pub watch: Watch,
 }
 
-/// What is told of a goal as long as it is worked on.
+/// Data for the feedback of a goal that is being checked.
 pub struct Begun {
     pub id: GoalId,
     pub watch: Watch,
-    /// Seconds at the end of each segment; none if the trajectory has no times.
+    /// Time (s) at the end of each segment; empty if the trajectory has no times.
     ends: Vec<f64>,
     segments: usize,
 }
@@ -54,11 +54,11 @@ impl TrajectoryAction {
     }
 
     fn goals(&self) -> MutexGuard<'_, Goals<RequestId, CheckTrajectoryResponse>> {
-        // every change leaves them whole
+        // the goals are valid between any two statements, so a poisoned lock is safe to use
         self.goals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Serves for ever; `enqueue` says whether there was room for a goal.
+    /// Handles requests without end; `enqueue` returns whether the queue had space for a goal.
     pub async fn serve<'a>(&'a self, sending: &LocalExecutor<'a>, enqueue: impl Fn(Goal) -> bool) {
         let goals = async {
             loop {
@@ -123,7 +123,7 @@ impl TrajectoryAction {
         }
     }
 
-    /// Tells from time to time how far a check has come, until it ends.
+    /// Publishes feedback about a check periodically, until it ends.
     pub fn follow<'a>(&'a self, begun: Begun, sending: &LocalExecutor<'a>) {
         self.goals().begin(begun.id);
         self.tell_standings();
@@ -140,7 +140,7 @@ impl TrajectoryAction {
         sending.spawn(follow).detach();
     }
 
-    /// Ends a goal with what is known.
+    /// Ends a goal with its result.
     pub fn end<'a>(&'a self, id: GoalId, response: &CheckTrajectoryResponse, sending: &LocalExecutor<'a>) {
         let motion = &response.motion;
         let status = if motion.verdict == MotionFindings::ERROR {
@@ -151,7 +151,7 @@ impl TrajectoryAction {
             Standing::Succeeded
         };
         let waiting = self.goals().end(id, status, response.clone(), self.clock.steady());
-        // one that was canceled before it began has ended already
+        // a goal that was canceled before it started has ended already
         let Some(waiting) = waiting else { return };
         self.tell_standings();
         for ticket in waiting {
@@ -165,7 +165,7 @@ impl TrajectoryAction {
     }
 }
 
-/// What is known about a trajectory that was never looked at.
+/// Result of a trajectory that was canceled before its check started.
 fn canceled() -> CheckTrajectoryResponse {
     let motion = MotionFindings {
         verdict: MotionFindings::UNDECIDED,

@@ -1,4 +1,4 @@
-//! Waiting without a timer's thread: what runs first must not wait for what does not.
+//! Waits with a timeout, without the timer thread of the async runtime: a thread with high priority must not depend on one without.
 
 use std::future::Future;
 use std::pin::pin;
@@ -15,9 +15,9 @@ impl Wake for Sleeper {
     }
 }
 
-/// What `work` gives, if it is ready in that time; the calling thread sleeps until then.
+/// Returns the result of `work`, or `None` after the timeout; the calling thread sleeps meanwhile.
 pub fn wait_at_most<F: Future>(time: Duration, work: F) -> Option<F::Output> {
-    // a time that no clock knows never comes
+    // a timeout beyond the range of the clock never ends
     let end = Instant::now().checked_add(time);
     let waker = Waker::from(Arc::new(Sleeper(thread::current())));
     let mut context = Context::from_waker(&waker);

@@ -1,35 +1,35 @@
-//! Whether the whole scene has been told, where that is required: by a message, or by the node that is asked for it.
+//! Tracks whether the complete scene was received, where the parameters require it: from messages, or from the queried service.
 
 use clearance_monitor::WorldSource;
 use clearance_scene::SceneUpdate;
 
 use super::parameters::Parameters;
 
-/// Who has to tell it, if nobody is asked.
+/// Name of the awaited source, if no service is queried.
 const ANYBODY: &str = "planning_scene, apply_planning_scene or planning_scene_world";
 
-/// How much was told as a whole.
+/// Completeness of the received scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Completeness {
     #[default]
     Nothing,
     /// All obstacles.
     World,
-    /// What links hold and what is allowed, too.
+    /// Also the attached objects and the allowed collisions.
     Scene,
 }
 
-/// What messages have brought as a whole, and what of that is in force.
+/// Completeness of the received messages, and of the part that is in use.
 #[derive(Debug, Default)]
 pub struct WholeScene {
     told: Completeness,
     in_force: Completeness,
-    /// The service that is asked; none if empty.
+    /// Queried service; empty if there is none.
     asked: String,
 }
 
 impl WholeScene {
-    /// Another service may be asked from now on: what others told before is not what it tells.
+    /// Sets the service to query. A new service resets the completeness: scenes from other sources do not replace its response.
     pub fn ask(&mut self, service: &str) {
         if self.asked != service {
             service.clone_into(&mut self.asked);
@@ -47,17 +47,17 @@ impl WholeScene {
         });
     }
 
-    /// What was heeded is in force.
+    /// The latest updates are now in use.
     pub fn note_in_use(&mut self) {
         self.in_force = self.told;
     }
 
-    /// What was heeded last did not come into force.
+    /// The latest updates were not taken into use.
     pub fn go_back(&mut self) {
         self.told = self.in_force;
     }
 
-    /// Who still has to tell the scene, if the parameters want that.
+    /// Source that must still send the scene, if the parameters require one.
     #[must_use]
     pub fn awaited(&self, parameters: &Parameters) -> Option<WorldSource> {
         let (needed, teller) =

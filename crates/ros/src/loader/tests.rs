@@ -1,4 +1,4 @@
-//! A robot that is replaced is freed, and a monitor that has ended is not waited for.
+//! A replaced robot is freed, and the loader does not wait for a monitor that has ended.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use super::*;
 use crate::loader_inputs::places_of;
 use crate::messages::{joint_state_input, stamp_message};
 
-/// A ball that turns about z, which is all of a robot of this name.
+/// URDF of a robot with this name: one sphere that rotates about z.
 fn urdf(name: &str) -> String {
     format!(
         "<robot name='{name}'><link name='base'/>
@@ -104,7 +104,7 @@ fn a_robot_that_is_replaced_is_freed() {
     assert!(first.upgrade().is_some() && revision.upgrade().is_some());
 
     cell.pass(1040, vec![Order::Description(urdf("second"))], BTreeMap::new());
-    // nothing is known of where the second one is
+    // the configuration of the second robot is unknown
     cell.evaluation = Some(cell.monitor.on_heartbeat(now(1050)));
     cell.joint_state_history.note(cell.evaluation.as_ref().unwrap());
     assert_eq!(cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap().checker.robot().name(), "second");
@@ -146,7 +146,7 @@ fn a_monitor_that_has_ended_is_not_waited_for() {
         let events = events.clone();
         move || heeded(&events)
     });
-    // the order to end is taken; the question comes behind it, or finds nobody
+    // the stop event is taken; the request comes after it, or finds the queue closed
     drop(events_in);
     assert!(!waiting.join().unwrap());
     assert!(!heeded(&events));

@@ -1,4 +1,4 @@
-//! Requests about the two-link robot, whose answers are derived in its URDF.
+//! Motion requests for the two-link robot. Its URDF contains the derivation of the expected results.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::refusal::LONGEST_MESSAGE;
 
 const URDF: &str = include_str!("../../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];
-/// Folded as far as is free, and as far on the other side of the cube.
+/// Folded as far as it is free of collisions, and by the same angle on the other side of the cube.
 const NEAR: [f64; 2] = [0.0, 5.0 * PI / 6.0];
 const BEYOND: [f64; 2] = [0.0, 7.0 * PI / 6.0];
 
@@ -26,7 +26,7 @@ fn names(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// What the monitor says about the robot at these positions; about no joint state without any.
+/// The monitor's evaluation of the robot at these positions; without positions, no joint state is received.
 fn evaluation(positions: &[f64]) -> Evaluation {
     let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap();
@@ -254,7 +254,7 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
     }
 }
 
-/// A bar on a continuous joint, at these positions; `k` mimics the joint.
+/// Evaluation of a robot with a bar on a continuous joint, at these positions; joint `k` mimics it.
 fn at_the_wheel(position: f64, mimic: &str) -> Evaluation {
     let urdf = format!(
         "<robot name='r'><link name='base'/><link name='bar'><collision><origin xyz='0.5 0 0'/><geometry><box size='1 0.05 0.05'/>\
@@ -327,7 +327,7 @@ fn trajectories_go_the_shortest_way_only_if_asked() {
     assert!(broken.motion.message.contains("continuous_joint_direction is 7"), "{}", broken.motion.message);
 }
 
-/// A whole turn of the leader would bring the mimic joint elsewhere.
+/// A full turn of the leader joint would move the mimic joint to another position.
 #[test]
 fn a_mimic_joint_may_keep_its_leader_from_the_shortest_way() {
     let evaluation = at_the_wheel(3.0, "<mimic joint='j' multiplier='0.5'/>");

@@ -1,16 +1,16 @@
-//! One parameter: its name, its unit, what it means and which values it takes.
+//! Declaration of one parameter: its name, unit, meaning and range.
 
 use super::Parameters;
 use crate::names::fault_of_topic;
 use crate::parameter_value::Value;
 
-/// What the names of topics are names of.
+/// Kind of the names in a list of topics.
 pub(super) const TOPICS: &str = "topics";
 
-/// Topics that one list may have: each is a subscription.
+/// Maximum number of topics in one list: each topic needs a subscription.
 const MOST_TOPICS: usize = 32;
 
-/// A parameter as it is described to its users.
+/// Description of a parameter, as users see it.
 pub struct Declaration {
     pub name: &'static str,
     pub unit: &'static str,
@@ -19,7 +19,7 @@ pub struct Declaration {
     pub(super) access: Access,
 }
 
-/// Values that a parameter takes; both ends belong to it.
+/// Range of valid values, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     Bool,
@@ -34,17 +34,17 @@ pub enum Range {
     /// One of these words.
     Word(&'static [&'static str]),
     Text,
-    /// The name of a service, or nothing.
+    /// Name of a service, or empty.
     Service,
-    /// What names begin with.
+    /// Prefix of names.
     Prefix,
-    /// A list of names, of what is said here.
+    /// List of names; the text says what they are names of.
     Names(&'static str),
-    /// A point, or nothing.
+    /// Point, or empty.
     Point,
 }
 
-/// Where in [`Parameters`] the value is.
+/// Access to the field of [`Parameters`] that stores the value.
 #[derive(Clone, Copy)]
 pub(super) enum Access {
     Bool(fn(&mut Parameters) -> &mut bool),
@@ -61,16 +61,16 @@ impl Declaration {
         Self { unit, ..self }
     }
 
-    /// Whether it counts at the start only.
+    /// Whether the value can only be set at the start.
     #[must_use]
     pub fn is_fixed(&self) -> bool {
         self.name.starts_with("record_") || self.name == "use_realtime_priority"
     }
 
-    /// The value in force.
+    /// Current value.
     #[must_use]
     pub fn get(&self, parameters: &Parameters) -> Value {
-        // one accessor serves reading and writing; a copy of them costs little
+        // the same accessor is used to read and to write; a copy of the parameters is cheap
         let mut parameters = parameters.clone();
         match self.access {
             Access::Bool(field) => Value::Bool(*field(&mut parameters)),

@@ -1,17 +1,17 @@
-//! All parameters, and how they are found by name.
+//! Declarations of all parameters, and their lookup by name.
 
 use std::sync::LazyLock;
 
 use super::declaration::{Access, Declaration, Range, TOPICS};
 use super::{CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES};
 
-/// The parameter called `name`.
+/// Declaration of the parameter with this name.
 #[must_use]
 pub fn declaration(name: &str) -> Option<&'static Declaration> {
     DECLARATIONS.iter().find(|d| d.name == name)
 }
 
-/// The parameter that a misspelled name may stand for.
+/// Declaration of the parameter with the most similar name, for misspelled names.
 #[must_use]
 pub fn similar(name: &str) -> Option<&'static str> {
     const ALIKE: f64 = 0.85;
@@ -28,7 +28,7 @@ pub(super) fn unknown(name: &str) -> String {
     format!("this node has no parameter '{name}'; {meant}")
 }
 
-/// Every parameter, by name. `config/clearance.yaml` says the same with more words; a test compares them.
+/// All parameters, by name. `config/clearance.yaml` documents the same parameters in more detail; a test compares both.
 pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     vec![
         unknown_or_warn(
@@ -358,7 +358,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     ]
 });
 
-/// Name, unit and meaning alone.
+/// Declaration with only name, unit and meaning.
 fn described(name: &'static str, unit: &'static str, description: &'static str) -> Declaration {
     boolean(name, |p| &mut p.use_sim_time, description).in_unit(unit)
 }

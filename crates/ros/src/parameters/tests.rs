@@ -3,7 +3,7 @@ use crate::parameter_value;
 
 const MANUAL: &str = include_str!("../../../../config/clearance.yaml");
 
-/// The comment right above a parameter of the manual.
+/// Comment directly above a parameter in the manual.
 fn comment_above(name: &str) -> String {
     let lines: Vec<&str> = MANUAL.lines().map(str::trim).collect();
     let line = lines.iter().position(|line| line.starts_with(&format!("{name}:"))).unwrap();
@@ -11,7 +11,7 @@ fn comment_above(name: &str) -> String {
     lines[above + 1..line].iter().map(|line| line.trim_start_matches('#')).collect()
 }
 
-/// Parameters of which every one differs from its default where a list can.
+/// Parameters that all differ from their defaults, as far as a list can.
 fn declaration_test_start(name: &str) -> Parameters {
     let mut parameters = Parameters::default();
     match name {
@@ -22,7 +22,7 @@ fn declaration_test_start(name: &str) -> Parameters {
     parameters
 }
 
-/// Sets one parameter alone.
+/// Sets one parameter.
 fn set(parameters: &mut Parameters, name: &str, value: &Value) -> Result<(), String> {
     let mut changed = parameters.clone();
     changed.assign(name, value)?;
@@ -101,7 +101,7 @@ fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
     assert_eq!(declaration("heartbeat_rate").unwrap().get(&parameters), Value::Double(20.0));
 }
 
-/// What is set together is looked at together.
+/// Values that are set together are checked together.
 #[test]
 fn parameters_of_a_node_that_runs_change_together() {
     let corner = |name: &str, x: f64| (name.to_owned(), Value::Doubles(vec![x; 3]));

@@ -22,16 +22,16 @@ use crate::scene::{CloudMessage, CloudReport, decode, is_at_origin};
 pub(super) struct Cloud {
     pub seen: Option<Observation>,
     pub report: CloudReport,
-    /// When the message came that is being made use of.
+    /// Reception time of the message that is being used; taken when it is in use.
     pub since: Option<Instant>,
     complained: Option<Instant>,
 }
 
 impl SceneKeeper {
-    /// Lets the newest clouds take the place of those before; whether any did.
+    /// Replaces the previous clouds by the newest ones; returns whether anything changed.
     ///
-    /// A cloud that shows nothing of the room leaves the last one before it in force, unless the parameter `blind_cloud` says that it is
-    /// to be taken as it is.
+    /// A cloud that shows nothing of the environment does not replace the previous cloud, unless the parameter `blind_cloud` accepts such
+    /// clouds.
     pub fn see(
         &mut self,
         messages: BTreeMap<String, CloudMessage>,
@@ -82,7 +82,7 @@ impl SceneKeeper {
         changed
     }
 
-    /// Clouds of topics that nobody asks for any more go.
+    /// Removes the clouds of topics that are no longer configured.
     fn forget_unwatched(&mut self, parameters: &Parameters) -> bool {
         let watched = &parameters.point_cloud_topics;
         let gone: Vec<String> =
@@ -134,7 +134,7 @@ impl SceneKeeper {
 }
 
 impl Cloud {
-    /// One line in the log, of many like it only some.
+    /// Logs a fault as one line, with rate limiting.
     fn complain(&mut self, topic: &str, fault: &str) {
         const PAUSE: Duration = Duration::from_secs(1);
         if self.complained.is_none_or(|at| at.elapsed() > PAUSE) {
@@ -144,7 +144,7 @@ impl Cloud {
     }
 }
 
-/// Rejects a cloud of another clock: nothing tells how old it is.
+/// Rejects a cloud with the stamp of another clock: its age is unknown.
 fn check_stamp(stamp: Time, came: Now, parameters: &Parameters) -> Result<(), String> {
     let ahead = came.ros.map_or(0.0, |ros| stamp.seconds_since(ros));
     if ahead > parameters.point_cloud_ttl {
@@ -166,9 +166,10 @@ fn sieve(parameters: &Parameters) -> Sieve {
     }
 }
 
-/// Why a cloud shows nothing of the room, if it does not.
+/// Reason why a cloud shows nothing of the environment; `None` if it is usable.
 ///
-/// `cropped` are points outside of the crop box, beside one at the sensor itself, which shows nothing anyway. Points of the robot prove that the sensor works: a cloud of them alone is of an empty room.
+/// `cropped` is the number of points outside of the crop box, without points at the sensor's origin, which are ignored anyway. Points on
+/// the robot prove that the sensor works: a cloud that contains only such points shows an empty environment.
 fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<String> {
     let seen: Vec<&[f32; 3]> = points.iter().filter(|point| !is_at_origin(point)).collect();
     let all = no_place + points.len();
@@ -196,12 +197,13 @@ fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<Str
     })
 }
 
-/// The distance (m) of all points from the origin of the cloud's frame, if there are some and it is the same: no surface but a sphere
-/// around the sensor is everywhere so far away, but a sensor that saw nothing may report its range in all directions.
+/// Common distance (m) of all points from the origin of the cloud's frame; `None` if there are too few points or the distances differ. Only
+/// a sphere around the sensor has the same distance everywhere, but a sensor that detects nothing may report its maximum range in all
+/// directions.
 fn range_limit(points: &[&[f32; 3]]) -> Option<f64> {
-    /// Two points of a wall may be equally far away.
+    /// Minimum number of points: two points of a wall may have the same distance.
     const SOME: usize = 3;
-    /// Of the range: what rounding to 32 bits does to it.
+    /// Relative tolerance for the rounding to 32-bit numbers.
     const ROUNDING: f64 = 1e-5;
     let mut ranges = points.iter().map(|p| p.iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt());
     let first = ranges.next().filter(|_| points.len() >= SOME)?;
@@ -239,7 +241,7 @@ mod tests {
             let cause = blindness(0, &at_range(12.5, count), 0).unwrap();
             assert!(cause.contains("12.500 m away"), "{cause}");
         }
-        // one place again and again, as zeros in the frame of another link
+        // the same point repeated, such as zeros transformed to the frame of another link
         assert!(blindness(0, &[[0.3, -0.2, 1.1]; 3], 0).is_some());
         let mut with_zero = at_range(12.5, 100);
         with_zero.push([0.0; 3]);
@@ -248,12 +250,12 @@ mod tests {
 
     #[test]
     fn whatever_is_seen_at_several_ranges_is_no_range_limit() {
-        // a few points may be so by chance
+        // a few points may have equal distances by chance
         assert_eq!(blindness(0, &at_range(12.5, 2), 0), None);
         let mut one_is_nearer = at_range(12.5, 100);
         one_is_nearer[50] = [1.0, 0.0, 0.0];
         assert_eq!(blindness(0, &one_is_nearer, 0), None);
-        // what is seen of a wall is at many ranges, also where all of it is at one depth
+        // points on a wall have many distances, even if all have the same depth
         let wall: Vec<[f32; 3]> = (0..100u16).map(|i| [2.0, f32::from(i) * 0.01, 0.0]).collect();
         assert_eq!(blindness(500, &wall, 0), None);
     }

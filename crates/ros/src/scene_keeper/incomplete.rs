@@ -1,4 +1,4 @@
-//! What the node knows to be missing from its world: rejected parts of messages, lost messages, blind sensors.
+//! Known gaps in the world: rejected parts of messages, lost messages, blind sensors.
 
 use clearance_monitor::Reason;
 
@@ -7,12 +7,12 @@ use crate::parameters::Parameters;
 use crate::scene::OCTOMAP_SOURCE;
 
 impl SceneKeeper {
-    /// Something of the world that was to come into force did not, for a reason that no single object has.
+    /// Records that a part of the world could not be taken into use, for a reason that is not specific to one object.
     pub fn note_failure(&mut self, fault: &str) {
         self.failure = Some(fault.to_owned());
     }
 
-    /// Why the world is known to be incomplete, if it is and the parameters do not have that as a warning.
+    /// Why the world is incomplete; `None` if it is complete, or if the parameters treat the fault as a warning only.
     #[must_use]
     pub fn incomplete(&self, parameters: &Parameters) -> Option<Reason> {
         let blind = || self.blind().filter(|_| parameters.blind_makes_unknown());
@@ -21,7 +21,7 @@ impl SceneKeeper {
         blind().or_else(rejected).or_else(lost)
     }
 
-    /// Sensors whose last message shows nothing of the room, with the cause.
+    /// Sensors whose last message shows nothing of the environment, with the cause.
     fn blind_sensors(&self) -> impl Iterator<Item = (&str, &str)> {
         let of_clouds = self
             .clouds
@@ -49,7 +49,7 @@ impl SceneKeeper {
         })
     }
 
-    /// What was refused of the last messages, and what the scene still lacks because it was refused.
+    /// Rejected parts of the last messages, and the parts that are still missing in the scene because of rejections.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let missing = self.missing.told().filter(|fault| !self.faults.contains(fault));

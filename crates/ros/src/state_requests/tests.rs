@@ -1,4 +1,4 @@
-//! Requests about states of the two-link robot, whose answers are derived in its URDF.
+//! State requests for the two-link robot. Its URDF contains the derivation of the expected results.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::refusal::LONGEST_MESSAGE;
 
 const URDF: &str = include_str!("../../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];
-/// Folded as far as is free (0.2 m), and onto the base.
+/// Folded as far as it is free of collisions (distance 0.2 m), and folded onto the base.
 const NEAR: [f64; 2] = [0.0, 5.0 * PI / 6.0];
 const ONTO: [f64; 2] = [0.0, PI];
 const FREE: u8 = CheckStatesResponse::FREE;
@@ -28,7 +28,7 @@ fn names(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// A ball 0.5 m before the ball of the tip, with both joints at zero.
+/// A sphere 0.5 m in front of the tip's sphere, with both joints at zero.
 fn with_ball() -> World {
     let mut world = World::default();
     let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
@@ -44,7 +44,7 @@ fn monitor(world: &World, settings: MonitorSettings) -> Monitor {
     monitor
 }
 
-/// What a monitor says about the robot at these positions; about no joint state without any.
+/// The monitor's evaluation of the robot at these positions; without positions, no joint state is received.
 fn judged(monitor: &mut Monitor, positions: &[f64]) -> Evaluation {
     let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
     let names = names(&JOINTS[..positions.len()]);
@@ -142,7 +142,7 @@ fn where_only_the_check_was_late_the_robot_stands_where_it_is() {
 #[test]
 fn names_that_do_not_fit_are_left_out() {
     const LENGTH: usize = 1000;
-    // a ball before the tip of each state
+    // one sphere in front of the tip for each state
     let states: Vec<[f64; 2]> = (0..12).map(|k| [0.4 * f64::from(k) - 2.4, 0.0]).collect();
     let mut world = World::default();
     for (k, [angle, _]) in states.iter().enumerate() {
@@ -240,7 +240,7 @@ fn pairs_come_nearest_first() {
     assert!((0..of_base.pairs.len()).all(|i| told_pair(&of_base, i).contains(&"base")));
     assert!(!of_base.pairs.is_empty() && of_base.pairs.len() < all);
 
-    // whatever is told, the verdict is about the whole robot
+    // the status always covers the whole robot, also if only some bodies are reported
     let request = GetDistancesRequest { bodies: names(&["ball"]), max_distance: 0.1, ..at(&ONTO) };
     let answer = ask_distances(&request);
     assert_eq!((answer.verdict, answer.pairs.len()), (COLLIDING, 0));
@@ -301,7 +301,7 @@ fn broken_questions_for_distances_are_refused_by_name() {
     }
 }
 
-/// There is nothing of it that could touch anything: that proves nothing.
+/// The robot has nothing that could collide: this proves nothing.
 #[test]
 fn a_robot_without_geometry_is_not_checked() {
     let urdf = r#"<robot name="bare"><link name="base"/></robot>"#;

@@ -1,4 +1,4 @@
-//! Markers of the two-link robot, and what they leave out.
+//! Markers of the two-link robot, and the parts that are left out.
 
 use clearance_checker::MotionOptions;
 use clearance_geometry::math::Point;
@@ -17,7 +17,7 @@ fn checker() -> CollisionChecker {
     CollisionChecker::new(Arc::new(robot), &World::default(), Settings::default()).unwrap()
 }
 
-/// Straight ways of the second joint, one after the other.
+/// Trajectory of straight motions of the second joint.
 fn folding(checker: &CollisionChecker, stops: &[f64]) -> Trajectory {
     let at = |q2: f64| checker.robot().configuration(&[0.0, q2]).unwrap();
     let segments =
@@ -31,7 +31,7 @@ fn shown(checker: &CollisionChecker, way: &Trajectory, intervals: usize) -> Vec<
     swept_volume_markers(checker, way, &report, intervals, &mut workspace).unwrap().markers
 }
 
-/// Colours of a link's volumes in their order.
+/// Colours of a link's volumes, in order.
 fn colours(markers: &[Marker], link: &str) -> Vec<[f32; 4]> {
     (markers.iter().filter(|m| m.ns == link && m.type_ == Marker::SPHERE_LIST))
         .map(|m| [m.color.r, m.color.g, m.color.b, m.color.a])
@@ -103,7 +103,7 @@ fn colours_say_what_is_known() {
     let checker = checker();
     let free = shown(&checker, &folding(&checker, &[0.0, 2.8]), 4);
     assert!(free[1..].iter().all(|m| m.color.g > m.color.r));
-    // the touch is at 2.8369 rad, in the third quarter of the second segment
+    // the contact is at 2.8369 rad, in the third quarter of the second segment
     let contact = shown(&checker, &folding(&checker, &[0.0, 2.5, 3.0, 3.1]), 4);
     let tip = [&[GREEN; 4][..], &[GREEN, GREEN, RED, GREY], &[GREY; 4]].concat();
     assert_eq!(colours(&contact, "tip"), tip);
@@ -119,7 +119,7 @@ fn what_is_allowed_fits_into_a_message() {
     assert_eq!(most_intervals(&robot, 2), most / 2);
     assert_eq!(most_intervals(&robot, 1_000_000), 0);
     assert_eq!(most_intervals(&robot, usize::MAX), 0);
-    // the name stands in every marker of the link
+    // every marker of the link contains the name
     let long = URDF.replace("\"base\"", &format!("\"{}\"", "b".repeat(1000)));
     assert!(most_intervals(&RobotModel::from_urdf(&long, &MeshFiles::default()).unwrap(), 1) < most);
 }
