@@ -26,8 +26,8 @@
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`query`] |
 //!
-//! **Guarantees.** A state or motion is reported free only if that is proven for exactly what was asked. Results do not depend on the
-//! number of threads or on the instruction set. A collision is a result, never an `Err`; after validation, queries do not fail or panic.
+//! **Guarantees.** A state or motion is reported free only if this is proven for the exact query. Results do not depend on the number of
+//! threads or on the instruction set. A collision is a result, never an `Err`; after validation, queries do not fail or panic.
 //!
 //! **Units and frames.** Metres, radians and seconds; poses and points are in the frame of the root link unless their documentation names
 //! another frame.
@@ -37,7 +37,8 @@
 //! **Features.** `cli` builds the program, `ros` the node. With `default-features = false` the library has no dependency on DDS, terminal or
 //! command line crates.
 //!
-//! The modules are the crates of the workspace, from shapes ([`geometry`]) to the checker ([`checker`]); the names most users need are here.
+//! The modules are the crates of the workspace, from shapes ([`geometry`]) to the checker ([`checker`]). The most used names are
+//! re-exported here.
 
 #![deny(missing_docs)]
 
@@ -76,12 +77,12 @@ pub use clearance_scene::{
 };
 pub use clearance_verifier::Verifier;
 
-/// The examples of the README compile and run.
+/// Compiles and runs the examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// The examples of the page about Rust compile and run.
+/// Compiles and runs the examples of the page about Rust.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/plan/rust.md")]
 struct RustPage;

@@ -1,4 +1,4 @@
-//! The command line: one subcommand, one file under `cli/`.
+//! Command line program: each subcommand has one file under `cli/`.
 
 use std::process::ExitCode;
 

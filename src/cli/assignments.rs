@@ -1,11 +1,11 @@
-//! Joints and numbers on the command line, such as `"j1=0.1 j2=-1.2"`, and hints for what is written otherwise.
+//! Parses joint values on the command line, such as `"j1=0.1 j2=-1.2"`, and gives hints for invalid ones.
 
 use super::failure::Failure;
 
-/// Options whose value is a list of joints.
+/// Options with a list of joint values.
 const OPTIONS: [&str; 4] = ["--state", "--from", "--to", "--tube"];
 
-/// Joints and numbers; blanks or commas between them.
+/// Parses joints and their values, separated by blanks or commas.
 pub fn parse<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, Failure> {
     let words: Vec<&str> =
         text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty()).collect();
@@ -22,7 +22,7 @@ pub fn parse<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, F
         .collect()
 }
 
-/// Hint for a word that is no assignment: how it was probably meant.
+/// Hint for a word that is not an assignment: the form that was probably intended.
 fn hint(word: &str, words: &[&str]) -> String {
     if words.iter().any(|word| word.starts_with(['{', '['])) || std::path::Path::new(word).is_file() {
         return ": give states of a file with --states FILE".to_owned();
@@ -57,7 +57,7 @@ fn hint(word: &str, words: &[&str]) -> String {
     }
 }
 
-/// The words of a state that stand in several arguments because the quotes are missing, as one argument.
+/// Hint for a state without quotes, which the shell has split into several arguments: shows it as one argument.
 pub fn unquoted(arguments: &[String], stray: &str) -> Option<String> {
     let at = arguments.iter().position(|argument| argument == stray)?;
     let is_option = |argument: &String| argument.starts_with("--");
@@ -71,7 +71,7 @@ pub fn unquoted(arguments: &[String], stray: &str) -> Option<String> {
     }
     let words = arguments[start + 1..].iter().take_while(|argument| !is_option(argument)).map(String::as_str);
     let words: Vec<&str> = first.into_iter().chain(words).collect();
-    // what stands behind a whole state is another mistake
+    // other words after a complete state are a different error
     let is_part = |word: &&str| word.contains(['=', ':']) || word.parse::<f64>().is_ok();
     if !words.iter().skip(1).all(is_part) {
         return None;

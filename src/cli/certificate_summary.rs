@@ -8,13 +8,13 @@ use clearance::scene::{MeshModel, Settings};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Most lines about obstacles that move.
+/// Maximum number of lines about moving obstacles.
 const MOST_LINES: usize = 20;
 
-/// Longest text (characters) out of a document in a message.
+/// Maximum length (characters) of a text from a document in a message.
 const LONGEST: usize = 300;
 
-/// A certificate that was accepted: what it says is about this robot.
+/// Summary of an accepted certificate, which is valid for this robot.
 pub struct Summary<'c> {
     robot: &'c RobotModel,
     settings: &'c Settings,
@@ -30,7 +30,7 @@ impl<'c> Summary<'c> {
         self.certificate.segments.iter().any(|s| !s.motion.obstacles.is_empty())
     }
 
-    /// A line for each thing that decides what is proven.
+    /// One line for each property that determines the content of the proof.
     pub fn text(&self, pairs: usize) -> String {
         let Certificate { model, world, motion, segments, .. } = self.certificate;
         let [from, to] = self.ends().map(|end| self.named(&end));
@@ -78,7 +78,7 @@ impl<'c> Summary<'c> {
         })
     }
 
-    /// The highest power of t; 1 where all segments are straight.
+    /// Highest power of t; 1 if all segments are straight.
     fn degree(&self) -> usize {
         self.certificate.segments.iter().map(|s| degree(&s.motion)).max().unwrap_or(0)
     }
@@ -94,7 +94,7 @@ impl<'c> Summary<'c> {
         }
     }
 
-    /// Positions at the start and at the end.
+    /// Positions of the joints at the start and at the end.
     fn ends(&self) -> [Vec<f64>; 2] {
         let segments = &self.certificate.segments;
         let (first, last) = (segments.first().map(|s| &s.motion), segments.last().map(|s| &s.motion));
@@ -117,7 +117,7 @@ impl<'c> Summary<'c> {
         named.collect::<Vec<_>>().join(" ")
     }
 
-    /// The tube by joint name, where one is not zero; `None` where segments have different ones.
+    /// Nonzero tolerances of the tube by joint name; `None` if the segments have different tubes.
     fn tube_of(&self) -> Option<Vec<(String, f64)>> {
         let mut tubes = self.certificate.segments.iter().map(|s| &s.motion.tube);
         let first = tubes.next()?;
@@ -197,7 +197,7 @@ fn degree(text: &SegmentText) -> usize {
     text.polynomials.as_ref().map_or(1, |all| all.iter().map(of).max().unwrap_or(0))
 }
 
-/// A text out of a document as a message shows it: short, and nothing in it that a terminal obeys.
+/// Prepares a text from a document for a message: limits its length and escapes control characters.
 pub fn on_one_line(text: &str) -> String {
     readable_text::on_one_line(&text.chars().take(LONGEST).collect::<String>()).into_owned()
 }

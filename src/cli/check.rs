@@ -1,4 +1,4 @@
-//! `clearance check`: states in, collisions and distances out.
+//! `clearance check`: reads states, reports collisions and distances.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use super::run_args::{Format, RunArgs, Stats, internal, print_line};
 use super::states;
 use super::timing::{self, Timing};
 
-/// States whose pairs are compared before it is decided whether more are needed.
+/// Number of states that are compared at once, before it is decided whether more are needed.
 const STATES_AT_ONCE: usize = 64;
 
 #[derive(Args)]
@@ -76,7 +76,7 @@ enum Query {
     PairDistances,
 }
 
-/// The JSON answer.
+/// Output in JSON format.
 #[derive(Serialize)]
 struct Answer {
     robot: String,
@@ -84,7 +84,7 @@ struct Answer {
     pairs_checked: usize,
     load_seconds: f64,
     results: Vec<StateAnswer>,
-    /// Over all states.
+    /// Sums over all states.
     stats: Stats,
     #[serde(skip_serializing_if = "Option::is_none")]
     timing: Option<Timing>,
@@ -105,7 +105,7 @@ struct StateAnswer {
 
 #[derive(Serialize)]
 struct DistanceAnswer {
-    /// Metres; null beyond the limit.
+    /// In metres; null beyond the limit.
     distance: Option<f64>,
     nearest: Option<[String; 2]>,
     witness_points: Option<[[f64; 3]; 2]>,
@@ -165,7 +165,7 @@ impl CheckArgs {
     }
 }
 
-/// One report a state, in the states' order, for any number of threads.
+/// One report per state, in the order of the states, independent of the number of threads.
 fn check_all(
     checker: &CollisionChecker,
     states: &[Configuration],
@@ -188,7 +188,7 @@ fn check_all(
     }))
 }
 
-/// A remark about pairs of links that touch in all states, if each state collides and there are enough.
+/// Remark about link pairs that are in contact in all states, if every state collides and there are enough states.
 fn constant_contacts(
     checker: &CollisionChecker,
     states: &[Configuration],
@@ -201,7 +201,7 @@ fn constant_contacts(
     let mut contacts = ConstantContacts::default();
     let pool = args.run.pool(states.len())?;
     for (states, reports) in states.chunks(STATES_AT_ONCE).zip(reports.chunks(STATES_AT_ONCE)) {
-        // other queries do not report every pair
+        // other queries do not report all pairs
         let pairs = |workspace: &mut Workspace, q: &Configuration, report: &CollisionReport| {
             if args.query == Query::Pairs {
                 return report.colliding_pairs.clone();
@@ -268,7 +268,7 @@ impl StateAnswer {
 }
 
 impl DistanceAnswer {
-    /// Names are sorted, and the witness points with them.
+    /// Sorts the names, and the witness points with them.
     fn new(report: &CollisionReport, checker: &CollisionChecker) -> Self {
         let nearest = report.nearest;
         Self {
@@ -291,7 +291,7 @@ fn sorted_names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> [String; 2]
     names
 }
 
-/// A line a state, and a summary.
+/// One line per state, and a summary.
 fn text(answer: &Answer) -> String {
     let mut lines: Vec<String> =
         (answer.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r)).collect();

@@ -1,4 +1,4 @@
-//! `clearance` alone: the node on a robot, a world and a motion that the program carries, and a live table.
+//! `clearance` without a command: runs the node with a built-in robot, world and motion, and shows a live table.
 
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,11 +34,11 @@ const MESHES: &[(&str, &[u8])] = meshes! {
     "meshes/link5.stl" "meshes/link6.stl" "meshes/link7.stl" "meshes/hand.stl" "meshes/finger.stl"
 };
 
-/// Runs the demo until it is told to end.
+/// Runs the demo until it is stopped.
 pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     node::logging::start(level);
     let startup = Startup::begin(Parameters::default().memory_limit).map_err(failure)?;
-    // a demo must not be seen, or disturb anything, on other machines
+    // the demo must be invisible to other machines and must not disturb them
     let environment =
         Environment { reach: Reach::Localhost, ..Environment::of_process().map_err(Failure::input)? };
     let announcement = announce(environment, ThreadPriority::Normal)?;
@@ -57,7 +57,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         let (latest, ended) = (latest.clone(), Arc::clone(&ended));
         move || {
             announce_view();
-            // the receiver is below
+            // cannot fail: the receiver exists below
             let _ = started.send(Table::start(latest, ended, domain));
         }
     };

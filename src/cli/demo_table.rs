@@ -1,4 +1,4 @@
-//! The live table of the demo: what the node says, for eyes.
+//! Live table of the demo: shows the results of the node in the terminal.
 
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,17 +10,17 @@ use clearance::monitor::Evaluation;
 use clearance::node;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Time between two looks at a table in a terminal.
+/// Refresh period of the table.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// The last evaluation, and how many there were.
+/// The last evaluation, and the number of evaluations.
 #[derive(Clone, Default)]
 pub struct Latest(Arc<Mutex<Seen>>);
 
 #[derive(Clone, Default)]
 struct Seen {
     evaluation: Option<Evaluation>,
-    /// Checks since the start, and the time they took.
+    /// Number of checks since the start, and their total time.
     checks: u32,
     compute_time: Duration,
 }
@@ -43,14 +43,14 @@ impl Latest {
     }
 }
 
-/// What one look at the node shows.
+/// Content of the table at one time.
 struct Row {
     status: &'static str,
-    /// Why the status is UNKNOWN.
+    /// Reason for the status UNKNOWN.
     reason: String,
     nearest: String,
     distance: String,
-    /// Joint states judged per second.
+    /// Joint states evaluated per second.
     rate: f64,
     /// Mean time of a check (µs).
     microseconds: f64,
@@ -58,7 +58,7 @@ struct Row {
 }
 
 impl Row {
-    /// What changed from `before` to `now` in `interval`.
+    /// Difference between `before` and `now`, `interval` apart.
     fn new(before: &Seen, now: &Seen, interval: Duration) -> Self {
         let checks = f64::from(now.checks.wrapping_sub(before.checks));
         let compute_time = now.compute_time.saturating_sub(before.compute_time);
@@ -86,7 +86,7 @@ impl Row {
     }
 }
 
-/// The thread that draws.
+/// Thread that draws the table.
 pub struct Table(JoinHandle<()>);
 
 impl Table {
@@ -102,14 +102,14 @@ impl Table {
         }))
     }
 
-    /// Waits until the last line is written.
+    /// Waits until the last line is printed.
     pub fn finish(self) {
-        // a table that failed took nothing with it
+        // a panic of the table's thread is ignored
         let _ = self.0.join();
     }
 }
 
-/// Turns off the terminal's echo of control keys while it exists: `^C` at the end of a line would begin a new one below the table.
+/// Turns off the terminal's echo of control keys during its lifetime: `^C` at the end of a line would start a new line below the table.
 struct HiddenControlKeys {
     #[cfg(unix)]
     before: Option<nix::sys::termios::Termios>,
@@ -128,7 +128,8 @@ impl HiddenControlKeys {
         Self { before }
     }
 
-    /// In the background this would stop the process (`SIGTTOU`). A terminal that keeps its echo only looks worse.
+    /// Only in the foreground: in the background, the change would stop the process (`SIGTTOU`). If the echo stays on, only the display
+    /// suffers.
     fn set(settings: &nix::sys::termios::Termios) {
         use nix::sys::termios::{SetArg, tcsetattr};
         if nix::unistd::tcgetpgrp(std::io::stdout()) == Ok(nix::unistd::getpgrp()) {
@@ -169,7 +170,7 @@ fn hints(domain: u16) -> Vec<String> {
     hints
 }
 
-/// The last second of the node, as rates need some time to be counted.
+/// Sliding window over the last second, from which the rates are computed.
 struct Window {
     begin: (Instant, Seen),
     next: (Instant, Seen),
@@ -199,7 +200,7 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         line.with_prefix(label)
     };
     for hint in hints {
-        // a terminal that can not be written to is no reason to end
+        // a terminal that cannot be written to must not end the demo
         drop(table.println(hint));
     }
     drop(table.println(""));
@@ -222,7 +223,7 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         check.set_message(format!("{:.0} µs, {} pairs", row.microseconds, row.pairs));
         thread::sleep(REFRESH);
     }
-    // the last state stays on the screen as it is
+    // the last state stays visible
     table.set_draw_target(ProgressDrawTarget::hidden());
     for line in &lines {
         line.abandon();
@@ -231,7 +232,7 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
 }
 
 fn style(template: &str) -> ProgressStyle {
-    // the templates stand above; one that did not parse would show the plain message
+    // the templates are constants in this file; an invalid one would show the plain message
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
 }
 
@@ -239,7 +240,7 @@ fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let mut out = std::io::stdout();
     let mut say = |line: &str| {
         if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
-            // whoever read the demo has gone
+            // the reader of the output has gone
             std::process::exit(0);
         }
     };

@@ -1,4 +1,4 @@
-//! `clearance doctor`: what is wrong here, in clear lines.
+//! `clearance doctor`: reports the faults of this machine and its ROS network, one line each.
 
 use std::process::ExitCode;
 use std::time::Duration;

@@ -1,23 +1,23 @@
-//! Why a command ended without an answer.
+//! Reasons for which a command ended without a result.
 
 use std::borrow::Cow;
 use std::process::ExitCode;
 
 use clearance::readable_text::on_one_line;
 
-/// Longest line (characters) of a message.
+/// Maximum length (characters) of one line of a message.
 const LONGEST_LINE: usize = 4000;
 
-/// A failure and the exit code it means.
+/// A failure, which determines the exit code.
 #[derive(Debug)]
 pub enum Failure {
-    /// Something the user gave is wrong: exit code 2. One line.
+    /// Invalid user input: exit code 2. One line.
     Input(String),
-    /// The same with a line for each fault.
+    /// Invalid user input with several faults, one line each: exit code 2.
     Faults(Vec<String>),
-    /// Something here is wrong: exit code 3.
+    /// Internal error: exit code 3.
     Internal(String),
-    /// The process took more memory than it may: exit code 5.
+    /// The process exceeded its memory limit: exit code 5.
     OutOfMemory(String),
 }
 
@@ -48,7 +48,7 @@ impl std::fmt::Display for Failure {
     }
 }
 
-/// The message on one line that has an end: what inputs hold must not flood a terminal, or be obeyed by it.
+/// The message on one line of limited length: input must not flood a terminal or control it.
 fn line(message: &str) -> Cow<'_, str> {
     let message = on_one_line(message);
     match message.char_indices().nth(LONGEST_LINE) {

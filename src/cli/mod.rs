@@ -1,4 +1,4 @@
-//! What the `clearance` program does when it is called.
+//! Commands of the `clearance` program.
 //!
 //! Exit codes: 0 everything asked about is free; 1 answered, and something is not free; 2 bad input; 3 internal error.
 //! The node also has 4: ended by a signal, before its orderly end was complete.
@@ -78,7 +78,7 @@ enum Command {
     Replay(replay::ReplayArgs),
 }
 
-/// Runs the program; everything that goes wrong is one message on stderr.
+/// Runs the program. Every error is printed as one message on stderr.
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -93,7 +93,7 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Says what is wrong with the command line: in one line where the mistake is a known one.
+/// Prints the error of the command line, on one line for frequent mistakes.
 fn reject(error: &clap::Error) -> ExitCode {
     let stray = match (error.kind(), error.get(ContextKind::InvalidArg)) {
         (ErrorKind::UnknownArgument, Some(ContextValue::String(stray))) => Some(stray),
@@ -156,7 +156,7 @@ fn log_to_stderr(level: LevelFilter) {
     }
 }
 
-/// Log lines with nothing in them that a terminal obeys: names in inputs may hold anything.
+/// Logger that escapes terminal control characters: names in the input may contain them.
 struct Readable(env_logger::Logger);
 
 impl log::Log for Readable {

@@ -1,4 +1,4 @@
-//! The arguments that name a robot and a world, and what they load.
+//! Command line arguments for the robot and the world, and functions to load them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl ModelArgs {
         Ok(robot)
     }
 
-    /// Loads the robot; its warnings are the caller's to tell.
+    /// Loads the robot. The caller must report its warnings.
     pub fn load_quietly(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
         let urdf =
             (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
@@ -107,7 +107,7 @@ impl ModelArgs {
         })
     }
 
-    /// Where the meshes of scene files are looked up.
+    /// Lookup of the meshes of scene files.
     pub fn mesh_files(&self) -> MeshFiles {
         let files = (self.package_path.iter())
             .fold(MeshFiles::default(), MeshFiles::with_package_path)
@@ -119,7 +119,7 @@ impl ModelArgs {
         }
     }
 
-    /// The checker's settings as these arguments say.
+    /// Settings of the checker from these arguments.
     pub fn settings(&self) -> Settings {
         Settings {
             padding: self.padding.unwrap_or(0.0),
@@ -141,7 +141,7 @@ impl WorldArgs {
         })
     }
 
-    /// As [`Self::load`], with `read` in place of the files themselves.
+    /// Like [`Self::load`], but reads files with `read`.
     pub fn load_with(
         &self,
         robot: &RobotModel,
@@ -179,10 +179,10 @@ impl WorldArgs {
     }
 }
 
-/// What a file has to hold, for those that hold something else.
+/// Required content of a file, for error messages about other content.
 const WORLDS: &str = " (a world is the YAML of a MoveIt planning scene, MoveIt's .scene text, an octomap in .bt or .ot, or a PCD or PLY)";
 
-/// Kind of a file by its extension, if it is no description of a robot.
+/// Kind of a file by its extension, if it is not a robot description.
 fn other_kind(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     Some(match extension.as_str() {
@@ -194,7 +194,7 @@ fn other_kind(path: &Path) -> Option<&'static str> {
     })
 }
 
-/// Kind of a file that was given as a world: a robot or a mesh.
+/// Kind of a file that was wrongly given as a world: a robot or a mesh.
 fn not_a_world(bytes: &[u8], path: &Path) -> Option<&'static str> {
     let is_mesh = ["stl", "dae", "obj", "glb", "gltf"];
     let extension = path.extension().unwrap_or_default();
@@ -222,7 +222,7 @@ fn is_yaml(path: &Path) -> bool {
     ["yaml", "yml", "json"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// A checker from arguments; says what is wrong with meshes that are to be solid.
+/// Checker from the arguments. Logs defects of meshes that should be solid.
 pub fn checker(robot: RobotModel, scene: &Scene, settings: Settings) -> Result<CollisionChecker, Failure> {
     let settings = settings.with_scene(scene);
     warn_of_meshes(&robot, &scene.world, &settings);
@@ -235,7 +235,7 @@ pub fn checker(robot: RobotModel, scene: &Scene, settings: Settings) -> Result<C
     )
 }
 
-/// Logs what is wrong with meshes that are to be solid.
+/// Logs defects of meshes that should be solid.
 pub fn warn_of_meshes(robot: &RobotModel, world: &World, settings: &Settings) {
     if settings.mesh_model == MeshModel::Solid {
         for remark in clearance::checker::solid_mesh_remarks(robot, world) {

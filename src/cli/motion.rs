@@ -1,4 +1,4 @@
-//! `clearance motion`: ways in, proofs or contacts out.
+//! `clearance motion`: reads motions, reports proofs or contacts.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -65,7 +65,7 @@ enum Order {
     Any,
 }
 
-/// The JSON answer.
+/// Output in JSON format.
 #[derive(Serialize)]
 struct Answer {
     robot: String,
@@ -85,19 +85,19 @@ struct WayAnswer {
     t: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pair: Option<[String; 2]>,
-    /// A common point (root frame) at the second t.
+    /// Common point of the pair (root frame) at the second t.
     #[serde(skip_serializing_if = "Option::is_none")]
     witness_point: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     distance: Option<[Option<f64>; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
-    /// Of a trajectory: which straight or bent piece it is about, and seconds from the start.
+    /// For a trajectory: index of the straight or curved segment that the result is about; and time in seconds from the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     segment: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<[f64; 2]>,
-    /// The continuous joints that turn, through all positions from the first to the last.
+    /// The continuous joints that turn. They move through all positions from the first to the last.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     turns: Vec<TurnAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -113,7 +113,7 @@ struct TurnAnswer {
     to: f64,
 }
 
-/// A capsule: all points within `radius` of the line from `a` to `b`.
+/// Capsule: all points within `radius` of the line segment from `a` to `b`.
 #[derive(Serialize)]
 struct SweptVolumeAnswer {
     link: String,
@@ -137,7 +137,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
         return Err(Failure::Input(format!("--certificate is for one way, but {count} are given")));
     }
     if let Some(path) = &args.certificate {
-        // before the work that it would be the result of
+        // checked before the work whose result is written there
         input_files::check_target(path).map_err(Failure::input)?;
     }
     if checker.pairs().is_empty() {
@@ -199,14 +199,14 @@ impl MotionArgs {
         })
     }
 
-    /// The options for a way that is begun now.
+    /// Options for a check that starts now.
     fn starting_now(&self, options: &MotionOptions) -> MotionOptions {
         let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
         MotionOptions { deadline: span.and_then(|span| Instant::now().checked_add(span)), ..options.clone() }
     }
 }
 
-/// A warning about the first of the ways in which a continuous joint turns far, and how many others there are.
+/// Warning about the first motion in which a continuous joint turns far, and the number of further ones.
 fn long_turn_note(ways: &[Trajectory], robot: &RobotModel) -> Option<String> {
     let mut notes = ways.iter().enumerate().filter_map(|(i, way)| Some((i, way.long_turn_note(robot)?)));
     let (i, note) = notes.next()?;
@@ -218,7 +218,7 @@ fn long_turn_note(ways: &[Trajectory], robot: &RobotModel) -> Option<String> {
     Some(format!("{which}{note}{others}"))
 }
 
-/// One report a way, in the ways' order, for any number of threads.
+/// One report per motion, in the order of the motions, independent of the number of threads.
 fn check_all(
     checker: &CollisionChecker,
     ways: &[Trajectory],
@@ -255,9 +255,9 @@ fn time_passes(
     })
 }
 
-/// Removes the file that a certificate is to replace: whatever keeps this proof from being written, no older one stands for it.
+/// Removes the file that the certificate will replace: if writing fails, no older certificate must remain in its place.
 fn remove_old_certificate(path: &Path) -> Result<(), Failure> {
-    // standard output is no file to remove, wherever it goes
+    // standard output must not be removed, wherever it leads
     let is_device = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
     let Ok(file) = path.canonicalize() else { return Ok(()) };
     if is_device || !file.is_file() {
@@ -266,7 +266,7 @@ fn remove_old_certificate(path: &Path) -> Result<(), Failure> {
     std::fs::remove_file(&file).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
 }
 
-/// The certificate of the only way, if it is free.
+/// Writes the certificate of the single motion, if it is free.
 fn write_certificate(
     checker: &CollisionChecker,
     way: &Trajectory,
@@ -323,7 +323,7 @@ impl WayAnswer {
             names
         };
         let free = report.is_free();
-        // not of the parts that moving obstacles cut it into
+        // index in the given trajectory, not in the parts into which moving obstacles split it
         let origin = |t: f64| way.origin(report.segment, t);
         let mut answer = Self {
             verdict: verdict_name(&report.verdict),
@@ -359,7 +359,7 @@ impl WayAnswer {
             if self.verdict == "free" { "free, proven".to_owned() } else { self.verdict.to_uppercase() };
         let pair = self.pair.as_ref().map_or_else(String::new, |[a, b]| format!(": {a} – {b}"));
         let when = self.t.map_or_else(String::new, |[lo, hi]| match self.verdict {
-            // in any order nothing before is looked at
+            // with the order "any", nothing before the contact is checked
             "contact" if lo == 0.0 && hi > 0.0 => format!(", colliding at t = {hi:.6}"),
             "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
             _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
@@ -373,7 +373,7 @@ impl WayAnswer {
     }
 }
 
-/// A line a way, and a summary.
+/// One line per motion, and a summary.
 fn text(answer: &Answer) -> String {
     let mut lines: Vec<String> =
         (answer.results.iter().enumerate()).map(|(i, r)| format!("motion {i}: {}", r.text())).collect();

@@ -1,4 +1,4 @@
-//! `clearance node`: joint states in, collisions and distances out.
+//! `clearance node`: receives joint states, publishes collisions and distances.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -46,7 +46,7 @@ pub struct NodeArgs {
     ros_args: Vec<String>,
 }
 
-/// Runs the node until it is told to end.
+/// Runs the node until it is stopped.
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
     node::logging::start(arguments.log_level.unwrap_or(level));
@@ -82,12 +82,12 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Announces the node, before anything that takes time.
+/// Announces the node on the network, before any work that takes time.
 pub fn announce(environment: Environment, priority: ThreadPriority) -> Result<Announcement, Failure> {
     Announcement::make(environment, priority).map_err(|error| failure(error.into()))
 }
 
-/// Which exit code a failed node means.
+/// Maps a node's error to a failure with its exit code.
 pub fn failure(error: NodeError) -> Failure {
     match error {
         NodeError::Input(message) => Failure::Input(message),
@@ -97,7 +97,7 @@ pub fn failure(error: NodeError) -> Failure {
 }
 
 impl NodeArgs {
-    /// What stands after --ros-args, preceded by what the other arguments say about parameters.
+    /// Arguments after --ros-args, preceded by the parameters from the other arguments.
     fn ros_arguments(&self) -> Result<RosArguments, Failure> {
         let mut arguments = RosArguments::parse(&self.ros_args).map_err(Failure::input)?;
         let files = self.params_file.iter().cloned().map(ParameterSource::File);

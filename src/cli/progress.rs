@@ -1,11 +1,11 @@
-//! A progress bar on stderr for work over a second, and only on a terminal.
+//! Progress bar on stderr for work that takes more than a second; only on a terminal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Counts finished pieces of work; shows itself once the work has taken a second.
+/// Counts finished work items. It becomes visible after one second of work.
 pub struct Progress {
     bar: ProgressBar,
     start: Instant,

@@ -1,4 +1,4 @@
-//! `clearance replay`: a recording of the node, run again without a network.
+//! `clearance replay`: runs a recording of the node again, without a network.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -14,7 +14,7 @@ use super::failure::Failure;
 use super::model::{MeshArg, ModelArgs, UnknownSpace, WorldArgs};
 use super::run_args::{Format, internal, print_line};
 
-/// Answers before the one that differs that a test keeps: as few as show the same.
+/// Number of results before the different one to keep in a test; the smallest that reproduces the difference is used.
 const KEPT: [u64; 4] = [1, 10, 100, u64::MAX];
 
 /// Every answer must be what it was, bit for bit, but for the time that it took.
@@ -35,7 +35,7 @@ pub struct ReplayArgs {
     format: Format,
 }
 
-/// What of the command line a recording holds: names of files, which are attached to it.
+/// Command line arguments in a recording: names of files, which are attached to it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct GivenFiles {
@@ -100,7 +100,7 @@ fn tell(file: &Path, outcome: &Outcome) -> Result<(), Failure> {
     print_line(&format!("{file}: {same} answers are as recorded"))
 }
 
-/// Saves the part of a recording that shows the difference.
+/// Saves the part of a recording that reproduces the difference.
 fn save_test(file: &Path, folder: &Path, outcome: &Outcome) -> Result<PathBuf, Failure> {
     let refused = |error: std::io::Error| Failure::Input(format!("{}: {error}", folder.display()));
     let Some(difference) = &outcome.difference else {
@@ -141,17 +141,17 @@ impl GivenFiles {
     }
 
     pub fn to_json(&self) -> Json {
-        // paths that are no UTF-8 have no names in a recording
+        // paths that are not UTF-8 have no names in a recording
         serde_json::to_value(self).unwrap_or_default()
     }
 
-    /// All files that are named.
+    /// All files in the arguments.
     pub fn all(&self) -> Vec<PathBuf> {
         (self.urdf.iter()).chain(&self.srdf).chain(&self.world).chain(&self.cloud).cloned().collect()
     }
 }
 
-/// What the node was given, out of the recording alone.
+/// Prepares the node's input from the recording alone.
 fn prepare(archive: Archive) -> Result<Prepared, String> {
     let given: GivenFiles = serde_json::from_value(archive.given.clone())
         .map_err(|error| format!("what the node was given is no such thing of this version: {error}"))?;

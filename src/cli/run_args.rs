@@ -1,4 +1,4 @@
-//! What `check` and `motion` share: which pairs, how many threads, how the answer is written.
+//! Arguments that `check` and `motion` share: selection of pairs, number of threads, output format.
 
 use clap::Args;
 use clearance::checker::CollisionChecker;
@@ -44,7 +44,7 @@ pub enum Format {
     Json,
 }
 
-/// Work over all inputs.
+/// Counters of the work on all inputs.
 #[derive(Serialize)]
 pub struct Stats {
     volume_tests: u64,
@@ -53,7 +53,7 @@ pub struct Stats {
 }
 
 impl PairArgs {
-    /// The checker of a robot in its world, of these pairs.
+    /// Checker of a robot in its world, for the selected pairs.
     pub fn checker(self, model: &ModelArgs, world: &WorldArgs) -> Result<CollisionChecker, Failure> {
         let robot = model.load()?;
         let loaded = world.load(&robot, &model.mesh_files())?;
@@ -64,7 +64,7 @@ impl PairArgs {
 }
 
 impl RunArgs {
-    /// A pool of as many threads as were asked for, and no more than there are inputs.
+    /// Thread pool of the requested size, but without more threads than inputs.
     pub fn pool(&self, inputs: usize) -> Result<rayon::ThreadPool, Failure> {
         let threads = usize::from(self.threads).min(inputs.max(1));
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(internal)
@@ -82,13 +82,13 @@ impl Stats {
     }
 }
 
-/// A number that an option needs to be finite and more than zero.
+/// Checks that the value of an option is finite and positive.
 pub fn positive(name: &str, value: f64) -> Result<f64, Failure> {
     let sound = value.is_finite() && value > 0.0;
     sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be more than zero")))
 }
 
-/// Writes to stdout; a reader that went away is no fault of ours.
+/// Writes to stdout. A closed pipe is not an error.
 pub fn print_line(line: &str) -> Result<(), Failure> {
     use std::io::Write;
     match writeln!(std::io::stdout().lock(), "{line}") {

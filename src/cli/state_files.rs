@@ -1,4 +1,4 @@
-//! Files of states: CSV, JSON, or the YAML of ROS's messages.
+//! Reads files of states: CSV, JSON, or the YAML of ROS messages.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,13 +6,13 @@ use std::sync::Arc;
 use clearance::robot::RobotModel;
 use clearance::scene::{NamedState, StateList};
 
-/// The accepted formats, for the error about any other.
+/// Accepted formats, for the error about other formats.
 const STATES: &str = concat!(
     r#"states are JSON {"joints": [...], "states": [[...], ...]}, the YAML of a sensor_msgs/JointState or moveit_msgs/RobotState, "#,
     "or CSV with a header of joint names in FILE.csv"
 );
 
-/// The states of a text; the extension of the file tells whether it is CSV.
+/// Parses states from a text; the file extension determines whether it is CSV.
 pub fn read(path: &Path, text: &str, robot: &RobotModel) -> Result<StateList, String> {
     if (path.extension()).is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
         let states = from_csv(text, robot)?;
@@ -26,7 +26,7 @@ fn from_csv(text: &str, robot: &RobotModel) -> Result<Vec<NamedState>, String> {
     if text.trim().is_empty() {
         return Err(format!("it is empty: {}", header_of(robot)));
     }
-    // short and long lines get a message below
+    // records that are too short or too long get an error message below
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
@@ -51,7 +51,7 @@ fn from_csv(text: &str, robot: &RobotModel) -> Result<Vec<NamedState>, String> {
     Ok(states)
 }
 
-/// The line of a record, from 1. The reader's own count is that of the blank lines before it.
+/// Line number of a record, starting at 1. The reader's own number is the one before any blank lines.
 fn line_of(record: &csv::StringRecord, text: &str) -> usize {
     let byte = record.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
     let (before, rest) = text.split_at_checked(byte).unwrap_or((text, ""));
@@ -59,7 +59,7 @@ fn line_of(record: &csv::StringRecord, text: &str) -> usize {
     1 + before.matches('\n').count() + blank.matches('\n').count()
 }
 
-/// The first line must name joints, separated by commas.
+/// Checks that the first line contains joint names, separated by commas.
 fn check_header(header: &csv::StringRecord, robot: &RobotModel) -> Result<(), String> {
     let is_number = |field: &str| field.parse::<f64>().is_ok() && !is_name(field, robot);
     if header.iter().any(|field| field == "%time" || field.starts_with("field.")) {
@@ -71,7 +71,7 @@ fn check_header(header: &csv::StringRecord, robot: &RobotModel) -> Result<(), St
     if header.iter().all(is_number) {
         return Err(format!("line 1 has numbers only: {}", header_of(robot)));
     }
-    // a name may be missing, but none is a number
+    // a name may be empty, but it is never a number
     if let Some(number) = header.iter().find(|field| is_number(field)) {
         return Err(format!(
             "line 1 has the number {} where joints are named: {} (`ros2 topic echo --csv` and `rostopic echo -p` write none that names joints: \
@@ -98,7 +98,7 @@ fn is_name(field: &str, robot: &RobotModel) -> bool {
     robot.joint_by_name(field).is_some() || robot.position_names().iter().any(|name| name == field)
 }
 
-/// A word about fields that hold another separator than the comma.
+/// Hint about fields that contain another separator than the comma.
 fn separator_hint(record: &csv::StringRecord, robot: &RobotModel) -> Option<String> {
     let fields = || record.iter().filter(|field| !is_name(field, robot));
     let separator = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars"), (' ', "blanks")]

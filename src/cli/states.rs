@@ -1,4 +1,4 @@
-//! States to check: from a file, or from the command line.
+//! Reads states to check from a file or from the command line.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::assignments;
 use super::failure::Failure;
 use super::state_files;
 
-/// What a file has to hold, for those that hold something else.
+/// Required content of a file, for error messages about other content.
 const EDGES: &str = r#"edges are JSON {"joints": [...], "edges": [[[...], [...]], ...]}"#;
 
 #[derive(Deserialize)]
@@ -23,9 +23,9 @@ struct EdgesText {
     edges: Vec<[Vec<f64>; 2]>,
 }
 
-/// States of `robot` from a file: JSON, the YAML of ROS's messages, or CSV with a header of joint names.
+/// Reads states of `robot` from a file: JSON, the YAML of ROS messages, or CSV with a header of joint names.
 ///
-/// Joints that are not given take their default. Mimic joints follow; a value of one moves its leader.
+/// Joints without a value take their default. Mimic joints follow their leader; the value of a mimic joint sets its leader.
 pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
@@ -38,7 +38,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
         return Err(bad(&"there are no states"));
     }
     let rest = robot.default_configuration();
-    // rows of a table share their names
+    // the rows of a table share their joint names
     let mut resolved: Option<(&Arc<[String]>, NamedJoints)> = None;
     let mut configurations = Vec::with_capacity(states.len());
     let mut given = vec![0; rest.positions().len()];
@@ -60,7 +60,7 @@ pub fn from_file(path: &Path, robot: &RobotModel) -> Result<Vec<Configuration>, 
     Ok(configurations)
 }
 
-/// A warning about joints that some states give and others do not; `given` counts, by position, the states that do.
+/// Warning about joints that only some states contain; `given` is the number of states that contain each position.
 fn partial_states_note(
     robot: &RobotModel,
     given: &[usize],
@@ -87,14 +87,14 @@ fn partial_states_note(
     ))
 }
 
-/// One state from text such as `"j1=0.1 j2=-1.2"`; blanks or commas between the joints.
+/// Parses one state such as `"j1=0.1 j2=-1.2"`; joints are separated by blanks or commas.
 pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Configuration, Failure> {
     let named = assignments::parse(argument, text)?;
     robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
 }
 
-/// A tolerance for each position: one number for all joints, or joints by name and zero for the rest. A tolerance of a mimic joint counts for
-/// its leader.
+/// Tolerance for each position: one number for all joints, or values by joint name and zero for the others. A tolerance of a mimic joint
+/// applies to its leader.
 pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
     let tube = if let Ok(all) = text.trim().parse::<f64>() {
         robot.uniform_tolerances(all)
@@ -106,7 +106,7 @@ pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failur
     tube.map_err(|e| Failure::Input(format!("--tube: {e}")))
 }
 
-/// Edges of `robot` from a file: `{"joints": [...], "edges": [[[...], [...]], ...]}`.
+/// Reads edges of `robot` from a file: `{"joints": [...], "edges": [[[...], [...]], ...]}`.
 pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configuration; 2]>, Failure> {
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
@@ -128,7 +128,7 @@ pub fn edges_from_file(path: &Path, robot: &RobotModel) -> Result<Vec<[Configura
     (edges.iter().enumerate()).map(|(i, [from, to])| Ok([end(i, from)?, end(i, to)?])).collect()
 }
 
-/// JSON is read faster; its faults are those of JSON.
+/// The JSON parser is tried first, because it is faster. For text that starts with a brace, the error is the one from this parser.
 fn read_edges(text: &str) -> Result<EdgesText, String> {
     serde_json::from_str(text).or_else(|error| {
         let is_json = text.trim_start().starts_with('{');

@@ -1,9 +1,9 @@
-//! Timed passes over the same inputs.
+//! Measures passes over the same inputs.
 
 use cpu_time::ThreadTime;
 use serde::Serialize;
 
-/// Thread CPU time a piece of work, best and median over the passes.
+/// Thread CPU time per work item: minimum and median over the passes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timing {
     pub passes: u32,

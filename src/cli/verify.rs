@@ -1,4 +1,4 @@
-//! `clearance verify`: is a certificate a proof, and of which motion?
+//! `clearance verify`: checks whether a certificate is a proof, and for which motion.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -57,7 +57,7 @@ pub struct VerifyArgs {
     format: Format,
 }
 
-/// Exit code 0: it is a proof; 1: it is none, and why.
+/// Exit code 0: the certificate is a proof; 1: it is not, and the reason is printed.
 pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     let robot = args.model.load()?;
     let scene = args.world.load(&robot, &args.model.mesh_files())?;
@@ -117,7 +117,7 @@ impl VerifyArgs {
         })
     }
 
-    /// Obstacles do not move unless the user knows of it.
+    /// Rejects moving obstacles that the user has not declared.
     fn check_obstacles(&self, certificate: &Certificate) -> Result<(), Failure> {
         if self.moving_obstacles || self.way.is_given() {
             return Ok(());
@@ -132,7 +132,7 @@ impl VerifyArgs {
     }
 }
 
-/// The input that the answer describes.
+/// The input that the output describes.
 struct Told<'t> {
     robot: &'t RobotModel,
     settings: &'t Settings,

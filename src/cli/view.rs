@@ -16,18 +16,18 @@ pub struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// Whether a view was asked for.
+    /// Whether a view was requested.
     pub fn is_given(self) -> bool {
         self.view.is_some()
     }
 
-    /// Opens the view, if it was asked for. Nothing is said about it: the node may not start.
+    /// Opens the view, if one was requested. Does not print its address yet, because the node may fail to start.
     pub fn open(self) -> Result<Option<View>, Failure> {
         let address = self.view.as_ref();
         address.map(|address| View::open(address).map_err(Failure::input)).transpose()
     }
 
-    /// Says where an open view is, once it has something to show.
+    /// Returns a function that prints the address of an open view. It is called when the view has data to show.
     pub fn announcement(self, view: Option<&View>) -> impl FnOnce() + Send + use<> {
         let url = view.map(|view| view.url().to_owned());
         let is_private = self.view.is_none_or(|address| address.is_private());

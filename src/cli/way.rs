@@ -1,4 +1,4 @@
-//! The arguments that name a motion: `motion` checks it, `verify` expects it.
+//! Command line arguments that define a motion: `motion` checks it, `verify` expects it.
 
 use std::path::{Path, PathBuf};
 
@@ -71,7 +71,7 @@ struct InputArgs {
 }
 
 impl WayArgs {
-    /// Whether a motion is given.
+    /// Whether the arguments contain a motion.
     pub fn is_given(&self) -> bool {
         let InputArgs { edges, trajectory, from } = &self.input;
         edges.is_some() || trajectory.is_some() || from.is_some()
@@ -81,22 +81,22 @@ impl WayArgs {
         self.input.trajectory.is_some()
     }
 
-    /// Whether a file says how obstacles move.
+    /// Whether a file defines moving obstacles.
     pub fn moves_obstacles(&self) -> bool {
         self.moving.is_some()
     }
 
-    /// Whether continuous joints go another way than as given.
+    /// Whether continuous joints move in another direction than given.
     pub fn directs_joints(&self) -> bool {
         self.continuous != Continuous::AsGiven
     }
 
-    /// The tolerance (rad, m) of each position, if one is given.
+    /// Tolerance (rad, m) of each position, if one is given.
     pub fn tube(&self, robot: &RobotModel) -> Result<Option<Vec<f64>>, Failure> {
         self.tube.as_ref().map(|text| states::tube_from_text(text, robot)).transpose()
     }
 
-    /// The ways with the obstacles that move meanwhile.
+    /// The motions with the moving obstacles.
     pub fn with_obstacles(&self, ways: &[Trajectory], world: &World) -> Result<Vec<Trajectory>, Failure> {
         let Some(path) = &self.moving else { return Ok(ways.to_vec()) };
         let file = path.display();
@@ -113,7 +113,7 @@ impl WayArgs {
         }
     }
 
-    /// The ends of a straight way between which continuous joints go the way that is asked for.
+    /// End points of a straight motion, adapted to the requested direction of the continuous joints.
     fn directed(&self, robot: &RobotModel, ends: [Configuration; 2]) -> Result<[Configuration; 2], Failure> {
         if self.continuous == Continuous::AsGiven {
             return Ok(ends);
@@ -126,7 +126,7 @@ impl WayArgs {
         }
     }
 
-    /// The motions of the robot: each way as a trajectory.
+    /// The motions of the robot, each as a trajectory.
     pub fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
         let straight = |ends: [Configuration; 2]| {
             let [from, to] = self.directed(robot, ends)?;

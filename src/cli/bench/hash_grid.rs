@@ -1,5 +1,5 @@
-//! A hash grid (Teschner, Heidelberger, Müller, Pomeranets & Gross 2003, *Optimized spatial hashing*): boxes by the cells that
-//! they lie in.
+//! Hash grid (Teschner, Heidelberger, Müller, Pomeranets & Gross 2003, *Optimized spatial hashing*): stores boxes in the grid cells that
+//! they overlap.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use clearance::bvh::AxisBox;
 
 use super::structures::{BroadPhase, overlap};
 
-/// A box in more cells than these is in a list of its own.
+/// Maximum number of cells of a box; boxes with more are stored in a separate list.
 const MOST_CELLS: usize = 512;
 
 type Cell = [i32; 3];
@@ -16,11 +16,11 @@ pub struct HashGrid {
     /// Edge of a cell (m).
     edge: f32,
     cells: HashMap<Cell, Vec<u32>>,
-    /// Those in too many cells.
+    /// Items that overlap too many cells.
     large: Vec<u32>,
-    /// By item.
+    /// Box of each item.
     boxes: Vec<Option<AxisBox>>,
-    /// By item: the last search that saw it.
+    /// Number of the last search that found each item.
     seen: Vec<u32>,
     search: u32,
 }
@@ -31,7 +31,7 @@ impl BroadPhase for HashGrid {
     fn build(items: &[(u32, AxisBox)]) -> Self {
         let mut sizes: Vec<f32> = items.iter().map(|(_, bounds)| bounds.girth() / 3.0).collect();
         sizes.sort_by(f32::total_cmp);
-        // as large as most of what is in it
+        // the cell size matches most of the boxes
         let edge = sizes.get(sizes.len() / 2).map_or(0.1, |median| (2.0 * median).max(0.01));
         let (boxes, seen) = (Vec::new(), Vec::new());
         let mut grid = Self { edge, cells: HashMap::new(), large: Vec::new(), boxes, seen, search: 0 };
@@ -91,7 +91,7 @@ impl HashGrid {
     }
 }
 
-/// The cells that a box lies in, unless they are more than `most`.
+/// Cells that a box overlaps; `None` if there are more than `most`.
 fn cells_within(edge: f32, bounds: &AxisBox, most: usize) -> Option<impl Iterator<Item = Cell> + use<>> {
     #[expect(clippy::cast_possible_truncation, reason = "beyond 32 bits all is one cell")]
     let number = |x: f32| (x / edge).floor() as i32;

@@ -1,4 +1,4 @@
-//! `clearance bench`: what a check costs with this robot in this world on this machine, and how its broad phase compares.
+//! `clearance bench`: measures the time of a check with this robot, world and machine, and compares broad phase structures.
 
 mod hash_grid;
 mod scatter;
@@ -23,7 +23,7 @@ use hash_grid::HashGrid;
 use structures::{BroadPhase, Tree, overlap};
 use sweep_and_prune::SweepAndPrune;
 
-/// Passes of which the fastest counts.
+/// Number of passes; the fastest one counts.
 const PASSES: u32 = 5;
 
 #[derive(Args)]
@@ -52,7 +52,7 @@ pub struct BenchArgs {
     format: Format,
 }
 
-/// The JSON answer; times are thread CPU time, the best of some passes.
+/// Output in JSON format. Times are thread CPU time, the best of several passes.
 #[derive(Serialize)]
 struct Answer {
     robot: String,
@@ -63,15 +63,15 @@ struct Answer {
 #[derive(Serialize)]
 struct WorldAnswer {
     obstacles: usize,
-    /// Around them, or around their pieces where they are large.
+    /// Number of bounding boxes: one per obstacle, or one per piece of a large obstacle.
     boxes: usize,
-    /// Share of the states.
+    /// Fraction of the states that are free.
     free: f64,
-    /// Whether a state is free (µs a state).
+    /// Time of the boolean query (µs per state).
     boolean_us: f64,
-    /// Its least distance up to 1 m (µs a state).
+    /// Time of the minimum distance query with a limit of 1 m (µs per state).
     distance_us: f64,
-    /// Pairs of a part and an obstacle whose boxes overlap (a state).
+    /// Pairs of a robot part and an obstacle whose boxes overlap (per state).
     overlaps: f64,
     broad_phases: Vec<BroadPhaseAnswer>,
 }
@@ -79,13 +79,13 @@ struct WorldAnswer {
 #[derive(Serialize)]
 struct BroadPhaseAnswer {
     name: &'static str,
-    /// Building it from all boxes (µs).
+    /// Time to build the structure from all boxes (µs).
     build_us: f64,
-    /// Finding what overlaps the boxes of all parts (µs a state).
+    /// Time to find the boxes that overlap the boxes of all parts (µs per state).
     query_us: f64,
-    /// Moving an obstacle a little (µs).
+    /// Time to move an obstacle by a small distance (µs).
     move_us: f64,
-    /// Taking an obstacle out and putting it back (µs).
+    /// Time to remove an obstacle and insert it again (µs).
     replace_us: f64,
 }
 
@@ -119,7 +119,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A box around all that the robot reaches in some states.
+/// Bounding box of the robot over several states.
 fn region(checker: &CollisionChecker, states: &[Configuration]) -> AxisBox {
     let mut workspace = checker.workspace();
     scatter::around(
@@ -160,7 +160,7 @@ fn world_answer(checker: &CollisionChecker, states: &[Configuration]) -> Result<
     })
 }
 
-/// By state: what overlaps, every box against every box.
+/// For each state: the overlapping items, from a comparison of all boxes with all boxes.
 fn brute_force(items: &[(u32, AxisBox)], parts: &[Vec<AxisBox>]) -> Vec<Vec<u32>> {
     let of_part = |part: &AxisBox| {
         let near = items.iter().filter(|(_, bounds)| overlap(bounds, part));
@@ -174,7 +174,7 @@ fn sorted(mut items: Vec<u32>) -> Vec<u32> {
     items
 }
 
-/// One structure: that it finds what is there, before and after everything has moved to and fro, and what it costs.
+/// Measures one structure. Checks that its results are correct, before and after all items have moved forth and back.
 fn race<B: BroadPhase>(
     items: &[(u32, AxisBox)],
     parts: &[Vec<AxisBox>],
@@ -208,7 +208,7 @@ fn race<B: BroadPhase>(
     Ok(BroadPhaseAnswer { name: B::NAME, build_us, query_us, move_us, replace_us })
 }
 
-/// The box at another place, `by` (m) along the first axis.
+/// The box, moved by `by` (m) along the first axis.
 fn shifted(bounds: &AxisBox, by: f32) -> AxisBox {
     let mut moved = *bounds;
     if by != 0.0 {

@@ -1,4 +1,4 @@
-//! Random boxes around a robot.
+//! Random box obstacles around a robot.
 
 use clearance::bvh::AxisBox;
 use clearance::geometry::{Primitive, Shape};
@@ -8,21 +8,21 @@ use clearance::scene::{Obstacle, World};
 use crate::cli::failure::Failure;
 use crate::cli::run_args::internal;
 
-/// Obstacles in a cubic metre.
+/// Obstacles per cubic metre.
 const DENSITY: f64 = 2.0;
 
-/// Edges of obstacles (m).
+/// Range of the edge lengths of obstacles (m).
 const EDGES: [f64; 2] = [0.05, 0.2];
 
-/// Nothing stands nearer to the root's origin than this (m), where bases are.
+/// Minimum distance of obstacles from the root's origin (m), where the base is.
 const KEPT_FREE: f64 = 0.3;
 
-/// A box around all boxes.
+/// Bounding box of all boxes.
 pub fn around<'b>(boxes: impl IntoIterator<Item = &'b AxisBox>) -> AxisBox {
     boxes.into_iter().fold(AxisBox::EMPTY, |all, one| all.union(one))
 }
 
-/// So many boxes in a cube around a region, one and the same density everywhere.
+/// A number of boxes in a cube around a region; the density is the same everywhere.
 pub fn boxes(count: u32, region: &AxisBox, random: &mut fastrand::Rng) -> Result<World, Failure> {
     let middle = Vector::from(region.doubled_centre().map(f64::from)) * 0.5;
     let half_edge = 0.5 * (f64::from(count) / DENSITY).cbrt();

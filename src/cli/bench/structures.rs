@@ -1,24 +1,24 @@
-//! Ways to find the boxes that overlap one: the library's tree, and what others use.
+//! Broad phase structures: find the boxes that overlap a given box. The library's tree, and alternatives.
 
 use clearance::bvh::{AxisBox, DynamicTree};
 use clearance::simd::Level;
 
-/// Numbered boxes that come, move and go.
+/// Set of numbered boxes that can be inserted, moved and removed.
 pub trait BroadPhase {
     const NAME: &'static str;
 
     fn build(items: &[(u32, AxisBox)]) -> Self;
 
-    /// Puts an item in, or gives it another box.
+    /// Inserts an item, or changes its box.
     fn set(&mut self, item: u32, bounds: &AxisBox);
 
     fn remove(&mut self, item: u32);
 
-    /// Appends each item whose box overlaps one to `found`, once.
+    /// Appends each item whose box overlaps `with` to `found`, once.
     fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>);
 }
 
-/// The tree that every check uses.
+/// The tree that all checks use.
 pub struct Tree {
     boxes: DynamicTree,
     level: Level,

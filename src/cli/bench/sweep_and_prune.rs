@@ -4,13 +4,13 @@ use clearance::bvh::AxisBox;
 
 use super::structures::{BroadPhase, overlap};
 
-/// Boxes in the order of their lower sides, along the axis on which they are spread most.
+/// Boxes in the order of their lower bounds, along the axis with the largest spread.
 pub struct SweepAndPrune {
     axis: usize,
     sorted: Vec<(u32, AxisBox)>,
-    /// By item: its lower side, by which it is found.
+    /// Lower bound of each item, used to find it.
     keys: Vec<f32>,
-    /// Not less than any box along the axis (m).
+    /// Upper bound on the size of all boxes along the axis (m).
     longest: f32,
 }
 
@@ -60,7 +60,7 @@ impl SweepAndPrune {
             self.keys.resize(item as usize + 1, f32::NAN);
         }
         self.keys[item as usize] = bounds.lo[self.axis];
-        // rounded up, as the difference in a search is
+        // rounded up, as the difference in a search is rounded too
         self.longest = self.longest.max((bounds.hi[self.axis] - bounds.lo[self.axis]) * 1.000_001 + 1e-6);
     }
 }
