@@ -1,6 +1,6 @@
 //! Commands of the `clearance` program.
 //!
-//! Exit codes: 0 everything asked about is free; 1 answered, and something is not free; 2 bad input; 3 internal error.
+//! Exit codes: 0: everything in the query is free; 1: completed, and something is not free; 2: bad input; 3: internal error.
 //! The node also has 4: ended by a signal, before its orderly end was complete.
 
 mod assignments;

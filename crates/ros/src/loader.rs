@@ -33,7 +33,7 @@ fn heeded(events: &mailbox::Sender<Event>) -> bool {
     events.send(Event::Say(said)).is_ok() && future::block_on(is_said.receive()).is_some()
 }
 
-/// The current robot, for the motion services.
+/// The current robot, for the thread that publishes a demonstration motion.
 pub type CurrentRobot = Arc<Mutex<Option<Arc<RobotModel>>>>;
 
 /// Builds checkers and hands them to the monitor.
