@@ -23,7 +23,7 @@ fn the_time_to_contact_is_proven_from_velocities() {
     let hit = monitor.on_joint_state(moving(0.5, COLLIDING, &[0.0, 0.0]), at(0.5));
     assert_eq!(ahead(&hit).free_for, 0.0);
     assert!(ahead(&hit).first.is_some());
-    // what spins wildly takes no time
+    // a huge velocity leaves almost no time
     let wild = monitor.on_joint_state(moving(0.6, FREE, &[1e7, -1e7]), at(0.6));
     assert!(wild.time_to_contact() < 1e-3);
 }
