@@ -103,9 +103,9 @@ pub struct CheckedState {
 pub enum LeftOut {
     #[default]
     Nothing,
-    /// The time to contact.
+    /// The time to contact was not computed.
     LookAhead,
-    /// Some pairs.
+    /// Some pairs were not checked.
     Pairs,
 }
 

@@ -69,7 +69,7 @@ struct Report {
     leader: Option<f64>,
 }
 
-/// How a message names a mimic joint; messages are taken newest first.
+/// Result of a name of a mimic joint in a message; messages are processed newest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Naming {
     /// No newer message names the joint: this report is in force.

@@ -32,9 +32,9 @@ pub struct SpeedDistances {
 /// User settings of the speed scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedSettings {
-    /// Between bodies of the robot.
+    /// Distances between bodies of the robot.
     pub own: SpeedDistances,
-    /// Between the robot and its surroundings.
+    /// Distances between the robot and its surroundings.
     pub world: SpeedDistances,
     /// Time (s) for which an approach is assumed to continue at the same rate.
     pub reaction_time: f64,

@@ -149,7 +149,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// A word that programs may compare with; it never changes.
+    /// Stable identifier of the reason, for comparisons in programs; it never changes.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {

@@ -19,7 +19,7 @@ fn what_several_publishers_say_is_one_state_with_an_age_for_each_joint() {
     let moved = monitor.on_joint_state(part(2, 0.2, &[("elbow", 0.0)]), at(0.2));
     assert_eq!((code(&moved), moved.stamp), ("FREE", Some(time(START))));
 
-    // one of the publishers falls silent
+    // one of the publishers stops
     let due = monitor.time_to_heartbeat(at(0.2));
     assert_eq!(due, Duration::from_millis(100));
     monitor.on_heartbeat(at(0.45));

@@ -29,7 +29,7 @@ pub use ros2_client::action_msgs::{CancelGoalResponseEnum as CancelCode, GoalInf
 /// Status of a goal.
 pub type Standing = GoalStatusEnum;
 
-/// Serves one action.
+/// Server of one action.
 pub struct ActionServer<Goal, Outcome, Progress>
 where
     Goal: Message + Clone,

@@ -15,7 +15,7 @@ use crate::thread_priority::ThreadPriority;
 /// Delay between the announcement of the participant and the announcement of its endpoints.
 const INTRODUCTION: Duration = Duration::from_millis(200);
 
-/// A participant that is on the network and has no endpoints yet.
+/// An announced DDS participant without endpoints.
 ///
 /// A peer that discovers endpoints before their participant has to request them again. If two such participants appear at once,
 /// Fast DDS then drops some of the endpoints, and those topics are never matched. Captures show this: all of discovery is

@@ -83,7 +83,7 @@ mod tests {
             // extra flags, bytes to the parameters; reader, writer; sequence number
             assert_eq!(submessage[4..16], [0, 0, 28, 0, 9, 9, 9, 9, 7, 7, 7, 7]);
             assert_eq!(submessage[16..24], [0, 0, 0, 0, 5, 0, 0, 0]);
-            // which fragment, how many, their length; bytes in all
+            // number of the fragment, number of fragments in the message, their length; total length
             assert_eq!(submessage[24..36], [index, 0, 0, 0, 1, 0, 0, 4, 0xc4, 9, 0, 0]);
             assert_eq!(submessage[36..40], [0x83, 0, 24, 0]);
             assert_eq!(submessage[40..64], question);

@@ -1,4 +1,4 @@
-//! The one module that names the ROS 2 client library: participants, topics, services, qualities of service.
+//! Wrapper of the ROS 2 client library: participants, topics, services, qualities of service. No other module uses that library.
 //!
 //! A new release of ros2-client, or another middleware, needs changes only here.
 
@@ -78,11 +78,11 @@ pub enum Quality {
     Latched,
     /// As `Latched`, with a history of many samples: later subscriptions receive all of them.
     Kept,
-    /// As `BestEffort`, of samples so large that few may be held at a time.
+    /// As `BestEffort`, for samples so large that only few may be held at a time.
     Bulk,
-    /// As `Reliable`, of samples so large that few may be held at a time.
+    /// As `Reliable`, for samples so large that only few may be held at a time.
     ReliableBulk,
-    /// As `Latched`, of samples so large that few may be held at a time.
+    /// As `Latched`, for samples so large that only few may be held at a time.
     LatchedBulk,
 }
 
@@ -95,7 +95,7 @@ impl Quality {
     const BULK: i32 = 4;
 
     fn profile(self) -> QosProfile {
-        // a subscriber that has stopped reading must never hold up the monitor: its samples are dropped instead
+        // a subscriber that has stopped reading must never block the monitor: its samples are dropped instead
         let reliable = Reliability::Reliable { when_full: WhenFull::Fail };
         let base = QosProfile::subscription_default();
         match self {

@@ -27,7 +27,7 @@ const BYTES_OF_A_STEP: usize = 1 << 30;
 const MOST_SCHEMAS: usize = 1000;
 const BYTES_OF_A_SCHEMA: usize = 1 << 20;
 
-/// Why a recording can not be read.
+/// Error: a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {why}", file.display())]
 pub struct ReadError {
@@ -67,7 +67,7 @@ pub enum Entry {
     },
 }
 
-/// Reads a recording from its beginning.
+/// Reader of a recording, from its beginning to its end.
 pub struct RecordingFile {
     path: PathBuf,
     file: File,

@@ -413,7 +413,7 @@ fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> R
     {
         return Ok(Some(difference));
     }
-    // recordings of older versions lack it
+    // recordings of older versions lack this message
     if messages.is_empty() {
         return Ok(None);
     }

@@ -400,7 +400,7 @@ fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
     let mut cell = Cell::start(folder.path());
     run(&mut cell);
     let other = cell.evaluation.clone().unwrap();
-    // a evaluation of another joint state
+    // an evaluation of another joint state
     let now = cell.tick();
     let _ = cell.monitor.on_joint_state(joint_state_input(joint_state(2.0, now), SOURCE), now);
     cell.say(other, now, Some(joint_state(2.0, now)));

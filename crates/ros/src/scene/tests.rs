@@ -281,7 +281,7 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
         ..AttachedCollisionObject::default()
     }];
     let (before, after) = (scene(std::slice::from_ref(&first)), scene(&[first.clone(), second]));
-    // the same objects, in the same memory
+    // the same objects, shared in memory
     let mut shared = before.clone();
     let [before, after] = [before, after].map(|scene| in_force(scene, vec![]));
     let told = monitored::differences(&before, &after);

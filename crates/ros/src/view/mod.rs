@@ -7,7 +7,7 @@
 //! | path | content |
 //! |---|---|
 //! | `/`, `/view.js`, `/view.css`, `/licences.txt` | the page, built from `view/` and embedded in the program |
-//! | `/robot`, `/world` | geometry: bodies and shapes as JSON, with the numbers of meshes and clouds behind it |
+//! | `/robot`, `/world` | geometry: bodies and shapes as JSON, followed by the binary data of meshes and clouds |
 //! | `/updates` | server-sent events: status, distances, poses |
 //!
 //! The monitor stores each evaluation in the slot and continues; it never waits for a browser. No path opens a file.

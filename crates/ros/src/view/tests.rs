@@ -34,7 +34,7 @@ const URDF: &str = r#"<robot name="folder">
   </joint>
 </robot>"#;
 
-/// Ten heartbeats a second.
+/// Settings with ten heartbeats a second.
 fn settings() -> MonitorSettings {
     MonitorSettings { distance_limit: 5.0, stale_after: 3600.0, ..MonitorSettings::default() }
 }
@@ -310,7 +310,7 @@ fn a_browser_that_never_completes_its_request_is_dropped() {
     for begun in ["", "GET /updates HTTP/1.1\r\nHost: localhost\r\nX: "] {
         let mut stream = ask(socket, begun);
         let mut writer = stream.try_clone().unwrap();
-        // one byte at a time, for ever
+        // sends one byte at a time without end
         let (stop, stopped) = std::sync::mpsc::channel::<()>();
         let drip = std::thread::spawn(move || {
             use std::sync::mpsc::RecvTimeoutError::Timeout;

@@ -86,7 +86,7 @@ fn moved_by([x, y, z]: [f64; 3]) -> Transform {
     transform
 }
 
-/// A ball that drives in the plane, 1 m before the origin, and an arm on it with a ball at 0.5 m.
+/// A ball on a planar joint with its origin at x = 1 m, and an arm on it with a ball at 0.5 m.
 const ROVER: &str = "<robot name='two_link'><link name='odom'/>\
 <link name='base'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>\
 <link name='arm'><collision><origin xyz='0.5 0 0'/><geometry><sphere radius='0.1'/></geometry></collision></link>\
