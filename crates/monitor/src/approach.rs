@@ -1,4 +1,4 @@
-//! How fast two bodies approach each other.
+//! Approach rate: how fast two bodies approach each other.
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
@@ -7,16 +7,16 @@ use clearance_scene::BodyId;
 use super::drift::Drift;
 use super::{CheckedState, SpeedSettings};
 
-/// How far ahead (s) links are moved by their velocities: far above rounding, far below any curve.
+/// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight motion.
 const STEP: f64 = 1e-5;
 
-/// Points nearer than this (m) have no direction between them.
+/// Below this distance (m) the direction between two points is undefined.
 const LEAST_DISTANCE: f64 = 1e-9;
 
-/// The way (m) of what approaches that is looked ahead at most.
+/// Largest approach distance (m) that the range of `slows_within` adds to the slow-down distance.
 const LONGEST_WAY: f64 = 1.0;
 
-/// The distance (m) up to which pairs may slow the robot down: what moves may be nearer once the reaction time is over.
+/// Distance (m) up to which pairs may slow the robot down: moving bodies may be nearer once the reaction time is over.
 pub(super) fn slows_within(
     checker: &CollisionChecker,
     (configuration, poses): (&Configuration, &LinkPoses),
@@ -37,15 +37,15 @@ pub(super) fn slows_within(
     reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_WAY)
 }
 
-/// Where the links are at another time.
+/// Link poses at another time.
 #[derive(Clone, Debug)]
 pub(super) struct OtherTime {
     pub poses: LinkPoses,
-    /// How much later (s) that is; negative if it is earlier.
+    /// Time difference (s): positive if later, negative if earlier.
     pub after: f64,
 }
 
-/// A moment later, by the rates of all positions; `None` where these are no rates of the positions.
+/// Link poses `STEP` later, from the rates of all positions; `None` if these are unknown or are not derivatives of the positions.
 pub(super) fn a_moment_later(robot: &RobotModel, checked_state: &CheckedState) -> Option<OtherTime> {
     if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
         return None;
@@ -59,9 +59,9 @@ pub(super) fn a_moment_later(robot: &RobotModel, checked_state: &CheckedState) -
     Some(OtherTime { poses, after: STEP })
 }
 
-/// By how much (m/s) the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
+/// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// Obstacles stand still in what they stand in. Of several frames that may be, the one in which the pair approaches fastest counts.
+/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,
@@ -82,7 +82,7 @@ pub(super) fn approach_rate(
         .reduce(f64::greater)
 }
 
-/// The nearest points move with their bodies; how fast they move along the line between them is how fast the distance changes.
+/// Approach rate in one frame: the relative velocity of the nearest points along the line between them.
 fn approach_rate_in(
     checker: &CollisionChecker,
     pair: &PairDistance,
@@ -102,14 +102,14 @@ fn approach_rate_in(
     rate.is_finite().then_some(rate)
 }
 
-/// How far a point of a link moves from one pose to another.
+/// Displacement of a link's point between two poses.
 fn displacement(point_r: &Point, now: &Pose, then: &Pose) -> Vector {
     let point_l = now.inverse_transform_point(point_r);
-    // both from the point on the link, so that rounding is the same
+    // both terms start from the point in the link frame, so that they have the same rounding errors
     then * point_l - now * point_l
 }
 
-/// The link that a body moves with.
+/// The link that a body is attached to.
 fn carrier(checker: &CollisionChecker, body: BodyId) -> Option<LinkId> {
     match body {
         BodyId::Link(link) => Some(link),

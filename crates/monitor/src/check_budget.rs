@@ -1,20 +1,20 @@
-//! How much a check may cost so that no joint state has to be passed over.
+//! Check budget: limits the cost of a check so that no joint state has to be skipped.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use clearance_proximity::Effort;
 
-/// Volume tests in a second, of an ordinary machine: counted instead of timed, they are the same whenever a check is done again.
+/// Volume tests per second on an ordinary machine. Tests are counted instead of timed, so that repeated checks give equal results.
 const TESTS_PER_SECOND: f64 = 2e7;
 
-/// Joint states over which the time between two of them is averaged; before so many have come there is no hurry.
+/// Number of joint states over which the interval is averaged. Until this number is reached there is no limit.
 const AVERAGED: usize = 16;
 
-/// Silence after which there is time for exact distances, and joint states begin anew.
+/// Pause after which there is time for exact distances, and the average restarts.
 const REST: Duration = Duration::from_millis(100);
 
-/// What distances are told within where exact ones would take too long: a tenth, or a millimetre.
+/// Tolerance of distances that would take too long to compute exactly: a tenth, or a millimetre.
 const ROUGHLY: Effort = Effort {
     relative_tolerance: 0.1,
     absolute_tolerance: 0.001,
@@ -23,15 +23,15 @@ const ROUGHLY: Effort = Effort {
     deadline: None,
 };
 
-/// How fast joint states come.
+/// Rate of the joint states.
 #[derive(Debug, Default)]
 pub(super) struct CheckBudget {
-    /// When the last ones came, by the steady clock.
+    /// Reception times of the last ones (steady clock).
     arrivals: VecDeque<Duration>,
 }
 
 impl CheckBudget {
-    /// A joint state is taken in.
+    /// Records the reception of a joint state.
     pub fn note(&mut self, arrival: Duration) {
         self.rests(arrival);
         if self.arrivals.len() > AVERAGED {
@@ -40,7 +40,7 @@ impl CheckBudget {
         self.arrivals.push_back(arrival);
     }
 
-    /// Whether none came for a while; then there is no hurry.
+    /// Whether the joint states pause; then there is no limit.
     pub fn rests(&mut self, now: Duration) -> bool {
         let rests = self.arrivals.back().is_none_or(|last| now.saturating_sub(*last) >= REST);
         if rests {
@@ -49,7 +49,7 @@ impl CheckBudget {
         rests
     }
 
-    /// Time (s) between two joint states, in the mean.
+    /// Mean time (s) between two joint states.
     fn interval(&self) -> Option<f64> {
         let (first, last) = (self.arrivals.front()?, self.arrivals.back()?);
         let all = last.saturating_sub(*first).as_secs_f64();
@@ -58,8 +58,8 @@ impl CheckBudget {
         (self.arrivals.len() > AVERAGED).then_some(mean)
     }
 
-    /// How much effort a check may make whose exact distances may take this share of the time between joint states; with a share of
-    /// 0, or where less than exact distances are asked for anyway, as much as before.
+    /// Effort limit of a check whose exact distances may take this share of the time between joint states. The effort is unchanged
+    /// if the share is 0, or if exact distances are not requested anyway.
     pub fn limit(&self, effort: Effort, share: f64) -> Effort {
         match self.interval() {
             Some(interval) if share > 0.0 && effort.is_exact() => {

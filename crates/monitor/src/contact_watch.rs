@@ -1,24 +1,24 @@
-//! Pairs of links that touch in every joint state since the robot is known.
+//! Detects pairs of links that touch in every joint state since the robot model was loaded.
 
 use clearance_checker::{CollisionChecker, ConstantContacts};
 
 use super::{CheckedState, Time};
 
-/// Name of the states in the warning.
+/// Name of the compared states in the warning.
 const STATES: &str = "every joint state so far";
 
-/// Compares the colliding pairs of joint states, until one state without them comes.
+/// Intersection of the colliding pairs of all joint states, until a state without any of them is received.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactWatch {
     contacts: ConstantContacts,
-    /// Of the last joint state that was compared.
+    /// Stamp of the last joint state that was compared.
     stamp: Option<Time>,
     remark: Option<String>,
     is_taken: bool,
 }
 
 impl ContactWatch {
-    /// Takes note of a joint state of this stamp; one that a deadline left undecided says nothing.
+    /// Compares a joint state with this stamp. A state whose check was cut off by the deadline is skipped.
     pub fn note(&mut self, checked_state: &CheckedState, stamp: Option<Time>, checker: &CollisionChecker) {
         let report = &checked_state.report;
         if !self.contacts.is_open() || !report.undecided.is_empty() || self.stamp == stamp {
@@ -33,7 +33,7 @@ impl ContactWatch {
         self.remark.as_deref()
     }
 
-    /// The remark, if it was never taken.
+    /// Returns the warning once.
     pub fn take_news(&mut self) -> Option<String> {
         let news = self.remark.clone().filter(|_| !self.is_taken);
         self.is_taken |= news.is_some();

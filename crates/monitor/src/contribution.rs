@@ -1,4 +1,4 @@
-//! The messages that make up the state of the robot, and how old they are.
+//! Joint state messages that make up the robot's state, and their ages.
 
 use std::time::Duration;
 
@@ -6,38 +6,38 @@ use clearance_geometry::math::Extremes;
 
 use super::{MonitorSettings, Now, Reason, Time};
 
-/// A message that was the last to name some joints of the robot.
+/// A message that is the last one with a position for some joints of the robot.
 #[derive(Clone, Debug)]
 pub(super) struct Contribution {
-    /// The stamp that counts.
+    /// Stamp in use.
     pub stamp: Time,
-    /// When it came, by the steady clock.
+    /// Time of reception (steady clock).
     pub at: Duration,
-    /// The positions that it was the last to name.
+    /// Indices of the positions that are taken from this message.
     pub positions: Vec<usize>,
 }
 
-/// All of them.
+/// All messages that make up the state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Contributions(pub Vec<Contribution>);
 
 impl Contributions {
-    /// Stamp of the oldest: what moved since then is not known.
+    /// Stamp of the oldest message: later motion of its joints is unknown.
     pub fn stamp(&self) -> Option<Time> {
         self.0.iter().map(|c| c.stamp).min()
     }
 
-    /// Stamp of the newest.
+    /// Stamp of the newest message.
     pub fn newest_stamp(&self) -> Option<Time> {
         self.0.iter().map(|c| c.stamp).max()
     }
 
-    /// How far (s) they are apart.
+    /// Time (s) between the oldest and the newest stamp.
     pub fn spread(&self) -> f64 {
         self.newest_stamp().zip(self.stamp()).map_or(0.0, |(newest, oldest)| newest.seconds_since(oldest))
     }
 
-    /// Whether all still say something about the robot; `names` are those of its positions.
+    /// Whether all messages are still valid; `names` are the names of the robot's positions.
     pub fn freshness(&self, now: Now, settings: &MonitorSettings, names: &[String]) -> Result<(), Reason> {
         let stale_after = settings.stale_after;
         let ros = now.ros.ok_or(Reason::NoClock)?;
@@ -63,18 +63,18 @@ impl Contributions {
         if ahead > stale_after { Err(Reason::FutureStamp { ahead }) } else { Ok(()) }
     }
 
-    /// How long all stay fresh, if they are.
+    /// Time until the first message becomes stale; `None` if one is stale already.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
         let ros = now.ros.filter(|_| !self.0.is_empty())?;
         let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).greater(c.silence(now)));
         let left = settings.stale_after - oldest.fold(0.0, f64::greater);
-        // a little later, so that it is stale then whatever way rounding goes
+        // slightly later, so that the state is stale at that time despite rounding
         Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
     }
 }
 
 impl Contribution {
-    /// How long (s) ago it came.
+    /// Time (s) since the reception.
     fn silence(&self, now: Now) -> f64 {
         now.steady.saturating_sub(self.at).as_secs_f64()
     }

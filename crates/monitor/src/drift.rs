@@ -1,4 +1,4 @@
-//! How what stands in the room moves past the robot while its root drives.
+//! Velocity of world-fixed obstacles relative to the moving root link.
 
 use std::collections::VecDeque;
 
@@ -7,18 +7,18 @@ use clearance_scene::is_elsewhere;
 
 use super::Time;
 
-/// Time (s) that a motion is measured over at least: `tf` comes in steps.
+/// Shortest time (s) over which a motion is measured, since `tf` changes in steps.
 const WINDOW: f64 = 0.1;
 
-/// Where a frame was in its parent lately, whenever `tf` told of it.
+/// Recent poses of a frame in its parent, from `tf`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
-    /// By stamp; the first, if there are several, is a window before the last or all that is known.
+    /// Poses by stamp. If there are several, the first is at least one window older than the last, or the oldest known.
     places: VecDeque<(Time, Pose)>,
 }
 
 impl Track {
-    /// `tf` has it there. What it does not tell anew says nothing about how it moves.
+    /// Records a pose from `tf`. A transform with the same stamp contains no motion.
     pub fn note(&mut self, stamp: Time, pose_pf: Pose) {
         match self.places.back_mut() {
             Some((last, place)) if *last == stamp => return *place = pose_pf,
@@ -31,18 +31,19 @@ impl Track {
         }
     }
 
-    /// Where it was before, and how long (s) ago, if it is elsewhere now.
+    /// The earlier pose, and how long ago (s) that was; `None` if the frame has not moved.
     pub fn before(&self) -> Option<(&Pose, f64)> {
         let ((from, before), (to, now)) = self.places.front().zip(self.places.back())?;
         is_elsewhere(before, now).then(|| (before, to.seconds_since(*from)))
     }
 }
 
-/// What stands in a frame moves with it past the root.
+/// Motion of all obstacles in a frame, relative to the root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
     pub frame: String,
-    /// Ways of its points in the root's frame, each by something else that moves, and how long (s) each took; none: it stands still.
+    /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving transform;
+    /// none if the frame is at rest.
     pub(super) motions: Vec<(Pose, f64)>,
 }
 
@@ -52,13 +53,14 @@ impl Drift {
         self.motions.is_empty()
     }
 
-    /// The way (m) of what is at a point, if it goes on like this for some time (s).
+    /// Displacement (m) of an obstacle at a point if the motion continues for this time (s).
     #[must_use]
     pub fn way_of(&self, point_r: &Point, time: f64) -> Vector {
         self.motions.iter().map(|(way, taken)| (way * point_r - point_r) * (time / taken)).sum()
     }
 
-    /// The most (m) that a point as far (m) from the root moves, if it goes on like this for some time (s).
+    /// Upper bound (m) on the displacement of a point at this distance (m) from the root, if the motion continues for this time
+    /// (s).
     #[must_use]
     pub fn farthest(&self, radius: f64, time: f64) -> f64 {
         let of = |(way, taken): &(Pose, f64)| {
@@ -83,7 +85,7 @@ mod tests {
         Drift { frame: "map".to_owned(), motions: moved.into_iter().collect() }
     }
 
-    /// Looked at every 5 ms; told of every 20 or 200 ms.
+    /// The track is sampled every 5 ms; the pose changes every 20 or 200 ms.
     #[test]
     fn a_motion_in_steps_is_measured_over_a_while() {
         for (looks_a_step, first) in [(4, 30), (40, 40)] {
@@ -103,7 +105,7 @@ mod tests {
         assert!(tracked([(0, 1.0)]).is_none());
         assert!(tracked((0..100).map(|i| (10 * i, 1.0))).is_none());
         assert!(tracked([(0, 0.0), (10, 1.0), (20, 1.0), (500, 1.0), (700, 1.0)]).is_none());
-        // a clock that is set back begins anew
+        // a clock that is set back restarts the track
         assert!(tracked([(10, 0.0), (5, 1.0)]).is_none());
     }
 

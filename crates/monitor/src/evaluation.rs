@@ -1,4 +1,4 @@
-//! Everything the node says about one joint state.
+//! Evaluation of the robot's state: status, distances and warnings.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -11,28 +11,29 @@ use clearance_scene::AnchorFrames;
 use super::drift::Drift;
 use super::{Now, Reason, Status, Time, WorldSource};
 
-/// A checker, and which one it is.
+/// A checker with its version numbers.
 #[derive(Debug)]
 pub struct Revision {
     pub checker: CollisionChecker,
-    /// Counts the robot models taken since the start; the first is 1.
+    /// Number of the robot model, counted since the start; the first is 1.
     pub model: u64,
-    /// Counts the changes of the world since the start.
+    /// Number of world changes since the start.
     pub world: u64,
-    /// Who has to see the world for it to count as known.
+    /// Sensors that have to be up to date for the world to count as known.
     pub sources: Vec<WorldSource>,
-    /// Why the world was known to be incomplete when this was built, if it was.
+    /// Why the world was incomplete when this revision was built, if it was.
     pub incomplete: Option<Reason>,
-    /// What has to be known about the world beside that.
+    /// Further warnings about the world.
     pub warnings: Vec<String>,
-    /// The frames that obstacles stand in.
+    /// The frames that obstacles are placed in.
     pub grounds: AnchorFrames,
-    /// When obstacles were where `tf` had them, by the steady clock; `None`: when this comes into force.
+    /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this revision is put
+    /// into use.
     pub placed_at: Option<Duration>,
 }
 
 impl Revision {
-    /// Of a world that only messages and files change.
+    /// Creates a revision of a world without sensors.
     #[must_use]
     pub fn new(checker: CollisionChecker, model: u64, world: u64) -> Self {
         Self {
@@ -47,19 +48,19 @@ impl Revision {
         }
     }
 
-    /// Whether there is anything of the robot that could touch something.
+    /// Whether any link of the robot has collision geometry.
     #[must_use]
     pub fn has_geometry(&self) -> bool {
         self.checker.robot().links().iter().any(|link| !link.collisions.is_empty())
     }
 
-    /// Why the world is not known now, if it is not.
+    /// Why the world is out of date, if it is.
     #[must_use]
     pub fn stale_world(&self, now: Now) -> Option<Reason> {
         self.sources.iter().find_map(|source| source.freshness(now).err())
     }
 
-    /// The frame of all poses and points: the robot's root link.
+    /// Frame of all poses and points: the robot's root link.
     #[must_use]
     pub fn frame(&self) -> &str {
         let robot = self.checker.robot();
@@ -67,87 +68,87 @@ impl Revision {
     }
 }
 
-/// What a check found.
+/// Result of the check of one joint state.
 #[derive(Clone, Debug)]
 pub struct CheckedState {
     pub report: CollisionReport,
-    /// Pairs beyond those that are told, which may come near before the robot has slowed down.
+    /// Pairs beyond the reporting distance that may come near before the robot has slowed down.
     pub coming: Vec<PairDistance>,
-    /// What was checked.
+    /// The configuration that was checked.
     pub configuration: Configuration,
-    /// Where the links were.
+    /// The link poses of that configuration.
     pub poses: LinkPoses,
-    /// What is certain about the time after the joint state's stamp, if it was asked for and the velocities are known.
+    /// Proven time without contact after the joint state's stamp, if look-ahead is on and the velocities are known.
     pub look_ahead: Option<LookAhead>,
-    /// Rates of the positions (rad/s, m/s), if all are known.
+    /// Velocities of the positions (rad/s, m/s), if all are known.
     pub velocities: Option<Vec<f64>>,
-    /// The same, where only some of several drivers give them by what the others said before.
+    /// The same. If only some of several drivers publish velocities, the others are computed from successive positions.
     pub rates: Option<Vec<f64>>,
-    /// By position: the stamp of the joint state that tells it; none of what `tf` places.
+    /// By position: the stamp of the joint state that contains it; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
-    /// How what the world stands in moves past the robot's root: as many as frames are watched.
+    /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.
     pub drifts: Vec<Drift>,
-    /// The distance (m) up to which pairs may slow the robot down.
+    /// Distance (m) up to which pairs may slow the robot down.
     pub slows_within: f64,
-    /// Whether all distances are exact, not lower bounds within a tolerance.
+    /// Whether all distances are exact; otherwise they are lower bounds within a tolerance.
     pub is_exact: bool,
-    /// Whether they are not because joint states came too fast.
+    /// Whether they are inexact because of the rate of the joint states.
     pub is_hurried: bool,
-    /// Wall time that the check took.
+    /// Wall time of the check.
     pub compute_time: Duration,
 }
 
-/// What the deadline left out of an answer.
+/// The part of an evaluation that was left out because of the deadline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOut {
     #[default]
     Nothing,
-    /// The time to contact.
+    /// The time to contact was not computed.
     LookAhead,
-    /// Some pairs.
+    /// Some pairs were not checked.
     Pairs,
 }
 
-/// What is known about the robot now. Cheap to clone.
+/// Current evaluation of the robot's state. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     pub status: Status,
-    /// Stamp of the joint state that this is about, if there was one.
+    /// Stamp of the evaluated joint state, if there is one.
     pub stamp: Option<Time>,
-    /// How old that joint state is (s).
+    /// Age of that joint state (s).
     pub age: Option<f64>,
     /// Present exactly when the status is FREE or COLLIDING.
     pub checked_state: Option<Arc<CheckedState>>,
-    /// The same, also when only the world around the robot has become stale: where the robot is, is still known.
+    /// The same, but also present if only the world has become stale: the robot's configuration is still known.
     pub placement: Option<Arc<CheckedState>>,
-    /// The share of its speed that the robot may have, in [0, 1]; 0 unless the status is FREE.
+    /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
     pub left_out: LeftOut,
-    /// Whether another robot is being built, so that this one counts no more, whatever else is the matter.
+    /// Whether another robot model is being built, so that this one is no longer valid. Independent of the status.
     pub is_swapping: bool,
-    /// Why the world is not known or known to be incomplete, if it is so, whatever else is the matter.
+    /// Why the world is unknown or incomplete, if it is. Independent of the status.
     pub stale_world: Option<Reason>,
-    /// The robot and world that were checked, or would be.
+    /// The robot and world of the check.
     pub revision: Option<Arc<Revision>>,
-    /// What did not prevent the evaluation and should be known.
+    /// Warnings: they do not prevent the evaluation.
     pub warnings: Arc<[String]>,
-    /// How long what is known holds, if nothing more comes.
+    /// Time until which the evaluation is valid without further messages.
     pub expiry: Expiry,
 }
 
-/// When what was known is known no longer, by the steady clock; `None`: never.
+/// Times (steady clock) at which the evaluation expires; `None`: never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expiry {
-    /// When the evaluation was said.
+    /// Time at which the evaluation was published.
     pub said_at: Duration,
-    /// Of where the robot is.
+    /// Expiry of the robot's configuration.
     pub of_robot: Option<Duration>,
-    /// Of where obstacles are.
+    /// Expiry of the obstacles' positions.
     pub of_world: Option<Duration>,
 }
 
 impl Evaluation {
-    /// As it holds at `now`, while the monitor is busy with the next one.
+    /// The evaluation as it is valid at `now`, while the monitor is busy with the next one.
     #[must_use]
     pub fn aged(mut self, now: Now) -> Self {
         let is_over = |end: Option<Duration>| end.is_some_and(|end| now.steady >= end);
@@ -165,7 +166,7 @@ impl Evaluation {
         self
     }
 
-    /// With something else that should be known, if there is anything.
+    /// Adds a warning, if there is one.
     #[must_use]
     pub fn with_warning(mut self, warning: Option<String>) -> Self {
         if warning.is_some() {
@@ -182,7 +183,7 @@ impl Evaluation {
         }
     }
 
-    /// The least distance (m): NaN when nothing is known, infinite when nothing is within the distance limit.
+    /// The least distance (m): NaN when it is unknown, infinite when nothing is within the distance limit.
     #[must_use]
     pub fn distance(&self) -> f64 {
         match &self.checked_state {
@@ -193,7 +194,7 @@ impl Evaluation {
         }
     }
 
-    /// The first pair that touches, or else the nearest with its distance, in words; `None` if nothing is known, or nothing near.
+    /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is known or near.
     #[must_use]
     pub fn foremost(&self) -> Option<String> {
         let report = &self.checked_state.as_ref()?.report;
@@ -210,11 +211,11 @@ impl Evaluation {
         Some(format!("nearest: {}, {:.4} m", names(nearest.a, nearest.b), nearest.distance))
     }
 
-    /// How long from now on (s) it is certain that nothing touches: 0 when something does, or nothing is known.
+    /// Proven time (s) from now on without contact: 0 if something touches, or if it is unknown.
     #[must_use]
     pub fn time_to_contact(&self) -> f64 {
         let look_ahead = self.checked_state.as_ref().and_then(|checked_state| checked_state.look_ahead);
-        // a stamp in the future gives no time on top
+        // a stamp in the future adds no time
         look_ahead.map_or(0.0, |ahead| {
             (ahead.free_for - self.age.unwrap_or(f64::INFINITY).greater(0.0)).greater(0.0)
         })

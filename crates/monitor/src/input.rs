@@ -1,20 +1,20 @@
-//! What the monitor hears.
+//! Inputs of the monitor.
 
 use super::Time;
 
-/// Who sent a message: unique for each publisher.
+/// Publisher of a message: unique for each publisher.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SourceId(pub [u8; 16]);
 
-/// A `sensor_msgs/JointState` as it came, unchecked.
+/// A `sensor_msgs/JointState` as it was received, not validated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointStateInput {
     pub source: SourceId,
-    /// When the publisher says the positions were measured; zero when it does not say.
+    /// Time of the measurement according to the publisher; zero when it is not given.
     pub stamp: Time,
     pub names: Vec<String>,
-    /// Positions (rad, m), one for each name if the message is right.
+    /// Positions (rad, m); a valid message has one for each name.
     pub positions: Vec<f64>,
-    /// Velocities (rad/s, m/s), one for each name; empty when they are not given.
+    /// Velocities (rad/s, m/s), one for each name; empty when not given.
     pub velocities: Vec<f64>,
 }

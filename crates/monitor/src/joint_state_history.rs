@@ -1,4 +1,4 @@
-//! Where the robot was lately: what a sensor has seen, it saw from where its link was at that time, and of the robot as it stood then.
+//! History of joint states. Places and self-filters a point cloud with the robot pose at the cloud's stamp.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Weak};
@@ -8,32 +8,33 @@ use clearance_robot::{Configuration, JointKind, RobotModel};
 
 use super::{Evaluation, Time};
 
-/// Time (s) that is remembered.
+/// Length of the history (s).
 const LONGEST: f64 = 3.0;
 
-/// Time (s) between two values that are remembered, at least.
+/// Shortest time (s) between two stored values.
 const STEP: f64 = 0.002;
 
-/// The positions of one robot by the stamps of the joint states that told them: drivers of its parts measure at different times.
+/// Positions of one robot by the stamps of their joint states. Each position has its own history, since drivers measure at
+/// different times.
 #[derive(Debug, Default)]
 pub struct JointStateHistory {
-    /// A robot that was replaced is not kept for this.
+    /// Weak reference: a replaced robot model is not kept in memory for the history.
     robot: Weak<RobotModel>,
     ways: Vec<Way>,
 }
 
-/// The values of one position.
+/// History of one position.
 #[derive(Debug, Default)]
 struct Way {
     values: VecDeque<(Time, f64)>,
-    /// Whether a whole turn changes nothing.
+    /// Whether positions that differ by a full turn are equivalent.
     turns: bool,
-    /// Whether what is between two values is none: of a floating joint's quaternion.
+    /// Whether values must not be interpolated, as for the quaternion of a floating joint.
     is_stepped: bool,
 }
 
 impl JointStateHistory {
-    /// Takes note of where the robot was judged to be.
+    /// Stores the configuration of an evaluation.
     pub fn note(&mut self, evaluation: &Evaluation) {
         let Evaluation { stamp: Some(stamp), placement: Some(placement), revision: Some(revision), .. } =
             evaluation
@@ -50,8 +51,8 @@ impl JointStateHistory {
         }
     }
 
-    /// The robot, and where it was at a time: each position on the straight way between the values before and after it, or at the first or
-    /// last one; `None` where nothing is known.
+    /// The robot and its configuration at a time. Each position is interpolated linearly between the values before and after it;
+    /// before the first and after the last value it is constant. `None` where nothing is known.
     #[must_use]
     pub fn at(&self, time: Time) -> Option<(Arc<RobotModel>, Configuration)> {
         let robot = self.robot.upgrade()?;
@@ -76,7 +77,7 @@ impl Way {
     fn note(&mut self, stamp: Time, value: f64) {
         let since = self.values.back().map(|(last, _)| stamp.seconds_since(*last));
         if since.is_some_and(|since| since < -LONGEST) {
-            // the clock was set back; who lags a little behind another tells nothing new
+            // the clock was set back; the values of a publisher that lags slightly behind another add nothing
             self.values.clear();
         } else if since.is_some_and(|since| since < STEP) {
             return;
@@ -99,7 +100,7 @@ impl Way {
         }
     }
 
-    /// Where a share of the straight way between two values leads.
+    /// Interpolates linearly between two values.
     fn between(&self, (a, b): (f64, f64), share: f64) -> f64 {
         if self.is_stepped {
             return if share < 0.5 { a } else { b };
@@ -121,7 +122,7 @@ mod tests {
     use clearance_scene::Settings;
     use clearance_scene::World;
 
-    /// A joint that turns without end, and one that slides.
+    /// A continuous joint and a prismatic joint.
     const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='c'><collision><geometry><sphere radius='1'/></geometry></collision></link>
         <joint name='turn' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint>
         <joint name='slide' type='prismatic'><parent link='b'/><child link='c'/><axis xyz='1 0 0'/><limit lower='-9' upper='9' effort='1' velocity='1'/></joint></robot>";
@@ -132,7 +133,7 @@ mod tests {
         Arc::new(Revision::new(checker, 1, 0))
     }
 
-    /// A second and some after the epoch.
+    /// A time 1 s and some milliseconds after the epoch.
     fn time(milliseconds: i64) -> Time {
         Time::from_nanoseconds((1000 + milliseconds) * 1_000_000)
     }
@@ -179,7 +180,7 @@ mod tests {
         let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
         let robot = Arc::clone(revision.checker.robot());
         assert!(joint_state_history.at(time(0)).is_none());
-        // past half a turn, where an encoder begins anew
+        // past half a turn, where an encoder wraps around
         for (milliseconds, positions) in [(0, [3.0, 0.0]), (100, [3.2 - TAU, 1.0]), (200, [3.4 - TAU, 1.0])] {
             joint_state_history.note(&judged(&revision, milliseconds, positions));
         }

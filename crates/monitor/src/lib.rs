@@ -1,6 +1,6 @@
-//! What the node says about the robot, decided without I/O, clocks or ROS: messages and time in, evaluations out.
+//! Evaluates the robot's state without I/O, clocks or ROS: the inputs are messages and times, the outputs are evaluations.
 //!
-//! The rules, in the order in which they are tried; the first that holds decides:
+//! Rules in the order of their evaluation; the first one that applies decides:
 //!
 //! | what is the matter | status | code |
 //! |---|---|---|
@@ -30,13 +30,14 @@
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
 //! | every pair was found apart | FREE | |
 //!
-//! Joint states of several publishers are merged: of each joint, the last message that names it counts, with an age of its own.
-//! A joint state that names joints and gives no positions at all is skipped, with a warning.
-//! Mimic joints need not be reported; of those that are, the last message that names each counts, too.
-//! Unknown joints, joints outside their limits and stamps of zero do not prevent a evaluation; they are warnings.
-//! Each evaluation also says which share of its speed the robot may have: none unless it is FREE.
-//! With a look-ahead horizon it is also said until when nothing can touch; what stands against that is a warning too.
-//! Silence never means safe: a heartbeat says the last evaluation again, with its growing age, until it is stale.
+//! Joint states of several publishers are merged. For each joint, the last message with its name counts, with its own age.
+//! A joint state with names and without positions is skipped, with a warning.
+//! Mimic joints need not be reported. For those that are, the last message with the name counts, too.
+//! Unknown joints, joints outside their limits and stamps of zero do not prevent an evaluation; they are warnings.
+//! Each evaluation also contains the allowed share of the robot's speed: 0 unless the status is FREE.
+//! With a look-ahead horizon it also contains the time until which nothing can touch; if that cannot be computed, there is a
+//! warning.
+//! Silence never means safe: a heartbeat publishes the last evaluation again, with its growing age, until it is stale.
 
 // minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

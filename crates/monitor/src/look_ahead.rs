@@ -1,4 +1,4 @@
-//! Until when nothing can touch, from one joint state with velocities.
+//! Look-ahead: the time until which nothing can touch, computed from one joint state with velocities.
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, Workspace};
 use clearance_robot::{Configuration, JointKind, RobotModel};
@@ -6,14 +6,15 @@ use clearance_robot::{Configuration, JointKind, RobotModel};
 use super::MonitorSettings;
 use super::drift::Drift;
 
-/// Looks ahead for one checker.
+/// Look-ahead for one checker.
 #[derive(Debug)]
 pub(super) struct Lookout {
-    /// Motions of its own leave what the stream of states remembers alone.
+    /// Its own workspace, so that its motions do not overwrite the data that speeds up the stream of states.
     workspace: Workspace,
-    /// By position: its limit of acceleration (rad/s², m/s²), where it has one.
+    /// By position: acceleration limit (rad/s², m/s²), if it has one.
     limits: Vec<Option<f64>>,
-    /// A floating joint's speed is no rate of its seven positions: about such a robot nothing is said.
+    /// Whether the robot has a floating joint. Its velocity is not the derivative of its seven positions, so there is no look-ahead
+    /// for such a robot.
     floats: bool,
 }
 
@@ -24,7 +25,7 @@ impl Lookout {
         Self { workspace: checker.workspace(), limits: acceleration_limits(robot), floats }
     }
 
-    /// What is certain about the time after a state that was judged, or why nothing is.
+    /// Proven time without contact after an evaluated state, or why it is unknown.
     pub fn look(
         &mut self,
         checker: &CollisionChecker,
@@ -45,7 +46,7 @@ impl Lookout {
         let Some(velocities) = velocities else {
             return unknown("the joint state does not give every joint a finite velocity");
         };
-        // the tube begins everywhere at once: what was measured later is somewhere else at that time
+        // the computation starts all joints at the same time: a joint that was measured later has moved since
         if spread > 0.0 {
             return unknown(&format!("joints were measured {spread:.3} s apart"));
         }
@@ -61,11 +62,11 @@ fn acceleration_limits(robot: &RobotModel) -> Vec<Option<f64>> {
     let mut limits = vec![None; robot.position_names().len()];
     for id in robot.joint_ids() {
         let joint = robot.joint(id);
-        // joints with several positions have no limits of their own
+        // joints with several positions have no acceleration limits of their own
         if let (1, Some(index), Some(l)) =
             (joint.kind.position_suffixes().len(), robot.first_position(id), joint.limits)
         {
-            // a limit of zero is a file that says nothing: such a joint would never start
+            // a limit of zero means "not given": such a joint could never start to move
             limits[index] = (l.acceleration.is_finite() && l.acceleration > 0.0).then_some(l.acceleration);
         }
     }

@@ -1,4 +1,5 @@
-//! Reported positions of mimic joints. Mimic joints are checked where their leaders take them, so the reports have to agree with that.
+//! Reported positions of mimic joints. Checks use the position that follows from the leader joint, so the reports have to agree
+//! with it.
 
 use clearance_geometry::math::{Extremes, without_whole_turns};
 use clearance_robot::{JointId, JointKind, RobotModel};
@@ -7,15 +8,16 @@ use super::received_states::ReceivedState;
 use super::tracker::{LAG, SAME_TIME};
 use super::{Reason, SourceId, Time};
 
-/// How far from where its leader takes it (rad; m of a sliding joint) a mimic joint may be reported: gears have play, fingers give way.
+/// Tolerance (rad; m for a sliding joint) between the reported position of a mimic joint and the position that follows from its
+/// leader. Gears have play, and fingers are elastic.
 const MIMIC_SLACK: f64 = 0.02;
 const SLIDING_MIMIC_SLACK: f64 = 0.002;
 
-/// How far a mimic joint may move (rad; m of a sliding joint) between its report and another message's report of its leader.
+/// Largest motion (rad; m for a sliding joint) of a mimic joint between its report and another message's report of its leader.
 const LONGEST_WAY: f64 = 0.5;
 const LONGEST_SLIDING_WAY: f64 = 0.05;
 
-/// A mimic joint, ready for comparisons.
+/// A mimic joint, prepared for comparisons.
 #[derive(Clone, Debug)]
 pub(super) struct Follower {
     joint: JointId,
@@ -24,7 +26,7 @@ pub(super) struct Follower {
     multiplier: f64,
     offset: f64,
     slides: bool,
-    /// Whether a whole turn of this joint changes nothing.
+    /// Whether positions of this joint that differ by a full turn are equivalent.
     turns: bool,
 }
 
@@ -51,7 +53,7 @@ impl Follower {
             if self.slides { (SLIDING_MIMIC_SLACK, LONGEST_SLIDING_WAY) } else { (MIMIC_SLACK, LONGEST_WAY) };
         let apart = reported - expected;
         let apart = if self.turns { without_whole_turns(apart) } else { apart };
-        // not a number is no agreement
+        // NaN never agrees
         apart.abs() <= slack + way.lesser(longest)
     }
 }
@@ -67,7 +69,7 @@ struct Report {
     leader: Option<f64>,
 }
 
-/// How a message names a mimic joint; messages are taken newest first.
+/// Result of a name of a mimic joint in a message; messages are processed newest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Naming {
     /// No newer message names the joint: this report is in force.
@@ -81,7 +83,7 @@ pub(super) enum Naming {
 #[derive(Debug)]
 pub(super) struct MimicReports<'t> {
     followers: &'t [Follower],
-    /// By follower: the message that was taken last of those that name it.
+    /// By follower: the last processed message with its name.
     named_by: Vec<Option<usize>>,
     /// By follower: publisher and stamp of the report in force.
     in_force: Vec<Option<(SourceId, Time)>>,
@@ -102,7 +104,7 @@ impl<'t> MimicReports<'t> {
         }
     }
 
-    /// Takes the numbers of one message: `named` are followers with their place in it, `leaders` the positions that it gives.
+    /// Processes one message. `named` contains followers with their index in the message, `leaders` the positions of leaders in it.
     pub fn take(&mut self, heard: &ReceivedState, named: &[(usize, usize)], leaders: &[(usize, f64)]) {
         let (source, stamp) = (heard.input.source, heard.stamp);
         for &(follower, place) in named {
@@ -122,8 +124,8 @@ impl<'t> MimicReports<'t> {
         }
     }
 
-    /// Reports that disagree with their leaders, one a joint: what is reported, and where the leader takes the joint. By position:
-    /// `positions` of leaders, their `rates`, and the stamps `told` of their messages.
+    /// Reports that disagree with their leaders, at most one for each joint: the reported position, and the position that follows
+    /// from the leader. Indexed by position: `positions` of leaders, their `rates`, and the stamps `told` of their messages.
     pub fn contradictions(
         &self,
         positions: &[f64],
@@ -154,16 +156,16 @@ impl<'t> MimicReports<'t> {
     }
 }
 
-/// A mimic joint that is reported elsewhere than where its leader takes it.
+/// A mimic joint whose reported position differs from the position that follows from its leader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MimicContradiction {
     joint: JointId,
-    /// As reported, and where the leader takes it.
+    /// The reported position, and the position that follows from the leader.
     positions: [f64; 2],
 }
 
 impl MimicContradiction {
-    /// Why nothing is known; there are `more` such joints.
+    /// Reason for the status UNKNOWN; there are `more` such joints.
     pub fn reason(&self, robot: &RobotModel, more: usize) -> Reason {
         let joint = robot.joint(self.joint);
         let leader = joint.mimic.map_or(String::new(), |mimic| robot.joint(mimic.joint).name.clone());

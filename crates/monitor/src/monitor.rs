@@ -1,4 +1,4 @@
-//! The monitor: joint states and heartbeats in, evaluations out.
+//! The monitor: receives joint states and heartbeats, returns evaluations.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,50 +21,50 @@ use super::{
     Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
 
-/// Time since any fixed moment; it is read before and after each check.
+/// Time since any fixed moment. It is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
 
-/// Names that are remembered of a joint state without positions at most.
+/// Largest number of names that are stored of a joint state without positions.
 const MOST_UNPOSITIONED: usize = 64;
 
-/// Decides what is known about one robot.
+/// Evaluates the state of one robot.
 #[derive(Debug)]
 pub struct Monitor {
     settings: MonitorSettings,
     stopwatch: Stopwatch,
     enabled: bool,
-    /// Why nothing is known any more, once the process takes too much memory.
+    /// Reason for the status UNKNOWN once the process uses too much memory.
     out_of_memory: Option<Reason>,
-    /// What checks leave out, whatever time they take; without it, the deadline decides.
+    /// The part that checks leave out, regardless of their time; `None`: the deadline decides.
     left_out: Option<LeftOut>,
     evaluator: Option<StateEvaluator>,
-    /// Another model is being built, and the evaluator's does not count any more.
+    /// Whether another model is being built, so that the current one is no longer valid.
     swapping: bool,
-    /// Descriptions of robots that came, and how many of them were taken or refused.
+    /// Number of received robot descriptions, and how many of them were loaded or rejected.
     described: u64,
     heeded: u64,
-    /// What was wrong with the last model offered, until one is taken.
+    /// Error of the last rejected model, until a model is loaded.
     model_fault: Option<String>,
-    /// What was refused of the last changes of the world.
+    /// Errors of the last changes of the world.
     world_faults: Vec<String>,
-    /// Why the world is known to be incomplete, if it is.
+    /// Why the world is incomplete, if it is.
     incomplete_world: Option<Reason>,
     world_updates: WorldUpdates,
     received_states: ReceivedStates,
-    /// The last joint state that gave no positions: when it came, and whose.
+    /// The last joint state without positions: time of reception and names.
     unpositioned: Option<(Duration, Vec<String>)>,
     check_budget: CheckBudget,
     contact_watch: ContactWatch,
-    /// What the robot's state is made of, whatever the verdict.
+    /// Messages that make up the robot's state, regardless of the result.
     contributions: Contributions,
-    /// By how much (s) the clock was set back since the last joint state, if it was.
+    /// Time (s) by which the clock was set back since the last joint state, if it was.
     set_back: Option<f64>,
-    /// What `tf` tells about joints.
+    /// Positions of joints from `tf`.
     placements: Placements,
     ground: RootLocationWatch,
     verdict: CheckResult,
     governor: SpeedGovernor,
-    /// The model or a setting changed since the verdict.
+    /// Whether the model or a setting changed since the last check.
     outdated: bool,
     said_at: Option<Duration>,
     latest_ros_time: Option<Time>,
@@ -103,9 +103,9 @@ impl Monitor {
         }
     }
 
-    /// From now on this robot and world are checked; the last joint state is judged again at the next heartbeat.
+    /// Sets the robot and world to check. The last joint state is evaluated again at the next heartbeat.
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
-        // a change of the world says nothing about a robot that was described and refused
+        // a change of the world does not resolve the rejection of a new robot description
         if self.evaluator.as_ref().is_none_or(|before| before.revision.model != revision.model) {
             self.model_fault = None;
             self.swapping = false;
@@ -122,7 +122,7 @@ impl Monitor {
         }
         self.ground.note_placed(revision.placed_at);
         self.world_updates.complete();
-        // before the first state is published that is checked in this world
+        // set before the first state that is checked in this world is published
         self.incomplete_world.clone_from(&revision.incomplete);
         self.evaluator = Some(StateEvaluator {
             tracker: Tracker::new(revision.checker.robot()),
@@ -134,19 +134,19 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Another robot was described: until its checker comes, or it is refused, nothing is known.
+    /// Another robot was described: the status is UNKNOWN until its checker is set or it is rejected.
     pub fn note_model_swap(&mut self) {
         self.swapping = true;
         self.outdated = true;
     }
 
-    /// Another description of a robot came, and waits for what is being built: until it is heeded, nothing is known.
+    /// Another robot description was received and waits for the current build. The status is UNKNOWN until it is processed.
     pub fn note_description(&mut self) {
         self.described += 1;
         self.outdated = true;
     }
 
-    /// So many descriptions, since the beginning, were taken or refused.
+    /// Sets the number of descriptions that were loaded or rejected since the start.
     pub fn note_heeded(&mut self, descriptions: u64) {
         self.heeded = descriptions;
         self.outdated = true;
@@ -156,32 +156,33 @@ impl Monitor {
         self.swapping || self.described > self.heeded
     }
 
-    /// A model was refused. The one in use, if any, stays.
+    /// A model was rejected. The current one, if any, stays in use.
     pub fn note_model_fault(&mut self, fault: String) {
         self.model_fault = Some(fault);
         self.swapping = false;
         self.outdated = true;
     }
 
-    /// What was wrong with the last model offered, if it was refused.
+    /// Error of the last model, if it was rejected.
     #[must_use]
     pub fn model_fault(&self) -> Option<&str> {
         self.model_fault.as_deref()
     }
 
-    /// Turns checking off and on; while it is off, nothing is known.
+    /// Switches checking off or on; while it is off, the status is UNKNOWN.
     pub fn set_enabled(&mut self, enabled: bool) {
         self.enabled = enabled;
         self.outdated = true;
     }
 
-    /// From now on nothing is known: the process takes too much memory (MiB), and ends.
+    /// From now on the status is UNKNOWN: the process uses too much memory (MiB), and ends.
     pub fn note_memory(&mut self, used: u64, limit: u64) {
         self.out_of_memory = Some(Reason::Memory { used, limit });
         self.outdated = true;
     }
 
-    /// What checks leave out from now on, as they once did: a deadline leaves out something else on every machine.
+    /// Makes checks leave out this part from now on, as in a recorded run. A deadline would leave out different parts on each
+    /// machine.
     pub fn leave_out(&mut self, left_out: LeftOut) {
         self.left_out = Some(left_out);
     }
@@ -204,23 +205,25 @@ impl Monitor {
         }
     }
 
-    /// A message about the world was received at this time, by the steady clock: until it is in force, the world is not as announced.
+    /// A message about the world was received at this time (steady clock). Until it is in force, the world differs from the
+    /// announced one.
     pub fn note_world_update(&mut self, at: Duration) {
         let is_late = |updates: &WorldUpdates| {
             updates.due().zip(self.said_at).is_some_and(|(lags, said_at)| lags <= said_at)
         };
         let was_late = is_late(&self.world_updates);
         self.world_updates.note_received(at);
-        // one that was long on its way is late already when it is first noted
+        // a message that waited long inside the node may be late already when it is first recorded
         self.outdated |= !was_late && is_late(&self.world_updates);
     }
 
-    /// The message about the world that was received last asks for nothing.
+    /// The last received message about the world requires no change.
     pub fn note_world_update_withdrawn(&mut self) {
         self.world_updates.note_withdrawn();
     }
 
-    /// So many messages about the world, the oldest ones, are in force as soon as a checker comes, or word that none is needed.
+    /// This number of messages about the world, the oldest ones, is in force once a checker is set, or once it is reported that
+    /// none is needed.
     pub fn note_world_updates_completing(&mut self, updates: usize) {
         self.world_updates.note_completing(updates);
     }
@@ -233,14 +236,14 @@ impl Monitor {
         }
     }
 
-    /// Whether evaluations need to know what `tf` tells.
+    /// Whether evaluations depend on `tf`.
     #[must_use]
     pub fn heeds_transforms(&self) -> bool {
         let stands = |evaluator: &StateEvaluator| !evaluator.revision.grounds.is_empty();
         !self.settings.transform_joints.is_empty() || self.evaluator.as_ref().is_some_and(stands)
     }
 
-    /// What `tf` tells now; evaluations from now on use it.
+    /// Updates the data from `tf`; later evaluations use it.
     pub fn note_transforms(&mut self, tree: &TransformTree) {
         let Some(evaluator) = &self.evaluator else { return };
         self.ground.look(&evaluator.revision.grounds, tree);
@@ -252,9 +255,10 @@ impl Monitor {
         }
     }
 
-    /// Takes note of a joint state that another one follows at once; whether it says anything about positions.
+    /// Stores a joint state that is not evaluated by itself. Returns whether it contains positions.
     ///
-    /// One without positions is skipped, with its velocities: the positions received before stay in force and grow old.
+    /// A joint state without positions is skipped, with its velocities. The positions received before stay in force, and their age
+    /// grows.
     pub fn receive(&mut self, mut input: JointStateInput, now: Now) -> bool {
         self.note_clock(now);
         if input.positions.is_empty() && !input.names.is_empty() {
@@ -271,7 +275,7 @@ impl Monitor {
         true
     }
 
-    /// Judges a joint state, together with what others said about joints that it does not name.
+    /// Evaluates a joint state, merged with the joint states of other publishers for the joints that it does not name.
     pub fn on_joint_state(&mut self, input: JointStateInput, now: Now) -> Evaluation {
         if !self.receive(input, now) {
             return self.on_heartbeat(now);
@@ -287,20 +291,20 @@ impl Monitor {
         self.current_evaluation(now)
     }
 
-    /// The remark about pairs of links that touch in every state, the first time that there is one.
+    /// Warning about pairs of links that touch in every state; returned once.
     pub fn take_contact_remark(&mut self) -> Option<String> {
         self.contact_watch.take_news()
     }
 
-    /// Does, until the next joint state comes, what it will probably need: best after the answer to the last one was said.
+    /// Prepares data that the next joint state will probably need. Best called after the last evaluation was published.
     pub fn prepare(&mut self) {
         if let Some(evaluator) = &mut self.evaluator {
             evaluator.revision.checker.prepare(&mut evaluator.workspace);
         }
     }
 
-    /// Says the last evaluation again, or that it is stale; judges anew when the model, a setting or the clock changed, the robot's root
-    /// moves, or there was no time for exact distances.
+    /// Returns the last evaluation again, or reports that it is stale. Evaluates again if the model, a setting or the clock
+    /// changed, if the robot's root moves, or if there was no time for exact distances.
     pub fn on_heartbeat(&mut self, now: Now) -> Evaluation {
         self.note_clock(now);
         let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
@@ -316,19 +320,19 @@ impl Monitor {
         self.current_evaluation(now)
     }
 
-    /// How long nothing needs to be said, if no joint state comes.
+    /// Time until the next evaluation has to be published, if no joint state is received.
     #[must_use]
     pub fn time_to_heartbeat(&self, now: Now) -> Duration {
         let Some(said_at) = self.said_at.filter(|_| !self.outdated) else {
             return Duration::ZERO;
         };
         let mut due = said_at + self.settings.heartbeat_period();
-        // the moment from which the world lags too far behind is news
+        // a heartbeat is due at the time from which the world lags too far behind
         if let Some(lags) = self.world_updates.due().filter(|lags| *lags > said_at) {
             due = due.min(lags);
         }
         let heartbeat = due.saturating_sub(now.steady);
-        // the moment at which a evaluation becomes stale is news
+        // a heartbeat is due at the time at which the evaluation becomes stale
         let stale = self.verdict.checked_state.as_ref().and_then(|_| {
             let ends = [self.robot_time_to_stale(now), self.world_time_to_stale(now)];
             ends.into_iter().flatten().min()
@@ -336,15 +340,15 @@ impl Monitor {
         stale.map_or(heartbeat, |stale| heartbeat.min(stale))
     }
 
-    /// How long it is known where the robot is, if nothing more comes.
+    /// How long the robot's configuration stays valid, if no message is received.
     fn robot_time_to_stale(&self, now: Now) -> Option<Duration> {
         let of_base = self.placements.time_to_stale(now, &self.settings);
-        // a little later, so that it is stale then whatever way rounding goes
+        // slightly later, so that the state is stale at that time despite rounding
         let of_base = Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
         self.contributions.time_to_stale(now, &self.settings).into_iter().chain(of_base).min()
     }
 
-    /// How long it is known where obstacles are, if nothing more comes.
+    /// How long the obstacles' positions stay valid, if no message is received.
     fn world_time_to_stale(&self, now: Now) -> Option<Duration> {
         let sources = self.evaluator.iter().flat_map(|evaluator| &evaluator.revision.sources);
         let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
@@ -360,7 +364,8 @@ impl Monitor {
         }
     }
 
-    /// Stamps judged before a clock was set back order nothing any more; what was heard long before by that clock counts no more.
+    /// Detects that the clock was set back. Earlier stamps then no longer define an order. If it was set back by more than `stale_after`,
+    /// all received joint states are discarded.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
             self.received_states.forget_order();
@@ -420,7 +425,7 @@ impl Monitor {
         let mut reading = reading?;
         reading.warnings.extend_from_slice(&self.placements.warnings);
         reading.warnings.extend(self.ground.warning());
-        // checking what is stale already would be wasted
+        // a stale state is not checked
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
         let knowledge = (reading, self.ground.drifts());
         let verdict = evaluator.evaluate(
@@ -433,7 +438,7 @@ impl Monitor {
         Ok(verdict)
     }
 
-    /// The verdict as it holds now: what was right when it was judged may have become stale.
+    /// The evaluation as it is valid now: it may have become stale since the check.
     fn current_evaluation(&mut self, now: Now) -> Evaluation {
         self.said_at = Some(now.steady);
         self.ground.note_seen(now);
@@ -484,7 +489,7 @@ impl Monitor {
         }
     }
 
-    /// Of a joint state without positions that came not long ago.
+    /// Warning about a joint state without positions that was received recently.
     fn unpositioned_warning(&self, now: Now) -> Option<String> {
         let (at, names) = self.unpositioned.as_ref()?;
         let silence = now.steady.saturating_sub(*at).as_secs_f64();
@@ -494,7 +499,7 @@ impl Monitor {
         })
     }
 
-    /// Whether what is known about the robot's joints still holds.
+    /// Whether the positions of the robot's joints are still valid.
     fn freshness(&self, evaluator: &StateEvaluator, now: Now) -> Result<(), Reason> {
         let robot = evaluator.revision.checker.robot();
         if !self.received_states.messages().is_empty() {
@@ -506,7 +511,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// A stale joint state that could not be judged when it was fresh has two faults.
+    /// Adds the earlier fault to a stale joint state that could not be evaluated when it was fresh.
     fn with_other_fault(&self, reason: Reason) -> Reason {
         match (reason, self.verdict.status.reason()) {
             (Reason::Stale { joints, age, stale_after, .. }, Some(other))

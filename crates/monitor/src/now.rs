@@ -7,8 +7,8 @@ use super::Time;
 /// Readings of ROS time and of a steady clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Now {
-    /// ROS time, in which messages are stamped; `None` while simulated time is asked for and none has arrived.
+    /// ROS time, which message stamps use; `None` while simulated time is in use and none was received.
     pub ros: Option<Time>,
-    /// A clock that never jumps, from any origin. It notices silence even when ROS time stands still or jumps.
+    /// Steady clock with an arbitrary origin. It measures silence even when ROS time stands still or jumps.
     pub steady: Duration,
 }

@@ -1,4 +1,4 @@
-//! Joints of several positions whose places `tf` tells: a base that drives, flies or swims.
+//! Joints with several positions whose positions come from `tf`: a base that drives, flies or swims.
 
 use std::time::Duration;
 
@@ -8,32 +8,32 @@ use clearance_scene::TransformTree;
 
 use super::{MonitorSettings, Now, Reason, Time};
 
-/// How far (m, rad) a transform may leave the plane of a planar joint: that much of the base's place is not checked.
+/// Largest deviation (m, rad) of a transform from the plane of a planar joint. The check ignores this deviation.
 const PLANE_SLACK: f64 = 1e-3;
 
-/// Where `tf` has the child link of a joint.
+/// Transform of a joint from `tf`.
 #[derive(Clone, Debug, PartialEq)]
 struct Placement {
     joint: JointId,
-    /// Pose of the child link in the parent link, and since when; `None` while nothing connects the two.
+    /// Pose of the child link in the parent link, and its stamp; `None` while no transform connects the two links.
     found: Option<(Pose, Option<Time>)>,
-    /// When that was first judged by, on the steady clock: a clock that stands lets nothing grow old.
+    /// Time of its first use (steady clock), so that it also becomes old while ROS time stands still.
     since: Option<Duration>,
 }
 
-/// All joints that `tf` places.
+/// All joints whose positions come from `tf`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Placements {
     placements: Vec<Placement>,
-    /// What of the wish for them cannot be fulfilled.
+    /// Warnings about settings that cannot be applied.
     pub warnings: Vec<String>,
 }
 
-/// Numbers of a configuration, where they begin.
+/// Values of a configuration, and the index of the first one.
 pub(super) type Placed = (usize, Vec<f64>);
 
 impl Placements {
-    /// What `tf` tells now about the joints that the settings name.
+    /// Looks up the current transforms of the joints in the settings.
     pub fn look_up(robot: &RobotModel, settings: &MonitorSettings, tree: &TransformTree) -> Self {
         let mut all = Self::default();
         for name in &settings.transform_joints {
@@ -52,7 +52,7 @@ impl Placements {
         all
     }
 
-    /// What is known of earlier ones, where nothing newer was told since.
+    /// Keeps the times of first use of transforms that have not changed.
     pub fn inherit(&mut self, before: &Self) {
         for placement in &mut self.placements {
             let same =
@@ -61,31 +61,31 @@ impl Placements {
         }
     }
 
-    /// From now on, at the latest, they grow old.
+    /// Starts the age of new transforms.
     pub fn note_seen(&mut self, now: Now) {
         for placement in &mut self.placements {
             placement.since.get_or_insert(now.steady);
         }
     }
 
-    /// The stamp of the newest transform, if any has one.
+    /// Stamp of the newest transform, if any has one.
     pub fn newest_stamp(&self) -> Option<Time> {
         self.placements.iter().filter_map(|p| p.found?.1).max()
     }
 
-    /// Whether they place every number of a configuration.
+    /// Whether all positions of the robot come from `tf`.
     pub fn place_all(&self, robot: &RobotModel) -> bool {
         let placed: usize =
             self.placements.iter().map(|p| robot.joint(p.joint).kind.position_suffixes().len()).sum();
         placed > 0 && placed == robot.position_names().len()
     }
 
-    /// The stamp of the oldest transform, if any has one.
+    /// Stamp of the oldest transform, if any has one.
     pub fn stamp(&self) -> Option<Time> {
         self.placements.iter().filter_map(|p| p.found?.1).min()
     }
 
-    /// Where the joints are, NaN where that is not known, and why it is not known of the first of these.
+    /// Positions of the joints, NaN where unknown, and the reason for the first unknown one.
     pub fn read(
         &self,
         robot: &RobotModel,
@@ -105,7 +105,7 @@ impl Placements {
         (placed, unplaced)
     }
 
-    /// How long (s) the oldest transform still counts; infinite where none grows old.
+    /// Time (s) until the oldest transform becomes stale; infinite if none can become stale.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
         let age =
             now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
@@ -116,7 +116,7 @@ impl Placements {
 }
 
 impl Placement {
-    /// How long (s) nothing newer was told of what can grow old.
+    /// Time (s) since the last new transform; `None` for a transform that cannot become stale.
     fn silence(&self, now: Now) -> Option<f64> {
         self.found?.1?;
         Some(now.steady.saturating_sub(self.since?).as_secs_f64())
@@ -154,7 +154,7 @@ impl Placement {
     }
 }
 
-/// Names of the links before and behind a joint.
+/// Names of the parent link and child link of a joint.
 fn frames(robot: &RobotModel, joint: JointId) -> [&str; 2] {
     let joint = robot.joint(joint);
     [joint.parent, joint.child].map(|link| robot.link(link).name.as_str())

@@ -1,39 +1,39 @@
-//! What was heard last of every joint, from whoever reports it.
+//! Store of the last received joint states of all publishers.
 
 use std::time::Duration;
 
 use super::{JointStateInput, Now, Time};
 
-/// Messages remembered at most: publishers come and go, and memory must not grow with them.
+/// Largest number of stored messages: publishers come and go, and the memory must not grow with them.
 const MOST_MESSAGES: usize = 128;
 
-/// Numbers and names that are read of a message at most: no robot has as many joints.
+/// Largest number of values and names that are read from a message: no robot has as many joints.
 const MOST_JOINTS: usize = 4096;
 
-/// Bytes of joint names remembered at most, but for those of the last message.
+/// Largest total size (bytes) of the stored joint names, without those of the last message.
 const MOST_TEXT: usize = 1 << 20;
 
-/// A joint state, and when it came.
+/// A joint state and its time of reception.
 #[derive(Debug)]
 pub(super) struct ReceivedState {
     pub input: JointStateInput,
-    /// The stamp that counts: its own, or when it came if it has none.
+    /// Stamp in use: the stamp of the message, or the time of reception if it has none.
     pub stamp: Time,
-    /// When it came, by the steady clock.
+    /// Time of reception (steady clock).
     pub at: Duration,
-    /// How much older (s) it is than the newest judged one of its stream, if it is.
+    /// How much older (s) it is than the newest evaluated message of its stream, if it is older.
     pub behind: Option<f64>,
-    /// The newest judged stamp of its stream.
+    /// Newest evaluated stamp of its stream.
     judged: Option<Time>,
-    /// By name: how fast the joint moves (rad/s, m/s), as it says itself or by what its stream said before; no number where that is not known.
+    /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if unknown.
     pub rates: Vec<f64>,
 }
 
-/// No joint moves so far (rad, m) from one message to the next: what seems to was counted anew, or set.
+/// Largest motion (rad, m) between two messages. A larger difference is a wrap-around or a reset.
 const LONGEST_WAY: f64 = std::f64::consts::PI;
 
 impl ReceivedState {
-    /// How long (s) ago it came.
+    /// Time (s) since the reception.
     pub fn silence(&self, now: Now) -> f64 {
         now.steady.saturating_sub(self.at).as_secs_f64()
     }
@@ -43,8 +43,8 @@ impl ReceivedState {
     }
 }
 
-/// The last message of every stream, the one that came last at the end. A stream is what one publisher says about the same joints:
-/// several drivers may share the topic, and a played bag is one publisher that says what several said.
+/// The last message of each stream, in the order of reception. A stream is a publisher with a set of joint names: several drivers
+/// may share the topic, and a played bag is one publisher with the messages of several.
 #[derive(Debug, Default)]
 pub(super) struct ReceivedStates(Vec<ReceivedState>);
 
@@ -71,14 +71,14 @@ impl ReceivedStates {
         }
     }
 
-    /// The message that came last was judged.
+    /// Marks the last received message as evaluated.
     pub fn note_judged(&mut self) {
         if let Some(last) = self.0.last_mut().filter(|last| last.input.stamp != Time::ZERO) {
             last.judged = Some(last.stamp);
         }
     }
 
-    /// The clock that the stamps refer to was set back: those judged before order nothing any more.
+    /// The clock of the stamps was set back: stamps evaluated before no longer define an order.
     pub fn forget_order(&mut self) {
         for heard in &mut self.0 {
             heard.judged = None;
@@ -89,13 +89,13 @@ impl ReceivedStates {
         self.0.clear();
     }
 
-    /// In the order in which they came.
+    /// The messages in the order of reception.
     pub fn messages(&self) -> &[ReceivedState] {
         &self.0
     }
 }
 
-/// How fast the joints of a message move, which may follow another one of its stream.
+/// Velocities of the joints in a message; `before` is the previous message of its stream.
 fn rates(input: &JointStateInput, stamp: Time, before: Option<&ReceivedState>) -> Vec<f64> {
     let JointStateInput { names, positions, velocities, .. } = input;
     if velocities.len() == names.len() {

@@ -1,5 +1,5 @@
-//! Whether it is known where the robot's root is in what obstacles stand in: once `tf`, which told of it again and again, falls silent, or does not
-//! connect the two any more, the root may be anywhere.
+//! Tracks whether the pose of the robot's root in the obstacle frames is known. If `tf` published it repeatedly and then stops, or
+//! no longer connects the frames, the root may be anywhere.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -12,39 +12,39 @@ use super::drift::{Drift, Track};
 use super::world_source::{Observation, WorldSource};
 use super::{Now, Reason, Time};
 
-/// What `tf` told last of the frames that obstacles stand in.
+/// Last `tf` data about the frames that obstacles are placed in.
 #[derive(Debug, Default)]
 pub(super) struct RootLocationWatch {
-    /// Those that it tells of again and again.
+    /// Frames that `tf` publishes repeatedly.
     seen: BTreeMap<String, Seen>,
-    /// Where each frame on the way to them was in its parent.
+    /// Pose history of each frame on the path to them, in its parent frame.
     tracks: BTreeMap<String, Track>,
-    /// What does not tell where the root is.
+    /// Name of the missing transform if the root's pose is lost.
     lost: Option<String>,
-    /// In what the root counts as standing at zero, as nobody tells where it is.
+    /// Frame in which the root is assumed to be at the origin, since no transform places it.
     assumed: Option<String>,
-    /// Whether obstacles are not where `tf` has them: they are being put there.
+    /// Whether the obstacles have to be moved to follow `tf`; this is in progress then.
     are_elsewhere: bool,
-    /// When they were there last, by the steady clock, as far as that is known.
+    /// Last time (steady clock) at which their poses were correct, if it is known.
     right_at: Option<Duration>,
 }
 
 #[derive(Debug)]
 struct Seen {
-    /// Of the oldest transform on the way.
+    /// Stamp of the oldest transform on the path.
     stamp: Time,
-    /// When that was first judged by, on the steady clock: a clock that stands lets nothing grow old.
+    /// Time of its first use (steady clock), so that it also becomes old while ROS time stands still.
     since: Option<Duration>,
     drift: Drift,
 }
 
 impl RootLocationWatch {
-    /// Obstacles are where they belonged at that time, by the steady clock; `None`: where they belong now.
+    /// Sets the time (steady clock) at which the poses of the obstacles were correct; `None`: they are correct now.
     pub fn note_placed(&mut self, at: Option<Duration>) {
         self.right_at = at;
     }
 
-    /// What `tf` tells now.
+    /// Reads the current transforms.
     pub fn look(&mut self, grounds: &AnchorFrames, tree: &TransformTree) {
         self.lost = grounds.lost(tree).map(|lost| match lost {
             Lost::In(frame) => of_root(frame),
@@ -64,7 +64,7 @@ impl RootLocationWatch {
         }
     }
 
-    /// How a frame moves in the root's frame by what moves on the way to it.
+    /// Motion of a frame relative to the root, from the moving transforms on the path to it.
     fn motions(&mut self, told: &TrackedFrame, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
         let pose_rf = told.way.pose();
         let moved = told.way.live_links().filter_map(|Link { name, pose_pf, stamp }| {
@@ -77,7 +77,7 @@ impl RootLocationWatch {
         moved.collect()
     }
 
-    /// What was looked at is judged by now.
+    /// Starts the age of the transforms: they are used now.
     pub fn note_seen(&mut self, now: Now) {
         for seen in self.seen.values_mut() {
             seen.since.get_or_insert(now.steady);
@@ -87,12 +87,12 @@ impl RootLocationWatch {
         }
     }
 
-    /// How what stands in these frames moves past the root just now.
+    /// Current motions of these frames relative to the root.
     pub fn drifts(&self) -> Vec<Drift> {
         self.seen.values().map(|seen| seen.drift.clone()).collect()
     }
 
-    /// What is taken for granted about where the root is.
+    /// Warning about the assumed pose of the root.
     pub fn warning(&self) -> Option<String> {
         let frame = quoted(self.assumed.as_ref()?);
         Some(format!(
@@ -100,7 +100,7 @@ impl RootLocationWatch {
         ))
     }
 
-    /// Whether the places of obstacles are known, or why not; `ttl` (s) is the age that a transform may have.
+    /// Whether the poses of the obstacles are known, or why not; `ttl` (s) is the largest age of a transform.
     pub fn freshness(&self, now: Now, ttl: f64) -> Result<(), Reason> {
         if let Some(source) = &self.lost {
             return Err(Reason::StaleWorld { source: source.clone(), age: None, ttl });
@@ -116,18 +116,18 @@ impl RootLocationWatch {
         Ok(())
     }
 
-    /// How long the places of obstacles stay known, if `tf` says nothing more.
+    /// How long the poses of the obstacles stay known without new transforms.
     pub fn time_to_stale(&self, now: Now, ttl: f64) -> Option<Duration> {
         let of_frames = self.sources(now, ttl).filter_map(|source| source.time_to_stale(now));
         let late = Duration::try_from_secs_f64(ttl).ok().filter(|_| self.are_elsewhere);
         let of_places = late.and_then(|ttl| {
-            // a little later, so that it has passed whatever way rounding goes
+            // slightly later, so that the time has passed despite rounding
             Some(ttl.checked_sub(self.lag(now))? + Duration::from_millis(1))
         });
         of_frames.chain(of_places).min()
     }
 
-    /// How long obstacles have not been where they belong.
+    /// Time since the poses of the obstacles were last correct.
     fn lag(&self, now: Now) -> Duration {
         let right_at = self.right_at.filter(|_| self.are_elsewhere);
         right_at.map_or(Duration::ZERO, |right_at| now.steady.saturating_sub(right_at))

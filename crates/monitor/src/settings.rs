@@ -1,4 +1,4 @@
-//! What a user decides about monitoring.
+//! User settings of the monitor.
 
 use std::time::{Duration, Instant};
 
@@ -6,42 +6,42 @@ use clearance_proximity::Effort;
 
 use super::SpeedSettings;
 
-/// Longer than any check.
+/// Longer than any check takes.
 const UNHURRIED: Duration = Duration::from_secs(86_400);
 
-/// Choices that may change at any time.
+/// Settings that may change at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonitorSettings {
-    /// How often something is said at least (Hz).
+    /// Lowest rate (Hz) at which evaluations are published.
     pub heartbeat_rate: f64,
-    /// Age (s) beyond which a joint state says nothing about the robot any more.
+    /// Age (s) beyond which a joint state is stale.
     pub stale_after: f64,
-    /// Time (s) that one answer may take; 0: as long as it takes.
+    /// Time limit (s) of one evaluation; 0: none.
     pub check_deadline: f64,
-    /// Planar and floating joints whose positions `tf` tells, instead of joint states.
+    /// Planar and floating joints whose positions come from `tf` instead of joint states.
     pub transform_joints: Vec<String>,
-    /// Age (s) beyond which a transform says nothing about them any more.
+    /// Age (s) beyond which their transforms are stale.
     pub transform_ttl: f64,
-    /// What the names of this robot's joints begin with; others on the topic are other robots'.
+    /// Prefix of the names of this robot's joints. Other names on the topic belong to other robots.
     pub joint_prefix: String,
-    /// Whether nothing is known while a mimic joint is reported elsewhere than where its leader takes it; otherwise that is a warning.
+    /// Whether the status is UNKNOWN while the report of a mimic joint disagrees with its leader; otherwise that is a warning.
     pub mimic_contradiction_is_unknown: bool,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
-    /// Distance (m) beyond which the least distance is not looked for.
+    /// Distance (m) beyond which the least distance is not computed.
     pub distance_limit: f64,
-    /// By how much (m) a distance may be told too small, in place of exactly.
+    /// Largest error (m) of a reported distance, which may only be too small; 0: exact.
     pub distance_absolute_tolerance: f64,
-    /// The same as a share of the distance, in [0, 1); the larger of the two counts.
+    /// The same as a share of the distance, in [0, 1); the larger of the two applies.
     pub distance_relative_tolerance: f64,
-    /// The share of the time between joint states that exact distances may take, in [0, 1]; beyond it they are told within a tenth
-    /// or a millimetre. 0: they take what they take.
+    /// Share of the time between joint states that exact distances may take, in [0, 1]. Beyond it, distances have a tolerance of a
+    /// tenth or a millimetre. 0: no limit.
     pub exact_distance_share: f64,
-    /// When the robot is to be slower.
+    /// When the robot has to be slower.
     pub speed: SpeedSettings,
-    /// How far ahead (s) it is looked for contacts; 0: not at all.
+    /// Horizon (s) of the time to contact; 0 switches it off.
     pub look_ahead_horizon: f64,
-    /// What joints without an acceleration limit of their own are thought to be capable of (rad/s², m/s²).
+    /// Assumed acceleration limit (rad/s², m/s²) of joints without their own.
     pub look_ahead_acceleration: f64,
 }
 
@@ -68,14 +68,14 @@ impl Default for MonitorSettings {
 }
 
 impl MonitorSettings {
-    /// How much one check may take, from now on.
+    /// Limits of one check that starts now.
     #[must_use]
     pub(super) fn effort(&self) -> Effort {
         let time = Duration::try_from_secs_f64(self.check_deadline).ok().filter(|time| !time.is_zero());
         self.effort_until(time.and_then(|time| Instant::now().checked_add(time)))
     }
 
-    /// The same for a check that may take as long as it does, done in the same way.
+    /// The same without a deadline, with the same algorithm.
     #[must_use]
     pub(super) fn unhurried_effort(&self) -> Effort {
         let hurried = self.effort().deadline.is_some();
@@ -92,7 +92,7 @@ impl MonitorSettings {
         }
     }
 
-    /// Longest silence allowed between two evaluations.
+    /// Longest time between two published evaluations.
     #[must_use]
     pub fn heartbeat_period(&self) -> Duration {
         Duration::try_from_secs_f64(1.0 / self.heartbeat_rate).unwrap_or(Duration::from_secs(1))

@@ -1,11 +1,12 @@
-//! The share of its speed that a robot may have, from the distances of its bodies and how fast they approach.
+//! Speed scale: the share of its speed that the robot may have, from the distances of its bodies and their approach rates.
 //!
-//! Each near pair asks for a share: all of it from the slow-down distance on, none of it up to the stop distance, between them
-//! in proportion; what approaches counts as nearer by the way of its reaction time, also from beyond the slow-down distance, what moves away asks
-//! for nothing. The least share counts.
-//! Where nobody knows how fast something near approaches, the share does not rise, but for a first state, which counts as at rest.
-//! It falls when so many states in a row ask for less as the trigger count says, to the most that they ask for, and rises when
-//! so many as the release count says ask for more, to the least of them. Where nothing is known it is zero at once.
+//! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them. The distance
+//! of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down distance. A pair that moves
+//! apart requests no reduction. The least share counts.
+//! If the approach rate of a near pair is unknown, the share does not rise, except for a first state, which counts as at rest.
+//! The share falls once a number of states in a row, the trigger count, request less: to the largest of their requests. It rises
+//! once a number of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
+//! once.
 
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::Extremes;
@@ -16,30 +17,30 @@ use std::sync::Arc;
 use super::approach::{OtherTime, a_moment_later, approach_rate};
 use super::{CheckedState, Status, Time};
 
-/// Slower than this (m/s) is at rest: velocities are noisy.
+/// Approach rates below this (m/s) count as at rest: velocities are noisy.
 const REST: f64 = 1e-3;
 
-/// Two distances (m).
+/// Slow-down and stop distance (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpeedDistances {
-    /// From here on the robot is slowed down; 0: never, unless bodies touch.
+    /// Distance from which the robot is slowed down; 0: never, unless bodies touch.
     pub slowdown: f64,
-    /// From here on it is to stop.
+    /// Distance from which it has to stop.
     pub stop: f64,
 }
 
-/// What a user decides about the speed.
+/// User settings of the speed scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedSettings {
-    /// Between bodies of the robot.
+    /// Distances between bodies of the robot.
     pub own: SpeedDistances,
-    /// Between the robot and its surroundings.
+    /// Distances between the robot and its surroundings.
     pub world: SpeedDistances,
-    /// Time (s) for which what approaches goes on as fast.
+    /// Time (s) for which an approach is assumed to continue at the same rate.
     pub reaction_time: f64,
-    /// States in a row that make the robot slower.
+    /// Number of states in a row after which the robot slows down.
     pub trigger_count: u32,
-    /// States in a row that make it faster.
+    /// Number of states in a row after which it speeds up.
     pub release_count: u32,
 }
 
@@ -56,7 +57,7 @@ impl Default for SpeedSettings {
 }
 
 impl SpeedSettings {
-    /// The distance (m) up to which pairs have to be known.
+    /// Distance (m) up to which pairs have to be known.
     #[must_use]
     pub(super) fn reach(&self) -> f64 {
         self.own.reach().greater(self.world.reach())
@@ -64,12 +65,12 @@ impl SpeedSettings {
 }
 
 impl SpeedDistances {
-    /// The distance (m) beyond which nothing at rest is slowed.
+    /// Distance (m) beyond which a pair at rest causes no reduction.
     fn reach(self) -> f64 {
         self.slowdown.greater(self.stop)
     }
 
-    /// The share that a pair asks for which approaches by `rate` (m/s), if that is known.
+    /// Share that a pair requests which approaches at `rate` (m/s), if that is known.
     fn share(self, distance: f64, rate: Option<f64>, reaction_time: f64) -> f64 {
         let rate = rate.unwrap_or(0.0);
         let is_off = self.reach() == 0.0 && distance > 0.0;
@@ -87,10 +88,10 @@ impl SpeedDistances {
     }
 }
 
-/// Says how fast the robot may be, state by state.
+/// Computes the speed scale from successive states.
 #[derive(Debug, Default)]
 pub(super) struct SpeedGovernor {
-    /// What the last states asked for, the newest at the end.
+    /// Shares that the last states requested, the newest at the end.
     asked: VecDeque<f64>,
     share: f64,
     /// The last state and its stamp.
@@ -98,23 +99,23 @@ pub(super) struct SpeedGovernor {
 }
 
 impl SpeedGovernor {
-    /// In [0, 1].
+    /// Current share, in [0, 1].
     pub fn share(&self) -> f64 {
         self.share
     }
 
-    /// Nothing is known, or something touches.
+    /// Sets the share to 0: the status is not FREE.
     pub fn stop(&mut self) {
         self.asked.clear();
         self.share = 0.0;
     }
 
-    /// Another robot's poses tell nothing about this one.
+    /// Removes the last poses when the robot changes.
     pub fn forget_poses(&mut self) {
         self.last = None;
     }
 
-    /// Heeds a state that was judged.
+    /// Updates the share with an evaluated state.
     pub fn heed(
         &mut self,
         checker: &CollisionChecker,
@@ -133,37 +134,37 @@ impl SpeedGovernor {
         };
         let mut near =
             checked_state.report.pair_distances.iter().chain(&checked_state.coming).filter(near).peekable();
-        // where nothing is near, nothing needs to be moved
+        // without a near pair, no poses at another time are needed
         let other = near
             .peek()
             .and_then(|_| a_moment_later(checker.robot(), checked_state).or_else(|| self.before(stamp)));
         let (mut asked, mut are_known) = (1.0_f64, true);
         for pair in near {
             let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
-            // what is farther than that is known to be slow enough where its rate is not
+            // a pair beyond that distance requests no reduction even if its rate is unknown
             are_known &= rate.is_some() || pair.distance > distances_of(pair, settings).reach();
             asked =
                 asked.lesser(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
         }
         let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
-        // what is judged once more, or approaches nobody knows how fast, is no reason to be faster; a first state has but distances
+        // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has distances only
         if (is_new && (are_known || self.last.is_none())) || asked < self.share {
             self.follow(asked, settings);
         }
-        // of what is as old, the first is kept: later motion is seen against it
+        // of states with the same stamp the first is kept: later motion is measured from it
         if is_new {
             self.last = stamp.map(|stamp| (stamp, Arc::clone(checked_state)));
         }
     }
 
-    /// Where the links were at the last state, if that was before this one.
+    /// The link poses of the last state, if it is older than this one.
     fn before(&self, stamp: Option<Time>) -> Option<OtherTime> {
         let (last, checked_state) = self.last.as_ref()?;
         let after = last.seconds_since(stamp?);
         (after < 0.0).then(|| OtherTime { poses: checked_state.poses.clone(), after })
     }
 
-    /// Lets the share follow what is asked for.
+    /// Updates the share with the requested one.
     fn follow(&mut self, asked: f64, settings: &SpeedSettings) {
         let [trigger, release] =
             [settings.trigger_count, settings.release_count].map(|count| count.max(1) as usize);
@@ -209,13 +210,13 @@ mod tests {
             (0.2, None, 0.5),
             (0.1, Some(0.0), 0.0),
             (0.0, None, 0.0),
-            // a tenth of a second at half a metre a second
+            // 0.1 s at 0.5 m/s
             (0.2, Some(0.5), 0.25),
             (0.2, Some(2.0), 0.0),
-            // what moves away is never slowed
+            // a pair that moves apart is never slowed down
             (0.2, Some(-0.1), 1.0),
             (0.01, Some(-0.1), 1.0),
-            // beyond the slow-down distance what will soon be within it
+            // beyond the slow-down distance: pairs that will soon be within it
             (0.31, Some(0.0), 1.0),
             (0.31, Some(2.0), 0.05),
             (0.6, Some(2.0), 1.0),
@@ -230,7 +231,7 @@ mod tests {
         let off = SpeedDistances::default();
         assert_eq!(off.share(0.0, None, 0.1), 0.0);
         assert_eq!(off.share(1e-6, Some(5.0), 0.1), 1.0);
-        // a stop distance beyond the slow-down distance is a step
+        // a stop distance larger than the slow-down distance makes a step
         let step = SpeedDistances { slowdown: 0.1, stop: 0.2 };
         assert_eq!([step.share(0.2, None, 0.1), step.share(0.21, None, 0.1)], [0.0, 1.0]);
     }

@@ -1,4 +1,4 @@
-//! The robot and world that are checked, and what a check of a joint state finds.
+//! Evaluates one joint state with the current robot and world.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,18 +17,18 @@ use super::monitor::Stopwatch;
 use super::tracker::{Reading, Tracker};
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
 
-/// The robot and world to check, and what checking them needs.
+/// The robot and world to check, with the data that the checks need.
 #[derive(Debug)]
 pub(super) struct StateEvaluator {
     pub revision: Arc<Revision>,
-    /// Whether there is anything of the robot that could touch something.
+    /// Whether any link of the robot has collision geometry.
     pub has_geometry: bool,
     pub tracker: Tracker,
     pub workspace: Workspace,
     pub lookout: Lookout,
 }
 
-/// A evaluation but for its age.
+/// An evaluation without its age.
 #[derive(Debug)]
 pub(super) struct CheckResult {
     pub status: Status,
@@ -45,7 +45,7 @@ impl CheckResult {
 }
 
 impl StateEvaluator {
-    /// What a check of a whole joint state finds.
+    /// Checks a complete joint state.
     pub fn evaluate(
         &mut self,
         (reading, drifts): (Reading, Vec<Drift>),
@@ -66,7 +66,7 @@ impl StateEvaluator {
             limit: settings.distance_limit,
         };
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
-        // how fast two bodies approach is how fast their nearest points do; what is told as this or more is beyond the reach
+        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect the speed
         let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
         let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
@@ -115,7 +115,7 @@ impl StateEvaluator {
     }
 }
 
-/// A pair that touches is told even if others are open; with any open pair, distances are not known to be the least.
+/// A colliding pair decides the status even if other pairs are undecided. With any undecided pair, the least distance is unknown.
 fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
     if report.self_collision || report.world_collision {
         return Status::Colliding;

@@ -1,17 +1,17 @@
-//! FREE, COLLIDING, or UNKNOWN and why.
+//! Status of the robot: FREE, COLLIDING, or UNKNOWN with a reason.
 
 use std::fmt;
 
 use clearance_robot::{quoted, quoted_list};
 
-/// What is known about the robot.
+/// Status of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
-    /// Every pair that has to be checked was found apart.
+    /// Every pair that has to be checked is free of contact.
     Free,
-    /// Some pair touches.
+    /// At least one pair touches.
     Colliding,
-    /// Nothing is proven.
+    /// Neither is proven.
     Unknown(Reason),
 }
 
@@ -40,19 +40,19 @@ impl Status {
     }
 }
 
-/// Why nothing is known; the text says what to do about it.
+/// Reason for the status UNKNOWN. Its text contains advice.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reason {
-    /// No robot model has been loaded; `fault` is what was wrong with the last one offered.
+    /// No robot model has been loaded; `fault` is the error of the last rejected one.
     NoModel {
         fault: Option<String>,
     },
-    /// The process takes more memory than it may (MiB), and is about to end.
+    /// The process uses more memory than allowed (MiB), and is about to end.
     Memory {
         used: u64,
         limit: u64,
     },
-    /// Checking was turned off.
+    /// Checking was switched off.
     Disabled,
     /// Another robot was described, and its model is not built yet.
     ModelSwap,
@@ -60,19 +60,19 @@ pub enum Reason {
     NoGeometry,
     NoJointState,
     NoClock,
-    /// The clock was set back by `back` seconds, and nothing has been heard since.
+    /// The clock was set back by `back` seconds, and no joint state has been received since.
     ClockJump {
         back: f64,
     },
-    /// The joint state is `age` seconds old, or nothing was heard for so long; `also` is what else is wrong with it. If that is so of
-    /// some joints only, they are named.
+    /// The joint state is `age` seconds old, or none was received for this time; `also` is a further fault of it. If this applies
+    /// to some joints only, `joints` names them.
     Stale {
         joints: Vec<String>,
         age: f64,
         stale_after: f64,
         also: Option<Box<Reason>>,
     },
-    /// The monitor last said something `since` seconds ago, and what was known then holds no longer.
+    /// The last evaluation was published `since` seconds ago, and is no longer valid.
     Overdue {
         since: f64,
     },
@@ -80,7 +80,7 @@ pub enum Reason {
     FutureStamp {
         ahead: f64,
     },
-    /// The stamp is `behind` seconds older than one that was judged before.
+    /// The stamp is `behind` seconds older than one that was evaluated before.
     OutOfOrder {
         behind: f64,
     },
@@ -92,54 +92,55 @@ pub enum Reason {
     Partial {
         missing: Vec<String>,
     },
-    /// Two publishers report a joint at different places at about the same time; of `more` joints beside it.
+    /// Two publishers report different positions of a joint at almost the same time; `more` counts further such joints.
     Contradiction {
         joint: String,
         positions: [f64; 2],
         more: usize,
     },
-    /// A mimic joint is reported at the first of `positions`, where its leader takes it to the second; of `more` joints beside it.
+    /// A mimic joint is reported at the first of `positions`, while its leader takes it to the second; `more` counts further such
+    /// joints.
     MimicContradiction {
         joint: String,
         leader: String,
         positions: [f64; 2],
         more: usize,
     },
-    /// `tf` does not tell where `joint` is, between the frames of its links.
+    /// `tf` does not contain the position of `joint`, the transform between the frames of its links.
     NoTransform {
         joint: String,
         frames: [String; 2],
         why: String,
     },
-    /// What `source` saw is `age` seconds old, or it never saw anything.
+    /// The last measurement of `source` is `age` seconds old, or there was none.
     StaleWorld {
         source: String,
         age: Option<f64>,
         ttl: f64,
     },
-    /// The last message of a sensor, the topic `source`, holds nothing that stands for the room: `cause`, with counts. Of `more` sensors
-    /// beside it.
+    /// The last message of a sensor, the topic `source`, contains no points of the surroundings; `cause` has the reason with
+    /// counts. `more` counts further such sensors.
     BlindCloud {
         source: String,
         cause: String,
         more: usize,
     },
-    /// Something that was announced is missing from the world, or stands elsewhere, because it was rejected: `fault` names one such thing
-    /// and what is wrong with it. Of `more` things beside it.
+    /// An announced object is missing from the world, or is at another pose, because a change was rejected. `fault` names one such
+    /// object and its error; `more` counts further ones.
     RejectedObstacle {
         fault: String,
         more: usize,
     },
-    /// Messages about the world were lost on their way; `topics` with counts.
+    /// Messages about the world were lost in transmission; `topics` has the topics with counts.
     LostMessages {
         topics: Vec<String>,
     },
-    /// So many messages about the world are `waiting` to be in force, the oldest for `age` seconds.
+    /// `waiting` messages about the world are not in force yet, the oldest one for `age` seconds.
     WorldUpdate {
         waiting: usize,
         age: f64,
     },
-    /// The time for one answer was over while `open` pairs were undecided, of which `pair` is one.
+    /// The time limit of one evaluation passed while `open` pairs were undecided; `pair` is one of them.
     Deadline {
         deadline: f64,
         open: usize,
@@ -148,7 +149,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// A word that programs may compare with; it never changes.
+    /// Stable identifier of the reason, for comparisons in programs; it never changes.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
@@ -177,7 +178,7 @@ impl Reason {
         }
     }
 
-    /// Whether it says that nobody would have looked at a joint state, however fresh.
+    /// Whether this reason is decided before joint states are considered.
     pub(super) fn precedes_joint_states(&self) -> bool {
         matches!(
             self,
@@ -185,7 +186,7 @@ impl Reason {
         )
     }
 
-    /// Whether joint states arrived whose positions cannot be right.
+    /// Whether joint states were received whose positions cannot be correct.
     #[must_use]
     pub fn is_about_positions(&self) -> bool {
         matches!(
@@ -197,7 +198,7 @@ impl Reason {
         )
     }
 
-    /// Whether the joint state itself may be right, and only the clock is against it.
+    /// Whether the joint state may be correct, and only its time is not.
     pub(super) fn is_about_time(&self) -> bool {
         matches!(
             self,
@@ -207,7 +208,7 @@ impl Reason {
 }
 
 impl Reason {
-    /// Of reports that can not all be right.
+    /// Formats reasons about reports that contradict each other.
     fn fmt_contradiction(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Contradiction { joint, positions: [a, b], more } => {
@@ -237,7 +238,7 @@ impl Reason {
         }
     }
 
-    /// Of a world that is known to be incomplete.
+    /// Formats reasons about an incomplete world.
     fn fmt_incomplete(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BlindCloud { source, cause, more } => {
@@ -362,7 +363,7 @@ impl fmt::Display for Reason {
 mod tests {
     use std::collections::BTreeSet;
 
-    /// The codes that [`super::Reason::code`] gives.
+    /// The codes that [`super::Reason::code`] returns.
     fn codes() -> BTreeSet<&'static str> {
         let source = include_str!("status.rs");
         let (_, code) = source.split_once("pub fn code(&self)").unwrap();

@@ -1,4 +1,4 @@
-//! From names and numbers to a configuration, or why not.
+//! Merges joint states into a configuration, or returns why that is not possible.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,53 +12,54 @@ use super::placement::Placed;
 use super::received_states::ReceivedState;
 use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
 
-/// How far apart (rad, m) two publishers may report a joint at about the same time (s), beside the way it goes while one of them lags.
+/// Tolerance (rad, m) between two publishers' reports of a joint with almost the same time (s); the joint's motion during a lag is
+/// added.
 const CONTRADICTION: f64 = 0.05;
 pub(super) const SAME_TIME: f64 = 0.1;
 
-/// How much older (s) than another's may be what somebody publishes who passes on what he heard, ten times a second.
+/// Largest lag (s) of a publisher that relays another publisher's messages ten times a second.
 pub(super) const LAG: f64 = 0.2;
 
-/// Names without a joint that are kept of a message at most, and their letters: it may be a stranger's.
+/// Limits for unknown joint names that are stored of a message, and for their length: the message may be another robot's.
 const MOST_STRANGERS: usize = 1000;
 const LONGEST_NAME: usize = 100;
 
-/// What a name in a joint state stands for.
+/// Meaning of a name in a joint state.
 #[derive(Clone, Copy, Debug)]
 enum Slot {
-    /// The number with this index in a configuration.
+    /// The position with this index in a configuration.
     Position(usize),
-    /// The mimic joint with this index among those of the robot.
+    /// The mimic joint with this index among the robot's mimic joints.
     Follows(usize),
     /// A joint without a position under this name.
     Nothing,
 }
 
-/// In the place of a message: what is named by none.
+/// Message index of positions that come from `tf`.
 const BY_TF: usize = usize::MAX;
 
 /// Reads joint states for one robot.
 #[derive(Clone, Debug)]
 pub(super) struct Tracker {
     slots: HashMap<String, Slot>,
-    /// By position: whether a whole turn changes nothing, also of what follows.
+    /// By position: whether values that differ by a full turn are equivalent, also for the joints that mimic it.
     turns: Vec<bool>,
     followers: Vec<Follower>,
 }
 
-/// A configuration, and what was odd about its messages.
+/// A merged configuration, with warnings about its messages.
 #[derive(Clone, Debug)]
 pub(super) struct Reading {
     pub configuration: Configuration,
-    /// One for each position, if all are given and finite.
+    /// Velocity of each position, if all are given and finite.
     pub velocities: Option<Vec<f64>>,
-    /// The same, where streams give none by what they said before.
+    /// The same, with velocities of other streams computed from successive messages.
     pub rates: Option<Vec<f64>>,
-    /// Whether these rates are of streams that know them differently, or of one that gives them itself.
+    /// Whether the rates can be used for each joint: they come from several streams, or from one stream with velocities.
     pub are_of_joints: bool,
-    /// By position: the stamp of what names it; none of what `tf` places.
+    /// By position: the stamp of its message; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
-    /// How far (s) the times are apart at which joints were measured.
+    /// Difference (s) between the times of measurement of the joints.
     pub spread: f64,
     pub warnings: Vec<String>,
 }
@@ -78,8 +79,8 @@ impl Tracker {
         Self { slots, turns: robot.whole_turns(), followers }
     }
 
-    /// Merges messages, in the order in which they came: of each joint, the last one that names it counts, unless `tf` places it.
-    /// Also tells which those are.
+    /// Merges messages, given in the order of reception. For each joint, the last message with its name counts, unless its position
+    /// comes from `tf`. Also returns the messages in use.
     pub fn read(
         &self,
         robot: &RobotModel,
@@ -99,21 +100,21 @@ impl Tracker {
     }
 }
 
-/// A message while its names are taken one after the other.
+/// A message during the processing of its names.
 struct Message<'h> {
     number: usize,
     heard: &'h ReceivedState,
     is_fresh: bool,
     fault: Option<Reason>,
-    /// Positions that it is the last to name.
+    /// Indices of the positions for which it is the last message.
     mine: Vec<usize>,
-    /// Mimic joints that it names, with their places in it.
+    /// Mimic joints that it names, with their indices in the message.
     followers: Vec<(usize, usize)>,
-    /// Positions that it gives, where mimic joints have to agree with them.
+    /// Positions in it, with which mimic joints have to agree.
     leaders: Vec<(usize, f64)>,
     /// Whether a newer message names one of its joints.
     is_superseded: bool,
-    /// Whether it is the last to name a mimic joint.
+    /// Whether it is the last message with the name of a mimic joint.
     decides_followers: bool,
 }
 
@@ -128,7 +129,7 @@ impl Message<'_> {
         self.fault = first(self.fault.take(), Some(Reason::Malformed(twice)));
     }
 
-    /// Notes what is wrong with one of its positions, if it has one for each name.
+    /// Records an error of one of its positions, if it has one for each name.
     fn note_value(&mut self, place: usize) {
         if self.is_whole() {
             let JointStateInput { names, positions, .. } = &self.heard.input;
@@ -137,25 +138,25 @@ impl Message<'_> {
     }
 }
 
-/// Messages that become one state, the newest first.
+/// Merge of messages into one state, the newest first.
 struct Merge<'t> {
     tracker: &'t Tracker,
-    /// Names that do not begin with this are another robot's.
+    /// Prefix of the robot's joint names; other names belong to another robot.
     prefix: &'t str,
-    /// By position: the message that counts, and what it says.
+    /// By position: index of the message in use.
     named_by: Vec<Option<usize>>,
-    /// By position: who said so, and of which time.
+    /// By position: publisher and stamp of that message.
     told: Vec<Option<(SourceId, Time)>>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
     rates: Vec<f64>,
     mimic: MimicReports<'t>,
     contributions: Contributions,
-    /// What is wrong with the newest message of which something is.
+    /// Error of the newest message with an error.
     fault: Option<Reason>,
     strangers: Vec<String>,
     warnings: Vec<String>,
-    /// By position: between which publishers there is one.
+    /// By position: the two contradicting values.
     contradictions: BTreeMap<usize, [f64; 2]>,
 }
 
@@ -179,7 +180,7 @@ impl<'t> Merge<'t> {
         }
     }
 
-    /// Takes the positions that `tf` tells; what joint states say about them counts for nothing.
+    /// Takes the positions from `tf`; joint states do not affect them.
     fn place(&mut self, placed: &[Placed]) {
         for (first, positions) in placed {
             for (index, &position) in positions.iter().enumerate().map(|(i, p)| (first + i, p)) {
@@ -289,7 +290,8 @@ impl<'t> Merge<'t> {
         }
     }
 
-    /// A message that names no joint of the robot, or another robot's, keeps nothing from being known.
+    /// Warns about a malformed message that names no joint of the robot, unless its names have another robot's prefix. Such a message
+    /// does not make the status UNKNOWN.
     fn note_malformed_stranger(&mut self, names: &[String], fault: Option<Reason>) {
         let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
         if let Some(Reason::Malformed(what)) = fault.filter(|_| !is_of_another) {
@@ -298,7 +300,8 @@ impl<'t> Merge<'t> {
         }
     }
 
-    /// Another publisher may say something else about a joint: one of the two is wrong, and which counts is chance.
+    /// Detects that another publisher reports a different position of a joint. One of the two is wrong, and which one is in use is
+    /// random.
     fn note_contradiction(
         &mut self,
         index: usize,
@@ -351,7 +354,7 @@ impl<'t> Merge<'t> {
         self.warnings.extend(mimic.iter().map(|contradiction| contradiction.reason(robot, 0).to_string()));
         let all = |numbers: Vec<f64>| numbers.iter().all(|v| v.is_finite()).then_some(numbers);
         let velocities = all(self.velocities);
-        // of one stream that gives no velocities whole states tell the way
+        // for one stream without velocities, the motion follows from its complete states
         let are_of_joints = velocities.is_some() || contributions.0.len() > 1;
         let rates = all(self.rates);
         Ok(Reading {
@@ -366,7 +369,7 @@ impl<'t> Merge<'t> {
     }
 }
 
-/// Which of two faults is told: the one that stands first in the table of faults, and of the same kind the earlier one.
+/// The fault to report of two: the one that is earlier in the table of faults; of the same kind, the earlier one.
 fn first(fault: Option<Reason>, other: Option<Reason>) -> Option<Reason> {
     let rank = |fault: &Reason| match fault {
         Reason::OutOfOrder { .. } => 0,

@@ -1,4 +1,4 @@
-//! What sees the world, and how long its word counts.
+//! Sensors of the world, and the lifetime of their data.
 
 use std::time::Duration;
 
@@ -6,27 +6,27 @@ use clearance_geometry::math::Extremes;
 
 use super::{Now, Reason, Time};
 
-/// Something that tells what is around the robot again and again: a point cloud's topic, or the octomap.
+/// A sensor that publishes the world repeatedly: the topic of a point cloud, or the octomap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldSource {
     pub name: String,
-    /// What it told last; `None` while it never has.
+    /// Times of its last measurement; `None` before the first one.
     pub seen: Option<Observation>,
-    /// Age (s) beyond which that says nothing about the world any more.
+    /// Age (s) beyond which the last measurement is stale.
     pub ttl: f64,
 }
 
-/// When something was seen.
+/// Time of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Observation {
-    /// By the sensor's stamp.
+    /// Stamp of the sensor.
     pub stamp: Time,
-    /// When the message came, by the steady clock.
+    /// Time of reception (steady clock).
     pub at: Duration,
 }
 
 impl WorldSource {
-    /// How old (s) its word is: by its stamp, or since it came if that is longer; `None` while there is none.
+    /// Age (s) of the last message: by its stamp, or since its reception if that is longer; `None` before the first one.
     #[must_use]
     pub fn age(&self, now: Now) -> Option<f64> {
         let seen = self.seen?;
@@ -34,7 +34,7 @@ impl WorldSource {
         Some(now.ros.map_or(silence, |ros| ros.seconds_since(seen.stamp).greater(silence)))
     }
 
-    /// Why the world is not known any more, if it is not.
+    /// Why the data of this sensor is stale, if it is.
     pub fn freshness(&self, now: Now) -> Result<(), Reason> {
         let age = self.age(now);
         if age.is_some_and(|age| age <= self.ttl) {
@@ -43,10 +43,10 @@ impl WorldSource {
         Err(Reason::StaleWorld { source: self.name.clone(), age, ttl: self.ttl })
     }
 
-    /// How long it stays fresh, if it is.
+    /// Time until it becomes stale, if it is not.
     pub(super) fn time_to_stale(&self, now: Now) -> Option<Duration> {
         let left = self.ttl - self.age(now).filter(|age| *age <= self.ttl)?;
-        // a little later, so that it is stale then whatever way rounding goes
+        // slightly later, so that it is stale at that time despite rounding
         Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
     }
 }

@@ -1,4 +1,4 @@
-//! From what a sensor sees to what has to be avoided: points placed, cropped, freed of the robot itself, thinned out.
+//! Processing of point clouds: transform, crop, self-filter and voxel filter.
 
 mod self_filter;
 mod sieve;

@@ -1,4 +1,4 @@
-//! Points that are the robot itself, or what it holds.
+//! Self-filter: finds the points that belong to the robot or its attached objects.
 
 use std::sync::Arc;
 
@@ -9,31 +9,31 @@ use clearance_robot::{LinkId, LinkPoses, RobotModel};
 use clearance_scene::{AttachedObject, World};
 use rayon::prelude::*;
 
-/// Points that one thread looks at together.
+/// Number of points that one thread processes together.
 const CHUNK: usize = 1024;
 
-/// The robot's parts, ready to be asked about points.
+/// Collision bodies of the robot, for distance queries with points.
 #[derive(Clone, Debug)]
 pub struct SelfFilter {
     robot: Arc<RobotModel>,
     links: Vec<Part>,
     held: Vec<(Arc<AttachedObject>, Option<Part>)>,
-    /// A ball without size: a point.
+    /// A ball of radius 0: a point.
     point: CollisionBody,
 }
 
-/// What moves with one link, in its frame.
+/// The body of one link or attached object, in the frame of its link.
 #[derive(Clone, Debug)]
 struct Part {
     link: LinkId,
     body: CollisionBody,
 }
 
-/// A part where it is now.
+/// A body at a link pose.
 struct Placed<'p> {
     body: &'p CollisionBody,
     pose_lr: Pose,
-    /// Around it and the padding, in the root frame.
+    /// Bounding sphere with the padding, in the root frame.
     centre: Point,
     reach: f64,
 }
@@ -58,7 +58,7 @@ impl SelfFilter {
         &self.robot
     }
 
-    /// From now on the robot holds these objects. Those that it held before cost nothing.
+    /// Sets the attached objects. Objects that were attached before are reused at no cost.
     pub fn hold(&mut self, world: &World) {
         let mut before = std::mem::take(&mut self.held);
         self.held = (world.attached().iter())
@@ -75,7 +75,7 @@ impl SelfFilter {
         Part::new(self.robot.link_by_name(&object.link)?, &shapes)
     }
 
-    /// For each point of the root frame, whether it is nearer than `padding` (m) to the robot at these poses.
+    /// For each point (root frame), whether it is nearer than `padding` (m) to the robot at these poses.
     #[must_use]
     pub fn is_robot(&self, points: &[Point], poses: &LinkPoses, padding: f64) -> Vec<bool> {
         let parts = self.links.iter().chain(self.held.iter().filter_map(|(_, part)| part.as_ref()));
@@ -99,16 +99,16 @@ impl SelfFilter {
 
 impl Part {
     fn new(link: LinkId, shapes: &[(Pose, &Shape)]) -> Option<Self> {
-        // no sensor sees a plane that somebody drew
+        // a plane is virtual: no sensor measures it
         let seen = shapes.iter().filter(|(_, shape)| !matches!(shape, Shape::Plane(_)));
-        // what a closed mesh encloses is the robot too
+        // the inside of a closed mesh is part of the robot too
         let body = CollisionBody::with_solid_meshes(seen.map(|(pose, shape)| (pose, *shape)))?;
         Some(Self { link, body })
     }
 
     fn placed(&self, pose_rl: &Pose, padding: f64) -> Placed<'_> {
         let sphere = self.body.bounding_sphere();
-        // a little more, for rounding
+        // slightly enlarged because of rounding
         let reach = (sphere.radius + padding) * (1.0 + 1e-9) + 1e-9;
         Placed { body: &self.body, pose_lr: pose_rl.inverse(), centre: pose_rl * sphere.centre, reach }
     }

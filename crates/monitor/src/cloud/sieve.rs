@@ -1,4 +1,4 @@
-//! What of a cloud has to be avoided.
+//! Filter that reduces a cloud to the points to avoid.
 
 use std::sync::Arc;
 
@@ -9,38 +9,38 @@ use clearance_robot::LinkPoses;
 
 use super::SelfFilter;
 
-/// What is kept of clouds, and how large their points are. Lengths in metres, corners in the root frame.
+/// Filter settings for clouds. Lengths in metres, corners in the root frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sieve {
-    /// Of the ball around each point.
+    /// Radius of the ball around each point.
     pub point_radius: f64,
-    /// Points before this corner are left out.
+    /// Lower corner of the crop box: points outside are removed.
     pub crop_min: Option<[f64; 3]>,
-    /// Points beyond this corner are left out.
+    /// Upper corner of the crop box: points outside are removed.
     pub crop_max: Option<[f64; 3]>,
-    /// Points nearer than this to the robot are taken for the robot.
+    /// Points nearer than this to the robot are removed as points of the robot.
     pub self_filter_padding: f64,
-    /// Edge of the cubes to which points are thinned out; 0: not at all.
+    /// Edge of the cubes of the voxel filter; 0 switches it off.
     pub voxel_size: f64,
 }
 
-/// What is left of a cloud.
+/// Result of the filter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sieved {
-    /// In the root frame; `None` when nothing is left.
+    /// Remaining points in the root frame; `None` when there are none.
     pub cloud: Option<Arc<PointCloud>>,
-    /// Points outside of the crop box.
+    /// Number of points outside the crop box.
     pub cropped: usize,
-    /// Points of the robot itself.
+    /// Number of points of the robot itself.
     pub of_robot: usize,
 }
 
 impl Sieve {
-    /// Balls that hold every point that is neither cropped nor the robot, each with its radius. `pose_rc` is the cloud's pose in the
-    /// root frame, `rounding` (m) what its points may be off by.
+    /// Balls that contain every point that is neither cropped nor part of the robot, each point with its radius. `pose_rc` is the
+    /// pose of the cloud in the root frame; `rounding` (m) is the possible error of its points.
     ///
     /// # Errors
-    /// When a point is too far away to be computed with.
+    /// When a point is too far away for the computation.
     pub fn sift(
         &self,
         points: &[[f32; 3]],
@@ -64,7 +64,7 @@ impl Sieve {
         Ok(Sieved { cloud, cropped, of_robot })
     }
 
-    /// Whether a point of a cloud at this pose in the root frame is outside of the crop box.
+    /// Whether a point of a cloud at this pose (root frame) is outside the crop box.
     #[must_use]
     pub fn crops(&self, point: [f32; 3], pose_rc: &Pose) -> bool {
         !self.is_inside(&(pose_rc * Point::from(point.map(f64::from))))
@@ -76,7 +76,7 @@ impl Sieve {
     }
 }
 
-/// The middles of all cubes of a grid that hold points, in an order that depends on nothing else.
+/// Centres of all grid cubes that contain points, sorted, so that the order of the points has no effect.
 fn thinned(points: &[Point], edge: f64) -> Vec<Point> {
     let mut cubes: Vec<[f64; 3]> = points.iter().map(|p| (p / edge).coords.map(f64::floor).into()).collect();
     cubes.sort_unstable_by(|a, b| {
@@ -90,7 +90,7 @@ fn thinned(points: &[Point], edge: f64) -> Vec<Point> {
     cubes.into_iter().map(|cube| Point::from(cube.map(|c| (c + 0.5) * edge))).collect()
 }
 
-/// Balls in 32 bits, so much larger that they hold those of 64.
+/// Converts balls to 32-bit floats, with a radius that is enlarged so that they contain the 64-bit balls.
 fn cloud(points: &[Point], radius: f64) -> Result<Option<Arc<PointCloud>>, String> {
     let mut moved: f64 = 0.0;
     let mut reach: f64 = 0.0;
@@ -111,7 +111,7 @@ fn cloud(points: &[Point], radius: f64) -> Result<Option<Arc<PointCloud>>, Strin
     if rounded.is_empty() {
         return Ok(None);
     }
-    // placing and measuring them rounds too, by some units in the last place of 64 bits
+    // the transform and these measurements round too, by a few units in the last place of 64 bits
     let radius = radius + moved.sqrt() + 16.0 * f64::EPSILON * reach;
     PointCloud::new(rounded, radius).map(|cloud| Some(Arc::new(cloud))).map_err(|error| error.to_string())
 }
@@ -132,7 +132,7 @@ mod tests {
         <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
     </robot>"#;
 
-    /// The ball's centre is at x = 2.
+    /// The robot at a pose where the centre of its ball is at x = 2.
     fn robot() -> (SelfFilter, LinkPoses) {
         let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
         let mut poses = LinkPoses::new(&robot);
@@ -174,7 +174,7 @@ mod tests {
         filter.hold(&world);
         let sieved = sieve.sift(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!(sieved.of_robot, 3);
-        // a plane that a link holds hides nothing that a sensor sees
+        // an attached plane hides no measured points
         let plane = Shape::Plane(Plane::from_coefficients([0.0, 0.0, 1.0, 0.0]).unwrap());
         let part = world.attached()[0].as_ref().clone();
         let shapes = [plane, part.shapes[0].shape.clone()];

@@ -1,4 +1,4 @@
-//! Joint states that come faster than exact distances can be found.
+//! Joint states at a rate that is too high for exact distances.
 
 use clearance_geometry::math::{Point, Pose};
 use clearance_geometry::{Shape, TriangleMesh};
@@ -6,7 +6,7 @@ use clearance_scene::{AttachedObject, Obstacle};
 
 use super::*;
 
-/// A square of waves: its distance from another one above it is much the same everywhere.
+/// A square wave-shaped mesh: its distance from a second one above it is almost the same everywhere.
 fn waves() -> Shape {
     const SIDE: u32 = 70;
     let place = |i: u32| f64::from(i) / f64::from(SIDE) - 0.5;
@@ -19,7 +19,7 @@ fn waves() -> Shape {
     Shape::Mesh(Arc::new(TriangleMesh::new(corners.collect(), halves.collect()).unwrap()))
 }
 
-/// The folding robot with waves in its hand, that it slides over others.
+/// The folding robot with a wave-shaped mesh at its tip, which slides over a second one.
 fn slider() -> Arc<Revision> {
     let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     let mut world = World::default();
@@ -41,7 +41,7 @@ fn is_exact(evaluation: &Evaluation) -> bool {
     evaluation.checked_state.as_ref().unwrap().is_exact
 }
 
-/// What it says to joint states that come so many seconds apart.
+/// The evaluations of joint states at this interval (s).
 fn told_at(monitor: &mut Monitor, interval: f64) -> Vec<Evaluation> {
     let states = (0..40).map(|i| {
         let (seconds, angle) = (interval * f64::from(i), 1e-4 * f64::from(i));
@@ -68,7 +68,7 @@ fn distances_are_lower_bounds_only_while_there_is_no_time_for_exact_ones() {
         let (told, truth) = (fast.distance(), truth.distance());
         assert!(told <= truth && told >= truth - (0.1 * truth).max(0.001) - 1e-9, "{told}, not {truth}");
     }
-    // when joint states pause there is time
+    // when the joint states pause, there is time for exact distances
     let paused = fast.on_heartbeat(at(0.2));
     assert!(is_exact(&paused));
     assert_eq!(paused.distance(), truth.last().unwrap().distance());

@@ -14,7 +14,7 @@ fn the_time_to_contact_is_proven_from_velocities() {
     let touch = std::f64::consts::PI - 0.3_f64.asin();
     let near = monitor.on_joint_state(moving(0.1, [0.0, touch - 0.2], &[0.0, 1.0]), at(0.15));
     let free_for = ahead(&near).free_for;
-    // with 0.1 rad/s² more than its speed it takes 0.198 s
+    // with an acceleration of 0.1 rad/s² from its velocity, contact is after 0.198 s
     assert!((0.18..0.199).contains(&free_for), "{free_for}");
     assert!(ahead(&near).first.is_some());
     assert!((near.time_to_contact() - (free_for - 0.05)).abs() < 1e-9, "its age counts");
@@ -23,7 +23,7 @@ fn the_time_to_contact_is_proven_from_velocities() {
     let hit = monitor.on_joint_state(moving(0.5, COLLIDING, &[0.0, 0.0]), at(0.5));
     assert_eq!(ahead(&hit).free_for, 0.0);
     assert!(ahead(&hit).first.is_some());
-    // what spins wildly takes no time
+    // a huge velocity leaves almost no time
     let wild = monitor.on_joint_state(moving(0.6, FREE, &[1e7, -1e7]), at(0.6));
     assert!(wild.time_to_contact() < 1e-3);
 }

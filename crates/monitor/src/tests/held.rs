@@ -1,4 +1,4 @@
-//! What a link holds, for the speed scale and the time to contact: it counts as a shape of the link.
+//! Attached objects in the speed scale and the time to contact: they count like a shape of the link.
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
@@ -6,7 +6,7 @@ use clearance_scene::{AttachedObject, Obstacle};
 
 use super::*;
 
-/// The folding robot, with its ball as a shape of the link or held by it.
+/// The folding robot; its ball is a shape of the link or an attached object.
 fn folder(held: bool) -> Arc<Revision> {
     const BALL: &str =
         r#"<collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>"#;

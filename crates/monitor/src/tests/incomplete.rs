@@ -25,7 +25,7 @@ fn reasons() -> [(Reason, &'static str); 3] {
 fn a_world_known_to_be_incomplete_is_unknown_until_it_is_not() {
     for (reason, named) in reasons() {
         let mut monitor = incomplete_for(&reason);
-        // nor is a collision told that would be one
+        // COLLIDING is not reported either
         for (seconds, joints) in [(0.0, FREE), (0.1, COLLIDING), (0.2, FREE)] {
             let evaluation = monitor.on_joint_state(state(seconds, joints), at(seconds));
             assert_eq!(code(&evaluation), reason.code());

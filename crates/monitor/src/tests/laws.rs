@@ -1,10 +1,10 @@
-//! Whatever happens, FREE is said of whole, fresh joint states alone.
+//! Property: only complete, fresh joint states are FREE.
 
 use proptest::prelude::*;
 
 use super::*;
 
-/// What may happen to a monitor.
+/// An input of the monitor.
 #[derive(Clone, Debug)]
 enum Happening {
     JointState(JointStateInput),
@@ -48,7 +48,7 @@ fn now() -> impl Strategy<Value = Now> {
     (ros, 0..2000u64).prop_map(|(ros, ms)| Now { ros, steady: Duration::from_millis(ms) })
 }
 
-/// Whether FREE may be said at `now` after all that was heard, of each message when it came: by the last that names each joint.
+/// Whether FREE is allowed at `now`, after these messages with their times of reception: the last one with each joint counts.
 fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
     let Some(ros) = now.ros else { return false };
     ["shoulder", "elbow"].into_iter().all(|name| {
@@ -80,7 +80,7 @@ proptest! {
         for (happening, now) in happenings {
             let evaluation = match happening {
                 Happening::JointState(input) => {
-                    // without positions it is skipped
+                    // a joint state without positions is skipped
                     if input.names.is_empty() || !input.positions.is_empty() {
                         heard.push((input.clone(), now));
                     }

@@ -65,7 +65,7 @@ fn wrong_mimic_joints_of_a_message_of_their_own_are_unknown_as_well() {
             monitor.on_joint_state(parts[first].clone(), at(0.0));
             let evaluation = monitor.on_joint_state(parts[last].clone(), at(0.0));
             assert_eq!(code(&evaluation), expected, "{follower}");
-            // it ends when the report has grown old, or another one comes
+            // the contradiction ends when the report is stale, or when a newer one is received
             let own = part(2, 0.1, &[("follower", 0.0)]);
             assert_eq!(code(&monitor.on_joint_state(own, at(0.1))), "FREE", "after {follower}");
             monitor.on_joint_state(parts[1].clone(), at(0.2));
@@ -90,12 +90,12 @@ fn a_message_without_a_position_for_each_name_speaks_for_its_mimic_joints() {
     let long = part(2, 0.2, &[("follower", 0.0), (long_name(), 0.0)]);
     assert_eq!(code(&monitor.on_joint_state(long, at(0.2))), "malformed");
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.3, &[("follower", 0.0)]), at(0.3))), "FREE");
-    // what another robot's driver gets wrong speaks for none
+    // errors in the messages of another robot's driver have no effect
     let stranger = JointStateInput { positions: vec![0.0; 2], ..part(3, 0.4, &[("other", 0.0)]) };
     assert_eq!(code(&monitor.on_joint_state(stranger, at(0.4))), "FREE");
 }
 
-/// Which of two publishers is right nobody knows, in whatever order they come.
+/// If two publishers disagree, the correct one is unknown, in whatever order their messages are received.
 #[test]
 fn publishers_that_disagree_about_a_mimic_joint_are_unknown_whoever_was_last() {
     let mut monitor = monitor();
@@ -110,11 +110,11 @@ fn publishers_that_disagree_about_a_mimic_joint_are_unknown_whoever_was_last() {
     assert_eq!(code(&monitor.on_joint_state(with_follower(0.5, 0.0), at(0.5))), "FREE");
 }
 
-/// A relay reports what it has heard before: its leader and its mimic joint agree with each other.
+/// A relay publishes old messages: its leader and its mimic joint agree with each other.
 #[test]
 fn a_moving_mimic_joint_reported_later_than_its_leader_is_no_contradiction() {
     for (message, expected) in [
-        // behind by 0.15 s at 1 rad/s, with the leader or without
+        // 0.15 s late at 1 rad/s, with the leader or without
         (vec![("elbow", 1.0), ("follower", 1.0)], "FREE"),
         (vec![("follower", 1.0)], "FREE"),
         (vec![("follower", 0.5)], "contradiction"),
@@ -131,7 +131,7 @@ fn a_moving_mimic_joint_reported_later_than_its_leader_is_no_contradiction() {
     }
 }
 
-/// No velocity, however absurd, makes a report agree that is far off.
+/// However large, no velocity makes a report with a large error agree.
 #[test]
 fn velocities_excuse_half_a_radian_at_most() {
     let mut monitor = monitor();
@@ -160,7 +160,7 @@ fn mimic_contradictions_may_be_warnings_but_no_number_is_never_one() {
     }
 }
 
-/// Sliding fingers, followers of followers, of fixed joints and of continuous ones, with multiplier and offset.
+/// Sliding fingers, and mimic joints of mimic joints, of fixed joints and of continuous ones, with multiplier and offset.
 #[test]
 fn mimic_joints_of_every_kind_are_compared_with_where_they_are_checked() {
     let joint = |name: &str, kind: &str, mimic: &str| {

@@ -1,4 +1,4 @@
-//! Every rule of the monitor, without a network.
+//! Tests of every rule of the monitor, without a network.
 
 #![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
 
@@ -25,7 +25,7 @@ use std::time::Duration;
 
 use super::*;
 
-/// Two arms of one metre that fold: apart at zero, the second on the base at pi; `follower` mimics the elbow.
+/// Two arms of one metre that fold: free at zero, the second on the base at pi. The joint `follower` mimics the elbow.
 const URDF: &str = r#"<robot name="folder">
   <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
   <link name="upper"/>
@@ -79,7 +79,7 @@ fn at(seconds: f64) -> Now {
     Now { ros: Some(time(START + seconds)), steady: Duration::from_secs_f64(seconds) }
 }
 
-/// A whole joint state stamped `seconds` after the start.
+/// A complete joint state stamped `seconds` after the start.
 fn state(seconds: f64, [shoulder, elbow]: [f64; 2]) -> JointStateInput {
     input(seconds, &[("shoulder", shoulder), ("elbow", elbow)])
 }
@@ -103,7 +103,7 @@ fn settings_of_lookout() -> MonitorSettings {
     }
 }
 
-/// A monitor that looks half a second ahead; nothing accelerates by more than 0.1 rad/s².
+/// A monitor with a look-ahead of half a second; the acceleration limit is 0.1 rad/s².
 fn lookout() -> Monitor {
     let mut monitor = monitor();
     monitor.set_settings(settings_of_lookout());
@@ -133,7 +133,7 @@ fn what_is_right_is_judged() {
     assert_eq!(colliding.distance(), 0.0);
 }
 
-/// One byte longer than names may be.
+/// A name that is one byte too long.
 fn long_name() -> &'static str {
     Box::leak("n".repeat(1025).into_boxed_str())
 }
@@ -193,7 +193,7 @@ fn nothing_is_known_before_there_is_a_model_a_joint_state_and_a_clock() {
     let refused = monitor.on_heartbeat(at(0.1));
     assert!(refused.status.reason().unwrap().to_string().contains("line 3"));
 
-    // the joint state that came before the model is judged when the model is there
+    // a joint state received before the model is evaluated once the model is loaded
     monitor.set_checker(revision(1));
     assert_eq!(code(&monitor.on_heartbeat(at(0.2))), "FREE");
 
@@ -216,7 +216,7 @@ fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
     assert_eq!(code(&monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
 }
 
-/// Who asks while a check takes long must not be told what was true once.
+/// A query during a long check must not return an outdated status.
 #[test]
 fn a_judgement_ages_while_the_monitor_is_busy() {
     let mut monitor = monitor();
@@ -266,11 +266,11 @@ fn a_stamp_before_the_last_judged_one_of_its_publisher_is_out_of_order() {
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "FREE");
     assert_eq!(code(&monitor.on_joint_state(state(0.05, FREE), at(0.12))), "out_of_order");
     assert_eq!(code(&monitor.on_heartbeat(at(0.15))), "out_of_order");
-    // the same stamp again, and another publisher's, are in order
+    // the same stamp again is in order, and so is an older one of another publisher
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.16))), "FREE");
     let other = JointStateInput { source: SourceId([2; 16]), ..state(0.05, FREE) };
     assert_eq!(code(&monitor.on_joint_state(other, at(0.17))), "FREE");
-    // what was not judged orders nothing
+    // a message that was not evaluated does not define an order
     monitor.on_joint_state(state(0.3, [f64::NAN, 0.0]), at(0.3));
     assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.31))), "FREE");
 }
@@ -287,7 +287,7 @@ fn a_clock_that_was_set_back_orders_anew() {
 fn what_was_heard_before_the_clock_was_set_far_back_counts_no_more() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(100.0, FREE), at(100.0));
-    // a step within the tolerance takes nothing away
+    // a step back within the tolerance has no effect
     let stepped = Now { ros: at(99.8).ros, steady: at(100.0).steady };
     assert_eq!(code(&monitor.on_heartbeat(stepped)), "FREE");
     let restarted = |seconds| Now { ros: at(seconds).ros, steady: at(100.1 + seconds).steady };
@@ -296,7 +296,7 @@ fn what_was_heard_before_the_clock_was_set_far_back_counts_no_more() {
     assert!(evaluation.status.reason().unwrap().to_string().contains("99.800 s"), "{:?}", evaluation.status);
     assert_eq!(code(&monitor.on_heartbeat(restarted(0.1))), "clock_jump");
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), restarted(0.1))), "FREE");
-    // a leap forward makes it old
+    // a step forward makes the state stale
     assert_eq!(code(&monitor.on_heartbeat(Now { ros: at(50.0).ros, steady: at(100.3).steady })), "stale");
 }
 
@@ -309,7 +309,7 @@ fn nothing_is_known_while_checking_is_disabled() {
     let evaluation = monitor.on_heartbeat(at(0.0));
     assert!(code(&evaluation) == "disabled" && evaluation.placement.is_none());
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "disabled");
-    // whatever is stale meanwhile
+    // also if the state has become stale
     assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "disabled");
     monitor.set_enabled(true);
     assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "stale");
@@ -347,7 +347,7 @@ fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
     assert!(code(&free) == "FREE" && (free.distance() - 1.7).abs() < 1e-9, "{}", free.distance());
 }
 
-/// With a tolerance, what is told is never more than what is true, and what is free stays free.
+/// With a tolerance, a reported distance is never larger than the true one, and a free state stays FREE.
 #[test]
 fn distances_within_a_tolerance_are_told_too_small_if_anything() {
     let mut exact = monitor();
@@ -390,7 +390,7 @@ fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
     let evaluation = monitor.on_heartbeat(at(0.2));
     assert_eq!((code(&evaluation), evaluation.distance()), ("FREE", f64::INFINITY));
 
-    // a model that was refused changes nothing
+    // a rejected model has no effect
     monitor.note_model_fault("not XML".to_owned());
     assert_eq!(code(&monitor.on_heartbeat(at(0.3))), "FREE");
 }
@@ -439,17 +439,17 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
     assert!((0.05..0.06).contains(&due.as_secs_f64()), "{due:?}");
     let evaluation = monitor.on_heartbeat(at(0.2 + due.as_secs_f64()));
     assert_eq!((code(&evaluation), evaluation.stale_world.is_some()), ("stale_world", true));
-    // nor is it told to who asks while the monitor is busy
+    // nor is it reported to a query while the monitor is busy
     let aged = monitor.on_heartbeat(at(0.2)).aged(at(0.26));
     assert_eq!((code(&aged), aged.stale_world.is_some(), aged.placement.is_some()), ("stale", true, true));
-    // a joint state does not make it known, nor does a collision that it would be
+    // neither a joint state nor a collision makes the status known
     assert_eq!(code(&monitor.on_joint_state(state(0.3, COLLIDING), at(0.3))), "stale_world");
-    // what comes late has used up its time already
+    // a message that is received late has used up its time-to-live already
     monitor.set_checker(watched(Some(Observation { stamp: time(START), at: Duration::from_secs_f64(0.3) })));
     assert_eq!(code(&monitor.on_heartbeat(at(0.3))), "stale_world");
     monitor.set_checker(watched(seen(0.3)));
     assert_eq!(code(&monitor.on_heartbeat(at(0.31))), "COLLIDING");
-    // a stale joint state is told first
+    // a stale joint state is reported first
     let evaluation = monitor.on_heartbeat(at(1.0));
     assert_eq!((code(&evaluation), evaluation.stale_world.is_some()), ("stale", true));
     assert!(evaluation.placement.is_none());

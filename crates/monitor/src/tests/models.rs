@@ -1,4 +1,4 @@
-//! While another robot is described and built.
+//! Status while another robot model is described and built.
 
 use super::*;
 
@@ -18,7 +18,7 @@ fn nothing_is_known_until_another_model_is_there_or_refused() {
     assert_eq!(code(&evaluation), "FREE");
     assert!(evaluation.warnings[0].contains("not XML"), "{:?}", evaluation.warnings);
 
-    // it stays refused while the world changes, and is forgotten with the next model
+    // the rejection remains while the world changes, and ends with the next model
     monitor.set_checker(Arc::new(Revision { world: 1, ..Arc::into_inner(revision(2)).unwrap() }));
     assert!(monitor.on_heartbeat(at(0.3)).warnings[0].contains("not XML"));
     monitor.set_checker(revision(3));
@@ -31,7 +31,7 @@ fn nothing_is_known_while_a_description_waits_for_what_is_being_built() {
     monitor.on_joint_state(state(0.0, FREE), at(0.0));
     monitor.note_description();
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "model_swap");
-    // what was being built was another world, for the robot before
+    // the finished build was another world for the previous robot
     monitor.set_checker(Arc::new(Revision { world: 1, ..Arc::into_inner(revision(1)).unwrap() }));
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
     monitor.note_description();

@@ -1,4 +1,4 @@
-//! A base that tf places.
+//! A mobile base whose pose comes from tf.
 
 use clearance_scene::{Transform, TransformTree};
 
@@ -25,7 +25,7 @@ fn base_on(kind: &str) -> Arc<Revision> {
     Arc::new(Revision::new(checker, 1, 0))
 }
 
-/// `tf` from odom to base, by way of a frame between, stamped `seconds` after the start.
+/// `tf` from odom to base through an intermediate frame, stamped `seconds` after the start.
 fn tree(seconds: f64, pose: clearance_geometry::math::Pose) -> TransformTree {
     let mut tree = TransformTree::default();
     let fixed = Transform {

@@ -1,4 +1,4 @@
-//! Joint states of several publishers make one state.
+//! Joint states of several publishers are merged into one state.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +19,7 @@ fn what_several_publishers_say_is_one_state_with_an_age_for_each_joint() {
     let moved = monitor.on_joint_state(part(2, 0.2, &[("elbow", 0.0)]), at(0.2));
     assert_eq!((code(&moved), moved.stamp), ("FREE", Some(time(START))));
 
-    // one of the publishers falls silent
+    // one of the publishers stops
     let due = monitor.time_to_heartbeat(at(0.2));
     assert_eq!(due, Duration::from_millis(100));
     monitor.on_heartbeat(at(0.45));
@@ -46,9 +46,9 @@ fn what_others_publish_on_the_topic_takes_nothing_from_the_robot() {
     let broken = monitor.on_joint_state(broken, at(0.2));
     assert_eq!(code(&broken), "FREE");
     assert!(broken.warnings.iter().any(|w| w.contains("1 names and 2 positions")), "{:?}", broken.warnings);
-    // the robot itself is heard no more
+    // the robot's own joint states have stopped
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.6, &[("gripper", 0.0)]), at(0.6))), "stale");
-    // the gripper is forgotten when it falls silent
+    // the gripper's message is removed when it becomes stale
     assert!(monitor.on_joint_state(state(1.2, FREE), at(1.2)).warnings.is_empty());
 }
 
@@ -58,7 +58,7 @@ fn of_each_joint_the_last_word_counts() {
     monitor.on_joint_state(part(1, 0.0, &[("shoulder", 0.0), ("elbow", f64::NAN)]), at(0.0));
     assert_eq!(code(&monitor.on_heartbeat(at(0.0))), "non_finite");
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.1, &[("elbow", 0.0)]), at(0.1))), "FREE");
-    // what is malformed speaks for all joints that it names
+    // a malformed message affects all joints that it names
     let cut = JointStateInput { positions: vec![0.0], ..part(1, 0.2, &[("shoulder", 0.0), ("other", 0.0)]) };
     assert_eq!(code(&monitor.on_joint_state(cut, at(0.2))), "malformed");
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.3, &[("elbow", 0.0)]), at(0.3))), "malformed");
@@ -101,12 +101,12 @@ fn more_publishers_than_are_remembered_do_no_harm() {
     for from in 2..200 {
         monitor.on_joint_state(part(from, 0.1, &[("gripper", 0.0)]), at(0.1));
     }
-    // the robot was forgotten: that is not taken for free
+    // the robot's messages were removed: the status is not FREE
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "partial");
     assert_eq!(code(&monitor.on_joint_state(state(0.2, FREE), at(0.2))), "FREE");
 }
 
-/// A publisher that somebody forgot beside the driver: which of the two is right nobody knows.
+/// A publisher that was left running beside the driver: which of the two is correct is unknown.
 #[test]
 fn what_publishers_contradict_is_unknown() {
     let mut monitor = monitor();
@@ -119,14 +119,14 @@ fn what_publishers_contradict_is_unknown() {
         reason.contains("joint 'elbow' is reported at 3.14") && reason.contains("at 1.2 by two"),
         "{reason}"
     );
-    // one that is a little behind, or has been silent for a while, contradicts nobody
+    // a publisher that is slightly behind, or has been silent for a while, is no contradiction
     let near = monitor.on_joint_state(part(2, 0.04, &[("shoulder", 0.0), ("elbow", 1.21)]), at(0.04));
     assert_eq!(code(&near), "FREE");
     let later = monitor.on_joint_state(part(2, 0.4, &[("shoulder", 0.0), ("elbow", 2.0)]), at(0.4));
     assert_ne!(code(&later), "contradiction");
 }
 
-/// Who passes on what the driver said is behind by what the joint has gone since; more than that is no lag.
+/// A relay of the driver's messages lags by the joint's motion since then; a larger difference is not a lag.
 #[test]
 fn who_lags_behind_a_moving_joint_contradicts_nobody() {
     for (behind, expected) in [(0.15, "FREE"), (0.4, "contradiction")] {
@@ -139,7 +139,7 @@ fn who_lags_behind_a_moving_joint_contradicts_nobody() {
     }
 }
 
-/// A link that turns without end, and what else there is.
+/// A continuous joint, and further joints.
 fn turning(rest: &str) -> Monitor {
     let text = format!(
         "<robot name='r'><link name='a'/><link name='b'><collision><geometry><sphere radius='1'/></geometry></collision></link>
@@ -152,7 +152,7 @@ fn turning(rest: &str) -> Monitor {
     monitor
 }
 
-/// One counts turns from its encoder, the other from where it began.
+/// One publisher counts turns from its encoder's zero, the other from its start position.
 #[test]
 fn whole_turns_of_a_continuous_joint_contradict_nobody() {
     let geared = "<link name='c'/><joint name='gear' type='continuous'><parent link='b'/><child link='c'/><axis xyz='0 0 1'/>
@@ -162,7 +162,7 @@ fn whole_turns_of_a_continuous_joint_contradict_nobody() {
         ("", -9.0 * TAU + 0.01, "FREE"),
         ("", 3.0 * TAU - 0.2, "contradiction"),
         ("", PI, "contradiction"),
-        // half a turn of what follows
+        // half a turn of the joint that mimics it
         (geared, TAU, "contradiction"),
         (geared, 0.01, "FREE"),
     ] {
@@ -176,7 +176,7 @@ fn whole_turns_of_a_continuous_joint_contradict_nobody() {
     }
 }
 
-/// A joint counts once, however many contradict each other about it.
+/// A joint is reported once, however many publishers contradict each other about it.
 #[test]
 fn a_joint_is_told_of_once_whoever_contradicts() {
     let mut monitor = monitor();
@@ -194,7 +194,7 @@ fn a_joint_is_told_of_once_whoever_contradicts() {
     }
 }
 
-/// A chain of sliding joints.
+/// A chain of prismatic joints.
 #[test]
 fn of_many_contradictions_one_is_told_and_the_rest_counted() {
     const JOINTS: usize = 12;

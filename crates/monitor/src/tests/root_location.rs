@@ -1,4 +1,4 @@
-//! A root that `tf` moves through the room that obstacles stand in.
+//! A root that `tf` moves relative to world-fixed obstacles.
 
 use clearance_geometry::math::Pose;
 use clearance_scene::{ObjectChange, Operation, Scene, SceneContext, SceneUpdate, Transform, TransformTree};
@@ -14,7 +14,7 @@ struct Room {
 }
 
 impl Room {
-    /// With one obstacle in `map`, seen from a root that was told of once.
+    /// A room with one obstacle in `map`; `tf` has published the pose of the root once.
     fn new() -> Self {
         let (scene, transforms) = (Scene::default(), TransformTree::default());
         let mut room =
@@ -28,7 +28,7 @@ impl Room {
         room
     }
 
-    /// The same, after half a second of joint states.
+    /// The same after half a second of joint states.
     fn in_use() -> Self {
         let mut room = Self::new();
         for seconds in [0.0, 0.5] {
@@ -38,7 +38,7 @@ impl Room {
         room
     }
 
-    /// `tf` says how far along x the root is.
+    /// Publishes the position of the root along x on `tf`.
     fn tell(&mut self, x: f64, seconds: f64) {
         let stamp = Some(time(START + seconds));
         let pose_pf = Pose::translation(x, 0.0, 0.0);
@@ -52,7 +52,7 @@ impl Room {
         self.put_in_force();
     }
 
-    /// Puts obstacles where they belong, as the loader does.
+    /// Moves the obstacles to follow `tf`, as the loader does.
     fn follow(&mut self) {
         let context = SceneContext::new(&self.robot, None, &self.transforms, Some(time(START)), 1.0);
         self.scene.follow_frames(&context);
@@ -63,7 +63,7 @@ impl Room {
         self.put_in_force_of(None);
     }
 
-    /// As obstacles had to be placed so many seconds after the start.
+    /// Sets a checker whose obstacles were placed this number of seconds after the start.
     fn put_in_force_of(&mut self, placed_at: Option<f64>) {
         let checker =
             CollisionChecker::new(Arc::clone(&self.robot), &self.scene.world, Settings::default()).unwrap();
@@ -73,7 +73,7 @@ impl Room {
         self.monitor.set_checker(Arc::new(revision));
     }
 
-    /// What a fresh joint state is judged as.
+    /// The evaluation of a fresh joint state.
     fn judged(&mut self, seconds: f64) -> Evaluation {
         self.monitor.note_transforms(&self.transforms);
         self.monitor.on_joint_state(state(seconds, FREE), at(seconds))
@@ -92,7 +92,7 @@ fn a_root_that_was_told_of_once_may_be_told_of_never_again() {
 fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
     let mut room = Room::new();
     for seconds in [0.0, 0.5, 1.0] {
-        // it stands where it stood
+        // the root is at rest
         room.tell(0.0, seconds);
         assert_eq!(code(&room.judged(seconds)), "FREE");
     }
@@ -100,7 +100,7 @@ fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
     let silent = room.judged(2.01);
     assert_eq!(code(&silent), "stale_world");
     assert!(silent.status.reason().unwrap().to_string().contains("the robot's root in map"));
-    // a clock that stands does not hide it
+    // the same is detected while ROS time stands still
     room.tell(0.0, 3.0);
     assert_eq!(code(&room.judged(3.0)), "FREE");
     room.monitor.note_transforms(&room.transforms);
@@ -116,7 +116,7 @@ fn without_obstacles_nobody_has_to_know_where_the_root_is() {
     room.change(ObjectChange::named("pillar", Operation::Remove));
     assert!(!room.monitor.heeds_transforms());
     assert_eq!(code(&room.monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
-    // whatever comes into the room then, stands in one that nobody has told of for long
+    // an obstacle that is added then is placed in a frame with a transform that has been stale for long
     let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
     let shapes =
         vec![clearance_scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
@@ -157,7 +157,7 @@ fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
     let due = room.monitor.time_to_heartbeat(at(0.6)).as_secs_f64();
     assert!((0.9..0.91).contains(&due), "{due}");
     assert_eq!(code(&room.monitor.on_heartbeat(at(0.6 + due))), "stale_world");
-    // the same of obstacles that are not put where they belong
+    // the same for obstacles that are not moved to follow `tf`
     room.tell(3.0, 2.0);
     room.judged(2.0);
     room.tell(3.1, 2.5);
@@ -179,7 +179,7 @@ fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
     assert!(late.status.reason().unwrap().to_string().contains("where tf has them"));
     room.tell(7.0, 1.3);
     room.follow();
-    // the ball is at (2, 0, 0), and so is the pillar now
+    // the ball is at (2, 0, 0), and the pillar has moved there too
     assert_eq!(code(&room.judged(1.3)), "COLLIDING");
 }
 
@@ -190,7 +190,7 @@ fn obstacles_that_took_long_to_build_are_as_old_as_what_they_were_placed_by() {
         room.tell(0.2 * f64::from(i), 0.2 * f64::from(i));
         room.judged(0.2 * f64::from(i));
     }
-    // they are where the root was at 0 s, at whatever time they come into force
+    // the obstacles match the root's pose at 0 s, whenever the checker is set
     room.put_in_force_of(Some(0.0));
     assert_eq!(code(&room.judged(1.8)), "stale_world");
     room.put_in_force_of(Some(1.0));
@@ -232,7 +232,7 @@ fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
     assert!(lost.stale_world.is_some() && lost.placement.is_some());
 }
 
-/// The pillar is 6.8 m in front of the ball, and the root drives at 1 m/s, told of 50 times a second.
+/// The pillar is 6.8 m in front of the ball. The root drives at 1 m/s, and `tf` publishes its pose 50 times a second.
 fn drive(settings: MonitorSettings, speed: f64, seconds: f64) -> (Room, Evaluation) {
     let mut room = Room::new();
     room.monitor.set_settings(settings);
@@ -257,7 +257,7 @@ fn driving_towards_an_obstacle_slows_the_robot_down_and_away_from_it_does_not() 
         speed: distances(SpeedDistances { slowdown, stop: 0.2 }),
         ..MonitorSettings::default()
     };
-    // 0.8 m are left, of which the reaction takes 0.5
+    // 0.8 m are left, minus 0.5 m for the reaction time
     let (_, evaluation) = drive(with(1.0), 3.0, 2.0);
     assert!(
         (evaluation.speed_scale - 0.0).abs() < 1e-9,
@@ -266,7 +266,7 @@ fn driving_towards_an_obstacle_slows_the_robot_down_and_away_from_it_does_not() 
     );
     let (_, evaluation) = drive(with(1.0), 1.0, 6.0);
     assert!((evaluation.speed_scale - 0.125).abs() < 1e-6, "{}", evaluation.speed_scale);
-    // 1.3 m are left: more than the slow-down distance
+    // 1.3 m are left, which is more than the slow-down distance
     let (_, evaluation) = drive(with(1.0), 1.0, 5.5);
     assert!((evaluation.speed_scale - 0.75).abs() < 1e-6, "{}", evaluation.speed_scale);
     let (_, evaluation) = drive(with(8.0), -1.0, 0.5);
@@ -278,7 +278,7 @@ fn of_a_root_that_moves_no_time_to_contact_is_certain() {
     let (mut room, evaluation) = drive(settings_of_lookout(), 1.0, 2.0);
     assert!(evaluation.time_to_contact() <= 0.0);
     assert!(evaluation.warnings.iter().any(|warning| warning.contains("the robot's root moves in map")));
-    // it stops, and nobody says anything of the joints
+    // the root stops, without a new joint state
     room.tell(2.0, 2.1);
     room.monitor.note_transforms(&room.transforms);
     assert!(room.monitor.on_heartbeat(at(2.1)).time_to_contact() > 0.0);
@@ -287,7 +287,7 @@ fn of_a_root_that_moves_no_time_to_contact_is_certain() {
     assert!(room.monitor.on_heartbeat(at(2.2)).time_to_contact() <= 0.0, "it moves on");
 }
 
-/// A localiser five times a second, post-dated, above odometry fifty times a second: the base moves by the latter.
+/// Localisation at 5 Hz with stamps in the future, above odometry at 50 Hz: the base moves by the odometry.
 #[test]
 fn a_localiser_that_comes_slowly_hides_no_drive() {
     let mut room = Room::new();

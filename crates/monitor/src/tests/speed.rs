@@ -12,14 +12,14 @@ const SPEED: SpeedSettings = SpeedSettings {
     release_count: 1,
 };
 
-/// A monitor that slows down; stale after half a second.
+/// A monitor with a speed scale; joint states are stale after half a second.
 fn governed(speed: SpeedSettings) -> Monitor {
     let mut monitor = monitor();
     monitor.set_settings(MonitorSettings { speed, ..MonitorSettings::default() });
     monitor
 }
 
-/// The distance with this elbow.
+/// The distance for an elbow position.
 fn distance_at(elbow: f64) -> f64 {
     governed(SPEED).on_joint_state(state(0.0, [0.0, elbow]), at(0.0)).distance()
 }
@@ -34,7 +34,7 @@ fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
     let at_rest = (distance - 0.1) / 0.4;
     assert!((share(&[0.0, 0.0]) - at_rest).abs() < 1e-9);
     assert_eq!(share(&[]), share(&[0.0, 0.0]), "where nothing is known of velocities, the distance counts");
-    // the ball is above the base, a little to the right: the shoulder lifts it, or lowers it
+    // the ball is above the base, slightly to the right: the shoulder moves it up or down
     assert_eq!(share(&[1.0, 0.0]), 1.0);
     assert!(share(&[-1.0, 0.0]) < at_rest);
     assert!(share(&[0.0, 0.3]) < at_rest);
@@ -43,7 +43,7 @@ fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
     assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
 }
 
-/// Where the robot is slowed down, tolerances do not count: of points that are only near, nobody knows where they move.
+/// Where the robot is slowed down, distances are exact: points that are only nearly the nearest ones have other approach rates.
 #[test]
 fn tolerances_leave_the_speed_as_it_is() {
     let mut exact = governed(SPEED);
@@ -84,7 +84,7 @@ fn without_velocities_the_last_state_tells_the_way() {
     assert!((folding - by_velocity(2.61, 0.1)).abs() < 1e-3, "{folding}");
 }
 
-/// Two drivers, of which one tells no velocities: what each says comes between what the other says.
+/// Two drivers, one of them without velocities: their messages alternate.
 #[test]
 fn drivers_that_tell_no_velocities_hide_none_of_others() {
     let arm = |seconds: f64, elbow: f64, velocity: f64| JointStateInput {
@@ -109,7 +109,7 @@ fn drivers_that_tell_no_velocities_hide_none_of_others() {
             scales.push((evaluation.speed_scale, elbow));
         }
         for (scale, elbow) in &scales[8..] {
-            // the share lags by the counts
+            // the share lags by the trigger and release counts
             let wanted =
                 governed(SPEED).on_joint_state(moving(0.0, [0.0, *elbow], &[0.0, velocity]), at(0.0));
             assert!((scale - wanted.speed_scale).abs() < 0.05, "{velocity} at {elbow}: {scale}, {wanted:?}");
@@ -117,7 +117,7 @@ fn drivers_that_tell_no_velocities_hide_none_of_others() {
     }
 }
 
-/// The slow-down distance is 0.5 m, and what is farther comes within it before the robot has reacted.
+/// The slow-down distance is 0.5 m; a pair that is farther away is within it before the reaction time is over.
 #[test]
 fn what_comes_fast_is_slowed_down_from_beyond_also_without_velocities() {
     let mut monitor = governed(SPEED);
@@ -147,11 +147,11 @@ fn what_is_not_free_has_no_speed() {
     assert_eq!([speed(state(0.3, FREE), 0.3), speed(state(0.4, FREE), 0.4)], [0.0, 1.0]);
     assert_eq!(speed(state(0.5, [0.0, f64::NAN]), 0.5), 0.0);
     assert_eq!([speed(state(0.6, FREE), 0.6), speed(state(0.7, FREE), 0.7)], [0.0, 1.0]);
-    // a heartbeat is no state; what grows stale stops
+    // a heartbeat does not count as a state; a stale state stops the robot
     assert_eq!(monitor.on_heartbeat(at(1.0)).speed_scale, 1.0);
     assert_eq!(monitor.on_heartbeat(at(1.3)).speed_scale, 0.0);
     assert_eq!(monitor.on_joint_state(state(1.4, FREE), at(1.4)).speed_scale, 0.0);
-    // a change of the world is none of the states in a row either way
+    // a change of the world does not count as one of the states in a row
     monitor.on_joint_state(state(1.5, FREE), at(1.5));
     monitor.set_checker(revision(2));
     assert_eq!(monitor.on_joint_state(state(1.6, FREE), at(1.6)).speed_scale, 1.0);

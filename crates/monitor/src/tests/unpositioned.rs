@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Of velocities alone, or of efforts alone.
+/// A joint state with only velocities, or only efforts.
 fn unpositioned(seconds: f64, names: &[&str], velocities: &[f64]) -> JointStateInput {
     let names = names.iter().map(|&name| name.to_owned()).collect();
     JointStateInput { names, velocities: velocities.to_vec(), positions: Vec::new(), ..state(seconds, FREE) }
@@ -19,11 +19,11 @@ fn a_joint_state_without_positions_is_skipped_with_a_warning() {
         monitor.on_joint_state(state(0.0, FREE), at(0.0));
         let evaluation = monitor.on_joint_state(unpositioned(0.1, &["elbow"], velocities), at(0.1));
         assert_eq!((code(&evaluation), warns(&evaluation)), ("FREE", true));
-        // nothing of it counts as measured with the positions
+        // its velocities are not combined with the positions
         let checked_state = evaluation.checked_state.unwrap();
         assert_eq!((&checked_state.velocities, &checked_state.rates), (&None, &None));
         assert_eq!(evaluation.stamp, Some(time(START)));
-        // the positions of before grow old
+        // the age of the earlier positions grows
         for i in 2..6 {
             let seconds = 0.1 * f64::from(i);
             monitor.on_joint_state(unpositioned(seconds, &["elbow"], velocities), at(seconds));

@@ -1,4 +1,4 @@
-//! A world that lags behind its messages is never FREE for long.
+//! A world that lags behind its messages is not FREE for long.
 
 use super::*;
 
@@ -12,10 +12,10 @@ fn a_message_that_is_not_in_force_soon_makes_the_state_unknown_until_it_is() {
     assert_eq!(code(&monitor.on_joint_state(state(0.0, FREE), at(0.0))), "FREE");
     monitor.note_world_update(received(0.05));
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "FREE");
-    // published when it is so, not at the next heartbeat
+    // published as soon as the lag is too long, not at the next heartbeat
     let due = monitor.time_to_heartbeat(at(0.1)).as_secs_f64();
     assert!((0.049..0.051).contains(&due), "{due}");
-    // nor is a collision told that would be one, nor anything to who asks while the monitor is busy
+    // COLLIDING is not reported either, and a query while the monitor is busy returns no outdated status
     let busy = monitor.on_heartbeat(at(0.14)).aged(at(0.16));
     assert!(!busy.status.is_free() && busy.stale_world.is_some());
     for (seconds, joints) in [(0.151, FREE), (0.2, COLLIDING), (5.0, FREE)] {
@@ -27,7 +27,7 @@ fn a_message_that_is_not_in_force_soon_makes_the_state_unknown_until_it_is() {
     let reason = monitor.on_heartbeat(at(5.0)).status.reason().unwrap().to_string();
     assert!(reason.contains("1 messages about it are not in force yet, the oldest for 4.950 s"), "{reason}");
 
-    // word of what is coming is not it
+    // the announcement of a new world does not put it into force
     monitor.note_world_updates_completing(1);
     assert_eq!(code(&monitor.on_heartbeat(at(5.1))), "world_update");
     monitor.set_checker(revision(1));
@@ -57,16 +57,16 @@ fn messages_that_wait_behind_one_that_takes_long_count_from_their_own_receipt() 
     monitor.set_checker(revision(1));
     assert_eq!(code(&monitor.on_heartbeat(at(0.5))), "FREE");
     assert_eq!(code(&monitor.on_heartbeat(at(0.55))), "world_update");
-    // what was received and asks for nothing is waited for no longer
+    // a message that requires no change is no longer waited for
     monitor.note_world_update_withdrawn();
     assert_eq!(code(&monitor.on_heartbeat(at(0.56))), "FREE");
-    // a message that was long on its way through the program is late at once
+    // a message that waited long inside the node is late at once
     monitor.note_world_update(received(0.3));
     assert_eq!(monitor.time_to_heartbeat(at(0.57)), Duration::ZERO);
     assert_eq!(code(&monitor.on_heartbeat(at(0.57))), "world_update");
 }
 
-/// Thirty messages a second, each in force 20 ms later.
+/// Thirty messages a second; each is in force 20 ms later.
 #[test]
 fn ordinary_updates_are_never_told() {
     let mut monitor = monitor();

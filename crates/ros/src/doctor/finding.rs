@@ -1,15 +1,15 @@
-//! What the doctor says.
+//! Findings of the doctor command.
 
 use std::collections::BTreeMap;
 
 use clearance_files::readable_text::on_one_line;
 use serde::Serialize;
 
-/// One thing that was looked at.
+/// Result of one check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     pub verdict: Verdict,
-    /// What was looked at, such as `joint_states`.
+    /// Subject of the check, such as `joint_states`.
     pub about: String,
     pub text: String,
 }
@@ -18,9 +18,9 @@ pub struct Finding {
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     Good,
-    /// Worth knowing.
+    /// Information that may be useful.
     Note,
-    /// The node can not work like this, or not with these peers.
+    /// The node cannot work in this environment, or not with these peers.
     Wrong,
 }
 
@@ -34,7 +34,7 @@ impl Verdict {
     }
 }
 
-/// Findings of which no peer can make more than a person reads, or anything that a terminal obeys.
+/// Bounds the number and length of findings, and removes control characters, since peers can influence the text.
 pub fn bounded(findings: Vec<Finding>) -> Vec<Finding> {
     const MOST: usize = 20;
     const LONGEST: usize = 1000;

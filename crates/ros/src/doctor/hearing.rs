@@ -1,4 +1,4 @@
-//! What there is to hear.
+//! Receives the topics that the doctor evaluates.
 
 use std::cell::RefCell;
 use std::time::Duration;
@@ -23,32 +23,32 @@ use crate::run::{NODE_NAME, NodeError};
 use crate::scene::note_transforms;
 use crate::thread_priority::ThreadPriority;
 
-/// Everything that came in that time.
+/// Everything that was received in the listening time.
 #[derive(Default)]
 pub struct Heard {
     pub description: Option<String>,
     pub semantic: Option<String>,
-    /// The first ones, and when they came.
+    /// The first joint states, with their publishers and the times of reception.
     pub joint_states: Vec<(JointState, SourceId, Now)>,
-    /// How many came.
+    /// Number of joint states received.
     pub joint_state_count: u32,
     pub transforms: TransformTree,
-    /// What simulated time there is, if it was asked for.
+    /// Last simulated time, if simulated time is used and any was received.
     pub simulated_time: Option<Time>,
-    /// How many nodes bear the node's name.
+    /// Number of nodes with this node's name.
     pub namesakes: usize,
-    /// What the middleware complained about.
+    /// Warnings logged by the middleware.
     pub complaints: Vec<String>,
 }
 
-/// Hears what there is to hear, for a while.
+/// Subscribes to all topics for a while, and returns the messages received.
 pub fn listen(
     environment: Environment,
     names: &Names,
     (describe, use_sim_time): (bool, bool),
     patience: Duration,
 ) -> Result<Heard, NodeError> {
-    /// Joint states, and names and numbers in all of them, that are kept for the monitor.
+    /// Limits for the joint states that are kept for the monitor: their number, and the number of names and values in all of them.
     const MOST: usize = 10_000;
     const MOST_NUMBERS: usize = 1_000_000;
     const MOST_COMPLAINTS: usize = 100;

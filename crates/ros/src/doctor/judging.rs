@@ -1,4 +1,4 @@
-//! Whether what is heard will do.
+//! Evaluates the received topics.
 
 use clearance_checker::{CollisionChecker, solid_mesh_remarks};
 use clearance_monitor::{Evaluation, Monitor, MonitorSettings, Revision, Status, Time};
@@ -15,7 +15,7 @@ use crate::environment::Environment;
 use crate::messages::joint_state_input;
 use crate::parameters::Parameters;
 
-/// The robot that is described on the topics.
+/// The robot model from the description topics.
 pub fn described(
     heard: &Heard,
     mesh_files: &MeshFiles,
@@ -71,7 +71,7 @@ pub fn about_robot(robot: &RobotModel) -> Vec<Finding> {
     findings
 }
 
-/// Faults of meshes as solids.
+/// Findings about meshes that are not valid solids.
 pub fn about_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
     if mesh_model == MeshModel::Surface {
         return Vec::new();
@@ -80,7 +80,7 @@ pub fn about_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
     remarks.iter().map(|remark| note("solid meshes", remark.to_string())).collect()
 }
 
-/// Whether the node runs, and as the only one of its name.
+/// Whether the node runs, and whether it is the only one with its name.
 pub fn about_node(heard: &Heard, name: &str) -> Finding {
     match heard.namesakes {
         0 => note(
@@ -98,7 +98,7 @@ pub fn about_node(heard: &Heard, name: &str) -> Finding {
     }
 }
 
-/// Whether there is the time that was asked for.
+/// Whether the selected clock is available.
 pub fn about_clock(heard: &Heard, environment: Environment) -> Finding {
     match heard.simulated_time {
         Some(time) => good("clock", format!("simulated time is told; the last: {:.3} s", seconds(time))),
@@ -117,7 +117,7 @@ fn seconds(time: Time) -> f64 {
     1e-9 * time.nanoseconds() as f64
 }
 
-/// Whether what the drivers say is about this robot: the monitor itself judges.
+/// Whether the joint states match this robot: evaluates them with the monitor.
 pub fn about_joint_states(
     heard: &Heard,
     (robot, mesh_model): (Option<RobotModel>, MeshModel),
@@ -158,7 +158,7 @@ pub fn about_joint_states(
     findings
 }
 
-/// What the monitor says to transforms, and joint states that came one after the other.
+/// Result of the monitor for the transforms, and for joint states processed one after the other.
 fn judge(
     (robot, mesh_model): (RobotModel, MeshModel),
     heard: &Heard,
@@ -167,7 +167,7 @@ fn judge(
     let settings = Settings { mesh_model, ..Settings::default() };
     let checker = CollisionChecker::new(Arc::new(robot), &World::default(), settings);
     let checker = checker.map_err(|error| error.to_string())?;
-    // they waited here while others were listened to
+    // the messages waited while other topics were received, so their age does not count
     let settings = MonitorSettings {
         stale_after: 3600.0,
         transform_ttl: 3600.0,

@@ -1,4 +1,4 @@
-//! Whether nodes can meet here.
+//! Checks whether nodes can discover each other on this machine.
 
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::finding::{Finding, good, wrong};
 use crate::environment::{Environment, EnvironmentError, Reach};
 
-/// What the variables say about the network.
+/// Findings about the network settings in the environment variables.
 pub fn network(
     variable: impl Fn(&str) -> Option<String>,
     findings: &mut Vec<Finding>,
@@ -41,7 +41,7 @@ pub fn network(
     Ok(environment)
 }
 
-/// Whether what is said to a group is heard, which is how nodes meet.
+/// Whether this machine receives its own multicast messages: discovery depends on multicast.
 pub fn multicast(reach: Reach) -> Finding {
     let interface = match reach {
         Reach::Localhost => Ipv4Addr::LOCALHOST,

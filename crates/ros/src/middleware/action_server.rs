@@ -1,7 +1,7 @@
-//! Actions: goals and cancellations in, progress and results out.
+//! Action server: receives goals and cancellations, publishes feedback and results.
 //!
-//! The client library's own asynchronous server keeps a goal until somebody asks for its result, and hears of such questions only while it
-//! gives one; so only its endpoints are used here. What becomes of goals is the user's.
+//! The asynchronous action server of `ros2_client` keeps each goal until a client requests its result, and reads result requests
+//! only while it sends a result. Therefore only its endpoints are used here. The caller of this module manages the goals.
 
 use std::future::poll_fn;
 use std::pin::pin;
@@ -26,39 +26,39 @@ use crate::thread_priority::ThreadPriority;
 pub use ros2_client::action::GoalId;
 pub use ros2_client::action_msgs::{CancelGoalResponseEnum as CancelCode, GoalInfo, GoalStatus};
 
-/// How a goal stands.
+/// Status of a goal.
 pub type Standing = GoalStatusEnum;
 
-/// Serves one action.
+/// Server of one action.
 pub struct ActionServer<Goal, Outcome, Progress>
 where
     Goal: Message + Clone,
     Outcome: Message + Clone,
     Progress: Message,
 {
-    /// The library gives its three servers one at a time.
+    /// The library lends its three service servers one at a time, hence the mutex.
     inner: Mutex<ros2_client::ActionServer<Goal, Outcome, Progress>>,
     name: FullName,
     peers: Arc<Peers>,
-    /// Results, which may be long.
+    /// Sends the results, which may be longer than a datagram.
     results: Answering,
     complaints: DecodeErrorLog,
     priority: ThreadPriority,
 }
 
-/// `action_msgs/srv/CancelGoal`, whose fields the library keeps to itself.
+/// `action_msgs/srv/CancelGoal`. The library's own type has private fields.
 #[derive(Serialize, Deserialize)]
 struct Cancellation {
     goal_info: GoalInfo,
 }
 
-/// The next request of one of the three services, waiting for it. What can not be decoded is logged and passed over.
+/// Waits for the next request of one of the three services. A request that cannot be decoded is logged and skipped.
 macro_rules! next_request {
     ($self:ident, $server:ident) => {
         loop {
             let taken = poll_fn(|context| {
                 let mut inner = lock(&$self.inner);
-                // what has not come leaves its waker with the reader
+                // a pending future leaves its waker with the reader
                 pin!(inner.$server().async_receive_request()).poll(context)
             });
             match wakeup::wait($self.priority, taken).await {
@@ -96,7 +96,7 @@ where
         }
     }
 
-    /// Calls the library.
+    /// Calls the library with the priority of its threads.
     fn call<T>(&self, call: impl FnOnce(&mut ros2_client::ActionServer<Goal, Outcome, Progress>) -> T) -> T {
         let mut inner = lock(&self.inner);
         let _lent = self.priority.lend();
@@ -108,7 +108,7 @@ where
         (id, goal_id, goal)
     }
 
-    /// The goal, or the time, that is to be canceled, as `action_msgs/srv/CancelGoal` has it.
+    /// Waits for the next cancellation: the goal or the time to cancel, as `action_msgs/srv/CancelGoal` defines it.
     pub async fn next_cancellation(&self) -> (RequestId, GoalInfo) {
         loop {
             let (id, request) = next_request!(self, cancel_server);
@@ -156,7 +156,7 @@ where
         self.check(sent);
     }
 
-    /// Tells how all known goals stand.
+    /// Publishes the status of all known goals.
     pub fn tell_standings(&self, status_list: Vec<GoalStatus>) {
         self.check(self.call(|inner| inner.send_goal_statuses(GoalStatusArray { status_list })));
     }

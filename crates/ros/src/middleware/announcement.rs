@@ -1,4 +1,4 @@
-//! A participant that peers come to know before its endpoints.
+//! DDS participant that is announced before its endpoints.
 
 use std::fmt;
 use std::net::Ipv4Addr;
@@ -12,14 +12,15 @@ use super::{MiddlewareError, discovery_probe, refused};
 use crate::environment::{Environment, Reach};
 use crate::thread_priority::ThreadPriority;
 
-/// From the announcement of the participant to that of its endpoints.
+/// Delay between the announcement of the participant and the announcement of its endpoints.
 const INTRODUCTION: Duration = Duration::from_millis(200);
 
-/// A participant that is on the network and has no endpoints yet.
+/// An announced DDS participant without endpoints.
 ///
-/// A peer that hears of endpoints before it knows their owner has to ask for them again. Fast DDS then forgets some of them when two
-/// such owners come at once, and those topics are never matched (seen in captures: all of discovery acknowledged, one early endpoint
-/// ignored). So the participant is announced as early as can be, and its endpoints a little later.
+/// A peer that discovers endpoints before their participant has to request them again. If two such participants appear at once,
+/// Fast DDS then drops some of the endpoints, and those topics are never matched. Captures show this: all of discovery is
+/// acknowledged, and one early endpoint is ignored. So the participant is announced as early as possible, and its endpoints a
+/// little later.
 pub struct Announcement {
     environment: Environment,
     priority: ThreadPriority,
@@ -34,7 +35,7 @@ impl fmt::Debug for Announcement {
 }
 
 impl Announcement {
-    /// Announces a participant, with threads of this priority; files can be read while peers come to know it.
+    /// Announces a participant whose threads have this priority. The caller can read files while peers discover it.
     pub fn make(environment: Environment, priority: ThreadPriority) -> Result<Self, MiddlewareError> {
         heed_panics();
         let mut participant = DomainParticipantBuilder::new(environment.domain);
@@ -48,26 +49,27 @@ impl Announcement {
         Ok(Self { environment, priority, participant, since: Instant::now() })
     }
 
-    /// Where it was announced.
+    /// The environment in which the participant was announced.
     #[must_use]
     pub fn environment(&self) -> Environment {
         self.environment
     }
 
-    /// The priority of its threads, as of all between joint states and answers.
+    /// Priority of its threads, and of all threads between a joint state and the response to it.
     pub(crate) fn priority(&self) -> ThreadPriority {
         self.priority
     }
 
-    /// The participant, after peers have had the time to know it.
+    /// Returns the participant once peers have had time to discover it.
     pub(super) fn heard(self) -> DomainParticipant {
         thread::sleep(INTRODUCTION.saturating_sub(self.since.elapsed()));
         self.participant
     }
 }
 
-/// What this starts hears no signals: a thread of `RustDDS` ends when one interrupts its wait (see `deafness`), and the system gives a
-/// signal to any thread that takes it while the main thread does not, as when it starts another.
+/// Starts threads that receive no signals. A `RustDDS` thread ends when a signal interrupts its wait (see `deafness`). The system
+/// delivers a signal to any thread that accepts it while the main thread does not, for example while the main thread starts another
+/// thread.
 #[cfg(unix)]
 fn without_signals<T>(start: impl FnOnce() -> T) -> T {
     use nix::sys::signal::{SigSet, SigmaskHow};

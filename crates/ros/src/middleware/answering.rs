@@ -1,9 +1,10 @@
-//! How answers reach those who asked.
+//! Sends service responses to clients, also responses that are longer than a datagram.
 //!
-//! `RustDDS` 0.15.1 spoils the fragments of answers (decision 18). What does not fit into a datagram goes beside it: in fragments of
-//! our own, in the name of the library's writer, and under the number that its next sample will have. Then the library sends an
-//! empty answer of that number which nobody asked for. Who has all fragments has that number already, and passes over
-//! it; who lost one hears nothing, as if the answer had been lost.
+//! `RustDDS` 0.15.1 corrupts the fragments of responses (decision 18). So a response that does not fit into a datagram is sent
+//! beside the library: in fragments made here, with the GUID of the library's writer and the sequence number of its next sample.
+//! Then the library sends an empty response with that sequence number, to a request that no client made. A client with all
+//! fragments already has that sequence number and discards the empty response. A client that lost a fragment receives no response,
+//! as if the response had been lost.
 
 use std::fmt;
 use std::sync::Arc;
@@ -20,52 +21,52 @@ use super::peers::{Hearer, Peers};
 use crate::cdr;
 use crate::names::FullName;
 
-/// Bytes of an answer that the library sends in one piece on any common network.
+/// Largest response (bytes) that the library sends in one datagram on any common network.
 const SHORT: usize = 1000;
 
-/// The same where everybody who hears the answers is on the loopback network.
+/// The same if all readers of the responses are on the loopback network.
 const SHORT_ON_LOOPBACK: usize = 65_000;
 
-/// Bytes of an answer at most.
+/// Largest response (bytes).
 const LONGEST: usize = 64 << 20;
 
-/// Datagrams sent without a pause.
+/// Number of datagrams sent without a pause.
 const BURST: usize = 8;
 
-/// Between two bursts.
+/// Pause between two bursts.
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// Nobody asks again for a fragment, so each is sent more than once.
+/// Number of times that each fragment is sent: readers do not request a lost fragment again.
 const PASSES: usize = 3;
 
-/// Bytes that receivers have room for while they do not come to read.
+/// Bytes that a receiver can buffer while it does not read.
 const ROOM: usize = 80_000;
 
-/// Between two passes of more than that: what took a receiver's time may be over then.
+/// Pause between two passes of a longer response. A receiver that was busy may have time again after it.
 const RESPITE: Duration = Duration::from_millis(20);
 
-/// Answers of one service.
+/// Sends the responses of one service.
 pub struct Answering {
     name: FullName,
-    /// DDS topic of the answers.
+    /// DDS topic of the responses.
     topic: String,
     peers: Arc<Peers>,
-    /// One is sent at a time.
+    /// The lock lets only one response be sent at a time.
     numbers: Mutex<Numbers>,
     complaints: DecodeErrorLog,
 }
 
-/// Numbers of the samples of a writer.
+/// Sequence numbers of a writer's samples.
 #[derive(Default)]
 struct Numbers {
-    /// Samples that the library has written.
+    /// Number of samples that the library has written.
     written: i64,
-    /// Whether fragments have taken the next number, and the library not yet.
+    /// Whether fragments have used the next sequence number and the library has not used it yet.
     is_taken: bool,
 }
 
 impl Answering {
-    /// Of a service with that full name, which nobody has answered yet.
+    /// For the service with this full name, before any response was sent.
     pub fn new(name: FullName, service: &str, peers: Arc<Peers>) -> Self {
         Self {
             topic: format!("rr{service}Reply"),
@@ -76,8 +77,8 @@ impl Answering {
         }
     }
 
-    /// Answers a request as soon as its client can hear it; `write` sends a sample by way of the library. What can not be sent is
-    /// logged.
+    /// Sends the response to a request, as soon as the client's reader is known. `write` sends a sample through the library. A
+    /// response that cannot be sent is logged.
     pub async fn send<Response, Fault>(
         &self,
         id: RmwRequestId,
@@ -108,7 +109,7 @@ impl Answering {
     {
         let stand_in = || write(RmwRequestId::default(), cdr::blank()?).map_err(|fault| fault.to_string());
         if numbers.is_taken {
-            // who has the fragments would pass over anything else of that number
+            // a client that has the fragments would discard any other sample with that sequence number
             numbers.give_back(stand_in).await?;
         }
         let size = cdr::size_of(&response);
@@ -125,7 +126,7 @@ impl Answering {
             ));
         }
         let bytes = cdr::encode(&response)?;
-        // without a stand-in nothing may be sent
+        // fragments may be sent only if the empty response that follows them can be made
         cdr::blank::<Response>()?;
         let client = GUID::from(id.writer_gid);
         let own: Vec<&Hearer> = hearers.iter().filter(|hearer| hearer.is_of(client)).collect();
@@ -135,7 +136,7 @@ impl Answering {
         self.send_fragments(&own, id, numbers.written + 1, &bytes).await;
         numbers.is_taken = true;
         if let Err(why) = numbers.give_back(stand_in).await {
-            // the answer is sent; the next one tries again
+            // the response is sent; the next response tries again
             self.complaints.warn(|| format!("{} waits for clients that do not keep up: {why}", self.name));
         }
         Ok(())
@@ -162,7 +163,8 @@ impl Answering {
 }
 
 impl Numbers {
-    /// Lets the library have the number that the fragments took. While its window is full it takes none.
+    /// Has the library use the sequence number that the fragments took, with an empty response. While its send window is full it
+    /// accepts no sample, so this retries.
     async fn give_back(&mut self, stand_in: impl Fn() -> Result<(), String>) -> Result<(), String> {
         const TRIES: usize = 100;
         let mut written = stand_in();

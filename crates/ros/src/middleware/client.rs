@@ -1,4 +1,4 @@
-//! Calls of other nodes' services.
+//! Client of another node's service.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use super::wakeup;
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
 
-/// Asks one service.
+/// Client of one service.
 pub struct Client<Request: Message, Response: Message> {
     inner: ros2_client::Client<Request, Response>,
     name: FullName,
@@ -26,8 +26,8 @@ impl<Request: Message + 'static, Response: Message + 'static> Client<Request, Re
         Self { inner, name, priority }
     }
 
-    /// Asks, and waits for the answer for so long at most; in words, why there is none. A server that does not know this client yet may
-    /// not hear it: ask again.
+    /// Sends a request and waits at most `patience` for the response. The error describes why there is none. A server that has not
+    /// discovered this client yet may not receive the request: the caller has to send it again.
     pub async fn call(&self, request: Request, patience: Duration) -> Result<Response, String> {
         let answer = async {
             wakeup::wait(self.priority, self.inner.async_call_service(request))

@@ -1,19 +1,19 @@
-//! What is said of messages that cannot be read: not every one of a flood.
+//! Rate limiter for log messages about samples that cannot be decoded.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use super::lock;
 
-/// Between two complaints of one endpoint.
+/// Minimum time between two log messages of one endpoint.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// The complaints of one endpoint.
+/// Rate limiter of one endpoint.
 #[derive(Default)]
 pub struct DecodeErrorLog(Mutex<Option<Instant>>);
 
 impl DecodeErrorLog {
-    /// Warns, unless that was done just before.
+    /// Logs a warning, unless the last one was logged less than `PAUSE` ago.
     pub fn warn(&self, text: impl FnOnce() -> String) {
         if self.is_due(Instant::now()) {
             log::warn!("{}", text());

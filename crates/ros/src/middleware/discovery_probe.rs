@@ -1,10 +1,11 @@
-//! Has `RustDDS` know the Fast DDS participants of this machine before they know it.
+//! Discovery probe: learns local Fast DDS participants early, so that `RustDDS` does not miss their first heartbeats.
 //!
-//! When Fast DDS meets a participant it says at once how many endpoints there are to ask for (a HEARTBEAT of each of discovery's writers), and
-//! a second later again. `RustDDS` passes over what its sender says in the first millisecond after they met, so that a node, always the newcomer,
-//! would hear its joint states a second late, and others its answers. Therefore a discovery_probe goes ahead: a participant without endpoints,
-//! of which there is nothing but its announcement. Who meets it introduces itself to it, and that is passed on to `RustDDS`, whose own
-//! announcement follows. Nobody hears of the discovery_probe again, so others forget it after its lease.
+//! When Fast DDS discovers a participant, it sends at once how many endpoints there are to request (a HEARTBEAT of each discovery
+//! writer), and repeats it a second later. `RustDDS` discards these messages in the first millisecond after the discovery. A node,
+//! which always starts last, would then receive its joint states a second late, and its clients would receive their responses a
+//! second late. Therefore a discovery probe is sent first: a participant without endpoints, of which only the announcement exists.
+//! Each participant that discovers the probe announces itself to it. The probe forwards these announcements to `RustDDS`, whose own
+//! announcement follows. The probe is never announced again, so others remove it after its lease.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
@@ -13,17 +14,18 @@ use std::time::{Duration, Instant};
 
 use super::rtps::{Entity, message, sequence_number};
 
-/// The vendor whose participants are looked for, as their identifiers begin: eProsima.
+/// Vendor identifier of eProsima, with which the identifiers of Fast DDS participants begin.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 
-/// Participants of one machine that are looked for, and of which each could be the one that is told.
+/// Number of participants of one machine that the probe looks for. The forwarded announcements go to the ports of all of them,
+/// since any may be that of our own participant.
 const PARTICIPANTS: u16 = 16;
 
-/// How long others may take to answer. `RustDDS` meets the discovery_probe, too, and announces itself some 10 ms later: whoever answers after that is
-/// met a second late.
+/// How long the probe waits for announcements. `RustDDS` receives the announcement of the probe too, and announces itself some 10
+/// ms later. A participant that responds to the probe after that is discovered a second late.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-/// An introduction is far shorter (bytes).
+/// Largest announcement that is read (bytes); real ones are far shorter.
 const LONGEST: usize = 4096;
 
 /// Entities of discovery, by the last four bytes of their identifiers (DDSI-RTPS 2.5, table 9.2).
@@ -31,14 +33,14 @@ const ANYBODY: [u8; 4] = [0; 4];
 const PARTICIPANT: [u8; 4] = [0, 0, 1, 0xc1];
 const ANNOUNCER: [u8; 4] = [0, 1, 0, 0xc2];
 
-/// Sends a discovery_probe ahead of `own`, a participant of that domain that was made just now; does not wait for it.
+/// Sends a discovery probe for `own`, a participant of that domain that was made just now. Does not wait for the probe to end.
 pub fn go_ahead(own: Entity, domain: u16) {
     let explore = move || {
         if let Err(error) = explore(&own, &discovery_addresses(domain), PATIENCE) {
             log::debug!("others are met a second later: {error}");
         }
     };
-    // without a thread for it they are met a second later
+    // without a thread for the probe, local participants are discovered a second later
     let _ = thread::Builder::new().name("discovery_probe".to_owned()).spawn(explore);
 }
 
@@ -64,15 +66,15 @@ fn explore(own: &Entity, everybody: &[SocketAddr], patience: Duration) -> io::Re
     }
 }
 
-/// Where participants of a domain on this machine hear discovery (DDSI-RTPS 2.5, 9.6.2.4): which of these ports is ours, the library keeps
-/// to itself.
+/// Addresses at which participants of a domain on this machine receive discovery messages (DDSI-RTPS 2.5, 9.6.2.4). The library
+/// does not publish which of these ports is its own.
 fn discovery_addresses(domain: u16) -> Vec<SocketAddr> {
     // a domain that has no ports has no participants
     let port = |number: u16| 7410_u16.checked_add(domain.checked_mul(250)?)?.checked_add(2 * number);
     (0..PARTICIPANTS).filter_map(port).map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port))).collect()
 }
 
-/// A participant that is none of `RustDDS`'s: these begin with its vendor and are random.
+/// Identifier of the probe, which differs from those of all `RustDDS` participants: these begin with its vendor and are random.
 fn scout_of(own: &Entity) -> Entity {
     let mut discovery_probe = *own;
     for byte in &mut discovery_probe[2..12] {
@@ -82,12 +84,13 @@ fn scout_of(own: &Entity) -> Entity {
     discovery_probe
 }
 
-/// What says that `discovery_probe` is there, hears discovery at this port of this machine, and has no endpoints.
+/// Announcement of the participant `discovery_probe`: it receives discovery messages at this port of this machine, and has no
+/// endpoints.
 fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
     const DATA: (u8, u8) = (0x15, 0x04);
-    /// No flags more, and no quality of service before the data.
+    /// No extra flags, and no quality of service before the data.
     const BEFORE_DATA: [u8; 4] = [0, 0, 16, 0];
-    /// Of a list of parameters.
+    /// Encapsulation of a parameter list.
     const LITTLE_END_FIRST: [u8; 4] = [0, 3, 0, 0];
     const SENTINEL: [u8; 4] = [1, 0, 0, 0];
     let locator = locator(port);
@@ -95,13 +98,13 @@ fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
         (0x15, &[2, 4, 0, 0]),                                   // protocol version
         (0x16, &[discovery_probe[0], discovery_probe[1], 0, 0]), // vendor
         (0x50, discovery_probe),                                 // participant
-        (0x32, &locator),                                        // where it hears discovery
-        (0x31, &locator),                                        // where it hears the rest
+        (0x32, &locator),                                        // locator for discovery messages
+        (0x31, &locator),                                        // locator for other messages
         (0x02, &[1, 0, 0, 0, 0, 0, 0, 0]),                       // lease: 1 s
-        (0x58, &[3, 0, 0, 0]), // it announces itself, and hears announcements
+        (0x58, &[3, 0, 0, 0]), // built-in endpoints: it sends and receives participant announcements
     ];
     let parameters = parameters.iter().flat_map(|&(id, value)| {
-        // each is shorter than a locator
+        // every value is at most as long as a locator
         let length = u8::try_from(value.len()).unwrap_or_default();
         [&id.to_le_bytes(), [length, 0].as_slice(), value].concat()
     });
@@ -119,7 +122,7 @@ fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
     message(discovery_probe, &[0; 16], DATA, &body)
 }
 
-/// A port of this machine: kind UDP over IPv4, port, address in the last four of sixteen bytes.
+/// Locator of a port of this machine: kind UDP over IPv4, port, address in the last four of sixteen bytes.
 fn locator(port: u16) -> [u8; 24] {
     let mut locator = [0; 24];
     locator[0] = 1;
@@ -128,7 +131,7 @@ fn locator(port: u16) -> [u8; 24] {
     locator
 }
 
-/// Whether a Fast DDS participant tells of itself.
+/// Whether a message is the announcement of a Fast DDS participant.
 fn is_introduction(message: &[u8]) -> bool {
     message.len() > 20
         && message.starts_with(b"RTPS")
@@ -152,7 +155,7 @@ mod tests {
         assert_eq!(data[..2], [0x15, 0x05]);
         assert_eq!(usize::from(u16::from_le_bytes([data[2], data[3]])), data.len() - 4);
         assert_eq!(data[4..24], [[0, 0, 16, 0], ANYBODY, ANNOUNCER, [0; 4], [1, 0, 0, 0]].concat());
-        // each parameter says how long it is, up to the sentinel
+        // each parameter contains its length, up to the sentinel
         let (mut list, mut ids) = (&data[28..], Vec::new());
         while let [id, 0, length, 0, rest @ ..] = list {
             ids.push(*id);
@@ -166,7 +169,7 @@ mod tests {
     fn what_others_say_of_themselves_is_passed_on() {
         let [everybody, other] = [(); 2].map(|()| UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap());
         let addresses = [everybody.local_addr().unwrap()];
-        // it is waited for by nobody
+        // the thread is not joined
         thread::spawn(move || explore(&OWN, &addresses, Duration::from_secs(600)));
         let mut heard = [0; LONGEST];
         everybody.set_read_timeout(Some(Duration::from_secs(10))).unwrap();

@@ -2,11 +2,11 @@
 //!
 //! A client calls a service as soon as it has discovered it, some 10 ms before `RustDDS` has discovered the client's writer, and `RustDDS`
 //! discards what comes from an unknown writer. A reliable reader then requests the sample again. The library's own ACKNACK (base 1, count 0)
-//! does not make Fast DDS resend; its next heartbeat comes 3 s later. So requests of our own are sent beside it.
+//! does not make Fast DDS resend; its next heartbeat follows 3 s later. So this module sends its own requests in addition.
 //!
-//! One request is not enough. Fast DDS passes over an ACKNACK for a sample that it is still sending (status `UNDERWAY`, up to some
-//! milliseconds after the write), yet counts it as received, so that `RustDDS`'s next ACKNACK, of the same count, is passed over too: the call
-//! takes two heartbeat periods, 6 s (4 % to 8 % of new clients). So the request is repeated with growing counts.
+//! One request is not enough. Fast DDS ignores an ACKNACK for a sample that it is still sending (status `UNDERWAY`, up to some
+//! milliseconds after the write), but records its count. It then ignores `RustDDS`'s next ACKNACK too, since that has the same count. The
+//! call takes two heartbeat periods, 6 s (4 % to 8 % of new clients). So the request is repeated with growing counts.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -20,12 +20,12 @@ const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 
 const ACKNACK: (u8, u8) = (0x06, 0);
 
-/// Intervals before each request (ms), the first of them from the match. They exceed the 5 ms that Fast DDS collects requests for.
+/// Intervals before each request (ms); the first one starts at the match. They exceed the 5 ms in which Fast DDS collects requests.
 ///
-/// Each request makes Fast DDS pass over one of `RustDDS`'s own, which matters only if a packet is lost soon after: hence few.
+/// Each request makes Fast DDS ignore one request of `RustDDS`, which matters only if a packet is lost soon after. So there are few.
 const INTERVALS: [u64; 4] = [0, 10, 40, 200];
 
-/// Writers with outstanding requests at most, so that a hostile network cannot use up the memory.
+/// Largest number of writers with outstanding requests, so that a hostile network cannot use up the memory.
 const CAPACITY: usize = 1000;
 
 /// A matched writer whose first samples may have been discarded.
@@ -70,7 +70,7 @@ impl FirstRequests {
                 let request = request(&matched.reader.to_bytes(), &matched.writer.to_bytes(), matched.sent);
                 due.push((request, matched.addresses.clone()));
                 matched.sent += 1;
-                // after a late one, too, the next keeps its distance
+                // the interval counts from now, also after a late request
                 let interval = INTERVALS.get(matched.sent).copied().unwrap_or_default();
                 matched.due = now + Duration::from_millis(interval);
             }
@@ -82,7 +82,7 @@ impl FirstRequests {
 
 /// The request of this index in the schedule: an ACKNACK for sample 1, the first request of a new client.
 fn request(reader: &Entity, writer: &Entity, index: usize) -> Vec<u8> {
-    // the bit of the first element of a set
+    // bitmap of a sequence number set with only the first element
     const ONLY_THE_FIRST: [u8; 8] = [1, 0, 0, 0, 0, 0, 0, 0x80];
     // the library's first ACKNACK has count 0
     let count = u32::try_from(index).unwrap_or(u32::MAX).saturating_add(1);

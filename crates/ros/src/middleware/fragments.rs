@@ -1,25 +1,25 @@
-//! A long answer in pieces (RTPS 2.5, section 9.4.5.5, `DATA_FRAG`).
+//! Fragments of a long service response (RTPS 2.5, section 9.4.5.5, `DATA_FRAG`).
 
 use super::rtps::{Entity, message, sequence_number};
 
-/// Bytes of the answer in a fragment: with all that goes around them they fit into a datagram of any common network.
+/// Bytes of the response in a fragment. With all headers, a fragment fits into a datagram of any common network.
 const FRAGMENT: u16 = 1024;
 
-/// The flag says that the question is named.
+/// The flag means that inline parameters follow: they identify the request.
 const DATA_FRAG: (u8, u8) = (0x16, 2);
 
-/// An answer of a service, as bytes.
+/// Serialized response of a service.
 pub struct Answer<'a> {
-    /// Who answers, and the number that the answer has among its samples.
+    /// Writer of the response, and the sequence number of the response among its samples.
     pub writer: Entity,
     pub number: i64,
-    /// Who asked, and the number of the question.
+    /// Writer of the request, and the sequence number of the request.
     pub asked: (Entity, i64),
     pub bytes: &'a [u8],
 }
 
 impl Answer<'_> {
-    /// The messages that carry it to a reader.
+    /// The RTPS messages that carry the response to a reader.
     pub fn fragments(&self, reader: Entity) -> impl Iterator<Item = Vec<u8>> {
         let head = self.head(&reader);
         let question = self.question();
@@ -40,16 +40,16 @@ impl Answer<'_> {
         })
     }
 
-    /// What all fragments begin with, up to the sequence number.
+    /// Beginning of all fragments, up to the sequence number.
     fn head(&self, reader: &Entity) -> Vec<u8> {
-        // no extra flags; from the next byte on 28 more to the parameters
+        // no extra flags; the parameters begin 28 bytes after this field
         const FLAGS_AND_OFFSET: [u8; 4] = [0, 0, 28, 0];
         [FLAGS_AND_OFFSET.as_slice(), &reader[12..], &self.writer[12..], &sequence_number(self.number)]
             .concat()
     }
 
-    /// The question as parameters of every fragment, by its identifier in the standard (DDS-RPC, 7.8.2) and by the one that Fast DDS
-    /// had before; then the end of the list.
+    /// Identity of the request, as parameters of every fragment. It is repeated under the identifier of the standard (DDS-RPC,
+    /// 7.8.2) and under the identifier that Fast DDS used before it. Then follows the end of the list.
     fn question(&self) -> Vec<u8> {
         const IDENTIFIERS: [u16; 2] = [0x0083, 0x800f];
         const LENGTH: u16 = 24;
@@ -83,7 +83,7 @@ mod tests {
             // extra flags, bytes to the parameters; reader, writer; sequence number
             assert_eq!(submessage[4..16], [0, 0, 28, 0, 9, 9, 9, 9, 7, 7, 7, 7]);
             assert_eq!(submessage[16..24], [0, 0, 0, 0, 5, 0, 0, 0]);
-            // which fragment, how many, their length; bytes in all
+            // number of the fragment, number of fragments in the message, their length; total length
             assert_eq!(submessage[24..36], [index, 0, 0, 0, 1, 0, 0, 4, 0xc4, 9, 0, 0]);
             assert_eq!(submessage[36..40], [0x83, 0, 24, 0]);
             assert_eq!(submessage[40..64], question);

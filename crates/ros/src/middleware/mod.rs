@@ -1,6 +1,6 @@
-//! The one module that names the ROS 2 client library: participants, topics, services, qualities of service.
+//! Wrapper of the ROS 2 client library: participants, topics, services, qualities of service. No other module uses that library.
 //!
-//! Another release of ros2-client, or another middleware, is a change here.
+//! A new release of ros2-client, or another middleware, needs changes only here.
 
 mod action_server;
 mod announcement;
@@ -49,7 +49,7 @@ pub use self::server::{RequestId, Server};
 pub use ros2_client::Message;
 pub use ros2_client::builtin_interfaces::Time as Stamp;
 
-/// Something that the middleware refused, in words.
+/// An operation that the middleware rejected, with the reason in words.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {why}")]
 pub struct MiddlewareError {
@@ -67,35 +67,35 @@ impl From<NameError> for MiddlewareError {
     }
 }
 
-/// How a topic is carried.
+/// Quality of service of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// Latest samples, lost ones stay lost: a subscription of this kind hears every publisher.
+    /// Latest samples; lost samples are not sent again. A subscription of this kind receives from every publisher.
     BestEffort,
-    /// Every sample arrives: a publisher of this kind is heard by every subscription.
+    /// Every sample is delivered. A publisher of this kind is compatible with every subscription.
     Reliable,
-    /// The last sample is kept for those who come later.
+    /// Transient local: the last sample is kept for subscriptions that come later.
     Latched,
-    /// As `Latched`, of many samples: those who come later hear the whole story.
+    /// As `Latched`, with a history of many samples: later subscriptions receive all of them.
     Kept,
-    /// As `BestEffort`, of samples so large that few may be held at a time.
+    /// As `BestEffort`, for samples so large that only few may be held at a time.
     Bulk,
-    /// As `Reliable`, of samples so large that few may be held at a time.
+    /// As `Reliable`, for samples so large that only few may be held at a time.
     ReliableBulk,
-    /// As `Latched`, of samples so large that few may be held at a time.
+    /// As `Latched`, for samples so large that only few may be held at a time.
     LatchedBulk,
 }
 
 impl Quality {
     /// Samples kept for each topic.
     const DEPTH: usize = 10;
-    /// The same of a story.
+    /// The same for `Kept`.
     const STORY: usize = 100;
-    /// Large samples held for each topic, instead of the 64 that `RustDDS` holds of any.
+    /// Number of large samples held for each topic, instead of the 64 that `RustDDS` holds of any.
     const BULK: i32 = 4;
 
     fn profile(self) -> QosProfile {
-        // a subscriber that has stopped reading must never hold up the monitor: its samples are dropped instead
+        // a subscriber that has stopped reading must never block the monitor: its samples are dropped instead
         let reliable = Reliability::Reliable { when_full: WhenFull::Fail };
         let base = QosProfile::subscription_default();
         match self {
@@ -119,7 +119,7 @@ pub struct Middleware {
     node: Arc<Mutex<Node>>,
     context: Context,
     peers: Arc<Peers>,
-    /// Of the library's threads, and of all that speaks with them while it does.
+    /// Priority of the library's threads, and of other threads while they call the library.
     priority: ThreadPriority,
 }
 
@@ -138,25 +138,25 @@ impl Middleware {
             Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
         let name = NodeName::new(namespace, node)
             .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
-        // the library's own parameter services know no descriptions or ranges; see `parameter_services`
+        // the library's own parameter services support no descriptions or ranges; see `parameter_services`
         let options = NodeOptions::new().start_parameter_services(false);
         let peers = Arc::new(Peers::new(reach, namespace, node));
         let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
         Ok(Self { node: Arc::new(Mutex::new(node)), context, peers, priority })
     }
 
-    /// Leaves the network, so that peers know at once. All endpoints have to be gone.
+    /// Leaves the network, so that peers notice at once. All endpoints have to be dropped before.
     ///
-    /// `RustDDS` ends its sending thread when it drops the participant, even if what was said last is not sent yet: on a busy machine
-    /// the goodbye is lost, and peers keep the node until its lease runs out. There is no call that waits for that thread, so it gets
-    /// time to send what the endpoints said when they went.
+    /// `RustDDS` ends its sending thread when it drops the participant, even if the last messages are not sent yet. On a busy
+    /// machine the messages that announce the end are lost, and peers keep the node until its lease expires. No call waits for that
+    /// thread, so this function gives it time to send what the dropped endpoints queued.
     pub fn leave(self) {
         const GRACE: Duration = Duration::from_millis(100);
         std::thread::sleep(GRACE);
         drop(self);
     }
 
-    /// A topic, with as many samples held as its quality allows.
+    /// Creates a topic that holds as many samples as its quality allows.
     fn topic(
         &self,
         node: &Node,
@@ -170,7 +170,7 @@ impl Middleware {
             let topic = node.create_topic(&name_of(name)?, kind.type_name(), &profile);
             return topic.map_err(refused(why()));
         }
-        // the client library knows no such limits
+        // the quality of service of the client library has no such limits
         let limits = ResourceLimits {
             max_samples: Quality::BULK,
             max_instances: Quality::BULK,
@@ -184,7 +184,7 @@ impl Middleware {
             .map_err(refused(why()))
     }
 
-    /// Publishes messages of `kind`, such as `std_msgs/Bool`, under a full name.
+    /// Creates a publisher of messages of `kind`, such as `std_msgs/Bool`, under a full name.
     pub fn publisher<M: Message>(
         &self,
         name: &FullName,
@@ -202,7 +202,7 @@ impl Middleware {
         Ok(Publisher { inner, name: name.clone(), priority: self.priority })
     }
 
-    /// Hears messages of `kind` under a full name.
+    /// Creates a subscription to messages of `kind` under a full name.
     pub fn subscription<M: Message + 'static>(
         &self,
         name: &FullName,
@@ -229,7 +229,7 @@ impl Middleware {
         })
     }
 
-    /// Serves requests of the service type `package/kind` under a full name.
+    /// Creates a server of the service type `package/kind` under a full name.
     pub fn server<Request, Response>(
         &self,
         name: &FullName,
@@ -245,7 +245,7 @@ impl Middleware {
                 ServiceMapping::Enhanced,
                 &name_of(name)?,
                 &ServiceTypeName::new(package, kind),
-                // a best-effort reader would lose what a client sends before it is known here
+                // a best-effort reader would lose requests that a client sends before its writer is known here
                 Quality::Reliable.profile(),
                 Quality::Reliable.profile(),
             )
@@ -254,7 +254,7 @@ impl Middleware {
         Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
     }
 
-    /// Asks a service of the type `package/kind` of other nodes.
+    /// Creates a client of a service of the type `package/kind` of another node.
     pub fn client<Request, Response>(
         &self,
         name: &FullName,
@@ -278,7 +278,7 @@ impl Middleware {
         Ok(Client::new(inner, name.clone(), self.priority))
     }
 
-    /// Serves the action type `package/kind` under a full name.
+    /// Creates a server of the action type `package/kind` under a full name.
     pub fn action_server<Goal, Outcome, Progress>(
         &self,
         name: &FullName,
@@ -307,12 +307,12 @@ impl Middleware {
         Ok(ActionServer::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
     }
 
-    /// Tells a line of the log on `/rosout`, in the name of a logger.
+    /// Publishes a line of the log on `/rosout`, with the name of a logger.
     pub fn tell(&self, logger: &str, line: &Line, stamp: Time) {
         let writer = lock(&self.node).logging_handle().rosout_writer();
         let Some(writer) = writer.as_ref() else { return };
         let _lent = self.priority.lend();
-        // who is not heard stands on stderr at least
+        // a line that cannot be published is on stderr at least
         let _ = writer.publish(LogMessage {
             stamp: StampMessage::from_nanos(stamp.nanoseconds()),
             level: match line.level {
@@ -329,7 +329,7 @@ impl Middleware {
         });
     }
 
-    /// How many others publish on a topic, as far as they are known.
+    /// Number of publishers of other nodes on a topic, as far as discovery knows them.
     pub fn publishers_elsewhere(&self, topic: &FullName) -> usize {
         let dds_topic = format!("rt{topic}");
         let participant = self.context.domain_participant();
@@ -340,12 +340,12 @@ impl Middleware {
             .count()
     }
 
-    /// Whether something was sent by this very program.
+    /// Whether this process sent the message.
     pub fn is_own(&self, source: SourceId) -> bool {
         self.context.domain_participant().guid().prefix == rustdds::GUID::from_bytes(source.0).prefix
     }
 
-    /// Others who serve a service, as far as they are known.
+    /// Servers of a service in other nodes, as far as discovery knows them.
     pub fn servers_elsewhere(&self, service: &FullName) -> BTreeSet<SourceId> {
         let requests = format!("rq{service}Request");
         let participant = self.context.domain_participant();
@@ -358,7 +358,7 @@ impl Middleware {
             .collect()
     }
 
-    /// Meets other nodes, and says in the log which of them can never be heard, and why. Never ends.
+    /// Handles discovery of other nodes, and logs which of them can never exchange messages with this node, and why. Never returns.
     pub async fn meet_peers(&self) {
         self.peers.meet(&self.context.domain_participant(), self.priority).await;
     }
@@ -378,7 +378,7 @@ impl MessageKind {
     }
 }
 
-/// Sends messages on one topic.
+/// Publisher of one topic.
 pub struct Publisher<M: Message> {
     inner: ros2_client::Publisher<M>,
     name: FullName,
@@ -386,13 +386,13 @@ pub struct Publisher<M: Message> {
 }
 
 impl<M: Message> Publisher<M> {
-    /// What its messages name as their origin.
+    /// Identifier that receivers see as the source of its messages.
     #[must_use]
     pub fn source(&self) -> SourceId {
         SourceId(self.inner.guid().to_bytes())
     }
 
-    /// Sends, or says why not; never waits. `false` when the message was dropped.
+    /// Publishes without waiting, and logs an error. `false` when the message was dropped.
     pub fn publish(&self, message: M) -> bool {
         let _lent = self.priority.lend();
         match self.inner.publish(message) {
@@ -405,38 +405,38 @@ impl<M: Message> Publisher<M> {
     }
 }
 
-/// Where a message came from.
+/// Source of a message and time of its reception.
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
     pub publisher: SourceId,
     /// When it was received.
     pub received: Instant,
-    /// Its publisher counts its messages; none of a message that no network carried.
+    /// Sequence number among the publisher's messages; `None` for a message that no network carried.
     pub number: Option<i64>,
 }
 
 impl Origin {
-    /// Of a message that comes from this very program, just now.
+    /// For a message of this process, received now.
     #[must_use]
     pub fn here(publisher: SourceId) -> Self {
         Self { publisher, received: Instant::now(), number: None }
     }
 
-    /// How long it lay here before now.
+    /// Time between the reception and now.
     #[must_use]
     pub fn waited(&self) -> Duration {
         self.received.elapsed()
     }
 }
 
-/// A message arrived that cannot be decoded.
+/// Error: a message was received that cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unreadable;
 
-/// Receives messages of one topic: of each publisher in the order in which it sent them.
+/// Subscription to one topic: returns the messages of each publisher in the order in which they were sent.
 ///
-/// A best-effort sample that arrives after a newer one of its publisher is skipped, as RTPS 2.5, 8.4.12.1 demands of best-effort readers;
-/// `RustDDS` 0.15.1 delivers it as if it were newer. It counts as lost.
+/// A best-effort sample that arrives after a newer one of the same publisher is skipped, as RTPS 2.5, 8.4.12.1 requires of
+/// best-effort readers; `RustDDS` 0.15.1 delivers it as if it were newer. It counts as lost.
 pub struct Subscription<M> {
     inner: ros2_client::Subscription<M>,
     name: FullName,
@@ -446,7 +446,7 @@ pub struct Subscription<M> {
 }
 
 impl<M: Message + 'static> Subscription<M> {
-    /// The next message, waiting for it. A message that cannot be decoded is logged and skipped.
+    /// Waits for the next message. A message that cannot be decoded is logged and skipped.
     pub async fn next(&self) -> (M, Origin) {
         loop {
             if let Ok(received) = self.next_or_unreadable().await {
@@ -455,10 +455,10 @@ impl<M: Message + 'static> Subscription<M> {
         }
     }
 
-    /// The next message, waiting for it, or word that one arrived that cannot be decoded; that is logged.
+    /// Waits for the next message. A message that cannot be decoded is logged and returned as an error.
     pub async fn next_or_unreadable(&self) -> Result<(M, Origin), Unreadable> {
         loop {
-            // a topic that is never silent must not starve what waits beside it, such as the order to end
+            // a topic with continuous traffic must not starve the futures beside it, such as the shutdown request
             future::yield_now().await;
             match wakeup::wait(self.priority, self.inner.async_take()).await {
                 Ok((_, info)) if self.is_overtaken(&info) => {}
@@ -471,7 +471,7 @@ impl<M: Message + 'static> Subscription<M> {
         }
     }
 
-    /// The next message if it is there already.
+    /// The next message, if one was received already.
     pub fn try_next(&self) -> Option<(M, Origin)> {
         let _lent = self.priority.lend();
         loop {
@@ -498,7 +498,7 @@ impl<M: Message + 'static> Subscription<M> {
 }
 
 fn origin(info: &ros2_client::MessageInfo) -> Origin {
-    // the middleware's thread notes the system's time when it has a message whole; earlier nobody knows of it
+    // the middleware's thread records the system time once the message is complete; no earlier time is available
     let since_epoch = info.received_timestamp().and_then(|t| u64::try_from(t.to_nanos()).ok());
     let received = since_epoch.map(|nanoseconds| UNIX_EPOCH + Duration::from_nanos(nanoseconds));
     let waited = received.and_then(|received| received.elapsed().ok()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Other nodes: how they are met, and who of them can never be heard.
+//! Discovery of other nodes, and detection of endpoints that can never exchange messages with this node.
 
 use std::collections::{HashMap, HashSet};
 use std::net::SocketAddr;
@@ -17,26 +17,27 @@ use crate::environment::Reach;
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
 
-/// DecodeErrorLog made at most, so that a hostile network can not fill the memory.
+/// Largest number of logged mismatches, so that a hostile network cannot use up the memory.
 const COMPLAINTS: usize = 1000;
 
-/// Addresses of a reader that messages are sent to at most: who announces thousands would have others flooded.
+/// Largest number of addresses of a reader that messages are sent to. Otherwise a participant that announces thousands could make
+/// this node flood other machines.
 const MOST_ADDRESSES: usize = 16;
 
-/// What is ours, to be compared with what others offer and request.
+/// Endpoints of this node, to be compared with the endpoints of other nodes.
 pub struct Peers {
     /// The full name of the node.
     node: String,
     endpoints: Mutex<HashMap<GUID, Endpoint>>,
-    /// DDS topics of which nothing may be lost here.
+    /// DDS topics that this node reads reliably.
     reliably_read: Mutex<HashSet<String>>,
-    /// Readers of others that hear something of ours.
+    /// Readers of other nodes that are matched with a writer of this node.
     hearers: Mutex<HashMap<GUID, Hearer>>,
     first_requests: Mutex<FirstRequests>,
     wire: Option<Wire>,
 }
 
-/// A reader of another that hears a writer of ours.
+/// Reader of another node that is matched with a writer of this node.
 #[derive(Clone)]
 pub struct Hearer {
     pub reader: GUID,
@@ -47,7 +48,8 @@ pub struct Hearer {
 }
 
 impl Hearer {
-    /// Whether it hears answers for a client. Fast DDS names this reader in its requests, others a writer of the same participant.
+    /// Whether this reader receives the responses for a client. The requests of Fast DDS name this reader; those of others name a
+    /// writer of the same participant.
     pub fn is_of(&self, client: GUID) -> bool {
         if is_reader(client) { self.reader == client } else { self.reader.prefix == client.prefix }
     }
@@ -57,7 +59,7 @@ impl Hearer {
     }
 }
 
-/// A topic of ours.
+/// Endpoint of this node.
 struct Endpoint {
     name: String,
     dds_type: String,
@@ -75,22 +77,23 @@ impl Peers {
         }
     }
 
-    /// This publisher or subscription is ours.
+    /// Registers a publisher or subscription of this node.
     pub fn note(&self, guid: GUID, name: &FullName, dds_type: &str) {
         let endpoint = Endpoint { name: name.to_string(), dds_type: dds_type.to_owned() };
         lock(&self.endpoints).insert(guid, endpoint);
     }
 
-    /// Something of ours reads this DDS topic reliably.
+    /// Registers a DDS topic that this node reads reliably.
     pub fn note_reliably_read(&self, dds_topic: String) {
         lock(&self.reliably_read).insert(dds_topic);
     }
 
-    /// A client's reader of answers may become known here later than its first request; answers sent before are lost.
+    /// Waits until the client's reader of responses is known. This may happen later than its first request; responses sent before
+    /// are lost.
     pub async fn await_reader(&self, client: GUID, service: &FullName) {
         const PERIOD: Duration = Duration::from_millis(2);
         const PERIODS: usize = 500;
-        // a writer that a client is named by says nothing
+        // a writer that identifies the client does not identify its reader
         if !is_reader(client) {
             return;
         }
@@ -103,24 +106,24 @@ impl Peers {
         log::warn!("a client of {service} does not listen to answers");
     }
 
-    /// Who hears a DDS topic of ours.
+    /// Readers of a DDS topic of this node.
     pub fn hearers(&self, topic: &str) -> Vec<Hearer> {
         lock(&self.hearers).values().filter(|hearer| hearer.topic == topic).cloned().collect()
     }
 
-    /// Whether anything can be sent to any of these beside the DDS library.
+    /// Whether any of these readers can be reached beside the DDS library.
     pub fn reaches(&self, hearers: &[&Hearer]) -> bool {
         self.wire.is_some() && hearers.iter().any(|hearer| !hearer.addresses.is_empty())
     }
 
-    /// Sends a message beside the DDS library; what does not arrive is lost.
+    /// Sends a message beside the DDS library, without retransmission.
     pub fn send(&self, message: &[u8], addresses: &[SocketAddr]) {
         if let Some(wire) = &self.wire {
             wire.send(message, addresses);
         }
     }
 
-    /// Meets peers for ever.
+    /// Handles discovery events. Never returns.
     pub async fn meet(&self, participant: &DomainParticipant, priority: ThreadPriority) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
@@ -128,7 +131,7 @@ impl Peers {
         while let Some(event) = self.next_event(wakeup::wait(priority, events.next())).await {
             self.note_event(participant, &event);
             self.send_first_requests();
-            // DDS itself keeps quiet about both
+            // DDS itself reports neither of the two
             if let Some(complaint) = self.mismatch(&event).or_else(|| self.namesake(&event))
                 && told.len() < COMPLAINTS
                 && told.insert(complaint.clone())
@@ -142,7 +145,7 @@ impl Peers {
     async fn next_event<Event>(&self, event: impl Future<Output = Option<Event>>) -> Option<Event> {
         let send_scheduled = async {
             loop {
-                // the lock ends with this statement
+                // the lock is released at the end of this statement
                 let due = lock(&self.first_requests).next_due();
                 match due {
                     Some(due) => drop(Timer::at(due).await),
@@ -170,7 +173,7 @@ impl Peers {
                 lock(&self.hearers).remove(&guid);
             }
             DomainParticipantStatusEvent::WriterLost { guid, .. } => lock(&self.first_requests).lost(guid),
-            // of its readers nothing more is said
+            // the library reports no separate event for the readers of a lost participant
             DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
                 lock(&self.hearers).retain(|reader, _| reader.prefix != id);
             }
@@ -204,7 +207,7 @@ impl Peers {
         }
     }
 
-    /// Whoever publishes on a private topic of this node bears its name.
+    /// Warning about another node with the same name: it publishes on a private topic of this node.
     fn namesake(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
         let DomainParticipantStatusEvent::WriterDetected { writer } = event else { return None };
         let name = writer.topic_name.strip_prefix("rt")?;
@@ -263,8 +266,8 @@ impl Peers {
     }
 }
 
-/// Where an endpoint is heard, as far as it is asked for by no more than a few addresses; shared memory and other transports stand among
-/// its locators.
+/// Unicast IPv4 addresses at which an endpoint receives, at most `MOST_ADDRESSES`. Its locators also include shared memory and other
+/// transports.
 fn addresses<L: Copy + Into<SocketAddr>>(locators: &[L]) -> Vec<SocketAddr> {
     (locators.iter())
         .map(|locator| (*locator).into())

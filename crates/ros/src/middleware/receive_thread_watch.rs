@@ -1,7 +1,8 @@
-//! When the network is heard no more.
+//! Detects that the receive threads of `RustDDS` have ended.
 //!
-//! `RustDDS` 0.15.1 ends its threads when a wait of theirs is interrupted, as it is when the process was stopped and goes on (Ctrl-Z
-//! and `fg`, a debugger), and tells its log alone; or they panic. A node that went on would neither hear nor say anything, and look alive.
+//! `RustDDS` 0.15.1 ends its threads when a wait of theirs is interrupted, and only logs it. This happens when the process is
+//! stopped and continued (Ctrl-Z and `fg`, a debugger). The threads can also panic. A node that continued would neither receive nor
+//! send anything, and would still look alive.
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,7 +11,7 @@ use std::{panic, thread};
 use log::{Level, Record};
 use smol::channel::{self, Receiver, Sender};
 
-/// What the threads log at their end, and where.
+/// Log messages of the threads when they end: target and text.
 const LAST_WORDS: [(&str, &str); 2] = [
     ("rustdds::rtps::dp_event_loop", "poll failed"),
     ("rustdds::discovery", "Failed in waiting of poll in discovery"),
@@ -19,17 +20,17 @@ const LAST_WORDS: [(&str, &str); 2] = [
 static IS_DEAF: AtomicBool = AtomicBool::new(false);
 static NEWS: LazyLock<(Sender<()>, Receiver<()>)> = LazyLock::new(|| channel::bounded(1));
 
-/// What the names of the threads begin with.
+/// Prefix of the threads' names.
 const THREADS: &str = "RustDDS";
 
-/// Heeds a line of the log.
+/// Checks a line of the log for the end of a thread.
 pub fn heed(record: &Record) {
     if are_last_words(record) {
         note();
     }
 }
 
-/// From now on panics of the threads are heeded too.
+/// Installs a panic hook that detects panics of the threads.
 pub fn heed_panics() {
     let before = panic::take_hook();
     panic::set_hook(Box::new(move |what| {
@@ -45,12 +46,12 @@ fn note() {
     let _ = NEWS.0.try_send(());
 }
 
-/// Waits until nothing is heard any more.
+/// Waits until a receive thread has ended.
 pub async fn deafness() {
     let _ = NEWS.1.recv().await;
 }
 
-/// Whether nothing is heard any more.
+/// Whether a receive thread has ended.
 pub fn is_deaf() -> bool {
     IS_DEAF.load(Ordering::Acquire)
 }

@@ -1,20 +1,20 @@
-//! Messages of the wire protocol (OMG DDSI-RTPS 2.5) that are sent beside the DDS library, in its name.
+//! RTPS messages (OMG DDSI-RTPS 2.5) that are sent beside the DDS library, with its identifiers.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 
 use crate::environment::Reach;
 
-/// An identifier of a reader or writer: twelve bytes of its participant, of which two are the vendor's, and four of its own.
+/// GUID of a reader or writer: twelve bytes of its participant, of which two are the vendor's, and four of its own.
 pub type Entity = [u8; 16];
 
-/// Sends such messages.
+/// Socket that sends RTPS messages.
 pub struct Wire(UdpSocket);
 
 impl Wire {
-    /// `None` when there is no socket for it.
+    /// Opens the socket; `None` when that fails.
     pub fn open(reach: Reach) -> Option<Self> {
         let address = match reach {
-            // from here nothing can be sent to another machine
+            // from this address nothing can be sent to another machine
             Reach::Localhost => Ipv4Addr::LOCALHOST,
             Reach::Subnet => Ipv4Addr::UNSPECIFIED,
         };
@@ -29,7 +29,7 @@ impl Wire {
 
     pub fn send(&self, message: &[u8], addresses: &[SocketAddr]) {
         for address in addresses {
-            // of a peer's addresses some may be out of reach
+            // some of a peer's addresses may be unreachable
             if let Err(error) = self.0.send_to(message, address) {
                 log::debug!("{address}: {error}");
             }
@@ -37,7 +37,7 @@ impl Wire {
     }
 }
 
-/// One submessage from one participant to another, all of it little end first: header, `INFO_DST`, submessage.
+/// One submessage from one participant to another, all of it in little-endian order: header, `INFO_DST`, submessage.
 ///
 /// # Panics
 ///
@@ -59,7 +59,7 @@ pub fn message(from: &Entity, to: &Entity, (kind, flags): (u8, u8), body: &[u8])
     .concat()
 }
 
-/// A sequence number as the protocol has it: the upper half first.
+/// A sequence number as the protocol encodes it: the upper half first.
 pub fn sequence_number(number: i64) -> [u8; 8] {
     let mut bytes = number.to_le_bytes();
     bytes.rotate_left(4);

@@ -1,4 +1,4 @@
-//! Services: requests in, answers out.
+//! Service server: receives requests and sends responses.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use super::wakeup;
 use crate::names::FullName;
 use crate::thread_priority::ThreadPriority;
 
-/// Answers requests of one service.
+/// Server of one service.
 pub struct Server<Request: Message, Response: Message> {
     inner: ros2_client::Server<Request, Response>,
     name: FullName,
@@ -22,7 +22,7 @@ pub struct Server<Request: Message, Response: Message> {
     priority: ThreadPriority,
 }
 
-/// Names a request in its answer.
+/// Identifies the request that a response belongs to.
 pub struct RequestId(pub(super) RmwRequestId);
 
 impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Response> {
@@ -36,10 +36,10 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         Self { inner, name, answering, unread: DecodeErrorLog::default(), priority }
     }
 
-    /// The next request, waiting for it. What can not be decoded is logged and passed over.
+    /// Waits for the next request. A request that cannot be decoded is logged and skipped.
     pub async fn next(&self) -> (RequestId, Request) {
         loop {
-            // as of topics: a client that never rests must not starve what waits beside it
+            // as for topics: a client that sends without pause must not starve the futures beside it
             future::yield_now().await;
             match wakeup::wait(self.priority, self.inner.async_receive_request()).await {
                 Ok((id, request)) => return (RequestId(id), request),
@@ -50,7 +50,7 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         }
     }
 
-    /// Answers a request, as soon as its client can hear it.
+    /// Sends the response to a request, as soon as the client's reader is known.
     pub async fn answer(&self, RequestId(id): RequestId, response: Response) {
         let write = |id, response| {
             let _lent = self.priority.lend();

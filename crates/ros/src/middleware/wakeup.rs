@@ -1,7 +1,7 @@
-//! Futures of the network library are polled only when they were woken, with the priority of the library's threads.
+//! Wakes the node's executor only for endpoints with data, and raises the thread priority while polling.
 //!
-//! A part of the node waits for two dozen of them at once, and what wakes one would have all of them polled. What polling costs beside
-//! them, a change of priority above all, is so paid for each message only.
+//! A task of the node waits for two dozen endpoints at once. Without this, each wake-up would poll all of them. Polling has a cost
+//! beside them, above all the change of thread priority; with this it is paid only once for each message.
 
 use std::future::{Future, poll_fn};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,7 +11,7 @@ use std::task::{Context, Poll, Wake, Waker};
 use super::lock;
 use crate::thread_priority::ThreadPriority;
 
-/// Rung by what is waited for.
+/// Waker that also records whether it was woken.
 struct Wakeup {
     has_rung: AtomicBool,
     waiting: Mutex<Option<Waker>>,
@@ -26,13 +26,13 @@ impl Wake for Wakeup {
     }
 }
 
-/// Waits for `work`, and lends its thread a priority whenever it is looked at.
+/// Waits for `work`. Its thread has the given priority during each poll.
 pub fn wait<F: Future>(priority: ThreadPriority, work: F) -> impl Future<Output = F::Output> {
     let bell = Arc::new(Wakeup { has_rung: AtomicBool::new(true), waiting: Mutex::default() });
     let waker = Waker::from(Arc::clone(&bell));
     let mut work = Box::pin(work);
     poll_fn(move |context| {
-        // in this order: who rings in between has this thread look once more
+        // order matters: a wake-up between the two statements makes this thread poll once more
         *lock(&bell.waiting) = Some(context.waker().clone());
         if !bell.has_rung.swap(false, Ordering::Acquire) {
             return Poll::Pending;

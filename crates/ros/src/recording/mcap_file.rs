@@ -1,4 +1,4 @@
-//! Recordings as they are read: a stranger's file, step by step, never held in memory as a whole.
+//! Reader of MCAP recordings. It reads untrusted files step by step and never holds a whole file in memory.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -13,21 +13,21 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use super::step::RecordStep;
 use crate::cdr;
 
-/// The private name of the topic that holds the steps.
+/// Private name of the topic that contains the steps.
 pub const STEPS: &str = "recording";
 
-/// Largest record (bytes) that is read: the largest file that is attached, and what is said of it.
+/// Largest record (bytes) that is read: the largest attached file, plus room for its description.
 const LARGEST_RECORD: usize = (512 << 20) + (1 << 20);
 
-/// Messages that one step is about at most, and their bytes.
+/// Limits for one step: number of its messages, and their total size (bytes).
 const MESSAGES_OF_A_STEP: usize = 100_000;
 const BYTES_OF_A_STEP: usize = 1 << 30;
 
-/// Declared kinds of messages at most, and the bytes of one.
+/// Limits for schemas: their number, and the size of one (bytes).
 const MOST_SCHEMAS: usize = 1000;
 const BYTES_OF_A_SCHEMA: usize = 1 << 20;
 
-/// Why a recording can not be read.
+/// Error: a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {why}", file.display())]
 pub struct ReadError {
@@ -41,25 +41,25 @@ impl ReadError {
     }
 }
 
-/// A message as it stands in a file.
+/// A message as it is stored in the file.
 #[derive(Clone, Debug)]
 pub struct RawMessage {
     pub topic: String,
-    /// The full name of its type.
+    /// Full name of the message type.
     pub kind: String,
     pub schema: Vec<u8>,
     pub log_time: u64,
     pub data: Vec<u8>,
 }
 
-/// What stands in a recording, in its order.
+/// Entry of a recording, in file order.
 #[derive(Debug)]
 pub enum Entry {
     Attachment {
         name: String,
         data: Vec<u8>,
     },
-    /// A step, the messages before it, and the message that it is itself.
+    /// A step, the messages that precede it, and the raw message that contains the step.
     RecordStep {
         step: Box<RecordStep>,
         messages: Vec<RawMessage>,
@@ -67,7 +67,7 @@ pub enum Entry {
     },
 }
 
-/// Reads a recording from its beginning.
+/// Reader of a recording, from its beginning to its end.
 pub struct RecordingFile {
     path: PathBuf,
     file: File,
@@ -75,11 +75,11 @@ pub struct RecordingFile {
     schemas: HashMap<u16, (String, Vec<u8>)>,
     /// By channel: topic and schema.
     channels: HashMap<u16, (String, u16)>,
-    /// What waits for its step, and its bytes.
+    /// Messages that precede the next step, and their total size (bytes).
     messages: Vec<RawMessage>,
     bytes: usize,
     at_end: bool,
-    /// Whether it was finished, as every complete one is.
+    /// Whether the footer was read, which every complete file has.
     has_footer: bool,
     is_cut_off: bool,
 }
@@ -105,7 +105,7 @@ impl RecordingFile {
         })
     }
 
-    /// Whether the file ended before it was finished.
+    /// Whether the file ends before its footer.
     #[must_use]
     pub fn is_cut_off(&self) -> bool {
         self.is_cut_off
@@ -115,7 +115,7 @@ impl RecordingFile {
         ReadError { file: self.path.clone(), why: why.into() }
     }
 
-    /// The next entry; `None` at the end, also of a file that was cut off.
+    /// Returns the next entry; `None` at the end, also of a file that was cut off.
     pub fn next(&mut self) -> Result<Option<Entry>, ReadError> {
         loop {
             let Some(record) = self.next_record()? else {
@@ -138,7 +138,7 @@ impl RecordingFile {
                     let record = mcap::parse_record(opcode, data).map(Record::into_owned);
                     return record.map(Some).map_err(|error| damaged(&self.path, &error));
                 }
-                // what a file that was cut off lacks can be anything
+                // a cut-off file may be missing anything at its end
                 Some(Err(_)) if self.at_end => {
                     self.is_cut_off = true;
                     return Ok(None);

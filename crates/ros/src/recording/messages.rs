@@ -1,9 +1,9 @@
-//! What the messages in a recording look like, for whoever reads it.
+//! Message schemas (`ros2msg`) that are stored in a recording for its readers.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// `==== package/msg/Name`, and the fields below it.
+/// Definitions of common messages: `==== package/msg/Name`, followed by the fields.
 const COMMON: &str = include_str!("messages.txt");
 
 macro_rules! ours {
@@ -17,16 +17,16 @@ macro_rules! ours {
 
 const OURS: [(&str, &str); 4] = ours! { "BodyPair" "CollisionState" "PairDistance" "SkippedPairs" };
 
-/// The declarations of each message, by its full name.
+/// Definition of each message, by its full name.
 static DECLARATIONS: LazyLock<BTreeMap<&'static str, &'static str>> = LazyLock::new(|| {
     let common = COMMON.split("==== ").skip(1).filter_map(|section| section.split_once('\n'));
     common.map(|(name, text)| (name, text.trim_end())).chain(OURS).collect()
 });
 
-/// Between two messages of a schema.
+/// Separator between two messages of a schema.
 const RULE: &str = "================================================================================";
 
-/// A `ros2msg` schema: the message's declarations, then those of all messages that it contains.
+/// A `ros2msg` schema: the definition of the message, then the definitions of all messages that it contains.
 #[must_use]
 pub fn schema(name: &str) -> String {
     let mut names = vec![name.to_owned()];
@@ -49,7 +49,7 @@ pub fn schema(name: &str) -> String {
     text
 }
 
-/// The full names of the messages that one has as fields.
+/// Full names of the message types of a message's fields.
 fn contained(name: &str, declarations: &str) -> Vec<String> {
     let package = name.split('/').next().unwrap_or_default();
     let kinds = declarations.lines().filter_map(|line| line.split('#').next()?.split_whitespace().next());

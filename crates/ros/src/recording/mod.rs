@@ -1,4 +1,4 @@
-//! Recordings: what the node heard, what it said, and in which order both counted; and the same run again without a network.
+//! Recordings of the node's inputs and outputs in processing order, and their replay without a network.
 //!
 //! ```text
 //! monitor loop, loader, tf, clock ──> tape (bounded, never waits) ──> writer ──> FILE.mcap
@@ -6,8 +6,8 @@
 //! ```
 //!
 //! A recording is an MCAP file of the `ros2` profile: messages in CDR with `ros2msg` schemas, as `ros2 bag` and Foxglove read them.
-//! The topic `~/recording` (`std_msgs/String`) has one `RecordStep` in JSON for everything that changed what is known or said; the messages
-//! that a step is about stand right before it. Files (robot, world, meshes) are attachments.
+//! The topic `~/recording` (`std_msgs/String`) has one `RecordStep` in JSON for each event that changed the node's inputs or
+//! outputs. The messages of a step are stored right before it. Files (robot, world, meshes) are attachments.
 
 mod mcap_file;
 mod messages;

@@ -1,4 +1,4 @@
-//! What the parts of the node tell the recorder: they never wait for it.
+//! Handle through which the parts of the node record events, without ever waiting for the recorder.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -22,21 +22,21 @@ use crate::mailbox::{Refused, Sender};
 use crate::messages::collision_state;
 use crate::parameters::Parameters;
 
-/// Bytes that wait to be written at most.
+/// Largest total size (bytes) of the events in the queue.
 const LONGEST_QUEUE: usize = 256 << 20;
 
-/// What the command line gave a node, for those who run it again.
+/// Command-line inputs of the node, stored for the replay.
 #[derive(Clone, Debug, Default)]
 pub struct Given {
-    /// Known to the command line alone.
+    /// The arguments, which only the command line interprets.
     pub arguments: serde_json::Value,
     /// Files that the arguments name.
     pub files: Vec<PathBuf>,
-    /// Where the meshes came from.
+    /// Log of the mesh files that were loaded.
     pub meshes: MeshLog,
 }
 
-/// A message as it came.
+/// A message as it was received.
 #[derive(Clone, Debug)]
 pub enum OriginalMessage {
     Text(String),
@@ -47,7 +47,7 @@ pub enum OriginalMessage {
     Octomap(Box<Octomap>),
 }
 
-/// One thing that changed what is known or said.
+/// An event that changed the node's inputs or outputs.
 #[derive(Debug)]
 pub enum RecordedEvent {
     Meshes(Vec<MeshUse>),
@@ -60,9 +60,9 @@ pub enum RecordedEvent {
     Told(RecordedMonitorEvent),
     Parameters(Box<Parameters>),
     Enabled(bool),
-    /// The monitor looked at the transforms.
+    /// The monitor read the transforms.
     Looked,
-    /// A joint state was heard, and not judged by itself.
+    /// A joint state was received and not evaluated, because the next one followed at once.
     Heard {
         now: Now,
         message: Box<JointState>,
@@ -77,7 +77,7 @@ pub enum RecordedEvent {
     Clock(Clock),
 }
 
-/// A evaluation as it is said, and what it was made from: a joint state, or the time that passed.
+/// An evaluation that is published, and its cause: a joint state, or the passage of time.
 #[derive(Debug)]
 pub struct Judged {
     pub now: Now,
@@ -85,7 +85,8 @@ pub struct Judged {
     pub answer: RecordedResult,
 }
 
-/// What is written of a evaluation. It holds no checker: what waits for a slow disk must not keep robots and worlds of old.
+/// The recorded part of an evaluation. It holds no checker, so that events that wait for a slow disk keep no old robots and worlds
+/// in memory.
 #[derive(Debug)]
 pub struct RecordedResult {
     pub state: CollisionState,
@@ -107,15 +108,15 @@ impl From<&Evaluation> for RecordedResult {
     }
 }
 
-/// Something on its way to the recorder.
+/// An event in the queue to the recorder.
 pub(super) struct Item {
-    /// Nanoseconds since 1970 when it happened.
+    /// Time of the event (ns since 1970).
     pub at: u64,
     pub what: RecordedEvent,
     pub bytes: usize,
 }
 
-/// Leads to the recorder, if there is one.
+/// Connection to the recorder, if there is one.
 #[derive(Clone, Debug, Default)]
 pub struct RecorderHandle(Option<Arc<Line>>);
 
@@ -125,14 +126,14 @@ struct Line {
     backlog: Arc<Backlog>,
 }
 
-/// What waits, and what did not fit.
+/// Counters of the queue: bytes that wait, and events that did not fit.
 #[derive(Debug, Default)]
 pub(super) struct Backlog {
     pub bytes: AtomicUsize,
     pub lost: AtomicU64,
-    /// Nothing that comes later belongs to the recording.
+    /// The recording has ended: later events are not part of it.
     pub ended: AtomicBool,
-    /// Why the file lacks something, or is not where it was, if it is so.
+    /// Why the file is incomplete or was moved, if either is true.
     pub fault: Mutex<Option<String>>,
 }
 
@@ -151,25 +152,25 @@ impl RecorderHandle {
         Self(Some(Arc::new(Line { items, backlog })))
     }
 
-    /// Whether somebody records.
+    /// Whether a recorder runs.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Why the recording can not be written, or not completely, if it is so.
+    /// Why the recording cannot be written, or not completely, if either is true.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         self.0.as_ref()?.backlog.fault()
     }
 
-    /// Bytes that wait to be written.
+    /// Size of the events in the queue (bytes).
     #[must_use]
     pub fn waiting_bytes(&self) -> usize {
         self.0.as_ref().map_or(0, |line| line.backlog.bytes.load(Ordering::Relaxed))
     }
 
-    /// As if so many steps had not fitted.
+    /// Counts this number of steps as lost.
     #[cfg(test)]
     pub(super) fn lose(&self, steps: u64) {
         if let Some(line) = &self.0 {
@@ -177,7 +178,7 @@ impl RecorderHandle {
         }
     }
 
-    /// Tells what happened, if somebody records; never waits. What does not fit is lost and counted.
+    /// Records an event, if a recorder runs; never waits. An event that does not fit into the queue is lost and counted.
     pub fn note(&self, what: impl FnOnce() -> RecordedEvent) {
         let Some(line) = &self.0 else { return };
         let what = what();
@@ -187,7 +188,7 @@ impl RecorderHandle {
             match line.items.send(Item { at: system_time(), what, bytes }) {
                 Ok(()) => true,
                 Err(Refused::Full) => false,
-                // a recording that has ended misses nothing
+                // after the end of the recording, events are not counted as lost
                 Err(Refused::Unread) => return,
             }
         };
@@ -203,7 +204,7 @@ pub(super) fn system_time() -> u64 {
     u64::try_from(since_epoch.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// Bytes that go to a name.
+/// Estimated size (bytes) of a name.
 const NAME: usize = 100;
 
 fn of_attached(attached: &[AttachedCollisionObject]) -> usize {
@@ -213,7 +214,7 @@ fn of_attached(attached: &[AttachedCollisionObject]) -> usize {
     attached.iter().map(of_one).sum()
 }
 
-/// Roughly, the bytes that something takes.
+/// Estimated size (bytes) of an event.
 fn size(what: &RecordedEvent) -> usize {
     const ANY: usize = 1000;
     let of_original = |original: &OriginalMessage| match original {

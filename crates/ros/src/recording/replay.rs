@@ -1,4 +1,4 @@
-//! A recording run again: the same loader and the same monitor, in the order in which everything counted.
+//! Replay of a recording: runs the same loader and the same monitor on the recorded events, in the recorded order.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -31,18 +31,18 @@ use crate::scene::{
 use crate::scene_keeper::SceneUpdateContext;
 use crate::scene_order::SceneOrder;
 
-/// What a recording has beside its messages: files, and what the node was given.
+/// The parts of a recording beside its messages: files, and the node's command line.
 #[derive(Debug)]
 pub struct Archive {
     files: HashMap<String, Arc<[u8]>>,
     meshes: Arc<RecordedMeshes>,
-    /// What the command line gave the node.
+    /// Command-line inputs of the node.
     pub given: Json,
-    /// The version that recorded it.
+    /// Version of the program that recorded it.
     pub version: String,
 }
 
-/// What the command line makes of an archive.
+/// Robot and meshes that the command line makes from an archive.
 pub struct Prepared {
     pub robot: Option<RobotModel>,
     pub mesh_files: MeshFiles,
@@ -56,39 +56,38 @@ impl std::fmt::Debug for Prepared {
     }
 }
 
-/// What came out of running a recording again.
+/// Result of a replay.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Outcome {
-    /// Answers that are the same.
+    /// Number of answers that are equal to the recorded ones.
     pub same: u64,
-    /// Those among them that came without all pairs at their deadline: of these, only whether they were free and how fast the robot
-    /// might be is compared.
+    /// Those among them that lacked pairs at their deadline. For these, only the status FREE and the speed scale are compared.
     pub late: u64,
-    /// The first that is not; nothing behind it was run.
+    /// The first answer that differs; the replay stops there.
     pub difference: Option<Difference>,
-    /// Steps that the recorder lost; nothing behind them was run, since nobody knows what they were.
+    /// Number of steps that the recorder lost. The replay stops there, since their content is unknown.
     pub lost: Option<u64>,
-    /// Whether the file ended before it was finished.
+    /// Whether the file ends before its footer.
     pub cut_off: bool,
-    /// The version that recorded it.
+    /// Version of the program that recorded it.
     pub version: String,
 }
 
-/// An answer that is not what it was.
+/// An answer that differs from the recorded one.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Difference {
-    /// Counted from 1.
+    /// Number of the answer, counted from 1.
     pub answer: u64,
-    /// Nanoseconds since 1970.
+    /// Time of the answer (ns since 1970).
     pub time: u64,
-    /// What of it differs.
+    /// Name of the first field that differs.
     pub field: String,
     pub recorded: String,
     pub replayed: String,
 }
 
 impl Archive {
-    /// Reads all but the messages.
+    /// Reads everything but the messages.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let mut file = RecordingFile::open(path)?;
         let (mut files, mut uses, mut started) = (HashMap::new(), Vec::new(), None);
@@ -116,23 +115,23 @@ impl Archive {
         Ok(Self { files, meshes: Arc::new(meshes), given, version })
     }
 
-    /// An attached file.
+    /// Returns an attached file.
     ///
     /// # Errors
-    /// When there is none of this name.
+    /// When there is no file with this name.
     pub fn file(&self, path: &Path) -> Result<Arc<[u8]>, String> {
         let name = path.display().to_string();
         self.files.get(&name).cloned().ok_or_else(|| format!("{name}: is not in the recording"))
     }
 
-    /// The meshes that were read.
+    /// The mesh files of the recording.
     #[must_use]
     pub fn meshes(&self) -> MeshFiles {
         MeshFiles::recorded(Arc::clone(&self.meshes))
     }
 }
 
-/// Runs a recording again, up to the first answer that differs.
+/// Replays a recording, up to the first answer that differs.
 pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     let mut file = RecordingFile::open(path)?;
     let mut prepared = Some(prepared);
@@ -176,18 +175,18 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     Ok(outcome)
 }
 
-/// The node without its network.
+/// The node without its network: monitor, loader and transforms.
 struct Run {
     monitor: Monitor,
     loader: Loader,
-    /// What the loader has told and the monitor has not heeded yet.
+    /// Events that the loader sent and the monitor has not processed yet.
     told: VecDeque<Event>,
     transforms: clearance_scene::TransformTree,
     evaluation: Option<Evaluation>,
     joint_state_history: JointStateHistory,
 }
 
-/// What came of one step.
+/// Result of one step.
 enum Done {
     Nothing,
     Same(Late),
@@ -277,7 +276,7 @@ impl Run {
         Ok(Pass { update_context, orders, clouds: read })
     }
 
-    /// The monitor heeds what the loader told it next, which must be what it was.
+    /// Has the monitor process the loader's next event, which must be equal to the recorded one.
     fn heed(&mut self, recorded: &RecordedMonitorEvent) -> Done {
         let differs = |replayed: String| Done::Differs {
             field: "what the loader made of its orders".to_owned(),
@@ -308,7 +307,7 @@ impl Run {
             (RecordedMonitorEvent::Heeded, Some(Event::Heeded(descriptions))) => {
                 self.monitor.note_heeded(descriptions);
             }
-            // the words name folders that are not here
+            // the text contains folder names of the recording machine, so it is not compared
             (RecordedMonitorEvent::ModelFault(fault), Some(Event::ModelFault(_))) => {
                 self.monitor.note_model_fault(fault.clone());
             }
@@ -326,7 +325,7 @@ impl Run {
             (_, Some(Event::World(..))) => return differs("World".to_owned()),
             (_, Some(Event::Heeded(_))) => return differs("Heeded".to_owned()),
             (_, Some(Event::WorldUpdate(update))) => return differs(format!("{update:?}")),
-            // no loader tells that
+            // the loader never sends these
             (
                 _,
                 Some(
@@ -376,7 +375,7 @@ impl Run {
     }
 }
 
-/// What of an answer is not as it was recorded, if anything is.
+/// Compares an answer with the recorded one; returns the first field that differs, if any.
 fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> Result<Option<Done>, String> {
     let differs = |field: &str, recorded: &Json, replayed: &Json| {
         let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
@@ -387,7 +386,7 @@ fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> R
     let recorded = json(&state(&raw)?)?;
     let replayed = json(&collision_state(evaluation))?;
     for (field, replayed) in replayed.as_object().into_iter().flatten() {
-        // how long it took is no part of the answer; fields that came later have nothing to be compared with
+        // the computing time is not compared, nor are fields that the recording version did not have
         if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
             continue;
         }
@@ -414,7 +413,7 @@ fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> R
     {
         return Ok(Some(difference));
     }
-    // recordings of older versions lack it
+    // recordings of older versions lack this message
     if messages.is_empty() {
         return Ok(None);
     }
@@ -422,10 +421,10 @@ fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> R
     Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
 }
 
-/// A field that this version records: versions without it warn of less.
+/// A field that this version records. Versions without it have fewer warnings.
 const NEWEST_FIELD: &str = "time_to_contact_considers_obstacle_motion";
 
-/// Whether a list has everything that another one has.
+/// Whether `list` contains every element of `other`.
 fn warns_of_all(list: &Json, other: &Json) -> bool {
     let texts = |list: &Json| list.as_array().cloned().unwrap_or_default();
     let list = texts(list);
@@ -436,7 +435,7 @@ fn json(state: &CollisionState) -> Result<Json, String> {
     serde_json::to_value(state).map_err(|error| error.to_string())
 }
 
-/// A recorded answer. Those of older versions lack the fields that were added at the end since.
+/// Decodes a recorded answer. Older versions lack the fields that were later added at the end.
 fn state(raw: &RawMessage) -> Result<CollisionState, String> {
     const ROOM: usize = 4096;
     if raw.kind != "clearance_msgs/msg/CollisionState" {
@@ -447,7 +446,7 @@ fn state(raw: &RawMessage) -> Result<CollisionState, String> {
     cdr::decode(&bytes).map_err(|why| format!("{}: {why}", raw.topic))
 }
 
-/// The names of the fields that a message had when it was recorded.
+/// Names of the fields that a message had when it was recorded.
 fn fields(schema: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(schema);
     let own = text.split("\n====").next().unwrap_or_default();
@@ -502,7 +501,7 @@ fn read_scene_order(
     })
 }
 
-/// The messages that a step is about, in their order.
+/// The messages of a step, in their order.
 struct Messages(std::vec::IntoIter<RawMessage>);
 
 impl Messages {
@@ -525,7 +524,7 @@ impl Messages {
     }
 }
 
-/// The path that an argument named, as a recording has it.
+/// Path of a command-line argument as it is stored in a recording.
 #[must_use]
 pub fn recorded_path(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! A disagreement as a test: the part of a recording that shows it.
+//! Saves the part of a recording that shows a difference, to be used as a test.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -12,8 +12,8 @@ use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
 use super::step::RecordStep;
 use super::writer::mcap_writer;
 
-/// Copies a recording up to its answer number `last` (counted from 1), with as many answers as `kept` before it and those that the
-/// loader looked at; the rest is copied whole.
+/// Copies a recording up to its answer number `last` (counted from 1). Of the earlier answers it keeps the last `kept`, and those
+/// that the loader used. Everything else is copied completely.
 pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), ReadError> {
     let mut source = RecordingFile::open(from)?;
     let refused = |error: &dyn std::fmt::Display| ReadError::new(to, error.to_string());
@@ -24,7 +24,7 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
         written: 0,
     };
     let (mut answers, mut is_part) = (0, false);
-    // the last answer that was left out: what the loader does next depends on where the robot was then
+    // the last answer that was left out: the next loader step depends on the robot's position in it
     let mut before: Option<Vec<RawMessage>> = None;
     while let Some(entry) = source.next()? {
         match entry {
@@ -57,7 +57,7 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
     copy.mcap.finish().map(drop).map_err(|error| refused(&error))
 }
 
-/// How fast a robot may be follows from more answers than a part has.
+/// Removes the allowed speed: it depends on more answers than a part contains.
 fn leave_out_speed(answer: &mut Vec<RawMessage>) {
     let is_number = |message: &RawMessage| message.kind == "std_msgs/msg/Float64";
     let distance = answer.iter().position(is_number);

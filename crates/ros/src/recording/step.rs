@@ -1,4 +1,4 @@
-//! What happened, and in which order: the part of a recording that no ROS message has.
+//! Steps of a recording: the events and their order, which no ROS message contains.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -11,50 +11,51 @@ use crate::monitor_loop::WorldUpdate;
 use crate::parameter_value::{self, Value};
 use crate::parameters::{DECLARATIONS, Parameters, UNKNOWN_OR_WARN};
 
-/// One thing that changed what is known or said. The messages that it is about stand right before it.
+/// An event that changed the node's inputs or outputs. Its messages are stored right before it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RecordStep {
-    /// The node began; `given` is what the command line named, whose files are attached by their names.
+    /// The node started. `given` holds the command-line inputs; the files that they name are attached under their names.
     Started { version: String, node: String, parameters: Map<String, Json>, given: Json },
-    /// A mesh name led to a file, which is attached under its real path.
+    /// A mesh URI was resolved to a file, which is attached under its real path.
     Mesh { folder: Option<PathBuf>, uri: String, file: PathBuf },
-    /// The loader heeded orders and clouds: one message each, in this order.
+    /// The loader processed orders and clouds: one message each, in this order.
     Pass { now: Clocks, parameters: Map<String, Json>, orders: Vec<OrderStep>, clouds: Vec<CloudStep> },
-    /// The monitor heeded what the loader had told it next.
+    /// The monitor processed the loader's next event.
     Told(RecordedMonitorEvent),
     /// The monitor's parameters changed.
     Parameters(Map<String, Json>),
-    /// Checking was turned on or off.
+    /// Checking was switched on or off.
     Enabled(bool),
-    /// The monitor looked at the transforms.
+    /// The monitor read the transforms.
     Looked,
-    /// A joint state was heard that another one followed at once: it. `source` is its publisher's, in hexadecimal digits.
+    /// A joint state was received and not evaluated, because the next one followed at once. Its message precedes this step.
+    /// `source` identifies its publisher, in hexadecimal digits.
     Heard { now: Clocks, source: String },
-    /// A joint state was judged: it, then the answers.
+    /// A joint state was evaluated. Its message precedes this step, followed by the answers.
     JointState {
         now: Clocks,
         source: String,
         #[serde(default)]
         late: Late,
     },
-    /// The state was said again, or judged anew: the answers.
+    /// The state was published again or evaluated again. The answers precede this step.
     Heartbeat {
         now: Clocks,
         #[serde(default)]
         late: Late,
     },
-    /// A message came on tf.
+    /// A message was received on `/tf` or `/tf_static`.
     Transforms { now: Option<i64>, fixed: bool },
-    /// A message came on `/clock`.
+    /// A message was received on `/clock`.
     Clock,
-    /// Here, the recorder could not follow: so many steps are missing.
+    /// The recorder was too slow here: this number of steps is missing.
     Lost { steps: u64 },
-    /// The recording ended as it was meant to, and why.
+    /// The recording ended regularly, for this reason.
     Ended { why: String },
 }
 
-/// What of an answer was not there in time: it depends on the machine.
+/// The part of an answer that was not computed in time, which depends on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Late {
@@ -72,11 +73,11 @@ pub enum RecordedMonitorEvent {
     ModelSwap,
     Described,
     Heeded,
-    /// In words that name the folders of the machine it was on.
+    /// The message contains folder names of the recording machine.
     ModelFault(String),
     World,
     WorldUpdate(WorldUpdate),
-    /// The process took this much memory and was allowed that much (MiB).
+    /// The process used this much memory and was allowed that much (MiB).
     Memory {
         used: u64,
         limit: u64,
@@ -90,7 +91,7 @@ pub struct Clocks {
     pub steady: u64,
 }
 
-/// One order of the loader.
+/// One order to the loader.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OrderStep {
@@ -98,9 +99,9 @@ pub enum OrderStep {
     Semantic,
     Parameters,
     Clouds,
-    /// The robot is elsewhere in what obstacles stand in.
+    /// The robot moved in a frame that obstacles are placed in.
     Frames,
-    /// Something else is to be shown.
+    /// The content of the display changed.
     Display,
     ClearOctomap,
     /// A message about the world that could not be decoded.
@@ -110,22 +111,22 @@ pub enum OrderStep {
     /// A message about the world.
     Scene {
         by: SceneDoor,
-        /// When it came.
+        /// Time of reception.
         came: Clocks,
         unknown_is_occupied: bool,
-        /// How many messages were lost right before it.
+        /// Number of messages that were lost right before it.
         #[serde(default)]
         lost: u64,
     },
 }
 
-/// By which topic or service a message about the world came.
+/// Topic or service on which a message about the world was received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SceneDoor {
     PlanningScene,
     ApplyPlanningScene,
-    /// Of another node, which was asked.
+    /// Service of another node, called by this node.
     GetPlanningScene,
     PlanningSceneWorld,
     CollisionObject,
@@ -134,16 +135,16 @@ pub enum SceneDoor {
     OctomapFull,
 }
 
-/// One cloud that the loader looked at.
+/// One cloud that the loader processed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CloudStep {
     pub topic: String,
-    /// When it came.
+    /// Time of reception.
     pub came: Clocks,
 }
 
 impl SceneDoor {
-    /// The relative name of the topic or service.
+    /// Relative name of the topic or service.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -208,23 +209,23 @@ pub fn parameters_to_json(parameters: &Parameters) -> Map<String, Json> {
     DECLARATIONS.iter().map(|d| (d.name.to_owned(), json(d.get(parameters)))).collect()
 }
 
-/// Parameters by name; those that are not there have their defaults.
+/// Parameters from a map by name; missing ones have their defaults.
 ///
 /// # Errors
-/// The parameter that this build does not have, or not with this value.
+/// A parameter that this build does not have, or a value that it does not accept.
 pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, String> {
     let mut parameters = Parameters::default();
     for (name, value) in json {
-        // a text stays one, whatever it would mean in YAML
+        // a text stays a text, whatever its meaning in YAML
         let text = value.as_str().map(|text| Value::Text(text.to_owned()));
         let value = text.unwrap_or_else(|| parameter_value::from_node(value));
         parameters.assign(name, &value)?;
     }
     if !json.contains_key("exact_distance_share") {
-        // before there was a choice distances were exact
+        // versions without this parameter computed exact distances
         parameters.exact_distance_share = 0.0;
     }
-    // before there was a choice these were warnings
+    // versions without these parameters had warnings in these cases
     for name in ["blind_cloud", "rejected_obstacle", "lost_messages", "mimic_contradiction"] {
         if !json.contains_key(name) {
             parameters.assign(name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;

@@ -1,4 +1,4 @@
-//! Runs of a node without a network: recorded, run again, tampered with, cut off.
+//! Runs of a node without a network: recorded, replayed, modified, and cut off.
 
 mod limits;
 
@@ -37,7 +37,7 @@ use crate::parameters::Parameters;
 use crate::scene::{CloudMessage, note_transforms, object_order};
 use crate::scene_keeper::SceneUpdateContext;
 
-/// A rod with a mesh for its tip, which turns about z.
+/// A rod that turns about z, with a mesh as its tip.
 const URDF: &str = r#"<robot name="rod">
   <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
   <joint name="turn" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/></joint>
@@ -46,7 +46,7 @@ const URDF: &str = r#"<robot name="rod">
 const TIP: &str = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 const SOURCE: SourceId = SourceId([7; 16]);
 
-/// A node without its network, beside a recorder.
+/// A node without its network, and a recorder.
 struct Cell {
     monitor: Monitor,
     loader: Loader,
@@ -115,7 +115,7 @@ impl Cell {
         self.say(evaluation, now, Some(joint_state(angle, now)))
     }
 
-    /// A joint state that another one follows at once.
+    /// Receives a joint state that is not evaluated, because the next one follows at once.
     fn pass_over(&mut self, angle: f64) {
         let now = self.tick();
         let message = joint_state(angle, now);
@@ -149,7 +149,7 @@ impl Cell {
         evaluation
     }
 
-    /// A transform of a camera.
+    /// Receives a transform of a camera.
     fn transform(&mut self) {
         let now = self.tick();
         let mut transform = TransformStamped { child_frame_id: "camera".into(), ..Default::default() };
@@ -286,7 +286,7 @@ fn nothing_around() -> crate::Surroundings {
     Box::new(|_| Ok(Scene::default()))
 }
 
-/// Runs a recording again, with the robot that it holds.
+/// Replays a recording, with the robot that it contains.
 fn again(file: &Path) -> Result<Outcome, String> {
     let archive = Archive::read(file).map_err(|error| error.to_string())?;
     let urdf: PathBuf = serde_json::from_value(archive.given["urdf"].clone()).map_err(|e| e.to_string())?;
@@ -303,7 +303,7 @@ fn again(file: &Path) -> Result<Outcome, String> {
     replay(file, prepared).map_err(|error| error.to_string())
 }
 
-/// A run with everything in it, of 25 answers.
+/// A run with every kind of step and 25 answers.
 fn run(cell: &mut Cell) {
     cell.wait();
     cell.transform();
@@ -349,7 +349,7 @@ fn tolerances_give_the_same_answers_again() {
     for i in 0..40 {
         cell.turn(0.84 + f64::from(i) * 2e-4);
     }
-    // until a deadline that does not come, and one that does
+    // with a deadline that is not reached, with one that is, and without any
     for deadline in [10.0, 1e-9, 0.0] {
         cell.change(|p| p.check_deadline = deadline);
         cell.turn(0.84);
@@ -364,7 +364,7 @@ fn tolerances_give_the_same_answers_again() {
 fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
-    // until a cloud was taken, which needs a placed robot, every state is unknown
+    // until the first cloud is applied, which needs a known robot position, every state is UNKNOWN
     cell.transform();
     cell.turn(0.9);
     cell.cloud();
@@ -374,7 +374,7 @@ fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
         (p.slowdown_release_count, p.look_ahead_horizon) = (2, 1.0);
     });
     cell.turn(0.9);
-    // an older stamp than that of the one passed over is out of order
+    // an older stamp than the one of the skipped joint state is out of order
     cell.pass_over(0.8);
     assert!(cell.turn(0.8).speed_scale > 0.0);
     cell.enable(false);
@@ -400,7 +400,7 @@ fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
     let mut cell = Cell::start(folder.path());
     run(&mut cell);
     let other = cell.evaluation.clone().unwrap();
-    // a evaluation of another joint state
+    // an evaluation of another joint state
     let now = cell.tick();
     let _ = cell.monitor.on_joint_state(joint_state_input(joint_state(2.0, now), SOURCE), now);
     cell.say(other, now, Some(joint_state(2.0, now)));
@@ -450,7 +450,7 @@ fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused()
             broken[at] = random.bits().to_le_bytes()[0];
         }
         std::fs::write(&file, broken).unwrap();
-        // whatever it says, it says it: no panic, no endless work
+        // the result does not matter: it must neither panic nor run without end
         let _ = again(&file);
     }
     for (bytes, word) in [

@@ -1,4 +1,4 @@
-//! From happenings to a file, on a thread of its own.
+//! Recorder: writes recorded events to an MCAP file on its own thread.
 
 use std::collections::BTreeMap;
 use std::fs::{File, Metadata, OpenOptions};
@@ -29,21 +29,21 @@ use crate::names::Names;
 use crate::parameters::Parameters;
 use crate::waiting::wait_at_most;
 
-/// Things that wait to be written at most.
+/// Largest number of events in the queue.
 const LONGEST_QUEUE: usize = 20_000;
 
-/// What a file that is cut off may lack at its end.
+/// Flush period: a file that is cut off may lack this much at its end.
 const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
-/// Time between two looks at whether it is enough.
+/// Longest wait for an event before the limits are checked again.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// Names that are tried when a file is there already.
+/// Number of file names that are tried if a file exists already.
 const TRIES: u32 = 10_000;
 
 const MEGABYTE: f64 = 1e6;
 
-/// What is recorded, where, and for how long.
+/// Settings of a recording: file and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordingSettings {
     pub file: PathBuf,
@@ -53,7 +53,7 @@ pub struct RecordingSettings {
     pub max_duration: f64,
 }
 
-/// Writes a recording until it is told to finish.
+/// Writes a recording until [`Recorder::finish`] or a limit.
 #[derive(Debug)]
 pub struct Recorder {
     thread: JoinHandle<()>,
@@ -61,10 +61,10 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Begins a new file: one that is there already is left alone, and a number is added to the name.
+    /// Starts a new file. An existing file is left unchanged: a number is added to the name.
     ///
     /// # Errors
-    /// When the file can not be made.
+    /// When the file cannot be created.
     pub fn start(
         settings: &RecordingSettings,
         names: &Names,
@@ -77,7 +77,7 @@ impl Recorder {
         Self::write_to(created, settings, (names, given, parameters)).map_err(|error| refused(&error))
     }
 
-    /// Begins to write to a file that was made.
+    /// Starts to write to a file that was created.
     pub(super) fn write_to(
         (file, path): (File, PathBuf),
         settings: &RecordingSettings,
@@ -108,7 +108,7 @@ impl Recorder {
             if let Err(error) = &written {
                 backlog.set_fault(Some(refuse(error)));
             }
-            // from here on nobody listens: what is told is passed over
+            // from here on the queue has no receiver: later events are discarded
             drop(items_in);
             let why = written.as_deref().unwrap_or("the recording failed").to_owned();
             let ended = writer.step(&RecordStep::Ended { why }, system_time());
@@ -132,7 +132,7 @@ impl Recorder {
         self.thread.is_finished()
     }
 
-    /// Writes what was told so far, and waits until it is written.
+    /// Writes the events that were recorded so far, and waits until they are written.
     pub fn finish(self) {
         self.backlog.ended.store(true, Ordering::Relaxed);
         if self.thread.join().is_err() {
@@ -141,7 +141,7 @@ impl Recorder {
     }
 }
 
-/// When a recording is long enough.
+/// Limits of a recording: its size, its duration and its file.
 struct Limits {
     settings: RecordingSettings,
     path: PathBuf,
@@ -150,7 +150,7 @@ struct Limits {
 }
 
 impl Limits {
-    /// Why what is written will not be found, if it will not.
+    /// Why the written file can no longer be found at its path, if it cannot.
     fn is_gone(&self) -> Option<String> {
         let identity = |metadata: Metadata| (metadata.dev(), metadata.ino());
         let written = self.measured.metadata().map(identity);
@@ -175,7 +175,7 @@ impl Limits {
     }
 }
 
-/// Writes what comes until nothing can come any more, or it is enough; says why it ended.
+/// Writes events until the queue is closed or a limit is reached; returns the reason for the end.
 fn follow(
     writer: &mut Writer,
     items: &Receiver<Item>,
@@ -185,7 +185,7 @@ fn follow(
     let mut flushed = Instant::now();
     let mut missing: u64 = 0;
     loop {
-        // what was told before the end is written; asked in this order, nothing of it is missed
+        // events recorded before the end are written: reading the flag before the queue misses none of them
         let ended = backlog.ended.load(Ordering::Relaxed);
         let item = wait_at_most(if ended { Duration::ZERO } else { LONGEST_WAIT }, items.receive());
         let lost = backlog.lost.swap(0, Ordering::Relaxed);
@@ -218,7 +218,7 @@ fn follow(
     }
 }
 
-/// A file that was not there before.
+/// Creates a new file; if the name is taken, numbered names are tried.
 fn create(path: &Path) -> io::Result<(File, PathBuf)> {
     input_files::check_target(path).map_err(|error| io::Error::other(error.reason))?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -243,12 +243,12 @@ pub(super) fn mcap_writer(file: File) -> mcap::McapResult<mcap::Writer<BufWriter
         .library(concat!("clearance ", env!("CARGO_PKG_VERSION")))
         .compression(Some(Compression::Zstd))
         .compression_threads(0)
-        // chunks are written whole: a file that is cut off ends with a chunk that is short, not with one that says nothing of its length
+        // chunks are written whole: a cut-off file then ends with a chunk that is too short, and not with a chunk without a length
         .disable_seeking(true);
     options.create(BufWriter::new(file))
 }
 
-/// Where messages stand in the file.
+/// Names of the topics in the file.
 struct Topics {
     names: Names,
     node: String,
@@ -259,24 +259,24 @@ impl Topics {
         Self { names: names.clone(), node: names.full_node_name() }
     }
 
-    /// The full name of a topic, after remaps.
+    /// Full name of a topic, after remapping.
     fn named(&self, name: &str) -> String {
         self.names.resolve(name).map_or_else(|_| name.to_owned(), |name| name.as_str().to_owned())
     }
 
-    /// The topic of the steps, which no remap moves: a reader finds it by its name.
+    /// Topic of the steps. It is never remapped, since readers find it by its name.
     fn steps(&self) -> String {
         format!("{}/{}", self.node, super::mcap_file::STEPS)
     }
 }
 
-/// The file.
+/// The MCAP file.
 struct Writer {
     mcap: mcap::Writer<BufWriter<File>>,
-    /// By topic.
+    /// Channel of each topic.
     channels: BTreeMap<String, u16>,
     topics: Topics,
-    /// Messages.
+    /// Number of messages written.
     written: u32,
 }
 
@@ -336,7 +336,7 @@ impl Writer {
         self.step(&step, at)
     }
 
-    /// What was heard, if it was a joint state, and what was said.
+    /// Writes the received joint state, if there was one, and the published answers.
     fn judged(&mut self, judged: Judged, at: u64) -> Result<RecordStep, String> {
         let Judged { now, heard, answer } = judged;
         let (now, late) = (now.into(), answer.left_out.into());
@@ -356,7 +356,7 @@ impl Writer {
         Ok(step)
     }
 
-    /// A joint state as it came; its publisher in hexadecimal digits.
+    /// Writes a received joint state; returns its publisher in hexadecimal digits.
     fn joint_state(&mut self, message: &JointState, source: SourceId, at: u64) -> Result<String, String> {
         let topic = self.topics.named("joint_states");
         self.message(&topic, "sensor_msgs/msg/JointState", message, at)?;
@@ -423,7 +423,7 @@ impl Writer {
         Ok(channel)
     }
 
-    /// Puts a copy of a file into this one. One that can not be read leaves a recording that can be looked at, but not run again.
+    /// Attaches a copy of a file. If the file cannot be read, the recording can still be viewed, but not replayed.
     fn attach(&mut self, file: &Path, name: &Path) -> Result<(), String> {
         let bytes = match input_files::read(file, MESH_LIMIT) {
             Ok(bytes) => bytes,
@@ -439,7 +439,7 @@ impl Writer {
     }
 }
 
-/// When something came, on the clock of the recording, which shows `at` when the others show `now`.
+/// Time at which something was received, on the recording's clock. That clock shows `at` when the other clocks show `now`.
 fn before(at: u64, now: Now, came: Now) -> u64 {
     let [now, came] = [now, came].map(|now| Clocks::from(now).steady);
     at.saturating_sub(now.saturating_sub(came))

@@ -1,4 +1,4 @@
-//! `sensor_msgs/PointCloud2` of any layout.
+//! Decoder of `sensor_msgs/PointCloud2` of any layout.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,13 +10,13 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 
 use crate::messages::time_of;
 
-/// The last cloud of each topic that nobody has looked at yet: one that comes takes the place of the one before.
+/// Latest unprocessed cloud of each topic: a new cloud replaces the previous one.
 #[derive(Default)]
 pub struct CloudMessages {
     by_topic: Mutex<BTreeMap<String, CloudMessage>>,
 }
 
-/// A cloud and when it came.
+/// A cloud and the time of its reception.
 pub struct CloudMessage {
     pub cloud: Arc<PointCloud2>,
     pub came: Now,
@@ -24,7 +24,7 @@ pub struct CloudMessage {
 }
 
 impl CloudMessage {
-    /// When it was seen: by its stamp, if it has one.
+    /// Time of the measurement: the stamp of the cloud, or the time of reception if it has none.
     #[must_use]
     pub fn stamp(&self) -> Time {
         match time_of(&self.cloud.header.stamp) {
@@ -34,30 +34,30 @@ impl CloudMessage {
     }
 }
 
-/// What became of the last cloud of one topic, for diagnostics.
+/// Diagnostics about the last cloud of one topic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CloudReport {
-    /// Points that are avoided.
+    /// Number of points that are avoided.
     pub points: usize,
-    /// Points that are no place: NaN, infinite, far away, or several at the sensor itself.
+    /// Number of points without a usable position: NaN, infinite, far away, or several at the sensor itself.
     pub not_finite: usize,
     pub cropped: usize,
     pub of_robot: usize,
-    /// From the message to a checker that knows it.
+    /// Time from the reception of the message until a checker contains it.
     pub latency: Duration,
-    /// Why the last one was not taken, if it was not.
+    /// Why the last cloud was rejected, if it was.
     pub fault: Option<String>,
-    /// Why the last one shows nothing of the room, if it does not.
+    /// Why the last cloud contains no point of the surroundings, if it contains none.
     pub blind: Option<String>,
 }
 
 impl CloudMessages {
-    /// Puts a cloud down.
+    /// Stores a cloud.
     pub fn put(&self, topic: &str, message: CloudMessage) {
         self.lock().insert(topic.to_owned(), message);
     }
 
-    /// All clouds that have come since.
+    /// Takes all clouds that were stored since the last call.
     pub fn take(&self) -> BTreeMap<String, CloudMessage> {
         std::mem::take(&mut *self.lock())
     }
@@ -67,24 +67,24 @@ impl CloudMessages {
     }
 }
 
-/// How far (m) from the origin of its frame a point may be that stands for no return: many drivers write zeros there.
+/// Largest distance (m) from the origin of its frame at which a point means "no return": many drivers write zeros there.
 const AT_ORIGIN: f32 = 1e-6;
 
-/// Whether a point is at the origin of the cloud's frame, where the sensor itself is.
+/// Whether a point is at the origin of the cloud's frame, the position of the sensor.
 #[must_use]
 pub fn is_at_origin(point: &[f32; 3]) -> bool {
     point.iter().all(|coordinate| coordinate.abs() <= AT_ORIGIN)
 }
 
-/// The points of a cloud, in its own frame. Several at its origin are dropped like NaN; a single one stays: the cells of a map are
-/// there once.
+/// Points of a cloud, in its own frame. Several points at the origin are dropped like NaN. A single one is kept, since in a map it
+/// may be a cell.
 ///
 /// # Errors
-/// The field that is wrong, by name.
+/// Name of the invalid field.
 pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
     let (width, height) = (size(cloud.width), size(cloud.height));
     let (point_step, row_step) = (size(cloud.point_step), size(cloud.row_step));
-    // drivers mark what they did not see by large numbers as well
+    // some drivers mark missing returns by large numbers as well
     let mut points = CloudPoints { drops_far: true, ..CloudPoints::default() };
     let mut xyz = [0, 1, 2].map(|_| None);
     for (column, name) in xyz.iter_mut().zip(["x", "y", "z"]) {

@@ -1,4 +1,4 @@
-//! The world by topic and service, as MoveIt's users speak of it: messages to changes, the scene to messages.
+//! The world interface: MoveIt's scene topics and services. Converts messages to scene changes, and the scene to messages.
 //!
 //! ```text
 //! planning_scene, collision_object, … ─┐                       ┌─> monitored_planning_scene

@@ -1,4 +1,4 @@
-//! `monitored_planning_scene`: the whole scene at first, then what changes in it.
+//! Publisher of `monitored_planning_scene`: first the whole scene, then its changes.
 
 use std::sync::Arc;
 
@@ -12,13 +12,14 @@ use crate::middleware::{MessageKind, Middleware, MiddlewareError, Publisher, Qua
 use crate::names::Names;
 use crate::scene_keeper::SceneInForce;
 
-/// Bytes of a message at most: `RustDDS` loses those of more than about 250 kB.
+/// Largest message (bytes): `RustDDS` loses messages of more than about 250 kB.
 const LONGEST: usize = 200_000;
 
-/// Differences told between two whole scenes: a client that comes later hears a whole one, and all that came after it.
+/// Number of differences published between two whole scenes. A subscription that comes later receives a whole scene and all
+/// differences after it.
 const DIFFERENCES: usize = 80;
 
-/// Tells of every change. Octomaps and clouds, which are too large, are not told.
+/// Publishes every change of the scene. Octomaps and clouds are too large and are not published.
 pub struct Monitored {
     publisher: Publisher<PlanningScene>,
     last: Option<Arc<SceneInForce>>,
@@ -33,7 +34,7 @@ impl Monitored {
         Ok(Self { publisher, last: None, since_whole: 0 })
     }
 
-    /// Tells what is new in a scene.
+    /// Publishes the changes of a scene since the last call.
     pub fn tell(&mut self, scene: &Arc<SceneInForce>) {
         let before = self.last.replace(Arc::clone(scene));
         let messages = match before {
@@ -57,7 +58,7 @@ fn is_of_same_robot(a: &SceneInForce, b: &SceneInForce) -> bool {
     a.revision.model == b.revision.model
 }
 
-/// Everything but octomaps; what does not fit into one message follows as differences.
+/// The whole scene without octomaps. Objects that do not fit into the first message follow as differences.
 pub fn whole(scene: &SceneInForce) -> Vec<PlanningScene> {
     type C = PlanningSceneComponents;
     let told = told(scene);
@@ -73,7 +74,7 @@ pub fn whole(scene: &SceneInForce) -> Vec<PlanningScene> {
     spread(first, size, objects)
 }
 
-/// What one scene has, or has otherwise, and the other has not. Nothing at all is no message.
+/// Messages with the differences between two scenes; none if the scenes are equal.
 pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningScene> {
     let (old, new) = (told(before), told(after));
     let mut first = PlanningScene { is_diff: true, ..PlanningScene::default() };
@@ -140,7 +141,7 @@ fn told(scene: &SceneInForce) -> SceneMessages<'_> {
     }
 }
 
-/// Objects in as many messages as they need, the first of which says more.
+/// Splits objects into as many messages as necessary. The first message also has the other fields.
 fn spread(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObject>) -> Vec<PlanningScene> {
     let mut messages = vec![first];
     let mut total = size_of_first;
@@ -169,7 +170,7 @@ fn spread(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObje
     messages
 }
 
-/// Bytes that an object takes in a message, and some more.
+/// Upper bound on the size (bytes) of an object in a message.
 fn size(object: &CollisionObject) -> usize {
     const POSE: usize = 56;
     const REST: usize = 200;

@@ -1,4 +1,4 @@
-//! Octomaps of messages.
+//! Conversion of octomap messages.
 
 use clearance_geometry::math::Pose;
 use clearance_scene::{OctomapMessage, OctomapPlacement, SceneRejection};
@@ -6,7 +6,7 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
 
 use super::reading::pose;
 
-/// An `octomap_msgs/Octomap` by itself, which stands in the frame of its header. Without data it is empty.
+/// Converts a single `octomap_msgs/Octomap`, which is placed in the frame of its header. Without data the octomap is empty.
 pub fn octomap_placement(
     message: &Octomap,
     unknown_is_occupied: bool,
@@ -14,7 +14,7 @@ pub fn octomap_placement(
     placed(message, (message.header.frame_id.clone(), Pose::identity()), unknown_is_occupied)
 }
 
-/// The octomap of a scene message; `None` when the message leaves the octomap alone.
+/// Converts the octomap of a scene message; `None` if the message does not change the octomap.
 pub fn octomap_with_pose(
     message: &OctomapWithPose,
     unknown_is_occupied: bool,

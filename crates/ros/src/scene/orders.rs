@@ -1,4 +1,4 @@
-//! Messages about the world as orders of the loader: the same for those that come now, and those of a recording.
+//! Conversion of messages about the world to orders of the loader. Live messages and recorded messages use the same functions.
 
 use clearance_monitor::{Now, Observation, Time};
 use clearance_scene::{Extent, Gap, SceneRejection, SceneUpdate, Subject};
@@ -31,7 +31,7 @@ pub fn attached_order(message: &AttachedCollisionObject) -> SceneOrder {
     }
 }
 
-/// Of a message that came at `came`.
+/// Order for a message that was received at `came`.
 #[must_use]
 pub fn world_order(message: PlanningSceneWorld, unknown_is_occupied: bool, came: Now) -> SceneOrder {
     let read = world_change(&message, unknown_is_occupied);
@@ -40,7 +40,7 @@ pub fn world_order(message: PlanningSceneWorld, unknown_is_occupied: bool, came:
     order.refused(read.refusals).with_octomap(message.octomap, sight(Time::ZERO, came))
 }
 
-/// To apply a whole or partial scene.
+/// Order to apply a whole or partial scene.
 #[must_use]
 pub fn scene_order(
     by: SceneDoor,
@@ -68,7 +68,7 @@ pub fn octomap_order(by: SceneDoor, message: Octomap, unknown_is_occupied: bool,
     }
 }
 
-/// Of a message that cannot be decoded: something that was announced is missing from the scene.
+/// Order for a message that cannot be decoded: a part of the announced scene is missing.
 #[must_use]
 pub fn unreadable_order(by: SceneDoor) -> SceneOrder {
     const WHY: &str = "a message could not be decoded: is it of this type, and are its texts UTF-8?";
@@ -81,7 +81,7 @@ pub fn unreadable_order(by: SceneDoor) -> SceneOrder {
     SceneOrder::on(by.name()).refused(vec![rejection])
 }
 
-/// The service of this name.
+/// Name of the service.
 pub const CLEAR_OCTOMAP: &str = "clear_octomap";
 
 #[must_use]
@@ -89,7 +89,7 @@ pub fn clear_octomap() -> SceneOrder {
     SceneOrder::on(CLEAR_OCTOMAP).to(SceneUpdate::Octomap(None))
 }
 
-/// When what is in a message was seen; without a stamp it is new.
+/// Time of the measurement in a message; without a stamp, the time of reception.
 fn sight(stamp: Time, came: Now) -> Observation {
     let stamp = if stamp == Time::ZERO { came.ros.unwrap_or_default() } else { stamp };
     Observation { stamp, at: came.steady }

@@ -1,4 +1,4 @@
-//! `moveit_msgs` about the world as changes: numbers are checked here, names where they are applied.
+//! Conversion of `moveit_msgs` about the world to scene changes. Numbers are validated here, names where the changes are applied.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Pose, pose_from_xyz_quaternion};
@@ -16,19 +16,20 @@ use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, Plane, SolidPrimitive};
 
 use super::octomaps::octomap_with_pose;
 
-/// What a message with several parts says, and which parts can not be understood.
+/// Content of a message with several parts, and the parts that were rejected.
 pub struct Read<T> {
     pub change: T,
     pub refusals: Vec<SceneRejection>,
 }
 
-/// A pose; a quaternion of zeros is the identity.
+/// Converts a pose; a quaternion of zeros is the identity.
 pub fn pose(message: &PoseMessage, field: &str) -> Result<Pose, String> {
     let (p, q) = (&message.position, &message.orientation);
     message_pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]).map_err(|why| format!("{field}: {why}"))
 }
 
-/// A transform as a pose of its child in its parent. A rotation of length zero, which a publisher forgot to set, is none.
+/// Converts a transform to the pose of the child in the parent. A rotation of length zero, which a publisher did not set, is
+/// rejected.
 pub fn transform_pose(message: &Transform) -> Result<Pose, String> {
     let (p, q) = (&message.translation, &message.rotation);
     pose_from_xyz_quaternion([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]).ok_or_else(|| {
@@ -36,7 +37,7 @@ pub fn transform_pose(message: &Transform) -> Result<Pose, String> {
     })
 }
 
-/// A `moveit_msgs/CollisionObject`.
+/// Converts a `moveit_msgs/CollisionObject`.
 pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRejection> {
     let refuse = |why: String| SceneRejection::of(&message.id, why);
     let operation = Operation::from_number(message.operation.into()).ok_or_else(|| {
@@ -62,7 +63,7 @@ pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRej
     Ok(change)
 }
 
-/// All shapes with their poses in the object: primitives, meshes, planes.
+/// All shapes with their poses in the object frame: primitives, meshes, planes.
 fn shapes(message: &CollisionObject) -> Result<Vec<ObstacleShape>, String> {
     let mut placed = Vec::new();
     let mut add = |field: &str, made: Vec<Result<Shape, String>>, poses: &[PoseMessage]| {
@@ -88,7 +89,7 @@ fn shapes(message: &CollisionObject) -> Result<Vec<ObstacleShape>, String> {
     Ok(placed)
 }
 
-/// The poses of shapes alone, in the same order.
+/// The poses of the shapes without the shapes, in the same order.
 fn shape_poses(message: &CollisionObject) -> Result<Vec<Pose>, String> {
     let CollisionObject { primitive_poses, mesh_poses, plane_poses, .. } = message;
     let fields = [("primitive", primitive_poses), ("mesh", mesh_poses), ("plane", plane_poses)];
@@ -127,7 +128,7 @@ fn subframes(message: &CollisionObject) -> Result<Vec<(String, Pose)>, String> {
     names.iter().zip(poses).enumerate().map(place).collect()
 }
 
-/// A `moveit_msgs/AttachedCollisionObject`. Weight and the posture to let go are nothing to collide with.
+/// Converts a `moveit_msgs/AttachedCollisionObject`. The weight and the detach posture do not affect collisions.
 pub fn attached_change(message: &AttachedCollisionObject) -> Result<AttachedChange, SceneRejection> {
     Ok(AttachedChange {
         link: message.link_name.clone(),
@@ -136,7 +137,7 @@ pub fn attached_change(message: &AttachedCollisionObject) -> Result<AttachedChan
     })
 }
 
-/// A `moveit_msgs/PlanningSceneWorld`.
+/// Converts a `moveit_msgs/PlanningSceneWorld`.
 pub fn world_change(message: &PlanningSceneWorld, unknown_is_occupied: bool) -> Read<WorldChange> {
     let (objects, mut refusals) = sorted(message.collision_objects.iter().map(object_change));
     let octomap = octomap_with_pose(&message.octomap, unknown_is_occupied).unwrap_or_else(|refusal| {
@@ -146,7 +147,7 @@ pub fn world_change(message: &PlanningSceneWorld, unknown_is_occupied: bool) -> 
     Read { change: WorldChange { objects, octomap }, refusals }
 }
 
-/// What is right, and what is refused.
+/// Separates valid parts from rejected ones.
 fn sorted<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Vec<T>, Vec<SceneRejection>) {
     let (mut right, mut refusals) = (Vec::new(), Vec::new());
     for result in results {
@@ -158,7 +159,7 @@ fn sorted<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Vec<T
     (right, refusals)
 }
 
-/// What a `moveit_msgs/RobotState` says about what the robot holds.
+/// Converts the attached objects of a `moveit_msgs/RobotState`.
 pub fn robot_state_change(message: &RobotState) -> Read<RobotStateChange> {
     let (attached, refusals) = sorted(message.attached_collision_objects.iter().map(attached_change));
     let names_joints =
@@ -166,7 +167,7 @@ pub fn robot_state_change(message: &RobotState) -> Read<RobotStateChange> {
     Read { change: RobotStateChange { is_diff: message.is_diff, names_joints, attached }, refusals }
 }
 
-/// A `moveit_msgs/PlanningScene`. Colours are nothing to collide with.
+/// Converts a `moveit_msgs/PlanningScene`. Colours do not affect collisions.
 pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<SceneChange> {
     let world = world_change(&message.world, unknown_is_occupied);
     let robot_state = robot_state_change(&message.robot_state);

@@ -1,4 +1,4 @@
-//! The scene as `moveit_msgs`.
+//! Conversion of the scene to `moveit_msgs`.
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape, TriangleMesh};
@@ -19,19 +19,19 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
-/// What is told from.
+/// Inputs of the conversion.
 pub struct SceneMessages<'t> {
     pub robot: &'t RobotModel,
     pub scene: &'t Scene,
     /// Padding (m) of links that the scene does not name.
     pub padding: f64,
-    /// Where the robot is, if that is known.
+    /// Current configuration of the robot, if it is known.
     pub configuration: Option<&'t Configuration>,
-    /// The octomap as it came.
+    /// Octomap message as it was received.
     pub octomap: Option<&'t OctomapWithPose>,
 }
 
-/// The components that a client asks for, by their bits; all of them if it asks for none.
+/// The scene with the components that a client requests, as a bit set; all of them if it requests none.
 #[must_use]
 pub fn scene_message(told: &SceneMessages, components: u32) -> PlanningScene {
     let wanted = |component: u32| components == 0 || components & component != 0;
@@ -74,7 +74,7 @@ impl SceneMessages<'_> {
         &self.robot.link(self.robot.root()).name
     }
 
-    /// Obstacles but for those of points and voxels, which no message of an object has.
+    /// Obstacles without those of points and voxels, which a `CollisionObject` message cannot represent.
     pub fn objects(&self) -> impl Iterator<Item = &Obstacle> {
         let untold = |s: &ObstacleShape| matches!(s.shape, Shape::Points(_) | Shape::Voxels(_));
         self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(untold))
@@ -133,7 +133,7 @@ impl SceneMessages<'_> {
                     message.planes.push(Plane { coef: [n.x, n.y, n.z, -plane.offset] });
                     message.plane_poses.push(pose_os);
                 }
-                // no message of a scene has them
+                // a scene message cannot represent them
                 Shape::Points(_) | Shape::Voxels(_) => {}
             }
         }
@@ -142,8 +142,8 @@ impl SceneMessages<'_> {
 
     fn fixed_frames(&self) -> Vec<TransformStamped> {
         let stamped = |name: &str, pose: &Pose| {
-            // as in MoveIt, the header names the frame, and the child is the planning frame that it is placed in; where that is not the
-            // root's place, the frame is the child, as in tf
+            // as in MoveIt, the header names the frame, and the child is the planning frame that it is placed in. If the planning
+            // frame is not at the root, the frame is the child, as in tf
             let (header, child) = match self.planning_frame() {
                 Some(planning_frame) => (name, planning_frame),
                 None => (self.root(), name),
@@ -159,7 +159,7 @@ impl SceneMessages<'_> {
         std::iter::once(own).chain(others).collect()
     }
 
-    /// The frame that `MoveIt` plans in, if it is where the root is: the root itself without a virtual joint, or the parent of a fixed one.
+    /// `MoveIt`'s planning frame, if it is at the root: the root itself without a virtual joint, or the parent of a fixed one.
     fn planning_frame(&self) -> Option<&str> {
         let mut joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
         match joints.find(|joint| joint.child_link == self.robot.root()) {
@@ -187,7 +187,7 @@ impl SceneMessages<'_> {
         message
     }
 
-    /// What is allowed now, by whatever says so.
+    /// Allowed collision matrix in use: from the scene, otherwise from the SRDF.
     fn matrix(&self) -> AllowedCollisionMatrix {
         let entries = match &self.scene.matrix {
             Some(matrix) => matrix.to_entries(),
@@ -203,7 +203,7 @@ impl SceneMessages<'_> {
         }
     }
 
-    /// Of every link with geometry.
+    /// Padding and scale of every link with geometry.
     fn link_sizes(&self) -> (Vec<LinkPadding>, Vec<LinkScale>) {
         let solid = || self.robot.links().iter().filter(|link| !link.collisions.is_empty());
         let of = |sizes: &std::collections::HashMap<String, f64>, name: &str, usual| {
@@ -236,7 +236,7 @@ fn primitive_message(primitive: &Primitive) -> SolidPrimitive {
             solid(SolidPrimitive::CYLINDER, &[2.0 * half_length, radius])
         }
         Primitive::Cone { radius, half_length } => solid(SolidPrimitive::CONE, &[2.0 * half_length, radius]),
-        // messages know none, and make none: the cylinder around it
+        // messages have no capsule and never create one: the cylinder around it
         Primitive::Capsule { radius, half_length } => {
             solid(SolidPrimitive::CYLINDER, &[2.0 * (half_length + radius), radius])
         }

@@ -1,6 +1,8 @@
-//! The scene of a running `move_group`: it is asked for when its service appears, and again when something of what it tells was lost.
+//! Client of a running `move_group`'s scene service. It requests the scene when the service appears, and again when changes were
+//! lost.
 //!
-//! `MoveIt` tells a whole scene when it starts, and then what changes in it: a node that comes later has never heard of what stood there.
+//! `MoveIt` publishes a whole scene when it starts, and only changes after that. A node that starts later would miss the objects
+//! that were there before.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -16,18 +18,18 @@ use crate::middleware::{Client, DecodeErrorLog};
 use crate::names::FullName;
 use crate::recording::SceneDoor;
 
-/// Time between two looks at who serves.
+/// Time between two checks of which servers are present.
 const PERIOD: Duration = Duration::from_millis(200);
 
-/// Time between two looks at the parameter, while it names nobody.
+/// Time between two checks of the parameter, while it names no service.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Time that an answer may take, and until the next question where it did not come or was not taken; each time twice as long, up to the
-/// longest.
+/// Timeout of a request, and time until the next request if there was no response or it was rejected. It doubles each time, up to
+/// the longest.
 const PATIENCE: Duration = Duration::from_secs(2);
 const LONGEST_PATIENCE: Duration = Duration::from_secs(16);
 
-/// All that there is, as in `RViz`.
+/// All components, as in `RViz`.
 const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
     | PlanningSceneComponents::ROBOT_STATE
     | PlanningSceneComponents::ROBOT_STATE_ATTACHED_OBJECTS
@@ -39,26 +41,26 @@ const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
     | PlanningSceneComponents::LINK_PADDING_AND_SCALING
     | PlanningSceneComponents::OBJECT_COLORS;
 
-/// Who was asked, and whether that has to be done again.
+/// Service in use, and whether a request is due.
 #[derive(Default)]
 pub struct SceneRequester {
     service: Option<Service>,
     complaints: DecodeErrorLog,
 }
 
-/// A service and those who offer it.
+/// A service and the nodes that serve it.
 struct Service {
     name: FullName,
     client: Client<GetPlanningSceneRequest, GetPlanningSceneResponse>,
     servers: BTreeSet<SourceId>,
     is_due: bool,
-    /// No earlier than this.
+    /// Earliest time of the next request.
     due_at: Instant,
     patience: Duration,
 }
 
 impl SceneRequester {
-    /// Asks whenever there is reason to, for ever.
+    /// Sends a request whenever one is due. Never returns.
     pub async fn go_on(mut self, topics: &SceneTopics) {
         loop {
             if let Err(why) = self.look(topics).await {
@@ -68,7 +70,7 @@ impl SceneRequester {
         }
     }
 
-    /// Asks if there is reason to now.
+    /// Sends a request if one is due now.
     async fn look(&mut self, topics: &SceneTopics) -> Result<(), String> {
         self.turn_to(topics)?;
         let Some(service) = self.service.as_mut().filter(|_| topics.has_robot()) else { return Ok(()) };
@@ -80,7 +82,7 @@ impl SceneRequester {
         Ok(())
     }
 
-    /// The service that the parameter names, if it names one.
+    /// Switches to the service that the parameter names, if it names one.
     fn turn_to(&mut self, topics: &SceneTopics) -> Result<(), String> {
         let wanted = topics.shared.store.get().planning_scene_service;
         let name = if wanted.is_empty() {
@@ -114,7 +116,7 @@ impl SceneRequester {
 }
 
 impl Service {
-    /// Who comes anew has another scene.
+    /// Schedules a request if a new server appeared, since it has another scene.
     fn meet(&mut self, servers: BTreeSet<SourceId>) {
         if servers.difference(&self.servers).next().is_some() {
             (self.is_due, self.due_at, self.patience) = (true, Instant::now(), PATIENCE);
@@ -127,7 +129,8 @@ impl Service {
         self.patience = (2 * self.patience).min(LONGEST_PATIENCE);
     }
 
-    /// Asks, and has the answer applied unless a change that came meanwhile may be newer: then it is asked again.
+    /// Sends a request and has the response applied. If a change was received meanwhile, it may be newer: then the response is
+    /// discarded and requested again.
     async fn ask(&mut self, topics: &SceneTopics) -> Result<(), String> {
         let heard = topics.changes_heard();
         let components = PlanningSceneComponents { components: EVERYTHING };
@@ -151,7 +154,7 @@ impl Service {
         Ok(())
     }
 
-    /// Waits until others serve than those who were asked.
+    /// Waits until the set of servers differs from the one that was called.
     async fn another_server<T>(&self, topics: &SceneTopics) -> Result<T, String> {
         while topics.middleware.servers_elsewhere(&self.name) == self.servers {
             Timer::after(PERIOD).await;

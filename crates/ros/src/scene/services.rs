@@ -1,5 +1,5 @@
-//! `get_planning_scene`, `apply_planning_scene`, `clear_octomap` and `check_state_validity`: requests come and answers go on the
-//! thread of the topics about the world; states are checked on a thread of their own.
+//! The services `get_planning_scene`, `apply_planning_scene`, `clear_octomap` and `check_state_validity`. Requests and responses
+//! are handled on the thread of the world topics; states are checked on their own thread.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
@@ -28,13 +28,13 @@ use crate::refusal::shortened;
 use crate::request_context::known;
 use crate::scene_keeper::{CurrentScene, SceneInForce};
 
-/// Questions about states that wait at most; who comes then is told at once that the state is not valid.
+/// Largest number of state queries in the queue. Further queries are answered at once as not valid.
 const WAITING: usize = 64;
 
-/// Scenes that are being sent, each of which may be large, at most.
+/// Largest number of scenes that are being sent at once, since each may be large.
 const MOST_SCENES: usize = 8;
 
-/// `std_srvs/srv/Empty`, either way: ROS sends one byte where there is nothing.
+/// `std_srvs/srv/Empty`, request and response: ROS sends one byte for an empty message.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Empty {
     structure_needs_at_least_one_member: u8,
@@ -42,7 +42,7 @@ pub struct Empty {
 
 impl Message for Empty {}
 
-/// The side that speaks with clients.
+/// Communication with clients, on the thread of the world topics.
 pub struct SceneServices {
     get: Server<GetPlanningSceneRequest, GetPlanningSceneResponse>,
     apply: Server<ApplyPlanningSceneRequest, ApplyPlanningSceneResponse>,
@@ -56,7 +56,7 @@ pub struct SceneServices {
     empty: DecodeErrorLog,
 }
 
-/// The side that checks states.
+/// State checks, on their own thread.
 pub struct ValidityDesk {
     questions: Receiver<(RequestId, GetStateValidityRequest)>,
     answers: Sender<(RequestId, GetStateValidityResponse)>,
@@ -66,7 +66,7 @@ pub struct ValidityDesk {
 }
 
 impl SceneServices {
-    /// Both sides.
+    /// Creates the services; returns both parts.
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
@@ -94,9 +94,9 @@ impl SceneServices {
         Ok((services, ValidityDesk { questions: questions_in, answers, scene, evaluation, shared }))
     }
 
-    /// Serves for ever.
+    /// Serves requests. Never returns.
     pub async fn serve(&self, topics: &SceneTopics) {
-        // each answer waits for its own client only
+        // each response waits only for its own client
         let answering = LocalExecutor::new();
         let scenes_on_their_way = Arc::new(Semaphore::new(MOST_SCENES));
         let get = async {
@@ -179,7 +179,7 @@ impl SceneServices {
 }
 
 impl ValidityDesk {
-    /// Checks what is asked until there is no one left to ask.
+    /// Checks queued states until the queue is closed.
     pub fn work(self) {
         let mut flood = LogRateLimiter::default();
         let mut warn = |why: &str| {

@@ -1,4 +1,4 @@
-//! Messages to changes and back, and clouds of any layout: all without a network.
+//! Conversion of messages to changes and back, and clouds of any layout, without a network.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ const SRDF: &str = r#"<robot name="two_link">
   <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
   <disable_collisions link1="upper" link2="tip" reason="Adjacent"/>
 </robot>"#;
-/// Stretched, folded as far as is free, the tip on the base.
+/// Configurations: stretched; folded as far as it is free; tip on the base.
 const STRETCHED: [f64; 2] = [0.0, 0.0];
 const FOLDED: [f64; 2] = [0.0, 5.0 * PI / 6.0];
 const ON_BASE: [f64; 2] = [0.0, PI];
@@ -53,7 +53,7 @@ fn robot() -> Arc<RobotModel> {
     Arc::new(RobotModel::from_text(&text, &MeshFiles::default()).unwrap())
 }
 
-/// A pose without orientation.
+/// A pose with an unset quaternion.
 fn place(x: f64, y: f64, z: f64) -> PoseMessage {
     PoseMessage { position: Point { x, y, z }, orientation: Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 0.0 } }
 }
@@ -73,7 +73,7 @@ fn ball(id: &str, pose: PoseMessage, radius: f64, frame: &str) -> CollisionObjec
     message
 }
 
-/// In the cube of the base when the arm is folded.
+/// An attached object that is inside the cube of the base when the arm is folded.
 fn part() -> AttachedCollisionObject {
     AttachedCollisionObject {
         link_name: "tip".to_owned(),
@@ -91,7 +91,7 @@ fn triangle() -> Mesh {
     }
 }
 
-/// A scene after some messages, of the robot stretched out.
+/// The scene after some messages, with the robot stretched out.
 fn scene(messages: &[PlanningScene]) -> Scene {
     let (robot, transforms) = (robot(), TransformTree::default());
     let mut poses = LinkPoses::new(&robot);
@@ -165,7 +165,7 @@ fn poses_of_objects_and_shapes_are_composed_as_in_moveit() {
     message.pose = at(0.0, 0.0, 9.0);
     let change = object_change(&message).unwrap();
     assert_eq!((change.pose_fo.translation.z, change.shapes[0].pose_os.translation.z), (9.0, 3.0));
-    // a quaternion that is left out turns nothing; shapes without a pose have the object's
+    // an unset quaternion is the identity; shapes without a pose have the pose of the object
     message.pose = place(0.0, 0.0, 0.0);
     message.primitives.push(solid(SolidPrimitive::CONE, &[0.4, 0.1]));
     let change = object_change(&message).unwrap();
@@ -281,7 +281,7 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
         ..AttachedCollisionObject::default()
     }];
     let (before, after) = (scene(std::slice::from_ref(&first)), scene(&[first.clone(), second]));
-    // the same objects, in the same memory
+    // the same objects, shared in memory
     let mut shared = before.clone();
     let [before, after] = [before, after].map(|scene| in_force(scene, vec![]));
     let told = monitored::differences(&before, &after);
@@ -303,7 +303,7 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
     assert_eq!(names(&shared), names(&after.scene));
     assert!(monitored::differences(&after, &after).is_empty());
 
-    // what does not fit into one message follows in others
+    // objects that do not fit into one message follow in others
     let many = (0..2000).map(|i| ball(&format!("thing {i}"), at(f64::from(i), 0.0, 5.0), 0.1, "")).collect();
     let whole = monitored::whole(&in_force(scene(&[difference(many, vec![])]), vec![]));
     assert!(whole.len() > 1 && !whole[0].is_diff && whole[1..].iter().all(|message| message.is_diff));

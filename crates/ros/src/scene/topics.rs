@@ -1,4 +1,4 @@
-//! Topics about the world: messages become orders of the loader, transforms go straight into the tree.
+//! Subscriptions of the world topics. Messages become orders of the loader; transforms are stored in the tree directly.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -37,13 +37,13 @@ use crate::scene_keeper::CurrentScene;
 use crate::scene_order::SceneOrder;
 use crate::sequence_gaps::SequenceGaps;
 
-/// Frames that others publish, shared between who hears and who needs them.
+/// Transforms from tf, shared between the subscriptions and their users.
 pub type Transforms = Arc<Mutex<TransformTree>>;
 
-/// Octomaps come on two topics.
+/// The two octomap topics.
 const OCTOMAP_DOORS: [SceneDoor; 2] = [SceneDoor::OctomapBinary, SceneDoor::OctomapFull];
 
-/// Everything that is heard about the world.
+/// All subscriptions about the world.
 pub struct SceneTopics {
     pub(super) middleware: Middleware,
     pub(super) names: Names,
@@ -51,29 +51,29 @@ pub struct SceneTopics {
     worlds: Subscription<PlanningSceneWorld>,
     objects: Subscription<CollisionObject>,
     attached: Subscription<AttachedCollisionObject>,
-    /// Each octomap topic as publishers of either kind need it.
+    /// Each octomap topic has two subscriptions, one for each kind of publisher.
     octomaps: [[Subscription<Octomap>; 2]; 2],
     tf: Subscription<TFMessage>,
     tf_static: Subscription<TFMessage>,
     pub shared: Shared,
     orders: Sender<Order>,
     events: mailbox::Sender<Event>,
-    /// Tells that a parameter changed.
+    /// Receives a notice when a parameter changed.
     changes: Receiver<()>,
-    /// How many messages told of objects, and whether some were lost since somebody asked.
+    /// Number of messages about objects, and whether some were lost since the last query.
     changes_heard: Cell<u64>,
     is_lost: Cell<bool>,
 }
 
-/// What is shared with the loader.
+/// Data shared with the loader.
 #[derive(Clone)]
 pub struct Shared {
     pub scene: CurrentScene,
     pub transforms: Transforms,
-    /// What the loader has obstacles stand in.
+    /// The frames in which the loader places obstacles.
     pub grounds: Arc<Mutex<AnchorFrames>>,
     pub clouds: Arc<CloudMessages>,
-    /// Where the robot was lately; whoever holds the evaluation too takes that first.
+    /// History of joint states. Lock order: a holder of both this and the evaluation takes the evaluation first.
     pub joint_state_history: Arc<Mutex<JointStateHistory>>,
     pub store: ParameterStore,
     pub clock: Arc<RosClock>,
@@ -101,7 +101,7 @@ impl Shared {
     }
 }
 
-/// The copy of a message that a topic heard in two ways brings must not count twice.
+/// Detects duplicates on a topic with two subscriptions, which must not count twice.
 #[derive(Default)]
 struct Twins {
     last: Option<(usize, Octomap, Instant)>,
@@ -160,7 +160,7 @@ impl SceneTopics {
         })
     }
 
-    /// Listens for ever.
+    /// Receives messages. Never returns.
     pub async fn listen(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
         let after = |order: SceneOrder, lost: u64| {
@@ -194,7 +194,7 @@ impl SceneTopics {
         future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
     }
 
-    /// Turns messages into orders; `read` is told how many were lost right before each.
+    /// Converts messages to orders. `read` receives the number of messages that were lost right before each.
     async fn receive<M: crate::middleware::Message + 'static>(
         &self,
         by: SceneDoor,
@@ -212,7 +212,7 @@ impl SceneTopics {
                 continue;
             };
             if self.middleware.is_own(publisher) {
-                // what the node tells of its scene, where the same name is given to both
+                // this node's own scene, if both topics have the same name
                 continue;
             }
             let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
@@ -227,41 +227,42 @@ impl SceneTopics {
         }
     }
 
-    /// Tells the monitor of a message about the world, before it is read: that takes long as well. One order to the loader has to follow.
+    /// Reports the reception of a message about the world to the monitor, before the message is read, since reading takes long as
+    /// well. One order to the loader has to follow.
     pub(super) fn note_update(&self, received: Instant) {
         let at = self.shared.clock.steady().saturating_sub(received.elapsed());
         self.tell(WorldUpdate::Received { steady: u64::try_from(at.as_nanos()).unwrap_or(u64::MAX) });
     }
 
     fn tell(&self, update: WorldUpdate) {
-        // a monitor that has ended publishes nothing any more
+        // a monitor that has ended publishes nothing
         let _ = self.events.send(Event::WorldUpdate(update));
     }
 
-    /// Whether there is a robot that a scene can be around.
+    /// Whether a robot model is loaded, which a scene requires.
     pub(super) fn has_robot(&self) -> bool {
         self.shared.scene.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// How many messages told of objects.
+    /// Number of messages about objects.
     pub(super) fn changes_heard(&self) -> u64 {
         self.changes_heard.get()
     }
 
-    /// Whether messages about objects were lost since this was asked last.
+    /// Whether messages about objects were lost since the last call.
     pub(super) fn take_lost(&self) -> bool {
         self.is_lost.take()
     }
 
-    /// Has something done to the scene that the monitor knows to be under way, and waits until it is in force; whether all of it was done.
+    /// Sends an order that the monitor was notified of, and waits until it is in force. Returns whether all of it was applied.
     pub(super) async fn have_done(&self, order: SceneOrder) -> bool {
         let (done, is_done) = channel::bounded(1);
         let order = Order::Scene(Box::new(order.answered_on(done)));
-        // a loader that has ended does nothing any more
+        // a loader that has ended processes no order
         self.orders.send(order).await.is_ok() && is_done.recv().await.unwrap_or(false)
     }
 
-    /// What a message asks for, and the message itself if somebody records.
+    /// Order for a message, together with the message itself if a recorder runs.
     fn order<M: Clone>(
         &self,
         by: SceneDoor,
@@ -282,7 +283,7 @@ impl SceneTopics {
         order
     }
 
-    /// An order about a message that could not be decoded; the scene of others is asked for again.
+    /// Order for a message that could not be decoded. The scene of `move_group` is requested again.
     fn unreadable(&self, by: SceneDoor) -> SceneOrder {
         self.is_lost.set(true);
         self.changes_heard.set(self.changes_heard.get() + 1);
@@ -309,7 +310,7 @@ impl SceneTopics {
         )
     }
 
-    /// An order to apply a whole or partial scene.
+    /// Order to apply a whole or partial scene.
     pub fn scene(&self, by: SceneDoor, message: PlanningScene) -> SceneOrder {
         let read = |m, unknown_is_occupied, came| scene_order(by, m, unknown_is_occupied, came);
         self.order(by, message, |m| OriginalMessage::Scene(Box::new(m)), read)
@@ -335,18 +336,18 @@ impl SceneTopics {
         }
     }
 
-    /// Takes note of transforms: what is wrong with them, and whether obstacles have to be put elsewhere now.
+    /// Stores transforms. Returns what is wrong with them, and whether obstacles have to be moved now.
     fn heed(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
         let Shared { transforms, grounds, clock, tape, .. } = &self.shared;
         let now = clock.now();
         let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
-        // a recording has it before whatever is made of this tree
+        // the recording has to contain it before any result that depends on this tree
         tape.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
         let fault = note_transforms(&mut tree, message, now, fixed);
         (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }
 
-    /// Listens to the clouds that the parameters name, for ever.
+    /// Subscribes to the clouds that the parameters name. Never returns.
     async fn watch(&self) {
         let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
         loop {
@@ -390,7 +391,7 @@ impl SceneTopics {
     }
 }
 
-/// Puts what came at `now` into the tree, and says what is wrong with it; `fixed` transforms stay for ever.
+/// Stores transforms received at `now` in the tree, and returns what is wrong with them; `fixed` transforms never expire.
 pub fn note_transforms(
     tree: &mut TransformTree,
     message: TFMessage,
@@ -423,7 +424,7 @@ pub fn note_transforms(
 }
 
 impl Twins {
-    /// Whether a message is not the other way's copy of the one before.
+    /// Whether a message is not the other subscription's copy of the previous one.
     fn is_new(&mut self, way: usize, message: &Octomap) -> bool {
         const SOON: Duration = Duration::from_secs(2);
         let is_copy = (self.last.take())
@@ -435,5 +436,5 @@ impl Twins {
     }
 }
 
-/// The name of the octomap as a source.
+/// Name of the octomap as a world source.
 pub const OCTOMAP_SOURCE: &str = OCTOMAP;

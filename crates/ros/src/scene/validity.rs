@@ -1,4 +1,4 @@
-//! Whether a state is valid, as `moveit_msgs/GetStateValidity` asks. No I/O.
+//! State validity as defined by `moveit_msgs/GetStateValidity`. No I/O.
 
 use clearance_checker::{CollisionChecker, Contact, Question};
 use clearance_geometry::math::{Point, Pose, Vector};
@@ -24,10 +24,10 @@ use crate::messages::{point_message, stamp_message};
 use crate::request_context::undecided;
 use crate::scene_keeper::SceneInForce;
 
-/// Contacts told at most: the answer must not grow with the number of bodies.
+/// Largest number of contacts in a response: its size must not grow with the number of bodies.
 const CONTACTS_TOLD: usize = 200;
 
-/// What a question is asked about.
+/// Scene and evaluation that a query is evaluated against.
 pub struct Situation<'s> {
     pub scene: &'s SceneInForce,
     pub evaluation: Option<&'s Evaluation>,
@@ -35,7 +35,7 @@ pub struct Situation<'s> {
     pub now: Now,
 }
 
-/// Answers a question, or says why the state can not be judged.
+/// Evaluates a query, or returns why the state cannot be evaluated.
 pub fn state_validity(
     request: &GetStateValidityRequest,
     situation: &Situation,
@@ -76,7 +76,7 @@ pub fn state_validity(
     })
 }
 
-/// Why it is not known what is around the robot, or which robot it is.
+/// Why the world around the robot is unknown, or which robot it is.
 fn unknown_world(situation: &Situation) -> Option<Reason> {
     let Situation { scene, evaluation, now, .. } = situation;
     if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
@@ -86,14 +86,14 @@ fn unknown_world(situation: &Situation) -> Option<Reason> {
         return Some(Reason::NoGeometry);
     }
     let stale = evaluation.and_then(|evaluation| evaluation.stale_world.clone());
-    // a scene that the monitor has not taken note of yet may be incomplete
+    // a scene that the monitor has not processed yet may be incomplete
     let judged = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
     let is_judged = judged.is_some_and(|judged| Arc::ptr_eq(judged, &scene.revision));
     let incomplete = scene.revision.incomplete.clone().filter(|_| !is_judged);
     scene.revision.stale_world(*now).or(incomplete).or(stale)
 }
 
-/// Whether an answer would have to evaluate constraints.
+/// Whether a request contains constraints.
 pub fn constraints_given(constraints: &Constraints) -> bool {
     let Constraints { joint_constraints, position_constraints, orientation_constraints, .. } = constraints;
     !(joint_constraints.is_empty()
@@ -102,7 +102,7 @@ pub fn constraints_given(constraints: &Constraints) -> bool {
         && constraints.visibility_constraints.is_empty())
 }
 
-/// The links that a group moves: those below its joints; `None` for the whole robot.
+/// Links that a group moves: those below its joints; `None` for the whole robot.
 fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkId>>, String> {
     if name.is_empty() {
         return Ok(None);
@@ -116,7 +116,7 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
             quoted_list(&[name.to_owned()])
         )
     })?;
-    // what mimics a joint of the group, or is mimicked by one, moves with it
+    // joints that mimic a joint of the group, or that one of its joints mimics, move with it
     let driver = |id: JointId| match robot.joint(id).mimic {
         Some(mimic) => (mimic.multiplier != 0.0).then_some(mimic.joint),
         None => Some(id),
@@ -134,7 +134,7 @@ fn links_of_group(robot: &RobotModel, name: &str) -> Result<Option<HashSet<LinkI
         links.insert(robot.root());
     }
     if links.is_empty() {
-        // no pair of the group: nothing would be proven
+        // no pair of the group would be checked: nothing would be proven
         return Err(format!(
             "group_name: group {} has no joint and no link of the robot's URDF",
             quoted_list(&[name.to_owned()])
@@ -157,7 +157,7 @@ fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
     checker.robot().link_by_name(&checker.world().attached_object(id).link)
 }
 
-/// The positions of the request over the current ones.
+/// The positions of the request, merged into the current ones.
 fn configuration(
     robot: &Arc<RobotModel>,
     state: &RobotState,
@@ -193,14 +193,14 @@ fn configuration(
     named.configuration(rest, &positions).map_err(refuse)
 }
 
-/// Where the robot is now, if that is known.
+/// Current configuration of the robot, if it is known.
 fn placement<'s>(situation: &Situation<'s>) -> Option<&'s CheckedState> {
     let evaluation = situation.evaluation?;
     let same = evaluation.revision.as_ref()?.model == situation.scene.revision.model;
     evaluation.placement.as_deref().filter(|_| same)
 }
 
-/// The positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must stand at zero.
+/// Positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must be at zero.
 fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(String, f64)>, String> {
     let (names, transforms) = (&given.joint_names, &given.transforms);
     if names.len() != transforms.len() {
@@ -230,8 +230,8 @@ fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(
     Ok(placed)
 }
 
-/// The scene with what the request says that the robot holds; `None` if that changes nothing. As in `MoveIt`, what the robot no longer holds in it
-/// is gone, and not put into the world.
+/// The scene with the attached objects of the request; `None` if that changes nothing. As in `MoveIt`, a detached object is
+/// removed, not put into the world.
 fn with_request(
     state: &RobotState,
     scene: &Scene,
@@ -248,12 +248,12 @@ fn with_request(
     let (transforms, now) = (situation.transforms, situation.now.ros);
     let context_at = |poses| SceneContext::new(robot, poses, transforms, now, parameters.transform_ttl);
     let asked = context_at(Some(poses));
-    // what is taken up from the world is taken up where the robot is now
+    // objects attached from the world are attached at the robot's current configuration
     let placement = placement(situation);
     let today = context_at(placement.map(|checked_state| &checked_state.poses));
     let (mut changed, mut applied) = (scene.clone(), Applied::default());
     let attached = std::mem::take(&mut read.change.attached);
-    // what a state that is no difference may not say is refused with the rest of it
+    // operations that a complete state must not contain are rejected together with the rest of the state
     let is_diff = read.change.is_diff;
     let (possible, refused): (Vec<_>, Vec<_>) =
         attached.into_iter().partition(|change| is_diff || change.object.operation == Operation::Add);
@@ -277,8 +277,8 @@ fn with_request(
     }
 }
 
-/// What is known about a contact. Where no normal is known, it points from the middle of the first body towards the contact; where no
-/// depth is, it is zero.
+/// Converts a contact. If the normal is unknown, it points from the middle of the first body towards the contact; if the depth is
+/// unknown, it is zero.
 fn contact(
     checker: &CollisionChecker,
     (a, b): (BodyId, BodyId),

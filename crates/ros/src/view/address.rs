@@ -1,26 +1,26 @@
-//! Where the view is served.
+//! Address of the view's web server.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::str::FromStr;
 
-/// The port that is tried first, if the user names none.
+/// Port that is tried first if the user names none.
 const USUAL_PORT: u16 = 8642;
 
 /// An address of this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ViewAddress {
     pub(super) socket: SocketAddr,
-    /// Another port will do if this one is taken.
+    /// Whether another port is used if this one is taken.
     pub(super) any_port: bool,
 }
 
-/// A text that is no address.
+/// Error: a text that is not an address.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{0}' is no address: give PORT, IP or IP:PORT, such as 8080 or 127.0.0.1:8080")]
 pub struct ViewAddressError(String);
 
 impl Default for ViewAddress {
-    /// For browsers on this machine.
+    /// The loopback interface, for browsers on this machine.
     fn default() -> Self {
         Self::usual(IpAddr::V4(Ipv4Addr::LOCALHOST))
     }
@@ -31,7 +31,7 @@ impl ViewAddress {
         Self { socket: SocketAddr::new(ip, USUAL_PORT), any_port: true }
     }
 
-    /// Whether no other machine can reach it.
+    /// Whether the address is unreachable from other machines.
     #[must_use]
     pub fn is_private(&self) -> bool {
         self.socket.ip().is_loopback()
@@ -41,7 +41,7 @@ impl ViewAddress {
 impl FromStr for ViewAddress {
     type Err = ViewAddressError;
 
-    /// An empty text is the default; a port alone is one of the loopback interface.
+    /// An empty text is the default address; a port without an IP address means the loopback interface.
     fn from_str(text: &str) -> Result<Self, ViewAddressError> {
         let at = |socket: SocketAddr| Self { socket, any_port: false };
         if text.is_empty() {

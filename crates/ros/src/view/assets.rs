@@ -1,6 +1,6 @@
-//! The page as it was built from `view/src` (`view/build.sh`); the program carries it.
+//! Files of the web page, built from `view/src` by `view/build.sh` and embedded in the program.
 
-/// A file of the page.
+/// A file of the web page.
 pub struct Asset {
     pub path: &'static str,
     pub kind: &'static str,

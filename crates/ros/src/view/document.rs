@@ -1,18 +1,18 @@
-//! Geometry for a browser: a JSON text, and the numbers of large things behind it.
+//! Geometry document for a browser: a JSON text, followed by the binary data of large arrays.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 4 | length of the text in bytes, a multiple of four |
-//! | that many | the text, filled up with spaces |
-//! | the rest | float32 and uint32, all little-endian; the text says from which to which |
+//! | that many | the text, padded with spaces |
+//! | the rest | float32 and uint32, all little-endian; the text contains the range of each array |
 
 use hyper::body::Bytes;
 use serde::Serialize;
 
-/// Numbers of one kind: the first and how many.
+/// Range of an array of one number type: index of the first element, and count.
 pub type Span = [usize; 2];
 
-/// The numbers of a document.
+/// Binary part of a document.
 #[derive(Debug, Default)]
 pub struct Numbers(Vec<u8>);
 
@@ -31,9 +31,9 @@ impl Numbers {
         [first, self.0.len() / 4 - first]
     }
 
-    /// The document with this text.
+    /// Puts the text before the arrays.
     pub fn document(self, text: &impl Serialize) -> Bytes {
-        // plain structs of numbers and names: nothing in them can fail
+        // serialising plain structs of numbers and names cannot fail
         let mut text = serde_json::to_vec(text).unwrap_or_default();
         text.resize(text.len().next_multiple_of(4), b' ');
         let length = u32::try_from(text.len()).unwrap_or_default();

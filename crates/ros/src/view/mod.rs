@@ -1,16 +1,16 @@
-//! The live view: robot and world in a web browser, as the monitor judges them.
+//! The live view: shows robot and world in a web browser, with the results of the monitor.
 //!
 //! ```text
-//! monitor loop ──observer──> slot (the last evaluation) <──at its own pace── server ──HTTP──> browsers: view/src
+//! monitor loop ──observer──> slot (the last evaluation) <──at its own rate── server ──HTTP──> browsers: view/src
 //! ```
 //!
-//! | path | what |
+//! | path | content |
 //! |---|---|
-//! | `/`, `/view.js`, `/view.css`, `/licences.txt` | the page, built from `view/` and carried by the program |
-//! | `/robot`, `/world` | geometry: bodies and shapes as JSON, with the numbers of meshes and clouds behind it |
+//! | `/`, `/view.js`, `/view.css`, `/licences.txt` | the page, built from `view/` and embedded in the program |
+//! | `/robot`, `/world` | geometry: bodies and shapes as JSON, followed by the binary data of meshes and clouds |
 //! | `/updates` | server-sent events: status, distances, poses |
 //!
-//! The monitor leaves a evaluation in the slot and goes on; it waits for no browser. No path opens a file.
+//! The monitor stores each evaluation in the slot and continues; it never waits for a browser. No path opens a file.
 
 mod address;
 mod assets;

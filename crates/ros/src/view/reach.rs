@@ -1,26 +1,26 @@
-//! How far the robot reaches: what the camera keeps in the picture.
+//! Estimated reach of the robot, for the camera of the view.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_robot::{Link, LinkId, LinkPoses, RobotModel};
 
-/// Configurations that are looked at.
+/// Number of sampled configurations.
 const SAMPLES: usize = 400;
 
-/// The farthest (m) from the root that is kept in the picture: a limit of a sliding joint may be any number.
+/// Largest reach (m) from the root that is used: the limits of a prismatic joint may be arbitrarily large.
 const FARTHEST: f64 = 20.0;
 
-/// A sphere around a shape of a link, in the frame of the link.
+/// Bounding sphere of a shape, in the frame of its link.
 struct Sphere {
     link: LinkId,
     centre: Point,
     radius: f64,
 }
 
-/// Lower and upper corner (root frame, m) of a box around the robot in many configurations within its joint limits; planar and
-/// floating joints stay where they are by default. `None` without geometry.
+/// Lower and upper corner (root frame, m) of a box around the robot in many configurations within its joint limits. Planar and
+/// floating joints keep their default positions. `None` without geometry.
 ///
-/// For pictures only: it comes from samples, so the robot may reach a little farther.
+/// For display only: the box comes from samples, so the robot may reach a little farther.
 pub fn sampled_reach(robot: &RobotModel) -> Option<[Vector; 2]> {
     let links = robot.link_ids().zip(robot.links());
     let spheres: Vec<Sphere> = links.flat_map(|(id, link)| spheres(id, link)).collect();
@@ -47,7 +47,7 @@ fn spheres(id: LinkId, link: &Link) -> impl Iterator<Item = Sphere> + '_ {
                 let (low, high) = mesh.bounds();
                 (nalgebra::center(&low, &high), 0.5 * nalgebra::distance(&low, &high))
             }
-            // not in a URDF
+            // these shapes do not occur in a URDF
             Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => return None,
         };
         Some(Sphere { link: id, centre: collision.pose_ls * centre, radius })

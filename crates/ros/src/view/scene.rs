@@ -1,4 +1,4 @@
-//! What there is to see: links, obstacles and attached objects with the shapes that are checked.
+//! Geometry documents: links, obstacles and attached objects with the shapes that are checked.
 
 use clearance_geometry::math::{Extremes, Pose};
 use clearance_geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
@@ -12,11 +12,11 @@ use serde::Serialize;
 use super::document::{Numbers, Span};
 use super::reach::sampled_reach;
 
-/// Triangles in one document at most; what has more is shown as the box around it.
+/// Largest number of triangles in one document. Meshes beyond it are shown as their bounding boxes.
 const TRIANGLES_SHOWN: usize = 1_000_000;
-/// Balls of one cloud at most, evenly taken.
+/// Largest number of balls shown for one cloud, sampled evenly.
 const POINTS_SHOWN: usize = 50_000;
-/// Cubes of one octree at most, evenly taken.
+/// Largest number of cubes shown for one octree, sampled evenly.
 const CUBES_SHOWN: usize = 50_000;
 
 #[derive(Serialize)]
@@ -25,9 +25,9 @@ struct Robot<'a> {
     name: &'a str,
     frame: &'a str,
     links: Vec<DrawnBody<'a>>,
-    /// By link: its pose while no joint state is known, in the default configuration.
+    /// By link: its pose in the default configuration, which is shown while no joint state is known.
     default_poses: Vec<[f32; 7]>,
-    /// Lower and upper corner (root frame) of a box around all that the robot can reach.
+    /// Lower and upper corner (root frame) of a box around the reach of the robot.
     reach: Option<[[f32; 3]; 2]>,
 }
 
@@ -37,16 +37,16 @@ struct Surroundings<'a> {
     world: u64,
     obstacles: Vec<DrawnBody<'a>>,
     attached: Vec<DrawnBody<'a>>,
-    /// By link: the factor of its shapes.
+    /// By link: scale factor of its shapes.
     link_scales: Vec<f32>,
-    /// The largest padding (m) that is taken off the distance of a pair. Padding is not drawn.
+    /// The largest padding (m) that is subtracted from the distance of a pair. Padding is not drawn.
     largest_padding: f32,
 }
 
 #[derive(Serialize)]
 struct DrawnBody<'a> {
     name: &'a str,
-    /// The link that carries it; without one it stands in the root frame.
+    /// The link that carries the object; `None`: its poses are in the root frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     link: Option<&'a str>,
     shapes: Vec<DrawnShape>,
@@ -58,11 +58,12 @@ struct DrawnShape {
     pose: [f32; 7],
     #[serde(flatten)]
     form: Form,
-    /// Not all of it is shown, or only the box around it.
+    /// Whether only a part of the shape is shown, or only its bounding box.
     coarse: bool,
 }
 
-/// Lengths in metres; spans of numbers, three a vertex, a triangle or a point, four a cube (centre, half edge).
+/// Shape to draw. Lengths in metres. Ranges of numbers: three for a vertex, a triangle or a point, four for a cube (centre, half
+/// edge).
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum Form {
@@ -77,7 +78,7 @@ enum Form {
     Cubes { cubes: Span },
 }
 
-/// The links of a robot, each in its own frame.
+/// Document with the links of a robot, each in its own frame.
 pub fn robot(revision: &Revision) -> Bytes {
     let robot = revision.checker.robot();
     let mut sketch = Sketch::default();
@@ -106,7 +107,7 @@ fn largest_padding(settings: &Settings) -> f64 {
     of_links + settings.object_padding.values().copied().fold(0.0, f64::greater)
 }
 
-/// What stands around the robot and what it holds.
+/// Document with the obstacles and the attached objects.
 pub fn world(revision: &Revision) -> Bytes {
     let checker = &revision.checker;
     let (world, settings) = (checker.world(), checker.settings());
@@ -134,7 +135,7 @@ pub fn world(revision: &Revision) -> Bytes {
     })
 }
 
-/// A document in the making.
+/// Builder of a document.
 #[derive(Default)]
 struct Sketch {
     numbers: Numbers,
@@ -142,7 +143,7 @@ struct Sketch {
 }
 
 impl Sketch {
-    /// The shapes of an object at a pose, each larger by a factor.
+    /// The shapes of an object at a pose, each scaled by a factor.
     fn shapes(&mut self, pose: &Pose, shapes: &[ObstacleShape], scale: Option<&f64>) -> Vec<DrawnShape> {
         let scaled = |shape: &Shape| scale.and_then(|&factor| shape.scaled(factor).ok());
         let draw = |placed: &ObstacleShape| {

@@ -1,4 +1,4 @@
-//! The server of the view: one thread, a bounded number of connections, none of them for ever.
+//! HTTP server of the view: one thread, and a bounded number of connections with timeouts.
 
 use std::convert::Infallible;
 use std::net::SocketAddr;
@@ -21,19 +21,19 @@ use super::slot::Slot;
 use super::watched_stream::WatchedStream;
 use crate::Observer;
 
-/// Connections at once; a page needs two beside its updates.
+/// Largest number of connections at once; a page needs two beside its updates.
 const CONNECTIONS: usize = 4 * VIEWERS;
 
-/// How long a browser may take for its request.
+/// Timeout for receiving a request.
 const REQUEST_TIME: Duration = Duration::from_secs(5);
 
-/// How long a browser may take nothing of what it asked for.
+/// Timeout for a browser that does not read its response.
 const STANDSTILL: Duration = Duration::from_secs(5);
 
-/// Bytes of a request, and of an answer on its way, at most.
+/// Largest size (bytes) of a request, and of the unsent part of a response.
 const BUFFER: usize = 64 << 10;
 
-/// A view that can not be opened.
+/// Error: the server of the view cannot be started.
 #[derive(Debug, thiserror::Error)]
 #[error("the view can not be served at {address}: {error}")]
 pub struct ViewError {
@@ -41,7 +41,7 @@ pub struct ViewError {
     error: std::io::Error,
 }
 
-/// A view that is being served, until this is dropped.
+/// A running server of the view; dropping it stops the server.
 #[derive(Debug)]
 pub struct View {
     url: String,
@@ -51,7 +51,7 @@ pub struct View {
 }
 
 impl View {
-    /// Serves robot and world at an address.
+    /// Starts the server at an address.
     pub fn open(address: &ViewAddress) -> Result<Self, ViewError> {
         let failed = |error| ViewError { address: address.socket, error };
         let (listener, socket) = listen(address).map_err(failed)?;
@@ -63,13 +63,13 @@ impl View {
         Ok(Self { url: format!("http://{socket}/"), slot, stop, thread: Some(thread) })
     }
 
-    /// Where browsers find it.
+    /// URL of the page.
     #[must_use]
     pub fn url(&self) -> &str {
         &self.url
     }
 
-    /// What takes evaluations to the view; it never waits.
+    /// Callback that passes evaluations to the view; it never waits.
     #[must_use]
     pub fn observer(&self) -> Observer {
         let slot = Arc::clone(&self.slot);
@@ -81,7 +81,7 @@ impl Drop for View {
     fn drop(&mut self) {
         self.stop.close();
         if let Some(thread) = self.thread.take() {
-            // a view that failed took nothing with it
+            // a panic of the view's thread has no effect on the node
             let _ = thread.join();
         }
     }
@@ -104,7 +104,7 @@ fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     let accept = async {
         loop {
-            // whoever comes when all places are taken waits in the system's queue
+            // further connections wait in the system's queue until one of these ends
             let place = places.acquire_arc().await;
             match listener.accept().await {
                 Ok((stream, _)) => {
@@ -123,13 +123,13 @@ fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
         }
     };
     let stop = async {
-        // nothing is ever sent: closing the channel is the sign
+        // no message is ever sent: closing the channel signals the end
         let _ = stopped.recv().await;
     };
     smol::block_on(executor.run(future::or(stop, accept)));
 }
 
-/// Answers one request.
+/// Handles one connection with one request.
 async fn converse(stream: TcpStream, site: &Arc<Site>) {
     let stream = WatchedStream::new(stream);
     let blocked = stream.blocked();

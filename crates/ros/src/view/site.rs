@@ -1,4 +1,4 @@
-//! What is answered to which request.
+//! Responses to HTTP requests.
 
 use std::convert::Infallible;
 use std::net::IpAddr;
@@ -21,36 +21,36 @@ use super::scene;
 use super::slot::{Said, Slot};
 use super::update::update;
 
-/// Time between two updates of one browser at least.
+/// Shortest time between two updates of one browser.
 const UPDATE_PERIOD: Duration = Duration::from_millis(33);
 
-/// Time between two updates at most: a page that hears nothing for longer knows that nothing is known.
+/// Longest time between two updates. A page without updates for longer shows that nothing is known.
 const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 
-/// How long one stream of updates lasts. Browsers ask for another one at once, and who reads nothing loses its seat: megabytes of
-/// updates fit into the buffers of the systems between, so that a connection does not show it for minutes.
+/// Duration of one stream of updates. Browsers request another one at once, while a browser that reads nothing loses its place. The
+/// buffers of both systems hold megabytes of updates, so the connection itself would not show this for minutes.
 const STREAM_TIME: Duration = Duration::from_secs(4);
 
-/// Milliseconds after which a browser asks again, as the first line of a stream.
+/// First line of a stream: time (ms) after which a browser reconnects.
 const RETRY: &str = "retry: 20\n";
 
-/// Browsers that are kept up to date at once.
+/// Largest number of browsers that receive updates at once.
 pub const VIEWERS: usize = 8;
 
-/// Documents of geometry that are in memory at once: whoever asks for another waits for one to be taken.
+/// Largest number of geometry documents in memory at once. Further requests wait until one has been sent.
 const DOCUMENTS: usize = 2;
 
-/// Bytes of an answer that are written at once.
+/// Size (bytes) of the pieces in which a response is written.
 const CHUNK: usize = 64 << 10;
 
-/// The page loads nothing from anywhere else, and no other page can show or read it.
+/// Content security policy: the page loads nothing from other origins, and no other page can embed or read it.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 type Chunks = Pin<Box<dyn Stream<Item = Result<Frame<Bytes>, Infallible>> + Send>>;
 pub type Answer = Response<StreamBody<Chunks>>;
 
-/// All that there is to ask for.
+/// Handles all requests.
 #[derive(Debug)]
 pub struct Site {
     slot: Arc<Slot>,
@@ -87,15 +87,15 @@ impl Site {
         }
     }
 
-    /// A document about the robot and world that were judged last.
+    /// Document about the robot and world of the last evaluation.
     async fn geometry(&self, document: fn(&Revision) -> Bytes) -> Answer {
         let seat = self.documents.acquire_arc().await;
         let said = self.slot.last().clone();
         let Some(revision) = said.and_then(|said| said.evaluation.revision.clone()) else {
             return refusal(StatusCode::NOT_FOUND, "there is no robot yet");
         };
-        // large meshes take a while; other browsers go on meanwhile
-        // the seat goes with the work, which goes on when the browser has left
+        // building large meshes takes a while, so it runs on another thread and other browsers continue
+        // the permit belongs to that work, which continues after the browser has disconnected
         let (document, seat) = smol::unblock(move || (document(&revision), seat)).await;
         whole(StatusCode::OK, "application/octet-stream", document, Some(seat))
     }
@@ -113,12 +113,12 @@ impl Site {
     }
 }
 
-/// A browser that is kept up to date.
+/// Update stream of one browser.
 struct Viewer {
     slot: Arc<Slot>,
     _seat: SemaphoreGuardArc,
     since: Instant,
-    /// What was sent last, and when.
+    /// Last update sent, and its time.
     last: Option<(Option<Arc<Said>>, Instant)>,
 }
 
@@ -127,9 +127,9 @@ impl Viewer {
         Self { slot, _seat: seat, since: Instant::now(), last: None }
     }
 
-    /// The newest evaluation, when what came before is on its way, as soon as there is a new one and not too often; the last one again
-    /// after a pause.
-    /// Nothing when the stream has lasted long enough.
+    /// Waits for the next update: the newest evaluation once there is one, at most once per `UPDATE_PERIOD`, or the last one
+    /// again after a pause.
+    /// `None` when the stream has reached its duration.
     async fn next_event(&mut self) -> Option<Bytes> {
         while self.since.elapsed() < STREAM_TIME {
             let said = self.slot.last().clone();
@@ -150,8 +150,8 @@ impl Viewer {
     }
 }
 
-/// Whether the name that a browser asked for is a number or `localhost`. Any other name may have been pointed here by a
-/// stranger's page, which could then read what is shown (DNS rebinding).
+/// Whether the host name in the request is an IP address or `localhost`. Any other name may have been pointed to this machine by
+/// another site's page, which could then read the view (DNS rebinding).
 fn is_for_this_machine(headers: &HeaderMap) -> bool {
     let mut hosts = headers.get_all(header::HOST).iter();
     let (Some(host), None) = (hosts.next(), hosts.next()) else {
@@ -165,7 +165,7 @@ fn is_for_this_machine(headers: &HeaderMap) -> bool {
         && (name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok())
 }
 
-/// Whether a request comes from a page of this view, or from no page: a browser names the origin of any other page that reads it.
+/// Whether a request comes from a page of this view, or from no page. For any other page, the browser sends its origin.
 fn is_of_same_origin(headers: &HeaderMap) -> bool {
     let mut origins = headers.get_all(header::ORIGIN).iter();
     let (origin, another) = (origins.next(), origins.next());
@@ -174,7 +174,7 @@ fn is_of_same_origin(headers: &HeaderMap) -> bool {
         origin.is_none_or(|origin| own.is_some_and(|own| origin.as_bytes().eq_ignore_ascii_case(&own)));
     let is_from_another_site =
         headers.get("sec-fetch-site").is_some_and(|site| site == "cross-site" || site == "same-site");
-    // a link to the page itself may stand anywhere
+    // any site may link to the page itself
     let is_navigation = headers.get("sec-fetch-mode").is_some_and(|mode| mode == "navigate");
     is_own && another.is_none() && (!is_from_another_site || is_navigation)
 }
@@ -183,7 +183,7 @@ fn refusal(status: StatusCode, why: &'static str) -> Answer {
     whole(status, TEXT, Bytes::from_static(why.as_bytes()), None)
 }
 
-/// An answer of known length, piece by piece; its seat, if it has one, becomes free when it is taken.
+/// Response of known length, sent piece by piece. Its permit, if it has one, is released once it has been sent.
 fn whole(status: StatusCode, kind: &'static str, content: Bytes, seat: Option<SemaphoreGuardArc>) -> Answer {
     let length = content.len();
     let chunks = stream::unfold((content, seat), |(mut left, seat)| async {

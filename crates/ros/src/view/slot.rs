@@ -1,25 +1,25 @@
-//! The last evaluation, handed over without a lock: whoever is slow sees the newest one, never a queue of old ones.
+//! Slot with the last evaluation, exchanged without a lock: a slow reader receives the newest one, never a queue of old ones.
 
 use std::time::Instant;
 
 use arc_swap::{ArcSwapOption, Guard};
 use clearance_monitor::{Evaluation, MonitorSettings};
 
-/// A evaluation and when it was made.
+/// An evaluation and its time.
 #[derive(Debug)]
 pub struct Said {
     pub evaluation: Evaluation,
     pub at: Instant,
-    /// What it was made with: when it is stale, and when the next one comes at the latest.
+    /// Settings in use: they define when the evaluation is stale, and the latest time of the next one.
     pub settings: MonitorSettings,
 }
 
-/// Holds what was said last.
+/// Slot with the last evaluation.
 #[derive(Debug, Default)]
 pub struct Slot(ArcSwapOption<Said>);
 
 impl Slot {
-    /// Leaves a evaluation here.
+    /// Stores an evaluation.
     pub fn put(&self, evaluation: &Evaluation, settings: &MonitorSettings) {
         let said = Said { evaluation: evaluation.clone(), at: Instant::now(), settings: settings.clone() };
         self.0.store(Some(said.into()));

@@ -1,4 +1,4 @@
-//! The view without a browser: what is said, to whom, and that nobody holds it up.
+//! The view without a browser: content, access control, and that no client can block it.
 
 use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Pose, Vector};
@@ -19,7 +19,7 @@ use super::slot::Said;
 use super::update::update;
 use super::{ViewAddress, scene};
 
-/// A ball on an arm of one metre, that meets the box of the base at pi.
+/// A ball on an arm of one metre. The ball touches the box of the base at pi.
 const URDF: &str = r#"<robot name="folder">
   <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
   <link name="upper"/>
@@ -34,7 +34,7 @@ const URDF: &str = r#"<robot name="folder">
   </joint>
 </robot>"#;
 
-/// Ten heartbeats a second.
+/// Settings with ten heartbeats a second.
 fn settings() -> MonitorSettings {
     MonitorSettings { distance_limit: 5.0, stale_after: 3600.0, ..MonitorSettings::default() }
 }
@@ -49,7 +49,7 @@ fn now() -> Now {
     Now { ros: Some(Time::from_nanoseconds(1_000_000_000)), steady: Duration::from_secs(1) }
 }
 
-/// What a monitor says about an elbow.
+/// Evaluation of the monitor for an elbow position.
 fn evaluation(elbow: f64) -> Evaluation {
     let mut monitor = Monitor::new(settings(), || Duration::ZERO);
     monitor.set_checker(revision(&World::default(), Settings::default()));
@@ -62,7 +62,7 @@ fn evaluation(elbow: f64) -> Evaluation {
     monitor.on_joint_state(input, now())
 }
 
-/// What a page is told `later` than it was said.
+/// The update that a page receives `later` after the evaluation.
 fn told(evaluation: &Evaluation, later: Duration) -> Value {
     told_with(evaluation, settings(), later)
 }
@@ -123,7 +123,7 @@ fn what_has_become_stale_since_is_not_shown_as_free() {
     assert!(stale["poses"].is_null() && stale.get("nearest").is_none());
 }
 
-/// The text of a document, and the numbers behind it.
+/// Splits a document into its text and its numbers.
 fn opened(document: &[u8]) -> (Value, Vec<[u8; 4]>) {
     let length = u32::from_le_bytes(document[..4].try_into().unwrap()) as usize;
     let (text, numbers) = document[4..].split_at(length);
@@ -195,7 +195,7 @@ fn a_mesh_comes_with_its_triangles() {
     assert_eq!(corners, [0, 1, 2]);
 }
 
-/// A view on a port of its own, and where it is.
+/// A view on a free port, and its address.
 fn view() -> (View, SocketAddr) {
     let view = View::open(&"0".parse().unwrap()).unwrap();
     let socket = view.url().trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
@@ -209,7 +209,7 @@ fn ask(socket: SocketAddr, request: &str) -> TcpStream {
     stream
 }
 
-/// The answer to a request, as far as it goes.
+/// The response to a request, as far as it was sent.
 fn answer(socket: SocketAddr, line: &str, host: &str) -> String {
     let mut text = Vec::new();
     let mut stream = ask(socket, &format!("{line} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
@@ -217,7 +217,7 @@ fn answer(socket: SocketAddr, line: &str, host: &str) -> String {
     String::from_utf8_lossy(&text).into_owned()
 }
 
-/// Reads until some text has come.
+/// Reads until a text was received.
 fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
     let mut text = String::new();
     while !text.contains(wanted) {
@@ -229,7 +229,7 @@ fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
     text
 }
 
-/// Judges and asks for updates until there is room, and until one of them says this.
+/// Publishes the evaluation and requests updates until there is a free place and an update contains the text.
 fn seated(view: &View, wanted: &str, evaluation: &Evaluation) {
     let socket = view.url().trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
@@ -278,9 +278,9 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     for _ in 0..1000 {
         observer(&free, &settings());
     }
-    // a lock, a queue or a write to a browser would take far longer than this
+    // a lock, a queue or a write to a browser would take far longer
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
-    // who leaves makes room
+    // a browser that disconnects frees its place
     browsers.pop();
     seated(&view, "FREE", &free);
     seated(&view, "COLLIDING", &evaluation(std::f64::consts::PI));
@@ -310,7 +310,7 @@ fn a_browser_that_never_completes_its_request_is_dropped() {
     for begun in ["", "GET /updates HTTP/1.1\r\nHost: localhost\r\nX: "] {
         let mut stream = ask(socket, begun);
         let mut writer = stream.try_clone().unwrap();
-        // one byte at a time, for ever
+        // sends one byte at a time without end
         let (stop, stopped) = std::sync::mpsc::channel::<()>();
         let drip = std::thread::spawn(move || {
             use std::sync::mpsc::RecvTimeoutError::Timeout;
@@ -320,7 +320,7 @@ fn a_browser_that_never_completes_its_request_is_dropped() {
                 }
             }
         });
-        // the end of the connection, or an error of it; the read itself has a deadline
+        // the connection ends or fails; the read itself has a deadline
         let ended = stream.read_to_end(&mut Vec::new());
         let timed_out = ended.as_ref().is_err_and(|e| e.kind() == std::io::ErrorKind::WouldBlock);
         drop(stop);
@@ -355,7 +355,7 @@ fn a_view_ends_when_it_is_dropped() {
     read_until(&mut browser, "\"status\"");
     drop(view);
     let mut rest = Vec::new();
-    // the connection ends, in whichever way
+    // the connection ends, regularly or with an error
     let _ = browser.read_to_end(&mut rest);
     assert!(TcpStream::connect(socket).is_err());
 }

@@ -1,4 +1,4 @@
-//! A evaluation as the page reads it.
+//! Conversion of an evaluation to the update that the page reads.
 
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_geometry::math::Point;
@@ -11,22 +11,22 @@ use std::time::{Duration, Instant};
 use super::scene::{pose_numbers, short};
 use super::slot::Said;
 
-/// Near pairs in one update at most, and colliding pairs.
+/// Largest number of near pairs, and of colliding pairs, in one update.
 const PAIRS_SHOWN: usize = 200;
 
-/// Lengths in metres, times in seconds.
+/// An update. Lengths in metres, times in seconds.
 #[derive(Serialize)]
 struct Update<'a> {
     status: &'static str,
     reason: Option<String>,
     reason_code: Option<&'static str>,
     warnings: &'a [String],
-    /// Which geometry this is about; 0 without a robot.
+    /// Number of the robot model that this refers to; 0 without a robot.
     model: u64,
     world: u64,
     /// Age of the joint state.
     age: Option<f64>,
-    /// By link, as in the robot's document; absent when it is not known where the robot is.
+    /// By link, as in the robot's document; absent when the robot's configuration is unknown.
     poses: Option<Vec<[f32; 7]>>,
     #[serde(flatten)]
     findings: Option<Findings<'a>>,
@@ -36,7 +36,7 @@ struct Update<'a> {
 struct Findings<'a> {
     compute_time: f64,
     pairs_checked: usize,
-    /// Proven time before which nothing touches, after the joint state's stamp.
+    /// Proven time without contact, after the joint state's stamp.
     free_for: Option<f64>,
     nearest: Option<Pair<'a>>,
     near: Vec<Pair<'a>>,
@@ -52,15 +52,15 @@ struct Pair<'a> {
     witness_points: [[f32; 3]; 2],
 }
 
-/// The kind of a body and its name: of one kind no two have the same.
+/// Kind and name of a body, which together are unique.
 type Name<'a> = (&'static str, &'a str);
 
-/// How long the monitor may be silent before its last word says nothing any more.
+/// How long the last evaluation stays valid without a new one.
 fn patience(heartbeat: Duration) -> Duration {
     2 * heartbeat + Duration::from_secs(1)
 }
 
-/// What is known now, as JSON; without a evaluation, that nothing is.
+/// Current status as JSON; without an evaluation, UNKNOWN.
 pub fn update(said: Option<&Said>, now: Instant) -> String {
     let Some(Said { evaluation, at, settings }) = said else {
         return json(&nothing_known("the node has not said anything yet".to_owned(), "silent"));
@@ -93,7 +93,7 @@ pub fn update(said: Option<&Said>, now: Instant) -> String {
     })
 }
 
-/// What was right when it was said may have become stale since.
+/// The reason if the evaluation has become stale since it was made.
 fn gone_stale(evaluation: &Evaluation, age: f64, settings: &MonitorSettings) -> Option<Reason> {
     let stale_after = settings.stale_after;
     let is_stale = evaluation.checked_state.is_some() && age > stale_after;
@@ -115,7 +115,7 @@ fn nothing_known(reason: String, code: &'static str) -> Update<'static> {
 }
 
 fn json(update: &Update) -> String {
-    // plain structs of numbers and names: nothing in them can fail
+    // serialising plain structs of numbers and names cannot fail
     serde_json::to_string(update).unwrap_or_default()
 }
 

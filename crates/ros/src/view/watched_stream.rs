@@ -1,4 +1,4 @@
-//! A connection that knows since when its peer takes nothing.
+//! TCP connection that records since when its peer reads nothing.
 
 use std::io;
 use std::pin::Pin;
@@ -10,17 +10,17 @@ use smol::Timer;
 use smol::io::{AsyncRead, AsyncWrite};
 use smol::net::TcpStream;
 
-/// Time between two looks at whether the peer takes something.
+/// Time between two checks of whether the peer reads.
 const PERIOD: Duration = Duration::from_millis(500);
 
-/// Passes everything on, and notes when the peer does not take it.
+/// Forwards all operations, and records when a write blocks.
 #[derive(Debug)]
 pub struct WatchedStream {
     stream: TcpStream,
     blocked: Blocked,
 }
 
-/// Since when a peer takes nothing of what waits for it, if it does not.
+/// Time since which a peer has not read the pending data, if any.
 #[derive(Clone, Debug, Default)]
 pub struct Blocked(Arc<Mutex<Option<Instant>>>);
 
@@ -40,7 +40,7 @@ impl Blocked {
         *since = if is_blocked { since.or_else(|| Some(Instant::now())) } else { None };
     }
 
-    /// Returns once the peer has taken nothing for that long.
+    /// Returns once the peer has read nothing for this time.
     pub async fn for_long(&self, time: Duration) {
         loop {
             let since = *self.0.lock().unwrap_or_else(PoisonError::into_inner);

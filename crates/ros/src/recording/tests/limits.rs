@@ -1,4 +1,4 @@
-//! What does not fit, is too long, or is there already.
+//! Limits: full queue, recording that is too long, file that exists already.
 
 use std::time::Instant;
 
@@ -44,7 +44,7 @@ fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
         assert!(Instant::now() < deadline, "the recording goes on");
         std::thread::yield_now();
     }
-    // nobody listens any more, and nobody minds
+    // the recorder has ended; further events cause no error
     first.turn(0.1);
     first.end();
     let mut second = Cell::start(folder.path());
@@ -56,7 +56,7 @@ fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
     assert_eq!(again(&folder.path().join("record_1.mcap")).unwrap().same, 2);
 }
 
-/// What a recorder says of what it can not write, as soon as it does.
+/// Waits for the recorder's fault and returns it.
 fn fault(tape: &RecorderHandle) -> String {
     let end = Instant::now() + Duration::from_secs(30);
     while Instant::now() < end {

@@ -1,4 +1,4 @@
-//! States that `check_state_validity` is asked about.
+//! States that `check_state_validity` evaluates.
 
 use super::*;
 
@@ -86,7 +86,7 @@ fn moved_by([x, y, z]: [f64; 3]) -> Transform {
     transform
 }
 
-/// A ball that drives in the plane, 1 m before the origin, and an arm on it with a ball at 0.5 m.
+/// A ball on a planar joint with its origin at x = 1 m, and an arm on it with a ball at 0.5 m.
 const ROVER: &str = "<robot name='two_link'><link name='odom'/>\
 <link name='base'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>\
 <link name='arm'><collision><origin xyz='0.5 0 0'/><geometry><sphere radius='0.1'/></geometry></collision></link>\
@@ -112,7 +112,7 @@ fn planar_joints_are_read_from_transforms() {
     };
     let ask = |request: &GetStateValidityRequest| ask(&scene, &[], request);
     assert!(ask(&place("drive", [0.0; 3], 0.0)).unwrap().valid);
-    // the base in the pillar, and the arm in it once the base is turned
+    // the base is in the pillar; the arm is in it once the base is turned
     assert!(!ask(&place("drive", [2.0, 2.0, 0.0], 0.0)).unwrap().valid);
     assert!(ask(&place("drive", [2.0, 1.5, 0.0], 0.0)).unwrap().valid);
     assert!(!ask(&place("drive", [2.0, 1.5, 0.0], std::f64::consts::FRAC_PI_2)).unwrap().valid);
@@ -139,7 +139,7 @@ fn planar_joints_are_read_from_transforms() {
 
 #[test]
 fn a_group_is_judged_by_the_links_that_it_moves() {
-    // on the bar of the upper link
+    // an obstacle on the bar of the upper link
     let scene = in_force(scene(&[difference(vec![ball("a", at(0.5, 0.0, 0.06), 0.05, "")], vec![])]), vec![]);
     let of = |group: &str, positions| {
         ask(&scene, &STRETCHED, &GetStateValidityRequest { group_name: group.to_owned(), ..whole(positions) })
