@@ -36,6 +36,8 @@ pub mod doctor;
 mod enable_service;
 mod environment;
 mod flood;
+#[doc(hidden)]
+pub mod fuzzing;
 mod goals;
 #[cfg(test)]
 mod interface_text;
