@@ -33,6 +33,8 @@ mod diagnostics;
 pub mod doctor;
 mod enable_service;
 mod environment;
+#[doc(hidden)]
+pub mod fuzzing;
 mod goals;
 #[cfg(test)]
 mod interface_text;

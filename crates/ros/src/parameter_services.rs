@@ -56,7 +56,7 @@ impl ParameterStore {
     }
 
     /// Applies each valid change. The new values become active at the same time.
-    fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
+    pub fn set_each(&self, changes: &[(String, Value)]) -> Vec<Result<(), String>> {
         let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         let mut changed = values.clone();
         let results =
@@ -212,7 +212,8 @@ where
     }
 }
 
-fn changes(request: &SetParametersRequest) -> Vec<(String, Value)> {
+/// The changes that a request names, with their values.
+pub fn changes(request: &SetParametersRequest) -> Vec<(String, Value)> {
     let change = |p: &raw::Parameter| (p.name.clone(), Value::from_message(&p.value));
     request.parameter.iter().map(change).collect()
 }

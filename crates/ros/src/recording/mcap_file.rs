@@ -6,7 +6,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clearance_files::input_files;
-use mcap::records::Record;
+use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 
@@ -18,6 +18,9 @@ pub const STEPS: &str = "recording";
 
 /// Largest record (bytes) that is read: the largest attached file, plus room for its description.
 const LARGEST_RECORD: usize = (512 << 20) + (1 << 20);
+
+/// Bytes that are read at once at most. The length of a record is not trusted: memory grows with the contents of the file.
+const BYTES_AT_ONCE: usize = 1 << 20;
 
 /// Limits for one step: number of its messages, and their total size (bytes).
 const MESSAGES_OF_A_STEP: usize = 100_000;
@@ -135,6 +138,13 @@ impl RecordingFile {
                 None => return Ok(None),
                 Some(Ok(LinearReadEvent::ReadRequest(wanted))) => wanted,
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
+                    match lengths_fit(opcode, data) {
+                        None => {
+                            return Err(self.refuse("is damaged: a record is shorter than the lengths in it"));
+                        }
+                        Some(false) => continue,
+                        Some(true) => {}
+                    }
                     let record = mcap::parse_record(opcode, data).map(Record::into_owned);
                     return record.map(Some).map_err(|error| damaged(&self.path, &error));
                 }
@@ -148,7 +158,7 @@ impl RecordingFile {
                 }
                 Some(Err(error)) => return Err(damaged(&self.path, &error)),
             };
-            let space = self.reader.insert(wanted);
+            let space = self.reader.insert(wanted.min(BYTES_AT_ONCE));
             let read = self.file.read(space);
             let read = read.map_err(|error| ReadError { file: self.path.clone(), why: error.to_string() })?;
             self.reader.notify_read(read);
@@ -201,6 +211,39 @@ impl RecordingFile {
         self.bytes = 0;
         Ok(Entry::RecordStep { step: Box::new(step), messages: std::mem::take(&mut self.messages), itself })
     }
+}
+
+/// Whether a record is of a kind that is read; `None` when it is shorter than the lengths in it.
+///
+/// `mcap` reserves memory for a text before it reads it, up to 4 GiB, and panics at an attachment without a checksum.
+fn lengths_fit(opcode: u8, body: &[u8]) -> Option<bool> {
+    match opcode {
+        op::FOOTER | op::MESSAGE => {}
+        op::SCHEMA => {
+            after_texts(body.get(2..)?, 2)?;
+        }
+        op::CHANNEL => {
+            let (length, rest) = after_texts(body.get(4..)?, 2)?.split_first_chunk()?;
+            let mut metadata = rest.get(..usize::try_from(u32::from_le_bytes(*length)).ok()?)?;
+            while !metadata.is_empty() {
+                metadata = after_texts(metadata, 2)?;
+            }
+        }
+        op::ATTACHMENT => {
+            // the length of the data, and the checksum behind it
+            after_texts(body.get(16..)?, 2)?.get(..8 + 4)?;
+        }
+        _ => return Some(false),
+    }
+    Some(true)
+}
+
+/// What is behind texts, each of which begins with its length.
+fn after_texts(bytes: &[u8], count: usize) -> Option<&[u8]> {
+    (0..count).try_fold(bytes, |bytes, _| {
+        let (length, rest) = bytes.split_first_chunk()?;
+        rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
+    })
 }
 
 fn damaged(path: &Path, error: &mcap::McapError) -> ReadError {

@@ -458,6 +458,19 @@ fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused()
         (b"hello, this is no MCAP file at all", "no MCAP file"),
         // a record of 2^60 bytes
         (b"\x89MCAP0\r\n\x01\x00\x00\x00\x00\x00\x00\x00\x10abc", "damaged"),
+        // a record of 500 MiB, of which 30 bytes are there
+        (include_bytes!("../../../../fuzz/corpus/recording/record_length.mcap"), "no beginning"),
+        (include_bytes!("../../../../fuzz/corpus/recording/text_longer_than_record.mcap"), "lengths in it"),
+        (
+            include_bytes!("../../../../fuzz/corpus/recording/metadata_longer_than_record.mcap"),
+            "lengths in it",
+        ),
+        (
+            include_bytes!("../../../../fuzz/corpus/recording/attachment_without_checksum.mcap"),
+            "lengths in it",
+        ),
+        // a record that is longer than its chunk
+        (include_bytes!("../../../../fuzz/corpus/recording/record_beyond_chunk.mcap"), "damaged"),
     ] {
         std::fs::write(&file, bytes).unwrap();
         let error = again(&file).unwrap_err();

@@ -29,3 +29,4 @@ pub use orders::{
 };
 pub use services::SceneServices;
 pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms, note_transforms};
+pub use validity::{Situation, state_validity};

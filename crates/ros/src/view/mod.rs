@@ -15,6 +15,7 @@
 mod address;
 mod assets;
 mod document;
+mod in_memory;
 mod reach;
 mod scene;
 mod server;
@@ -27,4 +28,5 @@ mod watched_stream;
 mod tests;
 
 pub use address::{ViewAddress, ViewAddressError};
+pub use in_memory::respond_in_memory;
 pub use server::{View, ViewError};

@@ -10,6 +10,7 @@ use futures_lite::future;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use smol::channel::{self, Receiver, Sender};
+use smol::io::{AsyncRead, AsyncWrite};
 use smol::lock::Semaphore;
 use smol::net::{TcpListener, TcpStream};
 use smol::{LocalExecutor, Timer};
@@ -129,10 +130,15 @@ fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
     smol::block_on(executor.run(future::or(stop, accept)));
 }
 
-/// Handles one connection with one request.
+/// Responds to one request, unless the browser receives nothing of the response for too long.
 async fn converse(stream: TcpStream, site: &Arc<Site>) {
     let stream = WatchedStream::new(stream);
     let blocked = stream.blocked();
+    future::or(respond(stream, site), blocked.for_long(STANDSTILL)).await;
+}
+
+/// Answers one request.
+pub async fn respond(stream: impl AsyncRead + AsyncWrite + Unpin, site: &Arc<Site>) {
     let answers = {
         let site = Arc::clone(site);
         service_fn(move |request| {
@@ -146,10 +152,7 @@ async fn converse(stream: TcpStream, site: &Arc<Site>) {
         .keep_alive(false)
         .max_buf_size(BUFFER)
         .serve_connection(FuturesIo::new(stream), answers);
-    let talk = async {
-        if let Err(error) = connection.await {
-            log::debug!("the view: a browser has gone: {error}");
-        }
-    };
-    future::or(talk, blocked.for_long(STANDSTILL)).await;
+    if let Err(error) = connection.await {
+        log::debug!("the view: a browser has gone: {error}");
+    }
 }

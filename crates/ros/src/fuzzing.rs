@@ -1,0 +1,253 @@
+//! Entry points for the targets in `fuzz/`: untrusted bytes are decoded and applied as in the node, without a network.
+//! Not part of the public interface.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+use clearance_checker::Workspace;
+use clearance_monitor::{Evaluation, JointStateHistory, Monitor, Now, SourceId, Time};
+use clearance_motion::ContinuousDirection;
+use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::{MeshModel, Scene, TransformTree};
+use ros2_interfaces_jazzy_serde::moveit_msgs::srv::GetStateValidityRequest;
+
+use crate::cdr;
+use crate::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, MotionTerms};
+use crate::loader::Loader;
+use crate::loader_inputs::{Pass, places_of};
+use crate::messages::{collision_state, joint_state_input};
+use crate::monitor_loop::Event;
+use crate::motion_requests::{answer_motion, answer_trajectory};
+use crate::order::Order;
+use crate::parameter_services::{ParameterStore, changes};
+use crate::parameters::Parameters;
+use crate::recording::SceneDoor;
+use crate::scene::{
+    CloudMessage, Situation, attached_order, note_transforms, object_order, octomap_order, scene_order,
+    state_validity, world_order,
+};
+use crate::scene_keeper::SceneUpdateContext;
+use crate::scene_order::SceneOrder;
+use crate::state_requests::{answer_distances, answer_states};
+
+pub use crate::view::respond_in_memory;
+
+/// Longest time (s) of a check, whatever the request asks for.
+const CHECK_TIME: f64 = 0.2;
+
+/// The topic of clouds.
+const CLOUDS: &str = "points";
+
+/// Messages that the node decodes, in the order of the first byte of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MessageKind {
+    Description,
+    Semantic,
+    JointState,
+    Transforms,
+    FixedTransforms,
+    CollisionObject,
+    AttachedCollisionObject,
+    PlanningSceneWorld,
+    PlanningScene,
+    Octomap,
+    PointCloud,
+    CheckMotion,
+    CheckTrajectory,
+    CheckStates,
+    GetDistances,
+    GetStateValidity,
+    SetParameters,
+}
+
+impl MessageKind {
+    pub const ALL: [Self; 17] = [
+        Self::Description,
+        Self::Semantic,
+        Self::JointState,
+        Self::Transforms,
+        Self::FixedTransforms,
+        Self::CollisionObject,
+        Self::AttachedCollisionObject,
+        Self::PlanningSceneWorld,
+        Self::PlanningScene,
+        Self::Octomap,
+        Self::PointCloud,
+        Self::CheckMotion,
+        Self::CheckTrajectory,
+        Self::CheckStates,
+        Self::GetDistances,
+        Self::GetStateValidity,
+        Self::SetParameters,
+    ];
+}
+
+/// A node without a network: loader, monitor and services on one thread.
+#[expect(missing_debug_implementations, reason = "its parts have none")]
+pub struct OfflineNode {
+    parameters: ParameterStore,
+    monitor: Monitor,
+    loader: Loader,
+    transforms: TransformTree,
+    joint_state_history: JointStateHistory,
+    evaluation: Option<Evaluation>,
+    workspace: Option<Workspace>,
+    milliseconds: u64,
+}
+
+impl OfflineNode {
+    /// Without a robot, the first description gives one.
+    pub fn new(robot: Option<RobotModel>) -> Result<Self, String> {
+        let parameters = Parameters { point_cloud_topics: vec![CLOUDS.to_owned()], ..Parameters::default() };
+        let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
+        let nothing_around = Box::new(|_: &RobotModel| Ok(Scene::default()));
+        let mut loader = Loader::new((MeshFiles::default(), nothing_around, MeshModel::Surface));
+        let start = Now { ros: None, steady: Duration::ZERO };
+        if let Some(robot) = robot {
+            monitor.set_checker(loader.take_given(robot, &SceneUpdateContext::first(&parameters, start))?);
+        }
+        Ok(Self {
+            parameters: ParameterStore::new(parameters, Box::new(|_| {})),
+            monitor,
+            loader,
+            transforms: TransformTree::default(),
+            joint_state_history: JointStateHistory::default(),
+            evaluation: None,
+            workspace: None,
+            milliseconds: 1000,
+        })
+    }
+
+    /// Decodes and applies one message; then the current state is evaluated and encoded.
+    ///
+    /// # Errors
+    /// When the bytes are no such message.
+    pub fn receive(&mut self, kind: MessageKind, bytes: &[u8]) -> Result<(), String> {
+        self.milliseconds += 10;
+        let now = self.now();
+        let scene = |door, message| scene_order(door, message, false, now);
+        match kind {
+            MessageKind::Description => self.carry_out(Order::Description(text(bytes)?)),
+            MessageKind::Semantic => self.carry_out(Order::Semantic(text(bytes)?)),
+            MessageKind::JointState => {
+                let input = joint_state_input(cdr::decode(bytes)?, SourceId([7; 16]));
+                self.evaluation = Some(self.monitor.on_joint_state(input, now));
+                self.monitor.prepare();
+            }
+            MessageKind::Transforms | MessageKind::FixedTransforms => {
+                let fixed = kind == MessageKind::FixedTransforms;
+                drop(note_transforms(&mut self.transforms, cdr::decode(bytes)?, now.ros, fixed));
+                self.monitor.note_transforms(&self.transforms);
+                self.carry_out(Order::Frames);
+            }
+            MessageKind::CollisionObject => self.change_scene(object_order(&cdr::decode(bytes)?)),
+            MessageKind::AttachedCollisionObject => self.change_scene(attached_order(&cdr::decode(bytes)?)),
+            MessageKind::PlanningSceneWorld => {
+                self.change_scene(world_order(cdr::decode(bytes)?, false, now));
+            }
+            MessageKind::PlanningScene => {
+                self.change_scene(scene(SceneDoor::PlanningScene, cdr::decode(bytes)?));
+            }
+            MessageKind::Octomap => {
+                self.change_scene(octomap_order(SceneDoor::OctomapFull, cdr::decode(bytes)?, false, now));
+            }
+            MessageKind::PointCloud => {
+                let cloud =
+                    CloudMessage { cloud: Arc::new(cdr::decode(bytes)?), came: now, since: Instant::now() };
+                self.pass(vec![Order::Clouds], BTreeMap::from([(CLOUDS.to_owned(), cloud)]));
+            }
+            MessageKind::SetParameters => {
+                self.parameters.set_each(&changes(&cdr::decode(bytes)?));
+                self.monitor.set_settings(self.parameters.get().monitor_settings());
+                self.carry_out(Order::Parameters);
+            }
+            _ => self.respond(kind, bytes)?,
+        }
+        let evaluation = self.monitor.on_heartbeat(self.now());
+        self.joint_state_history.note(&evaluation);
+        let encoded = cdr::encode(&collision_state(&evaluation));
+        self.evaluation = Some(evaluation);
+        encoded.map(drop)
+    }
+
+    fn respond(&mut self, kind: MessageKind, bytes: &[u8]) -> Result<(), String> {
+        let (evaluation, workspace) = (self.evaluation.as_ref(), &mut self.workspace);
+        match kind {
+            MessageKind::CheckMotion => {
+                let mut request: CheckMotionRequest = cdr::decode(bytes)?;
+                limit_time(&mut request.terms);
+                let answer = answer_motion(&request, ContinuousDirection::Shortest, evaluation, workspace);
+                cdr::encode(&answer.response).map(drop)
+            }
+            MessageKind::CheckTrajectory => {
+                let mut request: CheckTrajectoryRequest = cdr::decode(bytes)?;
+                limit_time(&mut request.terms);
+                let answer = answer_trajectory(&request, None, evaluation, workspace);
+                cdr::encode(&answer.response).map(drop)
+            }
+            MessageKind::CheckStates => {
+                cdr::encode(&answer_states(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+            }
+            MessageKind::GetDistances => {
+                cdr::encode(&answer_distances(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+            }
+            _ => self.respond_validity(&cdr::decode(bytes)?),
+        }
+    }
+
+    fn respond_validity(&self, request: &GetStateValidityRequest) -> Result<(), String> {
+        let scene = self.loader.current_scene();
+        let scene = scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let scene = scene.ok_or("there is no robot")?;
+        let (evaluation, transforms) = (self.evaluation.as_ref(), &self.transforms);
+        let situation = Situation { scene: &scene, evaluation, transforms, now: self.now() };
+        cdr::encode(&state_validity(request, &situation)?).map(drop)
+    }
+
+    fn now(&self) -> Now {
+        let steady = Duration::from_millis(self.milliseconds);
+        let nanoseconds = i64::try_from(steady.as_nanos()).unwrap_or(i64::MAX);
+        Now { ros: Some(Time::from_nanoseconds(nanoseconds)), steady }
+    }
+
+    fn change_scene(&mut self, order: SceneOrder) {
+        self.carry_out(Order::Scene(Box::new(order)));
+    }
+
+    fn carry_out(&mut self, order: Order) {
+        self.pass(vec![order], BTreeMap::new());
+    }
+
+    fn pass(&mut self, orders: Vec<Order>, clouds: BTreeMap<String, CloudMessage>) {
+        let update_context = SceneUpdateContext {
+            now: self.now(),
+            parameters: self.parameters.get(),
+            transforms: self.transforms.clone(),
+            evaluation: self.evaluation.clone(),
+            places: places_of(&clouds, &self.joint_state_history),
+        };
+        let monitor = &mut self.monitor;
+        self.loader.carry_out(Pass { update_context, orders, clouds }, |event| match event {
+            Event::Checker(revision) => monitor.set_checker(revision),
+            Event::ModelSwap => monitor.note_model_swap(),
+            Event::ModelFault(fault) => monitor.note_model_fault(fault),
+            Event::Heeded(descriptions) => monitor.note_heeded(descriptions),
+            Event::World(_, faults, incomplete) => monitor.note_world_faults(faults, incomplete),
+            Event::WorldUpdate(update) => update.tell(monitor),
+            _ => {}
+        });
+    }
+}
+
+fn text(bytes: &[u8]) -> Result<String, String> {
+    let message: ros2_interfaces_jazzy_serde::std_msgs::msg::String = cdr::decode(bytes)?;
+    Ok(message.data)
+}
+
+/// Requests may ask for minutes; fuzzing runs thousands of them.
+fn limit_time(terms: &mut MotionTerms) {
+    if terms.timeout == 0.0 || terms.timeout > CHECK_TIME {
+        terms.timeout = CHECK_TIME;
+    }
+}

@@ -1,0 +1,3 @@
+//! The inputs of the fuzz targets. See `README.md`.
+
+pub mod inputs;
