@@ -93,7 +93,7 @@ impl Octomap {
 
     fn new(resolution: f64, cells: Vec<Cell>) -> Result<Self, OctomapError> {
         let largest = LARGEST_COORDINATE / f64::from(ORIGIN);
-        // coordinates of smaller cells do not fit in 32 bits
+        // coordinates of smaller cells cannot be stored as 32-bit floats
         let usable = (f64::from(f32::MIN_POSITIVE)..=largest).contains(&resolution);
         usable.then_some(Self { resolution, cells }).ok_or(OctomapError::BadResolution(resolution))
     }
