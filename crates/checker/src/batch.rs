@@ -1,4 +1,4 @@
-//! Many states at once: eight in lanes, and blocks of them over threads.
+//! Batch queries on many states: eight states in SIMD lanes, blocks of states distributed over threads.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::prelude::*;
@@ -17,7 +17,7 @@ use super::workspace::Workspace;
 const BLOCK: usize = 256;
 
 impl CollisionChecker {
-    /// Whether each state is free, as [`Self::is_free`] says: the same answers for any number of threads.
+    /// For each state, the result of [`Self::is_free`]. Results are the same for any number of threads.
     ///
     /// Runs on the threads of the rayon pool it is called in.
     #[must_use]
@@ -41,8 +41,8 @@ impl CollisionChecker {
         dispatch!(level, simd => self.free_eights(simd, states, workspace, free));
     }
 
-    /// How many pairs of all states level 0 leaves to the hierarchies: kinematics and capsules alone, which take their share
-    /// of every check.
+    /// Number of pairs, over all states, that level 0 passes on to the hierarchies. Runs only kinematics and capsules, to measure their
+    /// share of every check.
     pub fn count_near_pairs(&self, states: &[Configuration], workspace: &mut Workspace) -> u64 {
         let level = workspace.scratch.level();
         dispatch!(level, simd => {
@@ -71,8 +71,8 @@ impl CollisionChecker {
         queue.len() as u64
     }
 
-    /// Answers `question` about each state, as [`Self::check`] does: the same reports, in the order of the states, for any
-    /// number of threads.
+    /// Evaluates `question` on each state, as [`Self::check`] does: the same reports, in the order of the states, for any number of
+    /// threads.
     ///
     /// Runs on the threads of the rayon pool it is called in.
     #[must_use]
@@ -83,7 +83,7 @@ impl CollisionChecker {
             .collect()
     }
 
-    /// Level 0 for eight states at once; the pairs that it leaves are asked one by one.
+    /// Runs level 0 on eight states at once, then tests the remaining pairs one by one.
     #[inline(always)]
     fn free_eights<S: Simd>(
         &self,
@@ -123,7 +123,7 @@ impl CollisionChecker {
         }
     }
 
-    /// In which of some states a pair touches.
+    /// Bit mask of the states in which a pair touches.
     #[inline(always)]
     fn hits_of<S: Simd>(
         &self,
@@ -182,7 +182,7 @@ impl<S: Simd> Eight<S> {
         }
     }
 
-    /// Level 0 of the positions: kinematics, and which pairs capsules do not prove farther apart than their margins (m).
+    /// Level 0 on the positions: computes kinematics and the pairs that capsules do not prove farther apart than their margins (m).
     #[inline(always)]
     pub fn screen(
         &mut self,
@@ -196,7 +196,7 @@ impl<S: Simd> Eight<S> {
         checker.capsules.near(simd, &self.segments, margin, &mut self.near);
     }
 
-    /// A body's frame in one of the states.
+    /// Pose of a body in one of the states.
     pub fn frame(&self, body: usize, lane: usize) -> Frame<f64> {
         let Frame { r: [x, y, z], t } = &self.frames[body];
         let taken = |v: &[f64x8<S>; 3]| [v[0][lane], v[1][lane], v[2][lane]];

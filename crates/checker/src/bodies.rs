@@ -1,4 +1,4 @@
-//! The parts of a robot that can collide: links and what they carry, where they ride, and the pairs of them.
+//! Collision bodies of a robot: links and attached objects, the chain bodies that carry them, and the pairs of them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -18,13 +18,13 @@ use clearance_scene::BodyId;
 use clearance_scene::PairList;
 use clearance_scene::{MeshModel, Settings};
 
-/// A link or an attached object with geometry, in the frame of the body of the chain that it rides on.
+/// A link or an attached object with geometry, in the frame of the chain body that carries it.
 #[derive(Clone, Debug)]
 pub(super) struct RobotBody {
     pub id: BodyId,
-    /// The body of the chain; 0 is the root's.
+    /// Index of the chain body; 0 is the root's.
     pub body: usize,
-    /// The link that carries it, or itself.
+    /// The link that carries the attached object, or the link itself.
     pub link: LinkId,
     /// Safety distance (m).
     pub padding: f64,
@@ -33,7 +33,7 @@ pub(super) struct RobotBody {
     made_of: MadeOf,
 }
 
-/// What a robot_body was built from; the same makes the same.
+/// Inputs that a robot body was built from; equal inputs give equal bodies.
 #[derive(Clone, Debug)]
 struct MadeOf {
     seat: LinkInBody,
@@ -58,7 +58,7 @@ impl MadeOf {
     }
 }
 
-/// The chain of a robot that carries what is attached to it.
+/// The kinematic chain of a robot that carries its attached objects.
 pub(super) fn chain(robot: &RobotModel, world: &World) -> Chain {
     let mut has_geometry: Vec<bool> = robot.links().iter().map(|l| !l.collisions.is_empty()).collect();
     for object in world.attached() {
@@ -69,7 +69,7 @@ pub(super) fn chain(robot: &RobotModel, world: &World) -> Chain {
     robot.chain(&has_geometry)
 }
 
-/// The parts of a list of pairs, in its order. What `known` has, of the same robot, is not built again.
+/// The robot bodies of a list of pairs, in its order. Bodies in `known`, from the same robot, are reused.
 pub(super) fn robot_bodies(
     robot: &RobotModel,
     world: &World,
@@ -90,7 +90,7 @@ pub(super) fn robot_bodies(
             let link = carrier(robot, id, object)?;
             let seat = *chain.seat(link.index()).expect("links that carry geometry have seats");
             let name = object.map_or(&robot.link(link).name, |object| &object.name);
-            // as in MoveIt: what a link holds grows with it
+            // as in MoveIt: an attached object is scaled with its link
             let of_link = settings.link_scale.get(&robot.link(link).name).copied().unwrap_or(1.0);
             let of_object = object.map_or(Ok(1.0), |object| object_scale(settings, &object.name))?;
             let made_of = MadeOf {
@@ -140,13 +140,13 @@ impl RobotBody {
         Ok(Self { id, body: made_of.seat.body, link, padding, solid, capsule, made_of })
     }
 
-    /// Where its link sits on the body of the chain.
+    /// Pose of its link in the frame of the chain body.
     pub fn seat(&self) -> &LinkInBody {
         &self.made_of.seat
     }
 }
 
-/// The body of some shapes, each larger by a factor, and a capsule around it.
+/// The collision body of some shapes, each scaled by a factor, and a capsule around it.
 ///
 /// # Panics
 /// When there are no shapes.
@@ -167,7 +167,7 @@ pub(super) fn solid(
     Ok((Arc::new(solid), capsule_around(&shapes).expect("there are shapes")))
 }
 
-/// The pairs of the parts, by index of robot_body.
+/// The pairs, by index of robot body.
 pub(super) fn pair_infos(pairs: &PairList, robot_bodies: &[RobotBody], settings: &Settings) -> Vec<PairInfo> {
     let index: HashMap<BodyId, usize> =
         robot_bodies.iter().enumerate().map(|(i, robot_body)| (robot_body.id, i)).collect();
@@ -179,7 +179,7 @@ pub(super) fn pair_infos(pairs: &PairList, robot_bodies: &[RobotBody], settings:
     pairs.self_pairs().iter().map(info).collect()
 }
 
-/// Capsules of the parts, and the pairs of them.
+/// Capsules around the robot bodies, and the pairs of them.
 pub(super) fn capsule_pairs(robot_bodies: &[RobotBody], infos: &[PairInfo]) -> CapsulePairs {
     let capsules: Vec<_> =
         robot_bodies.iter().map(|robot_body| (robot_body.body, robot_body.capsule)).collect();
@@ -187,7 +187,7 @@ pub(super) fn capsule_pairs(robot_bodies: &[RobotBody], infos: &[PairInfo]) -> C
     CapsulePairs::new(&capsules, &pairs)
 }
 
-/// How far bodies may move when joints do, relative to each other and to the world.
+/// Bounds on the motion of bodies when joints move, relative to each other and to the world.
 pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, robot_bodies: &[RobotBody]) -> TravelRates {
     let mut reach = vec![0.0_f64; chain.body_count()];
     for RobotBody { body, capsule, .. } in robot_bodies {
@@ -202,7 +202,7 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, robot_bodies: &[Ro
     chain.travel_rates(&reach, |index| ranges.get(&index).copied())
 }
 
-/// By pair: how many joints there are on either side of its bodies' lowest common ancestor.
+/// By pair: the number of joints on either side of the lowest common ancestor of its bodies.
 pub(super) fn joints_between(
     ways: &PathsToRoot,
     robot_bodies: &[RobotBody],
@@ -244,7 +244,7 @@ pub(super) fn object_padding(settings: &Settings, object: &str) -> Result<f64, S
     usable(&format!(" of object '{object}'"), value)
 }
 
-/// The factor of an object's shapes.
+/// The scale factor of an object's shapes.
 pub(super) fn object_scale(settings: &Settings, object: &str) -> Result<f64, SettingsError> {
     usable_scale(object, settings.object_scale.get(object).copied().unwrap_or(1.0))
 }

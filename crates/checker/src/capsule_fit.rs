@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 
 use super::capsules::LinkCapsule;
 
-/// A capsule around shapes; a single round one is its own. What has a plane has one of infinite radius: level 0 tells nothing
-/// of it. `None` without shapes.
+/// A capsule around shapes; a single round shape is its own capsule. Shapes with a plane get infinite radius, which level 0 never proves
+/// apart. `None` without shapes.
 pub(super) fn capsule_around(shapes: &[(Pose, Shape)]) -> Option<LinkCapsule> {
     if let [(pose, Shape::Primitive(primitive))] = shapes {
         match *primitive {
@@ -27,7 +27,7 @@ pub(super) fn capsule_around(shapes: &[(Pose, Shape)]) -> Option<LinkCapsule> {
             Shape::Mesh(mesh) => {
                 points.extend(mesh.triangles().iter().flatten().map(|&v| pose * mesh.vertices()[v as usize]));
             }
-            // as well a capsule around all of them, which would take longer
+            // a capsule around all of them would also do, but takes longer to fit
             Shape::Points(cloud) => points.extend(corners(cloud.bounds()).map(|p| pose * p)),
             Shape::Voxels(voxels) => points.extend(corners(voxels.bounds()).map(|p| pose * p)),
             Shape::Plane(_) => {}

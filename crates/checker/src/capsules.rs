@@ -1,7 +1,7 @@
-//! Level 0: one capsule around each link, and which of a fixed list of pairs may be near.
+//! Level 0 of a query: one capsule around each link; finds the pairs of a fixed list that may be near.
 //!
-//! A capsule is all points within a radius of a segment. Eight pairs are judged at once: one pair in eight states, or
-//! eight pairs in one state, by the same formulas and to the same bits ([`super::capsule_lanes`]).
+//! A capsule is the set of all points within a radius of a segment. Eight pairs are tested at once: one pair in eight states, or eight
+//! pairs in one state, by the same formulas and with bit-identical results ([`super::capsule_lanes`]).
 
 use std::ops::{Add, Range};
 
@@ -22,18 +22,18 @@ pub struct LinkCapsule {
     pub radius: f64,
 }
 
-/// Capsules that ride on bodies, and the pairs of them to judge.
+/// Capsules attached to bodies, and the pairs of them to test.
 #[derive(Clone, Debug)]
 pub struct CapsulePairs {
-    /// BodyId by body.
+    /// All capsules, sorted by body.
     robot_bodies: Vec<RobotBody>,
-    /// By body: which of the robot_bodies are on it.
+    /// By body: the indices of its capsules.
     on_bodies: Vec<Range<usize>>,
-    /// The first body that has any.
+    /// The first body that has a capsule.
     first_body: usize,
-    /// Pairs, eight by eight; the last group is filled up with its last pair.
+    /// Pairs in groups of eight; the last group is filled up with its last pair.
     groups: Vec<Group>,
-    /// H of the bound, of pairs that have one.
+    /// H of the bound, over the pairs of finite size.
     size: f32,
     /// C of the bound.
     offset: f32,
@@ -44,11 +44,11 @@ pub struct CapsulePairs {
 #[repr(align(32))]
 struct RobotBody {
     capsule: usize,
-    /// The coordinates of the centre, four times each, and those of the half.
+    /// The coordinates of the centre, four times each, then those of the half.
     coordinates: [[f32; LANES]; 3],
 }
 
-/// Eight pairs and what never changes about them.
+/// Eight pairs and their constants.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 struct Group {
@@ -75,7 +75,7 @@ pub struct Segment<V> {
     pub half: [V; 3],
 }
 
-/// A segment `centre ± half` of one state, in single precision: the centre, a number that means nothing, and the same of the half.
+/// A segment `centre ± half` of one state, in single precision: the centre and an unused number, then the half and an unused number.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub struct PlacedSegment([f32; LANES]);
@@ -84,13 +84,13 @@ pub struct PlacedSegment([f32; LANES]);
 #[derive(Debug)]
 pub struct Placing<'c, S: Simd> {
     capsules: &'c CapsulePairs,
-    /// Of the first body that has any.
+    /// Origin of the first body that has a capsule.
     origin: f64x4<S>,
     segments: &'c mut [PlacedSegment],
 }
 
 impl LinkCapsule {
-    /// The capsule as seen from outside a frame that it is in.
+    /// Transforms the capsule from a frame to that frame's parent.
     #[cfg(test)]
     #[must_use]
     pub fn seen_through(&self, frame: &Frame<f64>) -> Self {
@@ -100,7 +100,7 @@ impl LinkCapsule {
 }
 
 impl CapsulePairs {
-    /// `capsules` with their bodies, in the frames of these; `pairs` by index of capsule.
+    /// `capsules` with the indices of their bodies, in the frames of these bodies; `pairs` by index of capsule.
     ///
     /// # Panics
     /// When a pair names no capsule.
@@ -118,7 +118,7 @@ impl CapsulePairs {
                     [(a, halves[a].norm_squared()), (b, halves[b].norm_squared())],
                     capsules[a].1.radius + capsules[b].1.radius,
                 );
-                // what is infinitely large is never proven apart, whatever rounding is granted
+                // an infinitely large pair is never proven apart, whatever the rounding slack
                 if group.reach[lane].is_finite() {
                     size = size.greater(group.reach[lane]);
                 }
@@ -155,13 +155,13 @@ impl CapsulePairs {
         self.groups.iter().map(|g| g.used.count_ones() as usize).sum()
     }
 
-    /// How many groups of eight the pairs make.
+    /// Number of groups of eight pairs.
     #[must_use]
     pub fn group_count(&self) -> usize {
         self.groups.len()
     }
 
-    /// The segments of all capsules, relative to the first body that has any: one state's or eight's.
+    /// The segments of all capsules, relative to the first body that has a capsule: for one state or for eight.
     #[inline(always)]
     pub fn place<T: Real>(&self, frames: &[Frame<T>], segments: &mut [Segment<T::Single>]) {
         let origin = frames[self.first_body].t;
@@ -178,7 +178,7 @@ impl CapsulePairs {
         }
     }
 
-    /// As [`Self::place`] for one state, to the same bits, with a vector for each column of a frame.
+    /// As [`Self::place`] for one state, with bit-identical results; each column of a frame is one SIMD vector.
     #[inline(always)]
     pub fn place_one<S: Simd>(&self, simd: S, frames: &[PlacedFrame], segments: &mut [PlacedSegment]) {
         let mut placing = self.placing(simd, segments);
@@ -187,20 +187,20 @@ impl CapsulePairs {
         }
     }
 
-    /// The same, for whom has the frames of bodies at hand, one after the other.
+    /// As above, for a caller that has the frames of the bodies one after the other.
     #[inline(always)]
     pub fn placing<'c, S: Simd>(&'c self, simd: S, segments: &'c mut [PlacedSegment]) -> Placing<'c, S> {
         Placing { capsules: self, origin: f64x4::splat(simd, 0.0), segments }
     }
 
-    /// What segments are relative to (m), in single precision.
+    /// Origin (m) that segments are relative to, in single precision.
     #[inline(always)]
     #[must_use]
     pub fn origin<T: Real>(&self, frame: impl Fn(usize) -> Frame<T>) -> [T::Single; 3] {
         single(frame(self.first_body).t)
     }
 
-    /// For each pair, in which of eight states it may be as near as its margin (m, not negative): a bit per state.
+    /// For each pair, a bit mask of the eight states in which it may be as near as its margin (m, not negative).
     #[inline(always)]
     pub fn near<S: Simd>(
         &self,
@@ -214,7 +214,7 @@ impl CapsulePairs {
         }
         let slack = self.slack(simd, extent_8(simd, segments));
         for ((group, masks), first) in self.groups.iter().zip(masks.chunks_mut(8)).zip((0..).step_by(8)) {
-            // spheres of all pairs before axes of any: where a branch hangs on chance, fewer are better
+            // sphere tests of all pairs come before any axis test: the outcome is hard to predict, so fewer branches are faster
             let mut left = 0u8;
             for (lane, mask) in masks.iter_mut().enumerate() {
                 let lanes =
@@ -238,8 +238,8 @@ impl CapsulePairs {
         }
     }
 
-    /// For each pair, lower bounds (m) of its distance in eight states, less than zero where capsules overlap: by the same
-    /// formulas as [`Self::lower_bounds_one`], which is checked against it.
+    /// For each pair, lower bounds (m) on its distance in eight states, negative where capsules overlap. Uses the same formulas as
+    /// [`Self::lower_bounds_one`]; tests compare the two.
     #[cfg(test)]
     #[inline(always)]
     pub fn lower_bounds<S: Simd>(&self, simd: S, segments: &[Segment<f32x8<S>>], bounds: &mut [[f32; 8]]) {
@@ -252,7 +252,7 @@ impl CapsulePairs {
         }
     }
 
-    /// As [`Self::near`] for one state: a mask per group of eight pairs, from their margins by number of group.
+    /// As [`Self::near`] for one state: a mask per group of eight pairs; margins are given by number of group.
     #[inline(always)]
     pub fn near_one<S: Simd>(
         &self,
@@ -302,8 +302,7 @@ impl CapsulePairs {
     }
 }
 
-/// The largest coordinate of any centre. Of a number and none the second is taken: what is no number counts for nothing here, and is
-/// near whatever is granted.
+/// The largest coordinate of any centre. NaN is ignored here: a capsule with NaN counts as near whatever the slack.
 #[inline(always)]
 fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
     let mut extent = f32x4::splat(simd, 0.0);
@@ -313,7 +312,7 @@ fn extent<S: Simd>(simd: S, segments: &[PlacedSegment]) -> f32 {
     extent[0].greater(extent[1]).greater(extent[2])
 }
 
-/// As [`extent`], of eight states.
+/// As [`extent`], for eight states.
 #[inline(always)]
 fn extent_8<S: Simd>(simd: S, segments: &[Segment<f32x8<S>>]) -> f32x8<S> {
     let mut extent = [f32x8::splat(simd, 0.0); 3];
@@ -323,7 +322,7 @@ fn extent_8<S: Simd>(simd: S, segments: &[Segment<f32x8<S>>]) -> f32x8<S> {
     extent[0].max(extent[1]).max(extent[2])
 }
 
-/// The nearest f32 that is not below; infinite for what is no number.
+/// The nearest f32 that is not smaller; infinite for NaN.
 pub fn up(x: f64) -> f32 {
     let nearest = x.single();
     if f64::from(nearest) >= x {
@@ -365,7 +364,7 @@ impl Group {
         self.least[lane] = (uu * vv).single() * PARALLEL + LEAST_SQUARE;
     }
 
-    /// From the centres of its first segments to those of its second ones.
+    /// Vectors from the centres of the first segments to those of the second segments.
     #[inline(always)]
     fn between_centres<S: Simd>(&self, simd: S, segments: &[PlacedSegment]) -> [f32x8<S>; 3] {
         difference(centres(simd, segments, &self.second), centres(simd, segments, &self.first))
@@ -402,7 +401,7 @@ impl Group {
 }
 
 impl<S: Simd> Placing<'_, S> {
-    /// Bodies come in their order.
+    /// Bodies must be placed in ascending order.
     #[inline(always)]
     pub fn place(&mut self, simd: S, body: usize, columns: &Columns<S>) {
         if body == self.capsules.first_body {
@@ -453,14 +452,14 @@ fn single<T: Real>(v: [T; 3]) -> [T::Single; 3] {
     [v[0].single(), v[1].single(), v[2].single()]
 }
 
-/// A vector in a frame of these columns, as seen from outside.
+/// Transforms a vector from a frame, given by its columns, to the parent frame.
 #[inline(always)]
 fn turned<V: simd::Single>([x, y, z]: &[[V; 3]; 3], [p, q, r]: [f32; 3]) -> [V; 3] {
     [x[0] * p + y[0] * q + z[0] * r, x[1] * p + y[1] * q + z[1] * r, x[2] * p + y[2] * q + z[2] * r]
 }
 
 impl LinkCapsule {
-    /// All that it reaches, seen from outside a frame that it is in.
+    /// Bounding volume of the capsule, transformed to the parent frame.
     #[must_use]
     pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
         let seen = |p: Point| (pose * p).coords;

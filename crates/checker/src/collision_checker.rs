@@ -1,4 +1,4 @@
-//! Questions about states of a robot in a world.
+//! Collision checker: collision and distance queries on states of a robot in a world.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -31,9 +31,9 @@ use clearance_scene::BodyId;
 use clearance_scene::PairList;
 use clearance_scene::Settings;
 
-/// A robot in a world, ready for questions from any number of threads: `Send + Sync`, no lock.
+/// Collision checker of a robot in a world; can be queried from any number of threads: `Send + Sync`, no lock.
 ///
-/// Pairs have numbers: first those of the list of self pairs, then by part of the robot one for each place of an obstacle.
+/// Pairs have numbers: first the self pairs in the order of their list, then for each robot part one number per place of an obstacle.
 #[derive(Clone, Debug)]
 pub struct CollisionChecker {
     robot: Arc<RobotModel>,
@@ -46,30 +46,30 @@ pub struct CollisionChecker {
     pub(super) robot_bodies: Vec<RobotBody>,
     /// In the order of the self pairs.
     pub(super) infos: Vec<PairInfo>,
-    /// A capsule around each part, and the self pairs of them.
+    /// A capsule around each part, and the self pairs of these capsules.
     pub(super) capsules: CapsulePairs,
     /// By part: the radius (m) of its capsule with its padding, rounded up.
     pub(super) padded_radii: Vec<f32>,
     /// The largest padding (m) of any self pair.
     pub(super) largest_padding: f64,
     pub(super) paths_to_root: PathsToRoot,
-    /// By self pair: how many joints there are on either side of its bodies' lowest common ancestor.
+    /// By self pair: the number of joints on either side of the lowest common ancestor of its bodies.
     pub(super) joints_between: Vec<[u32; 2]>,
     pub(super) ways: Ways,
-    /// How far bodies may move when joints do.
+    /// Bounds on how far bodies move when joints move.
     pub(super) rates: TravelRates,
     pub(super) reachable: Reachable,
     pub(super) obstacles: Obstacles,
-    /// Which parts have to be asked about obstacles, once somebody asked.
+    /// Parts that are to be tested against obstacles; computed at the first query.
     pub(super) within_reach: OnceLock<WithinReach>,
-    /// How near obstacles are to parts that no joint moves, once somebody asked.
+    /// Nearest obstacle to the parts that no joint moves; computed at the first query.
     pub(super) fixed_nearest: OnceLock<FixedNearest>,
-    /// Of the model and the world, once somebody asked.
+    /// Fingerprints of the model and the world; computed at the first use.
     pub(super) fingerprints: OnceLock<[String; 2]>,
     pub(super) parts: OnceLock<CertificateParts>,
-    /// No two robots built in one process have the same.
+    /// Unique among all robots built in this process.
     pub(super) identity: u64,
-    /// No two robots in their worlds have the same.
+    /// Unique among all robots in their worlds.
     pub(super) revision: u64,
 }
 
@@ -79,7 +79,7 @@ fn next_identity() -> u64 {
     BUILT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// A setting that makes no sense for this robot.
+/// A setting that is invalid for this robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     #[error("padding or scale is given for link '{0}', which the robot has not")]
@@ -95,12 +95,12 @@ pub enum SettingsError {
 }
 
 impl CollisionChecker {
-    /// Builds the hierarchies of every link and obstacle and decides the pairs, by SRDF or adjacency.
+    /// Builds the hierarchies of every link and obstacle, and selects the pairs by SRDF or adjacency.
     pub fn new(robot: Arc<RobotModel>, world: &World, settings: Settings) -> Result<Self, SettingsError> {
         Self::with_matrix(robot, world, settings, None)
     }
 
-    /// As [`Self::new`]; a scene's matrix, if given, decides the pairs instead of the SRDF.
+    /// As [`Self::new`]; a scene's allowed collision matrix, if given, selects the pairs instead of the SRDF.
     pub fn with_matrix(
         robot: Arc<RobotModel>,
         world: &World,
@@ -110,7 +110,7 @@ impl CollisionChecker {
         Self::build(robot, world, settings, matrix, (&[], &Obstacles::default()))
     }
 
-    /// The same robot in another world, or with other settings or another matrix. Hierarchies of what stays are shared.
+    /// The same robot in another world, or with other settings or another matrix. Hierarchies that do not change are shared.
     pub fn with_world(
         &self,
         world: &World,
@@ -121,8 +121,8 @@ impl CollisionChecker {
         Self::build(Arc::clone(&self.robot), world, settings, matrix, known)
     }
 
-    /// Changes the world in place: only obstacles that are not the same as before are touched, unless attached objects differ. What
-    /// can not be is told, and nothing is changed.
+    /// Changes the world in place: only obstacles that differ are updated, unless attached objects differ. If this is not possible,
+    /// returns an error and changes nothing.
     pub fn set_world(&mut self, world: &World) -> Result<(), SettingsError> {
         let same = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
         let (held, holds) = (self.world.attached(), world.attached());
@@ -130,7 +130,7 @@ impl CollisionChecker {
             *self = self.with_world(world, self.settings.clone(), self.matrix.as_ref())?;
             return Ok(());
         }
-        // all that can fail before anything is changed
+        // all fallible steps come before the first change
         for change in self.obstacles.outdated(world, &self.settings)? {
             self.pairs.set_obstacle(change.0, world.place(change.0).map(|obstacle| obstacle.name.as_str()));
             self.obstacles.set(change, &self.reachable);
@@ -215,7 +215,7 @@ impl CollisionChecker {
         &self.pairs
     }
 
-    /// A length (m) that no distance changes by more than while joints go from some positions to others; infinite where nothing is known.
+    /// Upper bound (m) on the change of any distance while joints move between two configurations; infinite where there is no bound.
     #[must_use]
     pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
         self.rates.between(from, to)
@@ -237,16 +237,15 @@ impl CollisionChecker {
         self.workspace_with(Scratch::default())
     }
 
-    /// As [`Self::workspace`], but uses no instructions beyond those of every machine of this kind. Answers are the same,
-    /// bit by bit.
+    /// As [`Self::workspace`], but uses only the baseline instructions of this architecture. Results are the same, bit by bit.
     #[must_use]
     pub fn portable_workspace(&self) -> Workspace {
         self.workspace_with(Scratch::portable())
     }
 
-    /// As [`Self::workspace`], for states that follow each other closely: what was found about one is used for the next, and
-    /// only pairs for which it does not suffice are asked again. Reports are the same, but for the work they took; those within a
-    /// tolerance ([`Self::check_with`]) are bounds, which depend on what was asked before, for a fraction of the work.
+    /// As [`Self::workspace`], for states that follow each other closely: results of one state are reused for the next, and only pairs
+    /// for which they do not suffice are searched again. Reports are the same, except for their work counts. Distances within a tolerance
+    /// ([`Self::check_with`]) are bounds that depend on earlier queries, for a fraction of the work.
     #[must_use]
     pub fn streaming_workspace(&self) -> Workspace {
         let stream = Stream::new(self.revision, self.infos.len(), self.robot_bodies.len());

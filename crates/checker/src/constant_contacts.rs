@@ -13,21 +13,21 @@ use clearance_scene::BodyId;
 pub struct ConstantContacts {
     states: usize,
     pairs: BTreeSet<(LinkId, LinkId)>,
-    /// By position: the least and the greatest value so far.
+    /// By position: the smallest and the largest value so far.
     ranges: Vec<[f64; 2]>,
 }
 
-/// Most pairs that a remark names.
+/// Maximum number of pairs named in a remark.
 const MOST_NAMED: usize = 3;
 
 impl ConstantContacts {
-    /// Fewer states are no reason for a remark.
+    /// Minimum number of states for a remark.
     pub const FEWEST_STATES: usize = 20;
 
     /// Range of positions (rad, m) below which the robot counts as not moved.
     const REST: f64 = 0.01;
 
-    /// Takes note of a state and of all its colliding pairs.
+    /// Records a state and all its colliding pairs.
     pub fn add(&mut self, q: &Configuration, colliding: &[(BodyId, BodyId)]) {
         let of_links = colliding.iter().filter_map(|&pair| match pair {
             (BodyId::Link(a), BodyId::Link(b)) => Some((a.min(b), a.max(b))),
@@ -46,14 +46,14 @@ impl ConstantContacts {
         self.states += 1;
     }
 
-    /// Whether some pair may still touch in every state.
+    /// True if some pair may still touch in every state.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.states == 0 || !self.pairs.is_empty()
     }
 
-    /// Which pairs touched in every state, and the SRDF entries that would allow them; `states` is what the states are called, as in
-    /// `all 25 states`.
+    /// Remark that names the pairs that touched in every state, and the SRDF entries that would allow them. `states` names the states in
+    /// the text, for example `all 25 states`.
     #[must_use]
     pub fn remark(&self, states: &str, checker: &CollisionChecker) -> Option<String> {
         if self.states < Self::FEWEST_STATES || self.pairs.is_empty() {
@@ -67,7 +67,7 @@ impl ConstantContacts {
         let mut remark = format!("links {} touch in {states}", names.join("; "));
         if self.pairs.len() > MOST_NAMED {
             let more = self.pairs.len() - MOST_NAMED;
-            // a text in memory takes all that is written
+            // writing to a String cannot fail
             let _ = write!(remark, ", and so do {more} more pairs");
         }
         if self.ranges.iter().all(|[low, high]| high - low < Self::REST) {

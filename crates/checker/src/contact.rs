@@ -1,4 +1,4 @@
-//! How two bodies that touch are in contact.
+//! Contact of two touching bodies: depth, normal and point.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point, Vector};
@@ -11,21 +11,21 @@ use super::pair::Pair;
 use super::workspace::Workspace;
 use clearance_scene::BodyId;
 
-/// Where and how deep two bodies are in each other, paddings included; in the root frame.
+/// Point, normal and depth of a contact, paddings included; in the root frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     pub point: Point,
-    /// Along which the second body would have to move to be apart soonest, of length one; `None` where that is not known.
+    /// Unit vector along which the second body separates by the shortest motion; `None` where it is not known.
     pub normal: Option<Vector>,
-    /// How far (m) it would have to; `None` where that is not known: of meshes that cross.
+    /// Length (m) of that motion, the penetration depth; `None` where it is not known: for meshes that cross.
     pub depth: Option<f64>,
 }
 
 impl CollisionChecker {
-    /// The contact of a pair of the pair list in the state `q`; `None` if they are apart, or are no such pair.
+    /// The contact of a pair of the pair list in the state `q`; `None` if the bodies are apart, or if this is no such pair.
     ///
-    /// Primitives tell how deep they are by the expanding polytope algorithm (van den Bergen 2001), as
-    /// [`deepest_overlap`](query::deepest_overlap) says; what only comes nearer than its padding, by its distance.
+    /// The depth of primitives comes from the expanding polytope algorithm (van den Bergen 2001), see
+    /// [`deepest_overlap`](query::deepest_overlap). If only the paddings overlap, it comes from the distance.
     #[must_use]
     pub fn contact(
         &self,
@@ -50,7 +50,7 @@ impl CollisionChecker {
     }
 }
 
-/// Of bodies that are a distance apart, which is negative where they overlap.
+/// Contact of bodies with a given distance, negative where they overlap.
 fn contact_of(pair: &Pair, found: &Separation) -> Contact {
     let [p, q] = found.witness_points.map(|p| &pair.pose_ra * p);
     let towards_b = if found.distance > 0.0 { q - p } else { p - q };

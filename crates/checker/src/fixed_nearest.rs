@@ -1,4 +1,4 @@
-//! How near obstacles are to what no joint moves: measured once for a robot in its world, the same in all states.
+//! Nearest obstacle to the robot parts that no joint moves. Computed once per robot and world, since it is the same in all states.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_proximity::Effort;
@@ -9,27 +9,28 @@ use super::nearest_first::NearestFirst;
 use super::report::CollisionReport;
 use super::state_query::StateQuery;
 
-/// Which obstacle is the nearest to the parts that no joint moves.
+/// The nearest obstacle to the parts that no joint moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum FixedNearest {
-    /// There is none, or no such part.
+    /// There is no obstacle, or no part that no joint moves.
     Nothing,
-    /// One touches with its padding. Which of several that touch is told depends on what is looked at first, so that these parts are
-    /// looked at in every state.
+    /// An obstacle touches such a part, padding included. If several touch, the reported one depends on the search order, so these parts
+    /// are searched in every state.
     Touching,
     Apart(Measured),
 }
 
 impl StateQuery<'_> {
-    /// Found once; all bodies are placed. Building hierarchies is no work of a state, nor is this. Who has a deadline goes without: neither
-    /// the time that it takes nor who has asked before may make a difference then.
+    /// The nearest obstacle to fixed parts, computed at the first call; all bodies must be placed. Like the building of hierarchies, this
+    /// does not count as work of a state. With a deadline the result is `None`: the report must depend neither on the time this takes nor
+    /// on earlier queries.
     pub fn fixed_nearest(&mut self) -> Option<FixedNearest> {
         if self.effort.deadline.is_some() {
             return None;
         }
         let known = &self.checker.fixed_nearest;
         Some(known.get().copied().unwrap_or_else(|| {
-            // two threads may both find it, and find the same: none waits for the other
+            // two threads may both compute it, with the same result; neither waits for the other
             let found = self.find_fixed_nearest();
             let _ = known.set(found);
             found
@@ -84,7 +85,7 @@ mod tests {
         deadline: None,
     };
 
-    /// Where a search for a distance begins changes its last bits.
+    /// The start of a distance search changes the last bits of its result.
     const ROUNDING: f64 = 1e-12;
 
     fn scattered(random: &mut Random, name: &str) -> Obstacle {
@@ -100,7 +101,7 @@ mod tests {
         Obstacle::of_shape(name, random.pose(1.2), shape)
     }
 
-    /// How often which answer came.
+    /// Counts of each kind of result.
     #[derive(Debug, Default)]
     struct Counts {
         of_fixed: u32,
@@ -109,7 +110,7 @@ mod tests {
         touching: u32,
     }
 
-    /// Asks checkers of one world, of which the first was there before its last edit.
+    /// Queries checkers of one world; the first checker existed before the last edit of the world.
     fn compare(
         robot: &RobotModel,
         [own, anew]: [&CollisionChecker; 2],

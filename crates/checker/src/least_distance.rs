@@ -1,5 +1,5 @@
-//! The least distance of a state: what may be nearest is looked at first, in single precision where there are triangles, and only what
-//! may still be the nearest of all in the end is measured.
+//! Best-first search for the least distance of a state. The nearest candidates are bounded first, for triangles in single precision. Only
+//! candidates that may still be the nearest at the end are measured exactly.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -15,34 +15,34 @@ use super::report::PairDistance;
 use super::state_query::StateQuery;
 use super::workspace::{QueuedPair, Workspace};
 
-/// What is known of the least distance so far.
+/// State of the search for the least distance.
 pub(super) struct Least {
-    /// It is not told if it is larger (m).
+    /// Larger distances (m) are not reported.
     limit: f64,
-    /// It is certainly not larger (m).
+    /// Upper bound (m) on the least distance.
     upper: f64,
-    /// The nearest that was measured after others had been looked at.
+    /// The nearest candidate that was measured at the end.
     measured: Option<Measured>,
-    /// The nearest pair that was asked at once or is told, of equally near ones the first.
+    /// The nearest pair that was measured at once or is to be reported; of equally near pairs the first.
     nearest: Option<(usize, PairDistance)>,
-    /// No pair that was asked at once is nearer than this (m).
+    /// Lower bound (m) on the distances of the pairs measured at once.
     lower: f64,
-    /// How often something was looked at.
+    /// Number of candidates that were bounded so far.
     looks: usize,
 }
 
-/// What is to be measured in the end, and of which pair it is.
+/// A candidate to be measured at the end, and its pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InDoubt {
-    /// Its padded distance (m) is not less than this.
+    /// Lower bound (m) on its padded distance.
     lower: f64,
-    /// How many looks were before the one that found it.
+    /// Number of candidates bounded before the one that found it.
     look: usize,
     index: usize,
     what: Postponed,
 }
 
-/// What was measured, and of which pair it is.
+/// A measured candidate, and its pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured {
     /// The padded distance (m).
@@ -55,8 +55,8 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Whether this is told rather than another: what is nearer; of equally near pairs the first, or where they touch the one that was
-    /// looked at first; of one pair as [`clearance_proximity`] says.
+    /// Order of preference for the report: the nearer first. Of equally near pairs the first is preferred, and of touching pairs the one
+    /// that was found first. Within one pair the order of [`clearance_proximity`] applies.
     fn is_before(&self, other: &Self) -> bool {
         if self.index == other.index {
             return (self.raw.distance, self.numbers) < (other.raw.distance, other.numbers);
@@ -67,14 +67,14 @@ impl Measured {
         (self.padded, self.index) < (other.padded, other.index)
     }
 
-    /// Whether it is within a limit (m) as other ways to ask see it.
+    /// True if it is within a limit (m), with the same rounding as in the other queries.
     fn is_within(&self, limit: f64) -> bool {
         self.raw.distance <= (limit + self.padding).next_up()
     }
 }
 
 impl StateQuery<'_> {
-    /// The least distance of all pairs; what may be nearer is looked at first, and each pair only up to the least so far.
+    /// The least distance of all pairs. The nearest candidates are searched first, and each pair only up to the least distance so far.
     pub fn least_distance(&mut self, limit: f64) {
         let mut least = Least::within(limit.greater(CONTACT_DISTANCE));
         let mut queue = std::mem::take(&mut self.workspace.nearest_first);
@@ -86,13 +86,13 @@ impl StateQuery<'_> {
             (least.lower, least.nearest) = (found.lower, Some((best.index, found)));
         }
         self.report.nearest = least.nearest.map(|(_, found)| PairDistance {
-            // of others it is only known that they are not nearer than the tolerance allows
+            // for other pairs it is only proven that they are not nearer than the tolerance allows
             lower: least.lower.lesser(self.certain(found.distance).greater(0.0)),
             ..found
         });
     }
 
-    /// All that there is to look at.
+    /// All candidates.
     fn fill(&mut self, queue: &mut NearestFirst, least: &mut Least) {
         queue.clear();
         if !self.checker.self_candidates(self.q, least.limit, self.workspace) {
@@ -111,7 +111,7 @@ impl StateQuery<'_> {
         }
     }
 
-    /// Begins with what is known of the parts that no joint moves; whether they need not be looked at.
+    /// Starts from the known distance of the parts that no joint moves; returns true if they need not be searched.
     fn start_from_fixed(&mut self, least: &mut Least) -> bool {
         let nearest = match self.fixed_nearest() {
             Some(FixedNearest::Apart(nearest)) => nearest,
@@ -128,7 +128,7 @@ impl StateQuery<'_> {
         true
     }
 
-    /// Looks at what is queued, and measures what may be the nearest.
+    /// Searches the queue, then measures the candidates that may be the nearest.
     pub fn search(&mut self, queue: &mut NearestFirst, least: &mut Least) {
         self.workspace.asked.clear();
         self.workspace.in_doubt.clear();
@@ -142,7 +142,7 @@ impl StateQuery<'_> {
         self.measure(least);
     }
 
-    /// Looks at what may be nearest.
+    /// Bounds the queued candidates, nearest first.
     fn look(&mut self, QueuedNear { lower, near }: QueuedNear, queue: &mut NearestFirst, least: &mut Least) {
         let bound = least.bound(self);
         match near {
@@ -172,7 +172,7 @@ impl StateQuery<'_> {
         }
     }
 
-    /// Looks at a pair, or at a part and the pieces of an obstacle, of which this one may be nearest; or asks it at once.
+    /// Bounds the pair, or the part and the obstacle's pieces, that a candidate belongs to; or measures the pair at once.
     fn look_or_ask(&mut self, queued: QueuedPair, nearest: Option<(usize, u32)>, least: &mut Least) {
         match nearest {
             _ if !self.postpones() => self.ask(queued, least),
@@ -181,7 +181,7 @@ impl StateQuery<'_> {
         }
     }
 
-    /// Whether a pair, to which several pieces may lead, was not asked before.
+    /// False if the pair was measured before: several pieces may lead to one pair.
     fn is_first(&mut self, index: usize) -> bool {
         let first = !self.workspace.asked.contains(&index);
         if first {
@@ -190,14 +190,14 @@ impl StateQuery<'_> {
         first
     }
 
-    /// Whether pairs are looked at before any is measured, obstacles piece by piece: tolerances, deadlines and streams are about
-    /// pairs one by one.
+    /// True if candidates are bounded before any is measured, obstacles piece by piece. Tolerances, deadlines and streams need
+    /// pair-by-pair measurement instead.
     fn postpones(&self) -> bool {
         self.effort.is_exact()
             && !self.workspace.stream.as_ref().is_some_and(|stream| stream.is_of(self.checker.revision))
     }
 
-    /// Asks a pair at once.
+    /// Measures a pair at once.
     fn ask(&mut self, queued: QueuedPair, least: &mut Least) {
         let bound = least.bound(self);
         if let Some(found) = self.distance(queued, bound) {
@@ -208,14 +208,14 @@ impl StateQuery<'_> {
         }
     }
 
-    /// Looks at all of a pair.
+    /// Bounds a whole pair.
     fn look_at_pair(&mut self, index: usize, least: &mut Least) {
         let pair = self.checker.pair(index, &self.workspace.frames);
         let (scratch, in_doubt) = (&mut self.workspace.scratch, &mut self.workspace.in_doubt);
         least.look_at((index, &pair), None, scratch, in_doubt);
     }
 
-    /// Looks at a part and the pieces of an obstacle: at the piece that may be nearest, then at those that may be nearer.
+    /// Bounds a part and the pieces of an obstacle: the nearest piece first, then the pieces that may be nearer.
     fn look_at_pieces(&mut self, index: usize, (part, piece): (usize, u32), least: &mut Least) {
         let checker = self.checker;
         let pair = checker.pair(index, &self.workspace.frames);
@@ -232,7 +232,7 @@ impl StateQuery<'_> {
         }
     }
 
-    /// Measures what may be the nearest.
+    /// Measures the candidates that may be the nearest.
     fn measure(&mut self, least: &mut Least) {
         let mut in_doubt = std::mem::take(&mut self.workspace.in_doubt);
         in_doubt.retain(|other| other.lower <= least.upper);
@@ -263,7 +263,7 @@ impl StateQuery<'_> {
         pair.told(&best.raw, &mut self.workspace.scratch)
     }
 
-    /// Capsules around all parts, where they are.
+    /// Capsules around all parts at their poses.
     fn place_capsules(&mut self) {
         let Workspace { frames, nearby, .. } = &mut *self.workspace;
         let robot_bodies = self.checker.robot_bodies.iter().enumerate();
@@ -274,7 +274,7 @@ impl StateQuery<'_> {
         );
     }
 
-    /// What to ask of a piece of the world.
+    /// The candidate for a piece of an obstacle.
     fn looked_at(&mut self, part: usize, piece: u32, known: f64) -> Option<QueuedNear> {
         let Workspace { nearby, scratch, .. } = &mut *self.workspace;
         scratch.work.volume_tests += 1;
@@ -284,24 +284,24 @@ impl StateQuery<'_> {
 }
 
 impl Least {
-    /// Nothing is known yet, and what is farther than `limit` (m) does not matter.
+    /// Start of a search; distances beyond `limit` (m) do not matter.
     pub fn within(limit: f64) -> Self {
         let none = f64::INFINITY;
         Self { limit, upper: none, measured: None, nearest: None, lower: none, looks: 0 }
     }
 
-    /// The nearest that was measured.
+    /// The nearest candidate that was measured.
     pub fn measured(&self) -> Option<Measured> {
         self.measured
     }
 
-    /// Nothing that is farther (m) matters.
+    /// Distances larger than this (m) do not matter.
     fn bound(&self, asked: &StateQuery) -> f64 {
         let measured = self.nearest.map_or(self.limit, |(_, n)| asked.certain(n.distance));
         measured.lesser(self.upper)
     }
 
-    /// Looks at some pieces of an obstacle or at all of a pair.
+    /// Bounds some pieces of an obstacle, or a whole pair.
     fn look_at(
         &mut self,
         (index, pair): (usize, &Pair),
@@ -310,13 +310,13 @@ impl Least {
         in_doubt: &mut Vec<InDoubt>,
     ) {
         let padding = pair.info.padding;
-        // rounded up, so that of equal ones none is left out
+        // rounded up, so that of equally near ones none is left out
         let limit = (self.limit.lesser(self.upper) + padding).next_up();
         let upper = pair.nearest_in_doubt(pieces, limit, scratch, |what| {
             let lower = (what.lower - padding).next_down().greater(0.0);
             in_doubt.push(InDoubt { lower, look: self.looks, index, what });
         });
-        // what touches with its padding is no nearer than what touches without
+        // a touching padded pair is no nearer than a pair that touches without padding
         let padded = if upper <= padding { 0.0 } else { (upper - padding).next_up() };
         self.upper = self.upper.lesser(padded);
         self.looks += 1;

@@ -1,4 +1,4 @@
-//! The bridge between the towers: a robot and a world in, collision reports out.
+//! Collision checker: evaluates states and motions of a robot in a world, and returns collision reports.
 //!
 //! | question | function |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | the same with a proof to show | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | until when can nothing touch? | [`CollisionChecker::look_ahead`] |
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod batch;

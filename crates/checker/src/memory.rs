@@ -1,12 +1,12 @@
-//! What is remembered of a pair of bodies from state to state.
+//! Memory of one pair of bodies, from state to state.
 //!
-//! A distance that it certainly had at some pose: at another it has lost at most what one body has moved in the frame
-//! of the other, which is the largest displacement of the body's sphere. Points of the bodies that were nearest bound the
-//! distance from above, and of a pair that stays near, the elements that may be nearest are kept.
+//! It holds a lower bound on the distance at an earlier pose. At another pose this bound is reduced by the motion of one body in the
+//! frame of the other, which is at most the largest displacement of the body's bounding sphere. Earlier witness points give an upper
+//! bound on the distance. For a pair that stays near, the elements that may be nearest are kept, too.
 //!
-//! None of this changes an exact answer: a distance that is found depends neither on the limit of the search, as long as that is not
-//! below it, nor on the order in which elements are met. (Which common point of touching bodies is found does; reports have
-//! that of a search of its own.)
+//! This changes no exact result: the distance found depends neither on the search limit, as long as the limit is not smaller, nor on the
+//! order in which elements are visited. (The common point of touching bodies does depend on them; for reports it comes from a separate
+//! search.)
 
 mod tolerant;
 
@@ -17,52 +17,52 @@ use clearance_proximity::{Effort, Front, Scratch, Separation};
 
 use super::pair::{Pair, Roughly};
 
-/// How far (m) beyond what was asked a pair's distance is looked for, to know it for some states to come.
+/// Distance (m) beyond the requested limit up to which a pair is searched, so that the result lasts for some further states.
 const LOOK_AHEAD: f64 = 0.03;
 
-/// How much farther (m) than the nearest triangles others are kept that may become the nearest.
+/// Margin (m) beyond the nearest triangles within which other triangles are kept, since they may become the nearest.
 const FRONT: f64 = 0.015;
 
-/// States for which a front must be enough to have been worth collecting.
+/// Number of states for which a front must last to be worth its cost.
 const WORTH: u32 = 8;
 
-/// States after which collecting is tried once more where it was never worth it.
+/// Maximum pause, in states, before a front is collected again where this was never worth its cost.
 const LONGEST_PAUSE: u32 = 1024;
 
-/// Rounding (relative to the coordinates that enter) granted to remembered points.
+/// Rounding error (relative to the coordinates used) allowed for remembered points.
 const ROUNDING: f64 = 1e-13;
 
-/// What is known about a pair; distances are those of the bodies, no padding taken off.
+/// Memory of a pair; distances are between the bodies, without padding.
 #[derive(Clone, Debug)]
 pub(super) struct Memory {
     pose_ab: MatrixPose,
-    /// The bodies were not nearer than this (m) at that pose.
+    /// Lower bound (m) on the distance at that pose.
     lower: f64,
-    /// The answer at that pose, if one was looked for.
+    /// The result at that pose, if it was searched.
     found: Option<Separation>,
     /// Points of the bodies that were near each other at that pose.
     near_points: Option<PointPair>,
-    /// How much (m) of a tolerance was left at the last state, and whether that hardly lasts for the next.
+    /// Remaining tolerance (m) at the last state, and whether it will probably not last for the next state.
     left: f64,
     is_due: bool,
     front: Front,
-    /// States for which the front has been enough.
+    /// Number of states that the front has served.
     served: u32,
-    /// States until the next front is collected, and how many they were the last time.
+    /// States until the next front is collected, and the length of the last such pause.
     pause: u32,
     last_pause: u32,
-    /// What searches have cost since the last front was collected, and what that had cost.
+    /// Cost of searches since the last front was collected, and the cost of collecting it.
     searching: u64,
     collecting: u64,
-    /// Whether a front is to be collected in the time until the next state.
+    /// True if a front is to be collected in the idle time until the next state.
     awaits_front: bool,
-    /// States until the exact distance is tried for again, and how many they were the last time.
+    /// States until the exact distance is tried again, and the length of the last such pause.
     given_up: u32,
     last_given_up: u32,
 }
 
 impl Memory {
-    /// What was found at the pair's pose when it was looked for up to `limit` (m).
+    /// Memory of a search at the pair's pose up to `limit` (m).
     fn new(pair: &Pair, limit: f64, found: Option<Separation>) -> Self {
         let lower = found.map_or(limit, |f| f.distance);
         let near_points = found.map(|f| f.witness_points);
@@ -85,15 +85,15 @@ impl Memory {
         }
     }
 
-    /// Whether it is time to try for the exact distance, which cost too much the last times; asked once a state.
+    /// True if the exact distance, which cost too much the last times, is to be tried again; called once per state.
     pub fn tries_exactly(&mut self) -> bool {
         let tries = self.given_up == 0;
         self.given_up = self.given_up.saturating_sub(1);
         tries
     }
 
-    /// Notes what was found within a tolerance because the exact distance cost too much. It is tried for again after a pause, each
-    /// twice as long as the last.
+    /// Records bounds within a tolerance, after the exact distance cost too much. The exact distance is tried again after a pause; each
+    /// pause is twice as long as the last.
     fn give_up(&mut self, pair: &Pair, found: &Roughly) {
         self.renew(pair, found.lower, None);
         self.near_points = Some(found.upper.witness_points);
@@ -102,7 +102,7 @@ impl Memory {
         self.given_up = self.last_given_up;
     }
 
-    /// As [`Self::new`], but keeps the front, and points that were near where no nearer ones were found.
+    /// As [`Self::new`], but keeps the front, and keeps the earlier near points where no nearer ones were found.
     fn renew(&mut self, pair: &Pair, limit: f64, found: Option<Separation>) {
         let near = found.or_else(|| self.near_points_at(&pair.pose_ab));
         self.near_points = near.map(|near| near.witness_points);
@@ -111,8 +111,8 @@ impl Memory {
         self.found = found;
     }
 
-    /// Lets a front go that was not enough. If it was for few states, others would be too: where bodies move fast, or much of them
-    /// is about equally near. The next one is collected after a pause, each twice as long as the last.
+    /// Discards a front that did not suffice. If it served few states, later fronts would not last either: bodies move fast, or large
+    /// parts of them are about equally near. Then the next front is collected after a pause; each pause is twice as long as the last.
     fn drop_front(&mut self) {
         if !self.front.is_collected() {
             return;
@@ -122,11 +122,11 @@ impl Memory {
         self.pause = if self.served < WORTH { self.last_pause } else { 0 };
     }
 
-    /// Has a front collected until the next state, unless the last ones were for nothing, or searches have not cost yet what the last
-    /// one has.
+    /// Requests a front to be collected before the next state, unless the last ones were useless, or searches since then have cost less
+    /// than collecting the last front.
     fn wish_for_front(&mut self, pair: &Pair, effort: &Effort, scratch: &mut Scratch) {
         if self.awaits_front {
-            // nobody took the time
+            // there was no idle time
             if effort.exact_cost == 0 {
                 self.collect_awaited(pair, u64::MAX, scratch);
             }
@@ -137,7 +137,7 @@ impl Memory {
         }
     }
 
-    /// Collects the front that is awaited, if there is one, where the pair was found, unless it costs more than `most`.
+    /// Collects a requested front, if there is one, at the pose where the pair was found, unless it costs more than `most`.
     fn collect_awaited(&mut self, pair: &Pair, most: u64, scratch: &mut Scratch) {
         let found = self.found.filter(|_| self.awaits_front && self.pose_ab == pair.pose_ab);
         let Some(found) = found else { return };
@@ -147,12 +147,12 @@ impl Memory {
         (self.searching, self.served, self.awaits_front) = (0, 0, false);
     }
 
-    /// Whether the time until the next state is well spent on the pair.
+    /// True if the idle time until the next state should be spent on this pair.
     pub fn is_due(&self) -> bool {
         self.is_due || self.awaits_front
     }
 
-    /// A number never larger than the bodies' distance (m) at another pose: by either's motion in the frame of the other.
+    /// Lower bound (m) on the bodies' distance at another pose, from the motion of either body in the frame of the other.
     pub fn lower_at(&self, pair: &Pair) -> f64 {
         let (from, to) = (&self.pose_ab, &pair.pose_ab);
         let of_b = pair.bodies.1.bounding_sphere().displacement(from, to);
@@ -165,21 +165,21 @@ impl Memory {
         self.found.is_some()
     }
 
-    /// How far apart points are at another pose that were near, in the frame of a.
+    /// Distance of the remembered near points at another pose, in the frame of a.
     fn near_points_at(&self, pose_ab: &MatrixPose) -> Option<Separation> {
         let [on_a, on_b] = self.near_points?;
         let moved = pose_ab * (&self.pose_ab.inverse() * on_b);
         Some(Separation { distance: nalgebra::distance(&on_a, &moved), witness_points: [on_a, moved] })
     }
 
-    /// Points of the bodies that are near each other, by which a search may begin; `None` if the bodies are proven farther apart than
-    /// `limit` (m), which is remembered.
+    /// Near points of the bodies from which a search may start; `None` if the bodies are proven farther apart than `limit` (m), which is
+    /// recorded.
     fn near_points_within(&mut self, limit: f64, pair: &Pair, scratch: &mut Scratch) -> Option<Separation> {
         let known = self.near_points_at(&pair.pose_ab);
         if let Some(near) = known.filter(|near| hardly_less_than(near) <= limit) {
             return Some(near);
         }
-        // a bound that is no more than was asked would run out in the next state
+        // a bound equal to the requested limit would not last for the next state
         let farther = limit + LOOK_AHEAD;
         let roughly = Effort { absolute_tolerance: LOOK_AHEAD / 2.0, ..Effort::default() };
         let far = pair.separation_bounds(farther, &roughly, scratch);
@@ -192,15 +192,15 @@ impl Memory {
     }
 }
 
-/// What the bodies' distance (m) is hardly larger than, points of which are that near: those told next to contact may lie a little off
-/// their bodies, so a search within this may find nothing.
+/// Search limit (m) that the bodies' distance hardly exceeds, from points at the distance `near`. Points reported next to contact may lie
+/// slightly off their bodies, so a search within this limit may find nothing.
 fn hardly_less_than(near: &Separation) -> f64 {
     let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
     near.distance + ROUNDING * reach + CONTACT_DISTANCE
 }
 
 impl Pair<'_> {
-    /// Does for the next state what can be done until it comes, where the pair is now; a front may cost as much as `most`.
+    /// Prepares the next state in the idle time before it, at the present pose; a front may cost as much as `most`.
     pub fn prepare(
         &self,
         limit: f64,
@@ -217,12 +217,12 @@ impl Pair<'_> {
         }
     }
 
-    /// As [`Pair::touches`], with what is remembered.
+    /// As [`Pair::touches`], using the memory.
     pub fn touches_remembering(&self, memory: &mut Option<Memory>, scratch: &mut Scratch) -> bool {
         let padding = self.info.padding;
         match memory {
             Some(known) if known.lower_at(self) > padding => return false,
-            // what touched probably touches still, and to look further would be for nothing
+            // a pair that touched probably still touches, and a search beyond the padding would be useless
             Some(known) if known.lower > padding => {}
             _ => {
                 let touches = self.touches(scratch);
@@ -236,7 +236,7 @@ impl Pair<'_> {
         found.is_some_and(|found| found.distance <= padding)
     }
 
-    /// As [`Pair::separation`], with what is remembered, in a state whose distances are exact until it has cost so much, if not 0.
+    /// As [`Pair::separation`], using the memory; distances are exact until the state has cost the given amount, if not 0.
     pub fn separation_remembering(
         &self,
         (limit, exact_cost): (f64, u64),
@@ -245,11 +245,11 @@ impl Pair<'_> {
     ) -> Option<Separation> {
         let exactly = Effort { exact_cost, ..Effort::default() };
         let found = self.separation_remembering_while(limit, &exactly, memory, scratch);
-        // with no tolerance nothing is told roughly
+        // without tolerances all distances are exact
         found.unwrap_or_else(|_| self.separation(limit, scratch))
     }
 
-    /// As [`Pair::separation_while`], with what is remembered.
+    /// As [`Pair::separation_while`], using the memory.
     pub fn separation_remembering_while(
         &self,
         limit: f64,

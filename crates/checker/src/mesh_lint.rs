@@ -1,4 +1,4 @@
-//! Meshes that are no plain solids.
+//! Warnings about meshes that are not closed solids.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use clearance_robot::RobotModel;
 use clearance_scene::World;
 use rayon::prelude::*;
 
-/// A mesh with what a user has to know of it as a solid.
+/// A mesh, with the remarks on its use as a solid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SolidMeshRemark {
     /// Such as `mesh 0 of object 'shelf'`.
     pub mesh: String,
-    /// Whether all of it stays a surface.
+    /// True if the whole mesh is treated as a surface.
     pub is_surface: bool,
     pub text: String,
 }
@@ -23,7 +23,7 @@ impl std::fmt::Display for SolidMeshRemark {
     }
 }
 
-/// The meshes that were repaired to be solids, and those that stay surfaces at least in part: robot's, obstacles', attached objects'.
+/// Meshes of the robot, obstacles and attached objects that were repaired to be solids, or that stay surfaces at least in part.
 #[must_use]
 pub fn solid_mesh_remarks(robot: &RobotModel, world: &World) -> Vec<SolidMeshRemark> {
     let of_links = robot.links().iter().flat_map(|link| {

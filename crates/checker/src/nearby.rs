@@ -1,4 +1,4 @@
-//! Which obstacles may be near a part of the robot: boxes in a tree first, then capsules.
+//! Broad phase: finds obstacles that may be near a robot part, first by boxes in a tree, then by capsules.
 
 use clearance_geometry::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use clearance_geometry::math::{Extremes, MatrixPose};
@@ -19,16 +19,16 @@ use super::workspace::{QueuedPair, Workspace};
 pub(super) struct NearbyScratch {
     stack: Vec<u32>,
     found: Vec<u32>,
-    /// As those, of eight capsules at once: with a bit for each.
+    /// As `stack` and `found`, for eight capsules at once; each entry has a bit mask.
     eight_stack: Vec<(u32, u8)>,
     eight_found: Vec<(u32, u8)>,
-    /// Around the parts, by part, while the least distance is looked for.
+    /// Capsules around the robot parts, by part; used by the search for the least distance.
     pub capsules: Vec<RootCapsule>,
-    /// What may be near, one obstacle's pieces after the other's.
+    /// Pieces of obstacles that may be near, grouped by obstacle.
     pub near: Vec<NearPiece>,
-    /// The same of eight capsules.
+    /// As `near`, for eight capsules.
     pub near_eight: Vec<NearEight>,
-    /// Of one obstacle.
+    /// Pieces of one obstacle.
     pub pieces: Vec<Piece>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct NearbyScratch {
 pub(super) struct NearPiece {
     pub place: u32,
     pub piece: Piece,
-    /// Its padded distance (m) is not less than this.
+    /// Lower bound (m) on its padded distance.
     pub lower: f32,
 }
 
@@ -46,12 +46,12 @@ pub(super) struct NearPiece {
 pub(super) struct NearEight {
     pub place: u32,
     pub piece: Piece,
-    /// A bit for each of them.
+    /// Bit mask of these capsules.
     pub lanes: u8,
 }
 
 impl NearbyScratch {
-    /// Which of eight capsules anything may be near.
+    /// Bit mask of the capsules that anything may be near.
     pub fn lanes_near(&self) -> u8 {
         self.near_eight.iter().fold(0, |lanes, near| lanes | near.lanes)
     }
@@ -61,31 +61,31 @@ impl NearEight {
     const NONE: Self = Self { place: 0, piece: Piece::Whole, lanes: 0 };
 }
 
-/// Something of the world that may be near a part.
+/// Candidate of the search: something that may be near a robot part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Near {
-    /// An obstacle or another part.
+    /// A pair with an obstacle or with another robot part.
     Pair(usize),
-    /// A piece of an obstacle of which only the box is known.
+    /// A piece of an obstacle for which only the box was tested.
     Boxed { part: usize, piece: u32 },
-    /// A piece that was looked at.
+    /// A piece whose bounding volume was tested, too.
     Piece { part: usize, piece: u32 },
-    /// Pieces in a node of the tree.
+    /// The pieces in a node of the tree.
     Node { part: usize, node: u32 },
 }
 
 impl CollisionChecker {
-    /// All that a part reaches, where it is.
+    /// Capsule around a part at its pose, without padding.
     pub(super) fn reach_of(&self, part: usize, frame: &Frame<f64>) -> Reach {
         self.robot_bodies[part].reach_at(&MatrixPose::from(frame))
     }
 
-    /// All that a part reaches with its padding, where it is.
+    /// Capsule around a part at its pose, grown by the part's padding.
     pub(super) fn capsule_of(&self, part: usize, frame: &Frame<f64>) -> RootCapsule {
         RootCapsule::of_reach(&self.reach_of(part, frame), self.robot_bodies[part].padding)
     }
 
-    /// The same, made of what level 0 knows: of eight states the segments as seen from `origins`.
+    /// As above, from level 0's data: the segments of eight states, relative to `origins`.
     #[inline(always)]
     pub(super) fn capsule_in_eight<S: Simd>(
         &self,
@@ -97,7 +97,7 @@ impl CollisionChecker {
         RootCapsule::new(simd, segment, origins, (f32x8::splat(simd, radius), f32x8::splat(simd, offset)))
     }
 
-    /// The same of one state, of up to eight parts.
+    /// As above, for up to eight parts in one state.
     #[inline(always)]
     pub(super) fn eight_capsules<S: Simd>(
         &self,
@@ -115,7 +115,7 @@ impl CollisionChecker {
         RootCapsule::new(simd, gather(simd, segments, &parts), origin, (radii, offset))
     }
 
-    /// Boxes around the robot's parts with their paddings, where a state has them: what the broad phase asks about.
+    /// Axis-aligned boxes around the robot's parts with their paddings, in states where they are placed: the queries of the broad phase.
     #[must_use]
     pub fn part_boxes(&self, q: &Configuration, workspace: &mut Workspace) -> Vec<AxisBox> {
         self.suit(workspace);
@@ -128,14 +128,14 @@ impl CollisionChecker {
             .collect()
     }
 
-    /// What the broad phase knows: boxes around obstacles, or around their pieces where they are large, each with a number.
+    /// Content of the broad phase: numbered boxes around obstacles, or around their pieces if the obstacles are large.
     #[must_use]
     pub fn world_boxes(&self) -> Vec<(u32, AxisBox)> {
         self.obstacles.pieces.boxes()
     }
 
-    /// Obstacles whose padded distance from a part may be within `limit` (m): their pairs, in the order of their numbers, with
-    /// numbers (m) never larger than those distances.
+    /// Pairs of a part with obstacles whose padded distance may be within `limit` (m), in the order of their numbers, with lower bounds
+    /// (m) on those distances.
     pub(super) fn obstacles_near(
         &self,
         part: usize,
@@ -187,7 +187,7 @@ impl CollisionChecker {
         near.sort_unstable_by_key(|near| (near.place, near.piece));
     }
 
-    /// Whether a piece of an obstacle may be within `limit` (m) of a part.
+    /// True if a piece of an obstacle may be within `limit` (m) of a part.
     pub(super) fn anything_near(
         &self,
         part: usize,
@@ -206,9 +206,9 @@ impl CollisionChecker {
         })
     }
 
-    /// Fills `near_eight` with the pieces of obstacles whose padded distance from some of eight parts may be within `limit` (m), of
-    /// those `among` them, which are parts of states as expected or not; `checks` leaves of some bits those to be checked against
-    /// what is at a place.
+    /// Fills `near_eight` with the pieces of obstacles whose padded distance from some of eight parts may be within `limit` (m). `among`
+    /// selects the parts; they belong to states that are either all expected or not. `checks` reduces a bit mask to the parts that are to
+    /// be checked against the obstacle at a place.
     #[inline(always)]
     pub(super) fn find_near_eight<S: Simd>(
         &self,
@@ -222,7 +222,7 @@ impl CollisionChecker {
         eight_found.clear();
         let boxes = capsules.axis_boxes(limit);
         work.volume_tests += pieces.find_any(simd, (&boxes, among), is_as_expected, eight_stack, eight_found);
-        // which are near hangs on chance: without a branch the next is begun before the last is known
+        // which pieces are near is hard to predict: without a branch the next iteration starts before this one ends
         near_eight.resize(eight_found.len(), NearEight::NONE);
         let mut kept = 0;
         for &(number, lanes) in &*eight_found {
@@ -237,7 +237,7 @@ impl CollisionChecker {
         near_eight.sort_unstable_by_key(|near| (near.place, near.piece));
     }
 
-    /// Fills `pieces` with those of the obstacle at a place whose padded distance from a part may be within `limit` (m).
+    /// Fills `pieces` with the pieces of the obstacle at a place whose padded distance from a part may be within `limit` (m).
     pub(super) fn pieces_near(
         &self,
         (part, place): (usize, usize),
@@ -252,8 +252,8 @@ impl CollisionChecker {
         nearby.pieces.extend(of_place.map(|near| near.piece));
     }
 
-    /// Obstacles whose padded distance from a part may be within `motion` (m) where it is in some of eight states: their places, and a
-    /// bit for each of these states.
+    /// Obstacles whose padded distance from a part may be within `motion` (m) in some of eight states: their places, and a bit mask of
+    /// these states.
     pub(super) fn each_obstacle_near(
         &self,
         part: usize,
@@ -288,7 +288,7 @@ impl CollisionChecker {
         }
     }
 
-    /// Where the search for the nearest obstacle of a part begins.
+    /// Root of the search for the nearest obstacle of a part.
     pub(super) fn whole_world(&self, part: usize) -> impl Iterator<Item = Near> {
         let pieces = &self.obstacles.pieces;
         let roots = pieces.roots().map(move |node| Near::Node { part, node });
@@ -296,8 +296,8 @@ impl CollisionChecker {
         roots.chain(unbounded).filter(|_| self.pairs().world_len() > 0)
     }
 
-    /// What is in a node, and numbers never larger than the padded distances (m) from a part, less than zero where boxes overlap;
-    /// what is no number bounds nothing.
+    /// The children of a node, with lower bounds (m) on their padded distances from a part, negative where boxes overlap; NaN is no
+    /// bound.
     pub(super) fn opened(
         &self,
         node: u32,
@@ -311,20 +311,20 @@ impl CollisionChecker {
         self.obstacles.pieces.at(number).piece
     }
 
-    /// The place of a piece's obstacle.
+    /// The place of the obstacle that a piece belongs to.
     pub(super) fn place_of(&self, piece: u32) -> usize {
         self.obstacles.pieces.at(piece).place as usize
     }
 
-    /// A piece that may be near a part, once their volumes were looked at: what to ask, with a number (m) never larger than its
-    /// padded distance; `None` if the pair is not checked.
+    /// Tests the bounding volumes of a piece and a part: returns the candidate with a lower bound (m) on its padded distance, or `None`
+    /// if the pair is not checked.
     pub(super) fn looked_at(&self, part: usize, piece: u32, capsule: &RootCapsule) -> Option<(f64, Near)> {
         let placed = self.obstacles.pieces.at(piece);
         if !self.pairs().checks(part, ObstacleId(placed.place)) {
             return None;
         }
         let near = match placed.piece {
-            // to what has no end pieces are no nearer than the whole
+            // pieces of an obstacle are no nearer to an infinite part than the whole obstacle
             _ if !self.robot_bodies[part].capsule.radius.is_finite() => {
                 Near::Pair(self.world_pair(part, placed.place as usize))
             }
@@ -335,7 +335,7 @@ impl CollisionChecker {
     }
 }
 
-/// A number (m) never larger than the distance of two capsules: that of their axes along the line between about nearest
+/// Lower bound (m) on the distance between two capsules: the separation of their axes along the line between approximately nearest
 /// points, as at level 0, but in f64.
 pub(super) fn capsule_bound([a, b]: &[Reach; 2]) -> f64 {
     let (c, u) = ((a.ends[0] + a.ends[1]) * 0.5, (a.ends[1] - a.ends[0]) * 0.5);

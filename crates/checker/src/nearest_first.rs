@@ -1,4 +1,4 @@
-//! A queue of what may be nearest.
+//! Priority queue of the search for the nearest pair.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,18 +11,18 @@ use super::capsules::up;
 use super::collision_checker::CollisionChecker;
 use super::nearby::Near;
 
-/// A pair, or obstacles near a part, of which the nearest are to be asked first.
+/// A pair, or the obstacles near a part; the nearest are searched first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct QueuedNear {
-    /// Nothing of it is nearer than this (m).
+    /// Lower bound (m) on its distances.
     pub lower: f64,
     pub near: Near,
 }
 
-/// What is to be looked at, what may be nearest first; of equal ones, what came first.
+/// Priority queue by lower bound of the distance; equal ones are in order of insertion.
 ///
-/// Its order is that of single words: a number (m, not negative, f32) that no distance is below, and which one it is. What came
-/// together is queued by what may be nearest of it: most of the rest is never taken out.
+/// The key is one word: a lower bound on the distance (m, not negative, f32) and an index. Candidates inserted together are queued under
+/// the smallest of their bounds: most of the others are never taken out.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NearestFirst {
     order: BinaryHeap<Reverse<u64>>,
@@ -33,11 +33,11 @@ pub(super) struct NearestFirst {
 #[derive(Clone, Copy, Debug)]
 enum Queued {
     One(Near),
-    /// By number.
+    /// By index.
     Opened(usize),
 }
 
-/// What is in a node of the tree of pieces, with numbers (m) that no distances from a part are below; infinite once it is taken out.
+/// The children of a node of the tree of pieces, with lower bounds (m) on their distances from a part; infinite once taken out.
 #[derive(Clone, Debug)]
 struct Opened {
     part: usize,
@@ -58,18 +58,18 @@ impl NearestFirst {
         self.all.push(Queued::One(near));
     }
 
-    /// All obstacles, for a part.
+    /// Inserts all obstacles, for a part.
     pub fn push_world(&mut self, checker: &CollisionChecker, part: usize) {
         for near in checker.whole_world(part) {
             self.push(QueuedNear { lower: 0.0, near });
         }
     }
 
-    /// What is in a node, not below these numbers (m); what is no number bounds nothing.
+    /// Inserts the children of a node with their lower bounds (m); NaN is no bound.
     pub fn push_children(&mut self, part: usize, lowers: [f32; LANES], children: [Child; LANES]) {
         let bound = |lane: usize| match children[lane] {
             Child::Nothing => f32::INFINITY,
-            // what is infinitely far is not lost
+            // an infinite bound would mark a child as taken out
             _ => lowers[lane].greater(0.0).lesser(f32::MAX),
         };
         let opened = Opened { part, lowers: std::array::from_fn(bound), children };
@@ -80,7 +80,7 @@ impl NearestFirst {
         }
     }
 
-    /// What may be nearest.
+    /// Removes the candidate with the smallest bound.
     #[allow(clippy::cast_possible_truncation)] // halves of a word
     pub fn pop(&mut self) -> Option<QueuedNear> {
         loop {
@@ -113,7 +113,7 @@ impl NearestFirst {
 }
 
 impl Opened {
-    /// What may be nearest of what is left: its lane, and its number (m).
+    /// The remaining child with the smallest bound: its lane, and the bound (m).
     #[inline]
     fn nearest(&self) -> Option<(usize, f32)> {
         let mut nearest = (0, f32::INFINITY);
@@ -126,7 +126,7 @@ impl Opened {
     }
 }
 
-/// Bits of numbers that are not negative are ordered as the numbers are.
+/// The bits of non-negative floats have the same order as the floats.
 fn word(lower: f32, index: usize) -> Reverse<u64> {
     Reverse(u64::from(lower.greater(0.0).to_bits()) << 32 | index as u64)
 }

@@ -1,4 +1,4 @@
-//! The numbers of pairs, and what is behind them.
+//! Pair numbers, and the bodies they refer to.
 
 use clearance_geometry::math::MatrixPose;
 use clearance_robot::{Frame, KinematicPath};
@@ -8,10 +8,10 @@ use super::collision_checker::CollisionChecker;
 use super::pair::{Pair, PairInfo};
 use clearance_scene::BodyId;
 
-/// The bodies of a pair: indices of parts, or of a part and an obstacle's place.
+/// The bodies of a pair: indices of two robot parts, or of a robot part and the place of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PairNumber {
-    /// In the list of self pairs.
+    /// Index in the list of self pairs.
     OfParts(usize),
     WithObstacle {
         part: usize,
@@ -35,7 +35,7 @@ impl CollisionChecker {
         self.infos.len() + part * self.obstacles.place_count() + place
     }
 
-    /// Whether this is the number of a pair that is checked.
+    /// True if this is the number of a pair that is checked.
     pub(super) fn is_pair(&self, index: usize) -> bool {
         index < self.infos.len()
             || (index - self.infos.len() < self.robot_bodies.len() * self.obstacles.place_count())
@@ -60,7 +60,7 @@ impl CollisionChecker {
         (0..self.infos.len()).chain(self.all_world_pairs())
     }
 
-    /// Those with obstacles.
+    /// The numbers of the pairs with obstacles.
     pub(super) fn all_world_pairs(&self) -> impl Iterator<Item = usize> {
         let places = self.obstacles.place_count();
         let all =
@@ -97,7 +97,7 @@ impl CollisionChecker {
         self.paths_to_root.to_root(self.robot_bodies[part].body)
     }
 
-    /// A pair, where the chain's bodies are.
+    /// A pair, with the poses of the chain's bodies.
     pub(super) fn pair_with(&self, index: usize, frame: impl Fn(usize) -> Frame<f64>) -> Pair<'_> {
         let info = self.info(index);
         let pose = |part: usize| MatrixPose::from(&frame(self.robot_bodies[part].body));

@@ -1,4 +1,4 @@
-//! The obstacles of a checker, each at its place, ready for questions.
+//! The obstacles of a checker, by place, with their collision geometry.
 
 use std::sync::Arc;
 
@@ -28,14 +28,14 @@ pub(super) struct Obstacles {
     pub pieces: Pieces,
 }
 
-/// An obstacle, ready for questions.
+/// An obstacle with its collision geometry.
 #[derive(Debug)]
 pub(super) struct PlacedObstacle {
     source: Arc<Obstacle>,
     pub solid: Arc<CollisionBody>,
-    /// Its pieces, if it can be told apart.
+    /// Its pieces, if it can be split.
     told_apart: Arc<[(Piece, PieceVolume)]>,
-    /// In the frame of the obstacle.
+    /// Bounding volume, in the frame of the obstacle.
     capsule: LinkCapsule,
     pub pose_ro: MatrixPose,
     /// Its capsule, in the root frame.
@@ -46,14 +46,14 @@ pub(super) struct PlacedObstacle {
     mesh_model: MeshModel,
 }
 
-/// What is to be at a place.
+/// New content of a place.
 pub(super) type Change = (ObstacleId, Option<Arc<PlacedObstacle>>);
 
-/// Most pieces, or a few more, that a large obstacle is told apart into.
+/// Approximate maximum number of pieces that a large obstacle is split into.
 const MOST_PIECES: usize = 384;
 
 impl Obstacles {
-    /// The obstacles of a world; what `known` has is not built again.
+    /// The obstacles of a world; those in `known` are reused.
     pub fn new(
         world: &World,
         settings: &Settings,
@@ -73,7 +73,7 @@ impl Obstacles {
         Ok(Self { pieces: Pieces::new(pieces.collect(), reachable), places })
     }
 
-    /// What is to be at the places that do not hold what they hold in a world.
+    /// New contents of the places that differ from a world.
     pub fn outdated(&self, world: &World, settings: &Settings) -> Result<Vec<Change>, SettingsError> {
         let places = world.place_count().max(self.places.len());
         let outdated = (0..).map(ObstacleId).take(places).filter(|id| !self.is_up_to_date(world, *id));
@@ -85,7 +85,7 @@ impl Obstacles {
             .collect()
     }
 
-    /// Brings one place up to date, which nothing but its obstacle takes part in.
+    /// Updates one place and no other.
     pub fn set(&mut self, (id, found): Change, reachable: &Reachable) {
         let place = id.0 as usize;
         if self.places.len() <= place {
@@ -167,7 +167,7 @@ impl PlacedObstacle {
         }))
     }
 
-    /// Its pieces where they are, with its padding; it as a whole where it cannot be told apart.
+    /// Bounding volumes of its pieces at their poses, with its padding; of the whole obstacle where it cannot be split.
     fn pieces(&self) -> Vec<Placed> {
         let placed = |(piece, volume): &(Piece, PieceVolume)| {
             let volume = RootVolume::of_piece(volume, &self.pose_ro, self.padding);
@@ -187,7 +187,7 @@ impl PlacedObstacle {
         }
         let of_shapes = self.source.placed_shapes().map(|(pose_rs, shape)| bounds_of(&pose_rs, shape));
         let of_shapes = of_shapes.fold(AxisBox::EMPTY, |all, bounds| all.union(&bounds));
-        // what rounds is less than what the capsule is widened by
+        // rounding errors are smaller than the margin added to the capsule
         of_shapes.grown(MOTION_SLACK * (1.0 + self.reach.extent()))
     }
 
@@ -199,7 +199,7 @@ impl PlacedObstacle {
         self.source.pose_ro
     }
 
-    /// Its capsule, were it at another pose in the root frame.
+    /// Its capsule at another pose in the root frame.
     pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
         self.capsule.reach_at(pose)
     }

@@ -1,4 +1,4 @@
-//! One pair of bodies at their poses, ready to be asked about.
+//! One pair of bodies at their poses, with its distance and collision queries.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};
@@ -10,13 +10,13 @@ use clearance_scene::BodyId;
 
 use super::report::{PairDistance, UndecidedPair};
 
-/// What never changes about a pair.
+/// The constants of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairInfo {
     pub ids: (BodyId, BodyId),
-    /// The part's index, and that of the other part or the place of the obstacle.
+    /// The index of the robot part, and the index of the other part or the place of the obstacle.
     pub bodies: (usize, usize),
-    /// Safety distance (m) that is taken off the distance of the bodies.
+    /// Safety distance (m) that is subtracted from the distance of the bodies.
     pub padding: f64,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Pair<'c> {
     pub pose_ab: MatrixPose,
 }
 
-/// What is certain about a distance without padding where the exact one would cost too much.
+/// Bounds on a distance without padding, where the exact distance would cost too much.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Roughly {
     pub lower: f64,
@@ -37,20 +37,20 @@ pub(super) struct Roughly {
 }
 
 impl Pair<'_> {
-    /// Whether the padded bodies touch; if not, they are proven apart.
+    /// True if the padded bodies touch; otherwise they are proven apart.
     pub fn touches(&self, scratch: &mut Scratch) -> bool {
         let (a, b) = self.bodies;
         query::within_margin(a, b, self.pose_ab, self.info.padding, scratch).is_some()
     }
 
-    /// As [`Self::touches`], of some pieces of b.
+    /// As [`Self::touches`], for some pieces of b.
     pub fn pieces_touch(&self, pieces: &[Piece], scratch: &mut Scratch) -> bool {
         let (a, b) = self.bodies;
         query::pieces_within_margin(a, (b, pieces), self.pose_ab, self.info.padding, scratch).is_some()
     }
 
-    /// Gives what may be nearest of a and some pieces of b, or all of it, to be measured later, unless it is proven farther apart than
-    /// `limit` (m). Returns a number (m) that the distance without padding certainly does not exceed.
+    /// Passes the candidates for the nearest elements of a and b, or of some pieces of b, to `postpone`, to be measured later. Nothing is
+    /// passed if they are proven farther apart than `limit` (m). Returns an upper bound (m) on the distance without padding.
     pub fn nearest_in_doubt(
         &self,
         pieces: Option<&[Piece]>,
@@ -62,7 +62,7 @@ impl Pair<'_> {
         query::nearest_in_doubt(a, (b, pieces), &self.pose_ab, limit, scratch, postpone)
     }
 
-    /// Measures what may be nearest of the pair.
+    /// Measures a postponed candidate of the pair.
     pub fn measured(
         &self,
         postponed: &Postponed,
@@ -77,13 +77,13 @@ impl Pair<'_> {
         query::distance(a, b, self.pose_ab, limit, scratch)
     }
 
-    /// What is certain about the distance without padding, up to a limit, with some effort.
+    /// Bounds on the distance without padding, up to a limit, with the given search options.
     pub fn separation_bounds(&self, limit: f64, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
         let (a, b) = self.bodies;
         query::distance_bounds(a, b, self.pose_ab, limit, effort, scratch)
     }
 
-    /// As [`Self::separation`], but within the tolerances from when the state has cost too much.
+    /// As [`Self::separation`], but within the tolerances once the state has cost too much.
     pub fn separation_while(
         &self,
         limit: f64,
@@ -97,7 +97,7 @@ impl Pair<'_> {
         }
     }
 
-    /// As [`Self::separation_while`], up to what points of the bodies are known to be `near`, which is not more than `reached` (m).
+    /// As [`Self::separation_while`], limited by the known near points `near` of the bodies; `reached` (m) is at least their distance.
     pub fn separation_below_while(
         &self,
         (near, reached): (&Separation, f64),
@@ -113,8 +113,8 @@ impl Pair<'_> {
         }
     }
 
-    /// An exact separation as it is told: which common point of bodies that touch is found depends on the limit, which must not tell
-    /// what was asked before.
+    /// The reported form of an exact separation. Which common point of touching bodies is found depends on the search limit; a search
+    /// with a fixed limit keeps the report independent of earlier queries.
     pub fn told(&self, exact: &Separation, scratch: &mut Scratch) -> PairDistance {
         if exact.distance > 0.0 {
             return self.padded(exact);
@@ -128,14 +128,14 @@ impl Pair<'_> {
         query::margin_bounds(a, b, self.pose_ab, self.info.padding, effort.deadline, scratch)
     }
 
-    /// The pair with what is certain about its padded distance.
+    /// The pair with bounds on its padded distance.
     pub fn undecided(&self, lower: f64, upper: Option<f64>) -> UndecidedPair {
         let (a, b) = self.info.ids;
         let padded = |raw: f64| (raw - self.info.padding).greater(0.0);
         UndecidedPair { a, b, lower: padded(lower), upper: upper.map_or(f64::INFINITY, padded) }
     }
 
-    /// A separation in the frame of a, with the padding taken off and the points in the root frame.
+    /// Converts a separation in the frame of a: subtracts the padding, and transforms the points to the root frame.
     pub fn padded(&self, raw: &Separation) -> PairDistance {
         let (a, b) = self.info.ids;
         PairDistance {

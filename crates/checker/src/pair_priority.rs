@@ -1,9 +1,9 @@
-//! Which pairs to ask first.
+//! Heuristic order in which candidate pairs are tested.
 
-/// More would be looked through for nothing.
+/// Maximum number of stored pairs; searching a longer list would cost more than it saves.
 const MOST: usize = 16;
 
-/// The pairs that were hit most of late, most likely first. The order of questions changes no answer, only how soon a hit is
+/// The pairs that collided most often recently, the most likely first. The order changes no result, only the time until a collision is
 /// found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairPriority {
@@ -23,8 +23,8 @@ impl PairPriority {
         self.pairs.contains(&pair)
     }
 
-    /// Notes that a pair is hit: one step forward, or into the last place (Rivest 1976, *On self-organizing sequential search
-    /// heuristics*).
+    /// Records a collision of a pair: moves it one step forward, or inserts it at the last place (Rivest 1976, *On self-organizing
+    /// sequential search heuristics*).
     pub fn hit(&mut self, pair: usize) {
         match self.pairs.iter().position(|known| *known == pair) {
             Some(0) => {}

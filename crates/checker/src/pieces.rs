@@ -1,4 +1,4 @@
-//! The world in pieces, and the trees by which those near a part are found.
+//! Pieces of obstacles, and the bounding box trees that find the pieces near a robot part.
 
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8};
 use clearance_proximity::Piece;
@@ -7,19 +7,19 @@ use clearance_proximity::bvh::{AxisBox, Child, DynamicTree, EightBoxes};
 use super::reachable::Reachable;
 use super::root_volume::{RootCapsule, RootVolume};
 
-/// Pieces by number, of which each has a place in one of the trees.
+/// Numbered pieces; each is stored in one of the trees.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pieces {
     all: Vec<PlacedPiece>,
-    /// Numbers of those that are gone.
+    /// Free numbers, of removed pieces.
     unused: Vec<u32>,
-    /// By place of obstacle.
+    /// By place of an obstacle: the numbers of its pieces.
     of_places: Vec<Vec<u32>>,
-    /// Those that the robot may reach in states as expected.
+    /// Pieces that the robot may reach in expected states.
     within: DynamicTree,
-    /// The others.
+    /// Pieces that the robot cannot reach in expected states.
     beyond: DynamicTree,
-    /// Those that have no bounds.
+    /// Pieces without bounds.
     pub unbounded: Vec<u32>,
 }
 
@@ -28,28 +28,28 @@ pub(super) struct Pieces {
 pub(super) struct PlacedPiece {
     pub place: u32,
     pub piece: Piece,
-    /// With the obstacle's padding.
+    /// Bounding volume, grown by the obstacle's padding.
     volume: RootVolume,
 }
 
 impl PlacedPiece {
-    /// A number never larger than the padded distance (m) of a padded part; what is no number bounds nothing.
+    /// Lower bound (m) on the padded distance to a padded part; NaN is no bound.
     #[inline(always)]
     pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
         self.volume.lower_bound(part)
     }
 
-    /// A bit for each of eight padded parts that is not proven to be farther away than `limit` (m).
+    /// Bit mask of the eight padded parts that are not proven farther away than `limit` (m).
     #[inline(always)]
     pub fn near<S: Simd>(&self, simd: S, parts: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
         self.volume.near(simd, parts, limit)
     }
 }
 
-/// A bit in the numbers of nodes of what is beyond.
+/// Bit that marks node numbers of the tree of unreachable pieces.
 const BEYOND: u32 = 1 << 31;
 
-/// Where a piece has its place.
+/// Where a piece is stored.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Within,
@@ -67,7 +67,7 @@ impl Side {
     }
 }
 
-/// A piece, where it is, and a box around it.
+/// A piece, its bounding volume, and a box around it.
 pub(super) type Placed = (Piece, RootVolume, AxisBox);
 
 impl Pieces {
@@ -93,7 +93,7 @@ impl Pieces {
         pieces
     }
 
-    /// Puts the pieces of what is now at a place where those of what was there are.
+    /// Replaces the pieces of the obstacle that was at a place by the pieces of its present obstacle.
     pub fn set(&mut self, place: u32, placed: Vec<Placed>, reachable: &Reachable) {
         let at = place as usize;
         if self.of_places.len() <= at {
@@ -126,7 +126,7 @@ impl Pieces {
         &self.all[number as usize]
     }
 
-    /// How many the robot can not reach in states as expected.
+    /// Number of pieces that the robot cannot reach in expected states.
     #[cfg(test)]
     pub fn beyond_count(&self) -> usize {
         self.beyond.len()
@@ -137,8 +137,8 @@ impl Pieces {
         [self.within.items(), self.beyond.items()].concat()
     }
 
-    /// Appends those whose boxes overlap one to `found`, and those that have no bounds; returns how many boxes were tested. `stack`
-    /// is scratch.
+    /// Appends the pieces whose boxes overlap a box, and the pieces without bounds, to `found`; returns the number of boxes tested.
+    /// `stack` is scratch memory.
     #[inline(always)]
     pub fn find<S: Simd>(&self, simd: S, with: &AxisBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) -> u64 {
         found.extend_from_slice(&self.unbounded);
@@ -146,8 +146,8 @@ impl Pieces {
         within + self.beyond.find_overlapping(simd, with, stack, found)
     }
 
-    /// The same of those of eight boxes whose bits are set in `among`: each with a bit for every box that it overlaps. Of a state as
-    /// expected only what the robot may reach is looked at.
+    /// As above, for those of eight boxes whose bits are set in `among`; each result has a bit mask of the boxes it overlaps. For an
+    /// expected state only the pieces that the robot may reach are searched.
     #[inline(always)]
     pub fn find_any<S: Simd>(
         &self,
@@ -177,12 +177,12 @@ impl Pieces {
         dispatch!(level, simd => self.beyond.find_overlapping_any(simd, with, stack, found))
     }
 
-    /// The nodes that all others are below.
+    /// The root nodes.
     pub fn roots(&self) -> impl Iterator<Item = u32> {
         self.within.root().into_iter().chain(self.beyond.root().map(|node| node | BEYOND))
     }
 
-    /// The boxes of a node, and what is in them.
+    /// The children of a node and their boxes.
     pub fn node(&self, number: u32) -> (&EightBoxes, [Child; LANES]) {
         if number & BEYOND == 0 {
             let (boxes, children) = self.within.node(number);

@@ -1,4 +1,4 @@
-//! What a checker is asked about a state.
+//! Queries of a checker on one state.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -14,11 +14,11 @@ use super::state_query::StateQuery;
 use super::stream::{Due, Stream};
 use super::workspace::{QueuedPair, Workspace};
 
-/// How far (m) beyond what was asked a stream looks for obstacles, to know them for some states to come.
+/// Distance (m) beyond the requested limit up to which a stream searches for obstacles, so that the result lasts for some further states.
 const WORLD_LOOK_AHEAD: f64 = 0.05;
 
 impl CollisionChecker {
-    /// Whether every pair is proven apart; stops at the first that is not.
+    /// True if every pair is proven apart; stops at the first that is not.
     #[must_use]
     pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
         self.suit(workspace);
@@ -33,7 +33,7 @@ impl CollisionChecker {
         !self.is_hit(q, workspace)
     }
 
-    /// Whether a pair touches.
+    /// True if a pair touches.
     fn is_hit(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
         let level = workspace.scratch.level();
         dispatch!(level, simd => {
@@ -49,7 +49,7 @@ impl CollisionChecker {
         })
     }
 
-    /// Whether parts touch, of which the bodies are placed and the pairs screened; likely ones are asked first.
+    /// True if parts touch, given placed bodies and screened pairs; pairs that are likely to collide are tested first.
     #[inline(never)]
     fn hits_itself(&self, workspace: &mut Workspace) -> bool {
         let Workspace { frames, near, likely, scratch, .. } = workspace;
@@ -69,15 +69,15 @@ impl CollisionChecker {
         unlikely.is_some()
     }
 
-    /// Answers `question` about the state `q`.
+    /// Evaluates `question` on the state `q`.
     #[must_use]
     pub fn check(&self, q: &Configuration, question: Question, workspace: &mut Workspace) -> CollisionReport {
         self.check_with(q, question, &Effort::default(), workspace)
     }
 
-    /// As [`Self::check`], with tolerances for distances, or until a deadline: what is then open is among the report's
-    /// undecided pairs, and the robot is not free. Answers until a deadline make no use of a stream's memory; those of a stream
-    /// within a tolerance depend on what it was asked before, and may tell pairs whose lower bound alone is within the limit.
+    /// As [`Self::check`], with tolerances for distances, or until a deadline. Pairs left open at the deadline are listed as undecided in
+    /// the report, and the robot is not free. Queries with a deadline do not use a stream's memory. Results of a stream within a
+    /// tolerance depend on earlier queries, and may include pairs of which only the lower bound is within the limit.
     #[must_use]
     pub fn check_with(
         &self,
@@ -97,8 +97,8 @@ impl CollisionChecker {
         report
     }
 
-    /// Renews what a streaming workspace knows about pairs of its last state that the next will probably have to search: in the time
-    /// until it comes, for it to be answered sooner. Changes no exact answer.
+    /// Uses the idle time before the next state: renews the memory of pairs that the next state will probably have to search, so that its
+    /// result comes sooner. Changes no exact result.
     pub fn prepare(&self, workspace: &mut Workspace) {
         let Workspace { checker, frames, scratch, stream, .. } = workspace;
         let is_own = |stream: &&mut Stream| *checker == self.identity && stream.is_of(self.revision);
@@ -113,7 +113,7 @@ impl CollisionChecker {
         }
     }
 
-    /// Makes a workspace of another checker one of this; what it remembers of a stream stays the other's.
+    /// Adapts a workspace of another checker to this one; the memory of a stream stays with the other checker.
     pub(super) fn suit(&self, workspace: &mut Workspace) {
         if workspace.checker != self.identity {
             let scratch = std::mem::take(&mut workspace.scratch);
@@ -122,8 +122,8 @@ impl CollisionChecker {
         }
     }
 
-    /// Queues the pairs that may be within `limit` (m), in their order, with numbers (m) never larger than their distances;
-    /// if there are any, all bodies are placed.
+    /// Queues the pairs that may be within `limit` (m), in their order, with lower bounds (m) on their distances; if there are any, all
+    /// bodies are placed.
     pub(super) fn candidates(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) {
         let limit = limit.greater(CONTACT_DISTANCE);
         if !self.self_candidates(q, limit, workspace) {
@@ -154,7 +154,7 @@ impl CollisionChecker {
         }
     }
 
-    /// As [`Self::candidates`], pairs of parts alone; tells whether any pair may be within the limit.
+    /// As [`Self::candidates`], for self pairs only; returns true if any pair may be within the limit.
     pub(super) fn self_candidates(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) -> bool {
         workspace.queue.clear();
         if workspace.stream_of(self.revision).is_some() {
@@ -170,7 +170,7 @@ impl CollisionChecker {
         true
     }
 
-    /// As [`Self::self_candidates`], from what the last states left, and from capsules where that does not suffice.
+    /// As [`Self::self_candidates`], from the memory of the last states, and from capsules where that does not suffice.
     fn self_candidates_of_stream(&self, q: &Configuration, limit: f64, workspace: &mut Workspace) -> bool {
         let Some(stream) = workspace.stream_of(self.revision) else { return false };
         stream.advance(&self.rates, q.positions());
@@ -196,7 +196,7 @@ impl CollisionChecker {
         true
     }
 
-    /// Lets a stream note what was learned.
+    /// Updates the memory of a stream with the new results.
     pub(super) fn settle(&self, workspace: &mut Workspace) {
         if let Some(stream) = workspace.stream_of(self.revision) {
             stream.settle();
@@ -228,7 +228,7 @@ impl CollisionChecker {
         );
     }
 
-    /// Places all bodies, and finds the pairs whose capsules do not prove them apart.
+    /// Places all bodies, and computes the pairs whose capsules do not prove them apart.
     #[inline(always)]
     fn place_and_screen<S: Simd>(&self, simd: S, q: &Configuration, workspace: &mut Workspace) {
         let Workspace { frames, segments, near, scratch, .. } = workspace;

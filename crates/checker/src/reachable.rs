@@ -1,4 +1,4 @@
-//! What the moving parts of a robot can ever reach, known before any state is: no state that is as expected is asked about what is beyond.
+//! Regions that the robot's moving parts can reach, computed once. Obstacles outside them are skipped in every expected state.
 
 use std::ops::RangeInclusive;
 
@@ -10,18 +10,18 @@ use super::bodies::RobotBody;
 use super::capsules::up;
 use super::root_volume::{RootCapsule, RootVolume};
 
-/// How far (m) beyond their limits joints that slide are expected to be: encoders are noisy, and drivers round.
+/// Tolerance (m) beyond the limits of sliding joints: encoders are noisy, and drivers round.
 const BEYOND_LIMITS: f64 = 0.01;
 
-/// Balls (root frame) that parts with their paddings do not leave in states as expected: joints that slide are about within their
-/// limits.
+/// Bounding balls (root frame) of the parts with their paddings over all expected states. A state is expected if its sliding joints are
+/// within their limits and a tolerance.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reachable {
-    /// Positions by which joints slide, and where each is expected.
+    /// Indices of positions of sliding joints, and the expected range of each.
     expected: Vec<(usize, RangeInclusive<f64>)>,
-    /// By part; `None` where nothing bounds it.
+    /// By part; `None` where the reach is not bounded.
     balls: Vec<Option<Ball>>,
-    /// What all that move stay within; `None` where something is not bounded.
+    /// Bounding ball of all moving parts; `None` where one of them is not bounded.
     all: Option<Vec<RootCapsule>>,
 }
 
@@ -50,28 +50,28 @@ impl Reachable {
         Self { expected, balls, all }
     }
 
-    /// Whether joints that slide are where they are expected.
+    /// True if all sliding joints are in their expected ranges.
     #[inline(always)]
     pub fn expects(&self, positions: &[f64]) -> bool {
         self.expected.iter().all(|(q, range)| range.contains(&positions[*q]))
     }
 
-    /// What a part stays within, if anything bounds it.
+    /// Bounding ball of a part's motion, if it is bounded.
     pub fn of_part(&self, part: usize) -> Option<RootCapsule> {
         self.balls[part].as_ref().map(Ball::capsule)
     }
 
-    /// Whether a part that moves may touch something in a state as expected.
+    /// True if a moving part may touch a volume in an expected state.
     pub fn meets(&self, volume: &RootVolume) -> bool {
         let Some(balls) = &self.all else { return true };
-        // what is no number bounds nothing
+        // NaN is no bound
         let is_beyond = |ball: &RootCapsule| volume.lower_bound(ball) > up(CONTACT_DISTANCE);
         !balls.iter().all(is_beyond)
     }
 }
 
 impl Ball {
-    /// All that a part with its padding can reach, its body's origin being in a territory.
+    /// Ball that a part with its padding can reach, given the ball of its body's origin.
     fn of(robot_body: &RobotBody, territory: &ReachableRegion) -> Option<Self> {
         let ends = [robot_body.capsule.a, robot_body.capsule.b].map(|end| end.coords.norm());
         let farther = ends[0].greater(ends[1]) + robot_body.capsule.radius + robot_body.padding;
@@ -88,7 +88,7 @@ impl Ball {
     }
 }
 
-/// The balls that no other one holds.
+/// The balls that are contained in no other one.
 fn outermost(balls: &[Ball]) -> Vec<Ball> {
     let mut kept: Vec<Ball> = Vec::new();
     for ball in balls {
@@ -100,7 +100,7 @@ fn outermost(balls: &[Ball]) -> Vec<Ball> {
     kept
 }
 
-/// Where a position is expected that belongs to one joint alone and has limits.
+/// Expected range of a position that belongs to one joint only and has limits.
 fn expected_range(robot: &RobotModel, position: usize) -> Option<RangeInclusive<f64>> {
     let joint = robot.joint_ids().find(|joint| robot.first_position(*joint) == Some(position))?;
     let joint = robot.joint(joint);

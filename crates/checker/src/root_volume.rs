@@ -1,17 +1,17 @@
-//! Volumes in the root frame, in single precision: capsules of the robot's parts, capsules and boxes of the world.
+//! Bounding volumes in the root frame, in single precision: capsules of robot parts, capsules and boxes of obstacles.
 //!
 //! # The bounds
 //!
-//! Of two capsules as at level 0 ([`super::capsule_lanes`]). Of a capsule and a box likewise: in the frame of the box the axis is
-//! `w + s·u` with s in [-1, 1], and for *any* direction n it is at least as far from a box of half extents e as along n,
+//! For two capsules the bound is the one of level 0 ([`super::capsule_lanes`]). For a capsule and a box it is similar: in the frame of
+//! the box the axis is `w + s·u` with s in [-1, 1]. For *any* direction n, its distance from a box of half extents e is at least the
+//! distance along n,
 //!
 //! > D ≥ (n·w - |n·u| - |n₁|e₁ - |n₂|e₂ - |n₃|e₃) / |n|.
 //!
-//! n is sought by going from the axis to the box, back to the axis, and to the box again: its last step is n. Axes and their
-//! products take four roundings more of w and u. But here E and H are those of both volumes *added*, E with C in it, so that
-//! |w| ≤ √3·E, every term of level 0's table that has |w| is half of what it is there, and so is C's: 64 roundings are more than
-//! enough, also where the centre and the half extents of a box are rounded from its corners. Where only a limit counts, squares are
-//! compared as at level 0.
+//! The search for n steps from the axis to the box, back to the axis, and to the box again; its last step is n. Axes and their products
+//! add four roundings to w and u. But here E and H are the *sums* over both volumes, and E includes C, so that |w| ≤ √3·E. Every term of
+//! level 0's table that contains |w| is therefore half as large, and so is the term of C: 64 roundings are more than enough, also where
+//! the centre and the half extents of a box are rounded from its corners. Where only a limit matters, squares are compared as at level 0.
 
 use clearance_geometry::math::{MatrixPose, Point};
 use clearance_geometry::simd::{LANES, Real, Simd, Single, Vectors, f32x8, low_byte, not_beyond};
@@ -22,30 +22,30 @@ use clearance_robot::Reach;
 use super::capsule_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 use super::capsules::{Segment, up};
 
-/// All points within `radius` (m) of a segment, in the root frame: one capsule, or eight in lanes.
+/// Capsule in the root frame: all points within `radius` (m) of a segment. Holds one capsule, or eight in lanes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootCapsule<V = f32> {
     segment: Segment<V>,
     /// 1 / |half|² (1/m²).
     over_square: V,
     radius: V,
-    /// E + H of the bounds (m): the largest coordinate that it was made from, and how far it reaches from its centre.
+    /// E + H of the bounds (m): the largest coordinate it was computed from, plus the distance from its centre to its farthest point.
     size: V,
 }
 
-/// A box in the root frame; axes are rows.
+/// An oriented box in the root frame; the rows of its matrix are the axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootBox<V = f32> {
     centre: [V; 3],
     axes: [[V; 3]; 3],
     half_extents: [V; 3],
-    /// Safety distance (m) around it.
+    /// Safety distance (m) around the box.
     padding: V,
-    /// As of a capsule.
+    /// E + H of the bounds (m), as for a capsule.
     size: V,
 }
 
-/// Where a piece of the world is.
+/// Bounding volume of a piece of an obstacle, in the root frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RootVolume {
     Capsule(RootCapsule),
@@ -53,7 +53,7 @@ pub(super) enum RootVolume {
 }
 
 impl RootCapsule {
-    /// All that is within `padding` (m) of what something reaches.
+    /// The volume grown by `padding` (m).
     #[must_use]
     pub fn of_reach(reach: &Reach, padding: f64) -> Self {
         let [a, b] = reach.ends;
@@ -61,7 +61,7 @@ impl RootCapsule {
         Self::new((), segment, [0.0; 3], (up(reach.radius + padding), 0.0))
     }
 
-    /// A box around all that is within `by` (m) of it.
+    /// Axis-aligned box around the volume, grown by `by` (m).
     #[inline(always)]
     #[must_use]
     pub fn axis_box(&self, by: f32) -> AxisBox {
@@ -69,7 +69,7 @@ impl RootCapsule {
         AxisBox { lo, hi }
     }
 
-    /// Numbers never larger than the distances (m) from eight boxes; what is no number bounds nothing.
+    /// Lower bounds (m) on the distances to eight boxes; NaN is no bound.
     #[inline(always)]
     #[must_use]
     pub fn bounds_of_boxes<S: Simd>(&self, simd: S, EightBoxes { lo, hi }: &EightBoxes) -> [f32; LANES] {
@@ -101,8 +101,8 @@ impl RootCapsule {
 }
 
 impl<V: Single> RootCapsule<V> {
-    /// A segment as seen from `origin` (m, root frame), and all within `radius` (m) of it; its centre was made from numbers of which
-    /// the largest are `offset` (m) or its coordinates.
+    /// Capsule around a segment relative to `origin` (m, root frame), with `radius` (m). `offset` (m) or the coordinates of its centre
+    /// are the largest numbers that the centre was computed from.
     #[inline(always)]
     #[must_use]
     pub fn new(
@@ -122,7 +122,7 @@ impl<V: Single> RootCapsule<V> {
         }
     }
 
-    /// The lower and the upper corner of a box around all that is within `by` (m) of it.
+    /// Lower and upper corner of an axis-aligned box around the capsule, grown by `by` (m).
     #[inline(always)]
     fn corners(&self, by: f32) -> [[V; 3]; 2] {
         let Segment { centre, half: [u, v, w] } = self.segment;
@@ -130,8 +130,7 @@ impl<V: Single> RootCapsule<V> {
         around(centre, [u.abs() + farther, v.abs() + farther, w.abs() + farther])
     }
 
-    /// A number never larger than the distance (m) from another one, less than zero where they overlap; what is no number bounds
-    /// nothing.
+    /// Lower bound (m) on the distance to another capsule, negative where they overlap; NaN is no bound.
     #[inline(always)]
     fn bound_of_capsule(&self, other: &Self, token: V::Token) -> V {
         self.shadow_on_capsule(other, token).length() - self.around_axes(other)
@@ -151,13 +150,13 @@ impl<V: Single> RootCapsule<V> {
         Shadow { gap: dot(n, w) - dot(n, u).abs() - dot(n, v).abs(), square: square(n) }
     }
 
-    /// What is taken off the distance of the axes.
+    /// Amount subtracted from the distance between the axes.
     #[inline(always)]
     fn around_axes(&self, other: &Self) -> V {
         self.radius + other.radius + (self.size + other.size) * SLACK
     }
 
-    /// As [`Self::bound_of_capsule`], of a box.
+    /// As [`Self::bound_of_capsule`], for a box.
     #[inline(always)]
     fn bound_of_box(&self, to: &RootBox<V>, token: V::Token) -> V {
         self.shadow_on_box(to, token).length() - self.around_box(to)
@@ -175,7 +174,7 @@ impl<V: Single> RootCapsule<V> {
         self.radius + to.padding + (self.size + to.size) * SLACK
     }
 
-    /// How far the axis, `w + s·u` in the frame of a box of some half extents, is from it along about the nearest line.
+    /// Separation of the axis `w + s·u` (in the box frame) from a box of the given half extents, along an approximately nearest line.
     #[inline(always)]
     fn axis_gap(&self, (w, u): ([V; 3], [V; 3]), half_extents: [V; 3], token: V::Token) -> Shadow<V> {
         let one = V::splat(token, 1.0);
@@ -189,19 +188,19 @@ impl<V: Single> RootCapsule<V> {
 }
 
 impl<S: Simd> RootCapsule<f32x8<S>> {
-    /// A bit for each that is not proven to be farther from a capsule than `limit` (m).
+    /// Bit mask of the lanes that are not proven farther from a capsule than `limit` (m).
     #[inline(always)]
     fn not_beyond_capsule(&self, other: &Self, limit: f32, simd: S) -> u64 {
         self.shadow_on_capsule(other, simd).not_beyond(self.around_axes(other) + limit, simd)
     }
 
-    /// The same of a box.
+    /// As above, for a box.
     #[inline(always)]
     fn not_beyond_box(&self, to: &RootBox<f32x8<S>>, limit: f32, simd: S) -> u64 {
         self.shadow_on_box(to, simd).not_beyond(self.around_box(to) + limit, simd)
     }
 
-    /// Boxes around all that is within `by` (m) of each.
+    /// Axis-aligned boxes around the capsules, each grown by `by` (m).
     #[inline(always)]
     #[must_use]
     pub fn axis_boxes(&self, by: f32) -> EightBoxes {
@@ -234,7 +233,7 @@ impl RootBox {
 }
 
 impl RootVolume {
-    /// A piece of a body at its pose in the root frame, and all within `padding` (m) of it.
+    /// Bounding volume of a piece of a body at its pose in the root frame, grown by `padding` (m).
     #[must_use]
     pub fn of_piece(volume: &PieceVolume, pose: &MatrixPose, padding: f64) -> Self {
         match volume {
@@ -257,7 +256,7 @@ impl RootVolume {
         }
     }
 
-    /// A box around it along the root's axes, padding included.
+    /// Box along the root frame's axes around the volume, padding included.
     #[must_use]
     pub fn axis_box(&self) -> AxisBox {
         match self {
@@ -266,16 +265,16 @@ impl RootVolume {
         }
     }
 
-    /// A number never larger than the distance (m) of a part, less than zero where they overlap.
+    /// Lower bound (m) on the distance to a robot part, negative where they overlap.
     #[inline(always)]
     #[must_use]
     pub fn lower_bound(&self, part: &RootCapsule) -> f32 {
         let bound = self.bound(part, ());
-        // what is no number bounds nothing
+        // NaN is no bound
         if bound.is_nan() { f32::NEG_INFINITY } else { bound }
     }
 
-    /// A bit for each of eight that is not proven to be farther away than `limit` (m).
+    /// Bit mask of the eight lanes that are not proven farther away than `limit` (m).
     #[inline(always)]
     #[must_use]
     pub fn near<S: Simd>(&self, simd: S, eight: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
@@ -285,7 +284,7 @@ impl RootVolume {
         })
     }
 
-    /// As [`Self::lower_bound`], but for what is no number.
+    /// As [`Self::lower_bound`], without the handling of NaN.
     #[inline(always)]
     fn bound<V: Single>(&self, part: &RootCapsule<V>, token: V::Token) -> V {
         match self {
@@ -306,7 +305,7 @@ fn splat<V: Single>(token: V::Token, [x, y, z]: [f32; 3]) -> [V; 3] {
     [V::splat(token, x), V::splat(token, y), V::splat(token, z)]
 }
 
-/// A share of a half length, of which `one` is all.
+/// A fraction of a half length; `one` is the whole half length.
 #[inline(always)]
 fn share<V: Single>(of: V, one: V) -> V {
     of.greater(-one).lesser(one)
@@ -327,13 +326,13 @@ fn plus<V: Single>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// By component.
+/// Component-wise.
 #[inline(always)]
 fn times<V: Single>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
-/// The point of a box of some half extents, in its frame, nearest to one.
+/// The point of a box nearest to a given point, both in the frame of the box; the box is given by its half extents.
 #[inline(always)]
 fn within<V: Single>([a, b, c]: [V; 3], [x, y, z]: [V; 3]) -> [V; 3] {
     [x.greater(-a).lesser(a), y.greater(-b).lesser(b), z.greater(-c).lesser(c)]
@@ -344,32 +343,32 @@ fn scaled<V: Single>(u: [V; 3], s: V) -> [V; 3] {
     [u[0] * s, u[1] * s, u[2] * s]
 }
 
-/// From a point so much along a vector.
+/// The point at a multiple of a vector from a start point.
 #[inline(always)]
 fn along<V: Single>(p: [V; 3], u: [V; 3], s: V) -> [V; 3] {
     [p[0] + u[0] * s, p[1] + u[1] * s, p[2] + u[2] * s]
 }
 
-/// A vector in a frame whose axes are rows.
+/// Transforms a vector into a frame whose axes are the rows.
 #[inline(always)]
 fn turned<V: Single>(axes: &[[V; 3]; 3], v: [V; 3]) -> [V; 3] {
     [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)]
 }
 
-/// |v|², never zero.
+/// |v|², made larger than zero.
 #[inline(always)]
 fn square<V: Single>(v: [V; 3]) -> V {
     dot(v, v) + LEAST_SQUARE
 }
 
-/// How far two things are apart along a direction n, times |n|, and |n|².
+/// Separation of two volumes along a direction n, times |n|; and |n|².
 struct Shadow<V> {
     gap: V,
     square: V,
 }
 
 impl<V: Single> Shadow<V> {
-    /// How far (m) they are apart.
+    /// The separation (m).
     #[inline(always)]
     fn length(&self) -> V {
         self.gap / self.square.sqrt()
@@ -377,7 +376,7 @@ impl<V: Single> Shadow<V> {
 }
 
 impl<S: Simd> Shadow<f32x8<S>> {
-    /// A bit for each that is not proven to be longer than `limit` (m, not negative).
+    /// Bit mask of the lanes whose separation is not proven larger than `limit` (m, not negative).
     #[inline(always)]
     fn not_beyond(&self, limit: f32x8<S>, simd: S) -> u64 {
         let gap = self.gap.greater(Single::splat(simd, 0.0));

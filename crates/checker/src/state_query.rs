@@ -1,4 +1,4 @@
-//! One state that something is asked about: what is looked at, in which order, and what is found.
+//! Evaluates one query on one state: selects candidate pairs, orders them, collects results.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -13,7 +13,7 @@ use super::report::{CollisionReport, PairDistance, Question};
 use super::stream::Due;
 use super::workspace::{QueuedPair, Workspace};
 
-/// A state that something is asked about, and what is known so far.
+/// One query on one state, with the results so far.
 pub(super) struct StateQuery<'a> {
     pub checker: &'a CollisionChecker,
     pub q: &'a Configuration,
@@ -29,7 +29,7 @@ impl StateQuery<'_> {
             Question::Pairs => self.all_hits(),
             Question::Distance { limit } => {
                 self.least_distance(limit);
-                // pairs that touch are looked for where there are any
+                // touching pairs are searched for where there are any
                 if self.report.nearest.is_some_and(|nearest| nearest.lower <= CONTACT_DISTANCE) {
                     self.first_hits();
                     self.report.believe_contact();
@@ -56,7 +56,7 @@ impl StateQuery<'_> {
         self.checker.candidates(self.q, limit, self.workspace);
     }
 
-    /// The first colliding pair of links, and the first of a link and an obstacle.
+    /// The first colliding pair of robot bodies, and the first of a robot body and an obstacle.
     fn first_hits(&mut self) {
         self.queue(CONTACT_DISTANCE);
         for k in 0..self.workspace.queue.len() {
@@ -84,7 +84,7 @@ impl StateQuery<'_> {
 
     /// Every pair's distance up to `limit`.
     fn distances(&mut self, limit: f64) {
-        // what touches is within any limit
+        // touching pairs are within any limit
         let limit = limit.greater(0.0);
         self.queue(limit);
         for k in 0..self.workspace.queue.len() {
@@ -101,12 +101,12 @@ impl StateQuery<'_> {
         }
     }
 
-    /// What a distance may really be when it is told as `upper`, with what this state has cost so far.
+    /// Lower bound on a distance that is reported as `upper`, with the work of this state so far.
     pub fn certain(&self, upper: f64) -> f64 {
         self.effort.lower_after(&self.workspace.scratch.work, upper)
     }
 
-    /// What was found of a pair, with contact decided where a tolerance left it open.
+    /// Result for a pair, with contact decided where a tolerance left it open.
     fn decided(&mut self, pair: QueuedPair, found: PairDistance) -> PairDistance {
         if found.lower == found.distance || found.lower > CONTACT_DISTANCE {
             return found;
@@ -123,7 +123,7 @@ impl StateQuery<'_> {
         }
     }
 
-    /// Whether a padded pair of the queue touches; if the deadline comes before that is known, the pair is undecided.
+    /// True if a padded pair of the queue touches; if the deadline passes before this is decided, the pair is undecided.
     pub fn touches(&mut self, QueuedPair { lower, index }: QueuedPair) -> bool {
         let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
         let pair = self.checker.pair(index, frames);
@@ -171,7 +171,7 @@ impl StateQuery<'_> {
         let index = queued.index;
         let Workspace { frames, scratch, stream, .. } = &mut *self.workspace;
         let pair = self.checker.pair(index, frames);
-        // rounded up, so that of equal ones none is left out
+        // rounded up, so that of equally near ones none is left out
         let limit = (limit + pair.info.padding).next_up();
         let found = match stream.as_mut().filter(|s| s.is_of(self.checker.revision)) {
             Some(stream) => {
@@ -187,7 +187,7 @@ impl StateQuery<'_> {
         Some(pair.told(&found?, scratch))
     }
 
-    /// Whether the state has cost so little that a pair is asked exactly, and that is not known to be in vain.
+    /// True if the state has cost so little that a pair is measured exactly, unless this is known to be useless.
     fn tries_exactly(&mut self, index: usize) -> bool {
         let Workspace { scratch, stream, .. } = &mut *self.workspace;
         let stream = stream.as_mut().filter(|s| s.is_of(self.checker.revision));
@@ -197,7 +197,7 @@ impl StateQuery<'_> {
             && stream.and_then(|s| s.memory(index).as_mut()).is_none_or(Memory::tries_exactly)
     }
 
-    /// As [`Self::exact_distance`], but within the tolerances from when the state has cost too much.
+    /// As [`Self::exact_distance`], but within the tolerances once the state has cost too much.
     fn distance_while_exact(&mut self, queued: QueuedPair, limit: f64) -> Option<PairDistance> {
         let index = queued.index;
         let pair = self.checker.pair(index, &self.workspace.frames);
@@ -215,7 +215,7 @@ impl StateQuery<'_> {
         };
         match found {
             Ok(exact) => Some(pair.told(&exact?, scratch)),
-            // what is certainly beyond the limit is no answer: others may be nearer, of which only that is known
+            // a distance certainly beyond the limit is not reported: others may be nearer that have only this bound
             Err(Roughly { lower, .. }) if lower > limit => None,
             Err(Roughly { lower, upper }) => {
                 Some(PairDistance { lower: (lower - pair.info.padding).greater(0.0), ..pair.padded(&upper) })
@@ -256,7 +256,7 @@ impl StateQuery<'_> {
         Some(PairDistance { lower: (found.lower - pair.info.padding).greater(0.0), ..pair.padded(&upper) })
     }
 
-    /// The effort for bodies without the padding that their distance is told without.
+    /// Search options for bodies without the padding that is excluded from their reported distance.
     fn raw_effort(&self, padding: f64) -> Effort {
         let exact_within = self.effort.exact_within;
         Effort { exact_within: if exact_within > 0.0 { exact_within + padding } else { 0.0 }, ..*self.effort }
@@ -264,7 +264,7 @@ impl StateQuery<'_> {
 }
 
 impl CollisionReport {
-    /// Whether a collision with the same kind of body as `other` is known.
+    /// True if a collision with the same kind of body as `other` was already found.
     fn hits_like(&self, other: BodyId) -> bool {
         match other {
             BodyId::Link(_) | BodyId::Attached(_) => self.self_collision,
@@ -272,7 +272,7 @@ impl CollisionReport {
         }
     }
 
-    /// Where two methods could differ, the one that saw contact is believed.
+    /// Where two methods could differ, contact takes precedence.
     fn believe_contact(&mut self) {
         if let Some(touching) = self.nearest.filter(|n| n.distance == 0.0)
             && !self.hits_like(touching.b)
@@ -281,7 +281,7 @@ impl CollisionReport {
         }
     }
 
-    /// Notes that what is free is farther apart than this (m), whatever tolerances left open.
+    /// Records a lower bound (m) on the distances of free pairs, for what tolerances left open.
     fn nearest_beyond(&mut self, beyond: f64) {
         let is_free = self.is_free();
         if let Some(nearest) = self.nearest.as_mut().filter(|_| is_free) {

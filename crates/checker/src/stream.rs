@@ -1,8 +1,8 @@
-//! What a workspace remembers of the last states, so that a stream of states costs little.
+//! Memory of the last states, so that a stream of states costs little per state.
 //!
-//! By how much distances can have changed is known from the joints alone ([`TravelRates`]). Each pair's distance has lost at
-//! most that since it was last looked at; only a pair for which this is too much is looked at again, and
-//! where there is none, nothing is even placed. Of obstacles, one number for each part of the robot does for all of them.
+//! An upper bound on the change of all distances follows from the joints alone ([`TravelRates`]). The known lower bound of each pair's
+//! distance is reduced by this travel since the pair's last search. Only pairs whose remaining bound is too small are searched again; if
+//! there are none, bodies are not even placed. For obstacles, one bound per robot part covers all of them.
 
 use std::collections::HashMap;
 use std::num::NonZeroU32;
@@ -15,44 +15,44 @@ use super::memory::Memory;
 use super::pair::Pair;
 use super::workspace::QueuedPair;
 
-/// Travel (m) after which counting begins anew: sums are rounded outward, and large ones coarsely.
+/// Travel (m) after which the sum restarts from zero: sums are rounded outward, and large sums are rounded coarsely.
 const LONGEST_TRAVEL: f64 = 1e3;
 
-/// Most obstacles that are remembered; when more were near, all are forgotten.
+/// Maximum number of obstacles with memory; when more were near, all of them are discarded.
 const MOST_MEMORIES: usize = 4096;
 
-/// Most pairs that are noted for the time until the next state, where nobody makes use of it.
+/// Maximum number of pairs noted for the idle time until the next state, in case it is never used.
 const MOST_DUE: usize = 1024;
 
-/// What is known about all pairs of one checker.
+/// Memory of all pairs of one checker.
 #[derive(Clone, Debug)]
 pub(super) struct Stream {
-    /// The revision of the checker that it is about.
+    /// The revision of the checker it belongs to.
     checker: u64,
     /// The last state.
     positions: Vec<f64>,
-    /// By how much (m) distances have changed, at most.
+    /// Upper bound (m) on the change of any distance so far.
     travelled: f64,
-    /// By self pair: its padded distance (m) is not less than this, less what has been travelled.
+    /// By self pair: horizon (m), such that the padded distance is at least the horizon minus the travel.
     horizons: Vec<f64>,
-    /// By part: the same of its distance from any obstacle.
+    /// By part: the horizon of its distance from any obstacle.
     world_horizons: Vec<f64>,
-    /// Of the present state: parts, obstacles near them by pair, and their horizons.
+    /// For the present state: parts, pair numbers of obstacles near them, and their horizons.
     seen: Vec<(usize, usize, f64)>,
-    /// Not more than any horizon.
+    /// Lower bound on all horizons.
     nearest_horizon: f64,
     memories: Memories,
-    /// Of pairs with obstacles.
+    /// Memories of pairs with obstacles.
     world_memories: HashMap<usize, Option<Memory>>,
-    /// Pairs of the last state that the next one will probably have to search, and what was asked of them.
+    /// Pairs of the last state that the next state will probably have to search, with the options of their search.
     due: Vec<Due>,
 }
 
-/// A pair whose bounds hardly last.
+/// A pair whose bounds will probably not last until the next state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Due {
     pub index: usize,
-    /// How far (m) it is looked at, padding included.
+    /// Search limit (m), padding included.
     pub limit: f64,
     pub effort: Effort,
 }
@@ -73,7 +73,7 @@ impl Stream {
         }
     }
 
-    /// Whether it is about this checker.
+    /// True if it belongs to this checker.
     pub fn is_of(&self, checker: u64) -> bool {
         self.checker == checker
     }
@@ -102,27 +102,27 @@ impl Stream {
         }
     }
 
-    /// Whether all pairs are certainly farther apart than `limit` (m).
+    /// True if all pairs are proven farther apart than `limit` (m).
     pub fn all_beyond(&self, limit: f64) -> bool {
         self.nearest_horizon - self.travelled > limit
     }
 
-    /// Whether all obstacles are certainly farther from a part than `limit` (m).
+    /// True if all obstacles are proven farther from a part than `limit` (m).
     pub fn obstacles_beyond(&self, part: usize, limit: f64) -> bool {
         self.world_horizons[part] - self.travelled > limit
     }
 
-    /// A number never larger than a self pair's padded distance (m).
+    /// Lower bound (m) on a self pair's padded distance.
     pub fn lower(&self, index: usize) -> f64 {
         self.horizons[index] - self.travelled
     }
 
-    /// Whether a self pair may be within `limit` (m) though it was not when last asked.
+    /// True if a self pair may be within `limit` (m), but was not near at its last search.
     pub fn is_unclear(&self, index: usize, limit: f64) -> bool {
         self.lower(index) <= limit && !self.memories.get(index).is_some_and(Memory::was_near)
     }
 
-    /// Notes that a pair's padded distance is now not less than `lower` (m).
+    /// Records a lower bound (m) on a pair's present padded distance.
     pub fn learn(&mut self, index: usize, lower: f64) {
         let horizon = (lower + self.travelled).next_down();
         match self.horizons.get_mut(index) {
@@ -135,14 +135,14 @@ impl Stream {
         }
     }
 
-    /// Notes which obstacles are within `limit` (m) of a part: all of them, with lower bounds of their padded distances.
+    /// Records the obstacles within `limit` (m) of a part: all of them, with lower bounds on their padded distances.
     pub fn see(&mut self, part: usize, limit: f64, near: &[QueuedPair]) {
         self.world_horizons[part] = (limit + self.travelled).next_down();
         let horizon = |pair: &QueuedPair| (pair.lower + self.travelled).next_down();
         self.seen.extend(near.iter().map(|pair| (part, pair.index, horizon(pair))));
     }
 
-    /// Notes what a pair's memory tells at its present pose.
+    /// Records the bound that a pair's memory gives at its present pose.
     pub fn learn_from_memory(&mut self, index: usize, pair: &Pair) {
         let memory = if self.memories.has(index) {
             self.memories.get(index)
@@ -154,7 +154,7 @@ impl Stream {
         }
     }
 
-    /// Notes what was asked of a pair, if its bounds hardly last.
+    /// Records the search options of a pair whose bounds will probably not last.
     pub fn note_due(&mut self, due: Due) {
         if self.due.len() < MOST_DUE && self.memory(due.index).as_ref().is_some_and(Memory::is_due) {
             self.due.push(due);
@@ -165,14 +165,14 @@ impl Stream {
     pub fn next_due(&mut self) -> Option<Due> {
         loop {
             let due = self.due.pop()?;
-            // it may have been renewed since, and be noted twice
+            // it may have been renewed since, or be recorded twice
             if self.memory(due.index).as_ref().is_some_and(Memory::is_due) {
                 return Some(due);
             }
         }
     }
 
-    /// Notes what was learned.
+    /// Applies the recorded bounds.
     pub fn settle(&mut self) {
         for (part, _, horizon) in self.seen.drain(..) {
             self.world_horizons[part] = self.world_horizons[part].lesser(horizon);
@@ -190,7 +190,7 @@ impl Stream {
     }
 }
 
-/// Memories of self pairs: of many links, few pairs ever come near each other, and only these have one.
+/// Memories of self pairs. In a robot of many links few pairs ever come near each other, and only these have a memory.
 #[derive(Clone, Debug)]
 struct Memories {
     /// By self pair: the place of its memory.
@@ -198,13 +198,13 @@ struct Memories {
     kept: Vec<Option<Memory>>,
 }
 
-/// Pairs for which there is room before any is asked about.
+/// Initial capacity, in pairs.
 const ROOM: usize = 1 << 12;
 
 impl Memories {
     fn new(self_pairs: usize) -> Self {
         let mut kept = Vec::with_capacity(1 + self_pairs.min(ROOM));
-        // the place that no pair has
+        // the index that stands for no memory
         kept.push(None);
         Self { places: vec![None; self_pairs], kept }
     }

@@ -1,4 +1,4 @@
-//! The boxes around the parts of a robot at one level of their hierarchies, for eyes.
+//! Boxes around the robot's parts at one level of their hierarchies, for visualisation.
 
 use clearance_geometry::math::{Extremes, Pose, Vector};
 use clearance_robot::{LinkId, LinkPoses};
@@ -11,7 +11,7 @@ use clearance_scene::BodyId;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkVolume {
     pub body: BodyId,
-    /// The link that carries the part, or that it is.
+    /// The link that is or carries the part.
     pub link: LinkId,
     /// The box in the frame of that link.
     pub pose_lv: Pose,
@@ -19,7 +19,7 @@ pub struct LinkVolume {
 }
 
 impl CollisionChecker {
-    /// The boxes around links and what they carry, so many steps below the roots of their hierarchies
+    /// The boxes around links and their attached objects, at a given depth below the roots of their hierarchies
     /// ([`CollisionBody::volumes`](clearance_proximity::CollisionBody::volumes)); without padding.
     pub fn link_volumes(&self, level: usize) -> impl Iterator<Item = LinkVolume> {
         self.robot_bodies.iter().flat_map(move |robot_body| {
@@ -33,7 +33,7 @@ impl CollisionChecker {
         })
     }
 
-    /// No point of the robot and of what it holds is farther (m) from its root, padding included.
+    /// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding included.
     #[must_use]
     pub fn extent(&self, poses: &LinkPoses) -> f64 {
         let of_part = |robot_body: &RobotBody| {
@@ -55,7 +55,7 @@ mod tests {
     use clearance_scene::Settings;
     use clearance_scene::{Obstacle, World};
 
-    /// The bar rides on the base through a fixed joint; the box lies askew in the frame of the bar.
+    /// The bar is attached to the base by a fixed joint; the box is rotated in the frame of the bar.
     const URDF: &str = r#"<robot name="bars">
       <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
       <link name="bar"><collision><origin xyz="0 0 1" rpy="0.5 0 0"/><geometry><box size="2 0.4 0.2"/></geometry></collision></link>
@@ -81,7 +81,7 @@ mod tests {
         let (link, bar) = of("bar");
         assert_eq!(link, "bar");
         assert!((bar.pose_lv.translation.vector - Vector::z()).norm() < 1e-6, "{bar:?}");
-        // whichever way the axes are called
+        // in either order of the axes
         let mut sizes: Vec<f64> = bar.half_extents.iter().copied().collect();
         sizes.sort_by(f64::total_cmp);
         assert!(

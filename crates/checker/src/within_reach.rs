@@ -1,4 +1,4 @@
-//! What is known about a robot in its world before any state is: which parts can touch an obstacle at all.
+//! Robot parts that can touch an obstacle at all, computed once for a robot in its world.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::dispatch;
@@ -9,27 +9,27 @@ use super::capsules::up;
 use super::collision_checker::CollisionChecker;
 use super::nearby::NearbyScratch;
 
-/// Which parts have to be asked about obstacles.
+/// Parts that are to be tested against obstacles.
 #[derive(Clone, Debug)]
 pub(super) struct WithinReach {
-    /// Whether a part that no joint moves touches an obstacle.
+    /// True if a part that no joint moves touches an obstacle.
     pub fixed_contact: bool,
-    /// Parts that joints move, the farthest from the base first: it hits most.
+    /// Parts that joints move, the farthest from the base first: it collides most often.
     pub moving: Vec<usize>,
-    /// Those that come to where obstacles are in states as expected.
+    /// Parts that can reach an obstacle in expected states.
     pub parts: Vec<usize>,
 }
 
-/// Parts to be asked about obstacles, those that were hit most of late first.
+/// Parts to be tested against obstacles, the most frequently hit first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PartOrder {
-    /// The checker's that the parts were taken from.
+    /// Revision of the checker that the parts belong to.
     revision: Option<u64>,
     pub parts: Vec<usize>,
 }
 
 impl PartOrder {
-    /// Makes it that of a checker.
+    /// Updates the list for a checker.
     pub fn suit(&mut self, revision: u64, within_reach: &WithinReach) {
         if self.revision == Some(revision) {
             return;
@@ -43,21 +43,21 @@ impl PartOrder {
         self.parts.extend(new);
     }
 
-    /// Lets a part that was hit be asked a little sooner (Rivest 1976, as [`super::likely`]).
+    /// Moves a part that was hit one step forward (Rivest 1976, as [`super::pair_priority`]).
     pub fn step_forward(&mut self, rank: usize) {
         self.parts.swap(rank, rank.saturating_sub(1));
     }
 }
 
 impl CollisionChecker {
-    /// Found once for a robot in its world.
+    /// Parts that are to be tested against obstacles; computed at the first call.
     #[inline(always)]
     pub(super) fn within_reach(&self, scratch: &mut Scratch, nearby: &mut NearbyScratch) -> &WithinReach {
         loop {
             if let Some(known) = self.within_reach.get() {
                 return known;
             }
-            // two threads may both find it, and find the same: none waits for the other
+            // two threads may both compute it, with the same result; neither waits for the other
             let _ = self.within_reach.set(self.find_within_reach(scratch, nearby));
         }
     }

@@ -1,4 +1,4 @@
-//! What changes from query to query, owned by the caller: one per thread.
+//! Per-thread state of queries, owned by the caller.
 
 use clearance_geometry::simd::LANES;
 use clearance_proximity::Scratch;
@@ -13,50 +13,50 @@ use super::pair_priority::PairPriority;
 use super::stream::Stream;
 use super::within_reach::PartOrder;
 
-/// Scratch memory of one thread's queries. Its contents save the next query work, and change no exact answer; given to another
-/// checker than it was made by, it becomes that one's.
+/// Scratch memory of one thread's queries. Its contents save work in the next query and change no exact result. If it is passed to a
+/// checker other than its creator, it is adapted to that checker.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    /// The checker that it suits.
+    /// Revision of the checker it belongs to.
     pub(super) checker: u64,
-    /// Of the chain's bodies in the root frame.
+    /// Poses of the chain's bodies in the root frame.
     pub(super) frames: Vec<PlacedFrame>,
-    /// Of the capsules around bodies.
+    /// Segments of the capsules around bodies.
     pub(super) segments: Vec<PlacedSegment>,
-    /// For each group of eight pairs, a bit for each that may be near.
+    /// For each group of eight pairs, a bit mask of the pairs that may be near.
     pub(super) near: Vec<u8>,
-    /// For each group of eight pairs, numbers (m) never larger than their distances.
+    /// For each group of eight pairs, lower bounds (m) on their distances.
     pub(super) bounds: Vec<[f32; LANES]>,
-    /// Pairs to ask about.
+    /// Pairs to test.
     pub(super) queue: Vec<QueuedPair>,
-    /// What is looked at for the least distance.
+    /// Queue of the search for the least distance.
     pub(super) nearest_first: NearestFirst,
-    /// Pairs with obstacles that were asked about for it.
+    /// Pairs with obstacles that this search has already measured.
     pub(super) asked: Vec<usize>,
-    /// What is to be measured for it.
+    /// Candidates that this search measures at the end.
     pub(super) in_doubt: Vec<InDoubt>,
     pub(super) part_order: PartOrder,
     pub(super) likely: PairPriority,
     pub(super) nearby: NearbyScratch,
     pub(super) scratch: Scratch,
-    /// For motions.
+    /// Scratch memory for motions.
     pub(super) motion: MotionScratch,
-    /// For streams of states.
+    /// Memory for streams of states.
     pub(super) stream: Option<Stream>,
 }
 
 impl Workspace {
-    /// What is remembered of the last states, if that is about this checker.
+    /// The memory of the last states, if it belongs to this checker.
     pub(super) fn stream_of(&mut self, checker: u64) -> Option<&mut Stream> {
         self.stream.as_mut().filter(|stream| stream.is_of(checker))
     }
 }
 
-/// A pair to ask about.
+/// A pair to test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct QueuedPair {
-    /// Its distance (m) is not less than this.
+    /// Lower bound (m) on its distance.
     pub lower: f64,
-    /// In the pair list.
+    /// Index in the pair list.
     pub index: usize,
 }

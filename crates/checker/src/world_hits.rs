@@ -1,4 +1,4 @@
-//! Whether a placed robot touches an obstacle: eight parts in one state, or a part in eight states, are looked for at once.
+//! Collision test of a placed robot with obstacles, in lanes: eight parts in one state, or one part in eight states.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::{LANES, Simd, f32x8};
@@ -11,11 +11,11 @@ use super::nearby::NearbyScratch;
 use super::root_volume::RootCapsule;
 use super::within_reach::PartOrder;
 
-/// What a search of obstacles works with.
+/// Search options and scratch memory of a search of obstacles.
 pub(super) type WorldScratch<'w> = (&'w mut Scratch, &'w mut NearbyScratch, &'w mut PartOrder);
 
 impl CollisionChecker {
-    /// Whether a part touches an obstacle in a state, which is as expected or not; `segments` as seen from `origin`.
+    /// True if a part touches an obstacle in a state, which may be expected or not; `segments` are relative to `origin`.
     #[inline(always)]
     pub(super) fn hits_obstacle<S: Simd>(
         &self,
@@ -68,7 +68,8 @@ impl CollisionChecker {
         false
     }
 
-    /// In which of eight states a part touches an obstacle, of those whose bits are set in `among`; all are as expected, or one is not.
+    /// Bit mask of the states among eight, selected by `among`, in which a part touches an obstacle. Either all of them are expected, or
+    /// at least one is not.
     #[inline(always)]
     pub(super) fn states_that_hit<S: Simd>(
         &self,
@@ -117,7 +118,7 @@ impl CollisionChecker {
         hit
     }
 
-    /// Whether a part touches what was found near it, in its lane of eight.
+    /// True if a part touches one of the pieces found near it, in its lane of eight.
     #[inline(always)]
     fn touches_near(
         &self,
@@ -149,7 +150,7 @@ mod tests {
     use std::fmt::Write;
     use std::sync::Arc;
 
-    /// A chain of so many balls, each turned about another axis.
+    /// A chain of `n` balls, each turning about another axis than the one before.
     fn chain(links: usize) -> Arc<RobotModel> {
         let ball = "<collision><geometry><sphere radius='0.06'/></geometry></collision>";
         let mut urdf = format!("<robot name='r'><link name='l0'>{ball}</link>");

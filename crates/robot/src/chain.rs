@@ -1,20 +1,20 @@
-//! Kinematics compiled: the joints of a robot as a short list of steps for one state or eight in lanes.
+//! Compiled kinematics: the joints of a robot as a short list of steps, for one state or eight states in SIMD lanes.
 //!
-//! Compiling moves all that never changes out of the way. Links joined by fixed joints become one *body*; each has a
-//! *seat*, its constant place in the body. Bodies that carry nothing needed are dropped. Where a body's frame sits in
-//! the body is free, so it is chosen to make motion cheap:
+//! Compilation precomputes all constant parts. Links joined by fixed joints are merged into one *body*; each link has a *seat*, its
+//! constant pose in the body. Bodies that carry no needed link are removed. The frame of a body can be chosen freely in the body, so it
+//! is chosen to make motion cheap:
 //!
-//! - A turning body has its joint axis as z, so the motion mixes two columns.
-//! - Its x axis is the common normal to its own axis and its first turning child's. The constant turn between the two
-//!   axes then is one about x, the *twist* of Denavit and Hartenberg, and mixes two columns also; what turns about z
-//!   remain on either side join the joint positions.
-//! - A sliding body keeps its parent's orientation and costs no turn at all.
+//! - A revolute body has its joint axis as z, so the motion mixes two columns.
+//! - Its x axis is the common normal of its own axis and the axis of its first revolute child. The constant rotation between the two
+//!   axes is then about x, the *twist* of Denavit and Hartenberg, and also mixes two columns only. The remaining rotations about z on
+//!   either side are added to the joint positions.
+//! - A prismatic body keeps its parent's orientation and needs no rotation at all.
 //!
-//! A joint then takes 33 multiplications instead of 63. Both kinds of [`Real`] run the same steps in the same order:
-//! eight states give the same bits as each one alone.
+//! A joint then takes 33 multiplications instead of 63. Both kinds of [`Real`] run the same steps in the same order: eight states give
+//! bit-identical results to single states.
 //!
-//! Rotations are not renormalised: a step's columns are off by a few roundings of 1.1e-16, which add up to less than
-//! 1e-11 over a chain of 10,000 joints.
+//! Rotations are not renormalised: a step's columns have an error of a few roundings of 1.1e-16, which add up to less than 1e-11 over a
+//! chain of 10,000 joints.
 
 mod approach;
 mod compile;
@@ -42,7 +42,7 @@ pub struct Frame<T> {
     pub t: [T; 3],
 }
 
-/// Where a joint's position comes from: `multiplier * q[index] + offset`, as mimicking joints need it.
+/// Source of a joint's position: `multiplier * q[index] + offset`, as mimic joints need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
     pub index: usize,
@@ -50,19 +50,19 @@ pub struct Source {
     pub offset: f64,
 }
 
-/// How a joint moves; axes are in the joint frame.
+/// Motion of a joint; axes are in the joint frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     Fixed,
     Revolute(UnitVector, Source),
     Prismatic(UnitVector, Source),
-    /// Slides along the first two columns, then turns about the third, by three consecutive positions.
+    /// Translates along the first two columns, then rotates about the third, by three consecutive positions.
     Planar(RotationMatrix, usize),
-    /// `x y z` and a quaternion `x y z w` of length one: seven consecutive positions.
+    /// `x y z` and a unit quaternion `x y z w`: seven consecutive positions.
     Floating(usize),
 }
 
-/// One joint as the compiler takes it.
+/// One joint as input of the compiler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChainJoint {
     pub parent: usize,
@@ -72,14 +72,14 @@ pub struct ChainJoint {
     pub motion: Motion,
 }
 
-/// Kinematics compiled.
+/// Compiled kinematics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// All bodies but the root's, which is body 0: parents first.
+    /// All bodies except the root's, which is body 0: parents first.
     bodies: Vec<Body>,
-    /// Of the bodies, eight by eight.
+    /// Angle sources of the bodies, in groups of eight.
     angles: Vec<EightSources>,
-    /// By link; `None` for links that were dropped.
+    /// By link; `None` for links that were removed.
     seats: Vec<Option<LinkInBody>>,
 }
 
@@ -88,14 +88,14 @@ impl Chain {
     pub const ROOT: usize = 0;
 }
 
-/// A link's constant place in its body.
+/// A link's constant pose in its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkInBody {
     pub body: usize,
     pub place: Frame<f64>,
 }
 
-/// A rigid part and how it hangs on its parent.
+/// A rigid body and its joint to the parent body.
 #[derive(Clone, Debug, PartialEq)]
 struct Body {
     parent: usize,
@@ -106,20 +106,20 @@ struct Body {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Step {
-    /// A constant turn, then one about the new z axis.
+    /// A constant rotation, then one about the new z axis.
     Turn(Turn, Source),
-    /// A shift along an axis in the parent body.
+    /// A translation along an axis in the parent body.
     Shift([f64; 3], Source),
-    /// A constant turn, then seven positions as they are.
+    /// A constant rotation, then seven positions used unchanged.
     Float([[f64; 3]; 3], usize),
 }
 
-/// A constant turn between two joint axes.
+/// A constant rotation between two joint axes.
 #[derive(Clone, Debug, PartialEq)]
 enum Turn {
-    /// The parent is the root: nothing to multiply with.
+    /// The parent is the root: no multiplication needed.
     Root([[f64; 3]; 3]),
-    /// About x.
+    /// Rotation about x.
     Twist {
         cos: f64,
         sin: f64,
@@ -128,14 +128,14 @@ enum Turn {
 }
 
 impl Chain {
-    /// How many frames [`Self::frames`] computes.
+    /// Number of frames that [`Self::frames`] computes.
     #[must_use]
     #[inline]
     pub fn body_count(&self) -> usize {
         self.bodies.len() + 1
     }
 
-    /// Where a link sits; `None` if it was not needed.
+    /// Pose of a link in its body; `None` if the link was not needed.
     #[must_use]
     #[inline]
     pub fn seat(&self, link: usize) -> Option<&LinkInBody> {
@@ -168,12 +168,12 @@ impl Chain {
 }
 
 impl Body {
-    /// The angle that a turning body turns by.
+    /// The angle of a revolute body.
     fn angle(&self, q: impl Fn(usize) -> f64) -> f64 {
         if let Step::Turn(_, source) = &self.step { source.value(&q) } else { 0.0 }
     }
 
-    /// The body's frame in the root; `sin_cos` is asked for a turning body's angle.
+    /// The body's frame in the root; `sin_cos` computes the sine and cosine of a revolute body's angle.
     #[inline(always)]
     fn frame<T: Real>(
         &self,
@@ -213,7 +213,7 @@ impl Body {
     }
 }
 
-/// Two axes, turned towards each other's place.
+/// Rotates two axes in their common plane.
 #[inline(always)]
 fn mix<T, V>(x: [T; 3], y: [T; 3], cos: V, sin: V) -> [[T; 3]; 2]
 where
@@ -259,7 +259,7 @@ impl<T: Real> Frame<T> {
         Self { r: [splat(token, x), splat(token, y), splat(token, z)], t: splat(token, t) }
     }
 
-    /// A vector of this frame, as seen from outside.
+    /// Transforms a vector from this frame to the parent frame.
     #[inline(always)]
     #[must_use]
     pub fn turn<V: Copy>(&self, v: [V; 3]) -> [T; 3]
@@ -282,7 +282,7 @@ impl<T: Real> Frame<T> {
         [self.turn(x), self.turn(y), self.turn(z)]
     }
 
-    /// A point of this frame, as seen from outside.
+    /// Transforms a point from this frame to the parent frame.
     #[inline(always)]
     #[must_use]
     pub fn point<V: Copy>(&self, p: [V; 3]) -> [T; 3]
@@ -293,7 +293,7 @@ impl<T: Real> Frame<T> {
         [self.t[0] + p[0], self.t[1] + p[1], self.t[2] + p[2]]
     }
 
-    /// A frame within this one, as seen from outside.
+    /// Transforms a frame within this frame to the parent frame.
     #[inline(always)]
     #[must_use]
     pub fn then<V: Copy>(&self, inner: &Frame<V>) -> Self

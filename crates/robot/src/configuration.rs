@@ -1,4 +1,4 @@
-//! Joint positions of a whole robot, checked once.
+//! Configurations: validated joint positions of a whole robot.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 
@@ -10,7 +10,7 @@ use super::{JointId, RobotModel};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration(Vec<f64>);
 
-/// Why numbers are no configuration.
+/// Reason why numbers are not a valid configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConfigurationError {
     #[error("{given} positions given, but the robot has {expected}: {names}")]
@@ -54,7 +54,7 @@ impl Configuration {
         &self.0
     }
 
-    /// Positions between others that were checked.
+    /// Positions interpolated between validated ones.
     #[inline]
     pub fn trusted(positions: Vec<f64>) -> Self {
         Self(positions)
@@ -65,7 +65,7 @@ impl RobotModel {
     /// Checks `positions`, one for each of [`Self::position_names`].
     ///
     /// # Errors
-    /// When there are too many or too few, when one is not finite, or a floating joint's quaternion is none.
+    /// If there are too many or too few, if one is not finite, or if the quaternion of a floating joint is not a unit quaternion.
     #[inline]
     pub fn configuration(&self, positions: &[f64]) -> Result<Configuration, ConfigurationError> {
         if positions.len() != self.position_names.len() {
@@ -87,20 +87,20 @@ impl RobotModel {
         Ok(q)
     }
 
-    /// No joint, following ones included, may be so far that kinematics overflow.
+    /// Rejects positions, of mimic joints too, so large that kinematics would overflow.
     fn check_reach(&self, q: &Configuration) -> Result<(), ConfigurationError> {
         let named = self.position_names.iter().cloned().zip(q.0.iter().copied());
         let following = (self.joint_ids().filter(|j| self.joint(*j).mimic.is_some()))
             .filter_map(|j| Some((self.joint(j).name.clone(), self.joint_position(q, j)?)));
         let near = -LARGEST_COORDINATE..=LARGEST_COORDINATE;
-        // a following joint may have overflowed to no number at all: that is not near either
+        // the position of a mimic joint may have overflowed to NaN, which counts as too large, too
         match named.chain(following).find(|(_, value)| !near.contains(value)) {
             Some((joint, value)) => Err(ConfigurationError::TooFar { joint, value }),
             None => Ok(()),
         }
     }
 
-    /// By position: whether a whole turn changes nothing, also of what follows.
+    /// By position: true if a full turn changes nothing, neither in this joint nor in its mimic joints.
     #[must_use]
     #[inline]
     pub fn whole_turns(&self) -> Vec<bool> {
@@ -116,7 +116,7 @@ impl RobotModel {
         turns
     }
 
-    /// A joint that mimics this one and is elsewhere when this one has made a whole turn.
+    /// A mimic joint of this one whose pose differs after a full turn of this one.
     #[must_use]
     #[inline]
     pub fn moved_by_whole_turns(&self, leader: JointId) -> Option<&Joint> {
@@ -150,10 +150,10 @@ impl RobotModel {
 
     /// The default configuration with some joints set by name.
     ///
-    /// A joint that mimics another moves that one, or has to be where that one takes it.
+    /// A value of a mimic joint moves its leader, or must agree with the value of the leader.
     ///
     /// # Errors
-    /// When a name is unknown, fixed or given twice, when a mimic joint is not where its leader takes it, and as for
+    /// If a name is unknown, fixed or given twice, if a value of a mimic joint disagrees with its leader, and as for
     /// [`Self::configuration`].
     #[inline]
     pub fn configuration_from_names<'a>(
@@ -163,7 +163,7 @@ impl RobotModel {
         self.configuration_over(&self.default_configuration(), named)
     }
 
-    /// As [`Self::configuration_from_names`], but joints that are not named stay as in `rest`.
+    /// As [`Self::configuration_from_names`], but joints that are not named keep their positions of `rest`.
     #[inline]
     pub fn configuration_over<'a>(
         &self,
@@ -192,8 +192,8 @@ impl RobotModel {
         Ok(())
     }
 
-    /// The position of a joint with one degree of freedom, mimics resolved: one that follows a fixed joint stays at its offset.
-    /// `None` for other joints.
+    /// The position of a joint with one degree of freedom, mimics resolved: a joint that mimics a fixed joint stays at its offset. `None`
+    /// for other joints.
     #[must_use]
     #[inline]
     pub fn joint_position(&self, q: &Configuration, joint: JointId) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! One joint: what moves, about which axis, within which limits.
+//! Joint: type, axis and limits.
 
 use clearance_geometry::math::{Extremes, Pose, Rotation, RotationMatrix, UnitVector, Vector};
 
@@ -15,13 +15,13 @@ pub struct Joint {
     pub pose_pj: Pose,
     /// Position limits of each of the joint's positions; `None` where the joint is free.
     pub limits: Option<Limits>,
-    /// The joint's position follows another one.
+    /// Set if the joint's position follows another joint.
     pub mimic: Option<Mimic>,
-    /// Named passive in the SRDF: not driven, but its position is still read.
+    /// Passive in the SRDF: not driven, but its position is still read.
     pub passive: bool,
 }
 
-/// How a joint moves; axes are unit vectors in the joint frame.
+/// Motion of a joint; axes are unit vectors in the joint frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JointKind {
     Fixed,
@@ -52,7 +52,7 @@ pub struct Mimic {
 }
 
 impl JointKind {
-    /// The suffixes of the joint's position names; a joint with one position bears the joint's own name.
+    /// The suffixes of the joint's position names; a joint with one position uses its own name.
     #[must_use]
     pub fn position_suffixes(&self) -> &'static [&'static str] {
         match self {
@@ -69,7 +69,7 @@ impl JointKind {
         matches!(self, Self::Revolute(_) | Self::Continuous(_))
     }
 
-    /// How many degrees of freedom the joint has; a floating joint's seven positions have six.
+    /// Number of degrees of freedom; a floating joint's seven positions have six.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
         match self {
@@ -78,8 +78,8 @@ impl JointKind {
         }
     }
 
-    /// The positions of a planar or floating joint whose child link is at `pose_jc` in the joint frame, and how far (m, rad) it then
-    /// is from there: a planar joint does not leave its plane. `None` for joints of other kinds.
+    /// The positions of a planar or floating joint whose child link is at `pose_jc` in the joint frame, and the deviation (m, rad) of the
+    /// resulting pose from `pose_jc`: a planar joint does not leave its plane. `None` for other joint types.
     #[must_use]
     pub fn positions_at(&self, pose_jc: &Pose) -> Option<(Vec<f64>, f64)> {
         let (shift, turn) = (pose_jc.translation.vector, pose_jc.rotation);
@@ -91,7 +91,7 @@ impl JointKind {
             Self::Planar(axis) => {
                 let (u, v) = plane_basis(axis);
                 let half = turn.imag().dot(axis).atan2(turn.w);
-                // half the angle and half the angle less a whole turn are the same rotation
+                // half the angle, and half the angle minus a full turn, are the same rotation
                 let theta = 2.0 * (half - std::f64::consts::PI * (half / std::f64::consts::PI).round());
                 let tilt = turn.angle_to(&Rotation::from_axis_angle(axis, theta));
                 let off = shift.dot(axis).abs();

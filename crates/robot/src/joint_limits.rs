@@ -1,19 +1,19 @@
-//! Joints beyond their limits.
+//! Detects joints beyond their limits.
 
 use super::{Configuration, JointId, RobotModel};
 
-/// How far (rad, m) a joint may be beyond its limits without a word: encoders are noisy and brakes give.
+/// Tolerance (rad, m) beyond joint limits that causes no warning: encoders are noisy and brakes yield.
 const SLACK: f64 = 1e-3;
 
-/// A joint that is where it should not get to. Collisions are checked all the same: what a robot does is no matter of limits.
+/// A joint beyond its limits. Collisions are checked nevertheless: limits do not affect the result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutsideLimits {
     pub joint: String,
-    /// Where it is (rad, m).
+    /// Its position (rad, m).
     pub position: f64,
     pub lower: f64,
     pub upper: f64,
-    /// Whether the number would do if it were degrees.
+    /// True if the value would be within the limits if it were in degrees.
     pub fits_in_degrees: bool,
 }
 
@@ -26,7 +26,7 @@ impl std::fmt::Display for OutsideLimits {
 }
 
 impl RobotModel {
-    /// The joints that are beyond their limits by more than noise, mimic joints included, where `positions` has one for each of
+    /// The joints that exceed their limits by more than noise, mimic joints included; `positions` has one value for each of
     /// [`Self::position_names`]. Joints with several positions have no limits of their own.
     pub fn outside_limits<'a>(&'a self, positions: &'a [f64]) -> impl Iterator<Item = OutsideLimits> + 'a {
         self.joint_ids().filter_map(|id| {
@@ -40,7 +40,7 @@ impl RobotModel {
         })
     }
 
-    /// How a position of a joint is beyond its limits by more than noise, if it is. Joints with several positions have none.
+    /// The excess of a joint position over its limits, if it is more than noise. Joints with several positions have none.
     pub(super) fn outside_limit(&self, id: JointId, position: f64) -> Option<OutsideLimits> {
         let joint = self.joint(id);
         let limits = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1)?;
@@ -54,8 +54,8 @@ impl RobotModel {
         })
     }
 
-    /// A word about states, or about ways given by some of theirs, in which joints are beyond their limits: the first of them, and how
-    /// many others there are. `what` is what they are called.
+    /// A remark on states, or on paths given by some of their states, in which joints are beyond their limits: the first such joint, and
+    /// the number of others. `what` names the states in the text.
     pub fn limits_note<'q>(
         &self,
         what: &str,

@@ -4,10 +4,10 @@ use clearance_geometry::math::{Pose, Vector};
 
 use super::{JointKind, RobotModel, VirtualJoint};
 
-/// How far (m, rad) a transform may leave the plane of a planar joint: what rounding in files and messages makes.
+/// Maximum deviation (m, rad) of a transform from the plane of a planar joint; allows for rounding in files and messages.
 const PLANE_TOLERANCE: f64 = 1e-6;
 
-/// Why a transform gives a joint no positions.
+/// Reason why a transform gives no positions of a joint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JointTransformError {
     #[error("the robot has no joint '{joint}'{hint}")]
@@ -35,7 +35,7 @@ impl RobotModel {
             let instead = if is_fixed { "leave it out" } else { "give its position in joint_state" };
             return Err(JointTransformError::OtherKind { joint: joint.to_owned(), instead });
         };
-        // not a number is off, too
+        // NaN counts as a deviation, too
         if off <= PLANE_TOLERANCE {
             let suffixes = kind.position_suffixes();
             Ok(suffixes.iter().map(|suffix| format!("{joint}{suffix}")).zip(positions).collect())
@@ -44,7 +44,7 @@ impl RobotModel {
         }
     }
 
-    /// Whether a virtual joint may place its child at `pose_jc`: a fixed one at zero only, a planar one in the plane across z.
+    /// Checks whether a virtual joint may place its child at `pose_jc`: a fixed one at zero only, a planar one in the plane normal to z.
     pub fn check_virtual_transform(joint: &VirtualJoint, pose_jc: &Pose) -> Result<(), JointTransformError> {
         let name = || joint.name.clone();
         match joint.kind.as_str() {
@@ -61,8 +61,8 @@ impl RobotModel {
         }
     }
 
-    /// Whether transforms of joints may be given in this frame, as in `MoveIt`: that of the root link or of the world that it stands in. No
-    /// name stands for it, too.
+    /// True if transforms of joints may be given in this frame, as in `MoveIt`: the frame of the root link, or the parent frame of its
+    /// virtual joint. An empty name is allowed, too.
     #[must_use]
     pub fn is_model_frame(&self, frame: &str) -> bool {
         let frame = frame.trim_start_matches('/');

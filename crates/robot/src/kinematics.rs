@@ -1,4 +1,4 @@
-//! Forward kinematics: where every link is.
+//! Forward kinematics: poses of all links.
 
 use clearance_geometry::math::Pose;
 
@@ -11,7 +11,7 @@ use super::{Configuration, JointId, JointKind, LinkId, RobotModel};
 pub struct LinkPoses(Vec<Pose>);
 
 impl LinkPoses {
-    /// Room for the poses of `model`, all at the root until computed.
+    /// Storage for the poses of `model`; all are at the root until computed.
     #[must_use]
     #[inline]
     pub fn new(model: &RobotModel) -> Self {
@@ -30,7 +30,7 @@ impl RobotModel {
     /// Computes the pose of every link for `q` into `poses`, without allocating.
     ///
     /// # Panics
-    /// When `q` or `poses` were made for another model.
+    /// If `q` or `poses` were made for another model.
     #[inline]
     pub fn forward_kinematics(&self, q: &Configuration, poses: &mut LinkPoses) {
         poses.0[self.root.index()] = Pose::identity();

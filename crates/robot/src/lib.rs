@@ -1,6 +1,6 @@
-//! Links and joints: what a URDF and an SRDF say, and where the links are for given joint positions.
+//! Robot models: links and joints from URDF and SRDF, and the poses of the links for given joint positions.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod chain;

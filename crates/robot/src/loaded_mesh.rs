@@ -1,4 +1,4 @@
-//! Mesh files to meshes: read, scaled, judged, each once.
+//! Mesh loader: reads, scales and checks mesh files, each one once.
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -14,7 +14,7 @@ use super::mesh_files::{Found, MeshFileError, MeshFiles};
 use super::mesh_formats::{self, memory};
 use super::numbers::shortened;
 
-/// A mesh as read: scaled, in metres, with what was odd about it.
+/// A loaded mesh: scaled, in metres, with remarks about it.
 #[derive(Clone, Debug)]
 pub struct LoadedMesh {
     pub mesh: Arc<TriangleMesh>,
@@ -26,7 +26,7 @@ impl MeshFiles {
     /// Reads a mesh and scales it along its axes.
     ///
     /// # Errors
-    /// When the name is no name, the file is missing, outside the allowed folders or unreadable, or holds no mesh.
+    /// If the name is invalid, or the file is missing, outside the allowed folders, unreadable, or contains no mesh.
     pub fn load(&self, uri: &str, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
         MeshCache::new(self).load(uri, scale)
     }
@@ -61,13 +61,13 @@ impl MeshFiles {
     }
 }
 
-/// Paths that tell a mesh file from others, and the bits of the scale.
+/// Key of a loaded mesh: the paths that identify the file, and the bits of the scale.
 type MeshKey = ((PathBuf, PathBuf), [u64; 3]);
 
 /// Meshes of one robot or world: a file that is used several times with one scale is read once.
 pub struct MeshCache<'f> {
     files: &'f MeshFiles,
-    /// Estimated memory (bytes) of all meshes with the hierarchies that will be built.
+    /// Estimated memory (bytes) of all meshes, with the hierarchies that will be built.
     memory: usize,
     loaded: HashMap<MeshKey, Arc<TriangleMesh>>,
 }
@@ -77,7 +77,7 @@ impl<'f> MeshCache<'f> {
         Self { files, memory: 0, loaded: HashMap::new() }
     }
 
-    /// As [`MeshFiles::load`]; what is odd about a mesh is told at its first use only.
+    /// As [`MeshFiles::load`]; remarks on a mesh are reported at its first use only.
     pub fn load(&mut self, uri: &str, scale: Vector) -> Result<LoadedMesh, MeshFileError> {
         let found = self.files.find(uri)?;
         let key = (found.key(), [scale.x, scale.y, scale.z].map(f64::to_bits));
@@ -103,7 +103,7 @@ fn memory_of(mesh: &TriangleMesh) -> usize {
     memory::of_mesh(mesh.vertices().len(), mesh.triangles().len())
 }
 
-/// What about the size and place of a mesh is probably not meant.
+/// Remarks on a size or position of a mesh that is probably not intended.
 fn oddities(mesh: &TriangleMesh) -> Vec<String> {
     let (lo, hi) = mesh.bounds();
     let mut oddities = Vec::new();

@@ -1,13 +1,13 @@
-//! Mesh names to files, and which files may be opened.
+//! Resolves mesh names to files, and decides which files may be opened.
 //!
-//! A name is looked up only in the roots: folders that the user gave (`--package-path`, the URDF's folder) or that the ROS
-//! environment names. The text that holds the name is not trusted:
+//! A name is searched only in the roots: folders given by the user (`--package-path`, the URDF's folder) or by the ROS environment. The
+//! text that contains the name is not trusted:
 //!
-//! 1. `.` and `..` are resolved by name, before anything is looked up. What then lies outside of every root is rejected.
-//! 2. Inside a root, symbolic links may lead anywhere but into `/proc`, `/sys` and `/dev`: whoever may write there put
-//!    them there. `colcon build --symlink-install` fills install folders with links into source folders.
-//! 3. Of a package that is found beside the URDF or above it, links must stay in that package or in a root, unless it is
-//!    the URDF's own package: a folder above the URDF with a `package.xml`.
+//! 1. `.` and `..` are resolved by name, before any file access. A result outside of every root is rejected.
+//! 2. Inside a root, symbolic links may lead anywhere except into `/proc`, `/sys` and `/dev`: they were created by users with write
+//!    access to the root. `colcon build --symlink-install` fills install folders with links into source folders.
+//! 3. In a package found beside or above the URDF, links must stay in that package or in a root, unless it is the URDF's own
+//!    package: a folder above the URDF with a `package.xml`.
 //! 4. Only regular files are read (`input_files`).
 
 use std::ffi::OsStr;
@@ -20,26 +20,27 @@ use super::mesh_log::{MeshLog, RecordedMeshes};
 use super::mesh_uri::{self, MeshName};
 use super::numbers::shortened;
 
-/// Folders into which no symbolic link is followed: their files are not files on a disk.
+/// Folders into which no symbolic link is followed: their files are not regular files on a disk.
 const SYSTEM_FOLDERS: [&str; 3] = ["/proc", "/sys", "/dev"];
 
-/// Where meshes may be read from. Nothing outside these folders is ever opened, but for links as the module says.
+/// Folders from which meshes may be read. Nothing outside these folders is ever opened, except by symbolic links as the module
+/// documentation describes.
 #[derive(Clone, Debug, Default)]
 pub struct MeshFiles {
     /// Names without a scheme are relative to this folder.
     folder: Option<Root>,
-    /// Look for `NAME` of `package://NAME` in this folder and its parents.
+    /// Searches for `NAME` of `package://NAME` in this folder and its parents.
     beside: Option<Root>,
     package_paths: Vec<Root>,
     ament_prefixes: Vec<Root>,
     ros_package_paths: Vec<Root>,
     embedded: &'static [(&'static str, &'static [u8])],
-    /// With these, nothing is looked up elsewhere.
+    /// If present, meshes are searched nowhere else.
     recorded: Option<Arc<RecordedMeshes>>,
     log: Option<MeshLog>,
 }
 
-/// Why a mesh name gave no mesh.
+/// Errors of mesh look-up.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshFileError {
     #[error("mesh '{uri}' {reason}")]
@@ -48,7 +49,7 @@ pub enum MeshFileError {
     NotFound {
         uri: String,
         tried: String,
-        /// A file that is there, and whose name differs in upper and lower case only.
+        /// An existing file whose name differs in upper and lower case only.
         similar: Option<PathBuf>,
     },
     #[error("mesh '{uri}' is not in the recording: it ends before its meshes, or was altered")]
@@ -76,7 +77,7 @@ fn advice(similar: Option<&Path>) -> String {
 pub(super) enum Found {
     File(FoundFile),
     Embedded(&'static str, &'static [u8]),
-    /// Out of a recording.
+    /// Content from a recording.
     Recorded(PathBuf, Arc<[u8]>),
 }
 
@@ -85,7 +86,7 @@ pub(super) enum Found {
 pub(super) struct FoundFile {
     /// Its real path: symbolic links resolved.
     pub real: PathBuf,
-    /// The path that led to it: what the file names itself is relative to this one's folder.
+    /// The path by which it was found: file names inside the file are relative to this path's folder.
     named: PathBuf,
     package: Option<Package>,
 }
@@ -93,27 +94,27 @@ pub(super) struct FoundFile {
 /// A folder whose files may always be opened.
 #[derive(Clone, Debug)]
 struct Root {
-    /// As the user spelled it, made absolute: absolute mesh names may begin so.
+    /// As given by the user, made absolute: absolute mesh names may start with it.
     spelled: PathBuf,
     real: PathBuf,
 }
 
-/// A package beside the URDF or above it.
+/// A package beside or above the URDF.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Package {
     folder: PathBuf,
-    /// Whether the URDF is in it.
+    /// True if it contains the URDF.
     is_own: bool,
 }
 
-/// A file that may hold a mesh.
+/// A candidate for a mesh file.
 struct Candidate {
     file: PathBuf,
-    /// A folder whose files may be opened for this name, beside the roots.
+    /// A folder whose files may be opened for this name, in addition to the roots.
     package: Option<Package>,
 }
 
-/// Why a candidate is not the file.
+/// Reason why a candidate is rejected.
 enum Miss {
     Missing,
     Outside(PathBuf),
@@ -121,32 +122,32 @@ enum Miss {
 }
 
 impl MeshFiles {
-    /// Meshes of packages that lie in `dir`, and of names relative to `dir`.
+    /// Searches for meshes in packages in `dir`, and for names relative to `dir`.
     #[must_use]
     pub fn under(dir: impl Into<PathBuf>) -> Self {
         let dir = dir.into();
         Self::default().with_folder(&dir).with_package_path(dir)
     }
 
-    /// Meshes compiled into the program, by name: `package://` left out, as in `demo/arm.stl`.
+    /// Meshes compiled into the program, by name without `package://`, as in `demo/arm.stl`.
     #[must_use]
     pub fn embedded(meshes: &'static [(&'static str, &'static [u8])]) -> Self {
         Self { embedded: meshes, ..Self::default() }
     }
 
-    /// Meshes of a recording: nothing else is found.
+    /// Meshes of a recording; no other meshes are found.
     #[must_use]
     pub fn recorded(meshes: Arc<RecordedMeshes>) -> Self {
         Self { recorded: Some(meshes), ..Self::default() }
     }
 
-    /// Notes in `log` which files are found.
+    /// Records the found files in `log`.
     #[must_use]
     pub fn noted_in(self, log: MeshLog) -> Self {
         Self { log: Some(log), ..self }
     }
 
-    /// Looks up `package://NAME/path` as `dir/NAME/path`, before everything else.
+    /// Resolves `package://NAME/path` to `dir/NAME/path`, before all other locations.
     #[must_use]
     pub fn with_package_path(mut self, dir: impl Into<PathBuf>) -> Self {
         self.package_paths.push(Root::new(&dir.into()));
@@ -160,22 +161,22 @@ impl MeshFiles {
         self
     }
 
-    /// As [`Self::with_folder`], and packages are looked for in `dir` and all its parents.
+    /// As [`Self::with_folder`], and also searches for packages in `dir` and all its parents.
     #[must_use]
     pub fn beside_urdf(mut self, dir: &Path) -> Self {
         self.beside = Some(Root::new(dir));
         self.with_folder(dir)
     }
 
-    /// Looks also where `AMENT_PREFIX_PATH` and `ROS_PACKAGE_PATH` of the environment say.
+    /// Also searches the folders in the environment variables `AMENT_PREFIX_PATH` and `ROS_PACKAGE_PATH`.
     #[must_use]
     pub fn with_environment(self) -> Self {
         let value = |name| std::env::var_os(name).unwrap_or_default();
         self.with_ros_paths(&value("AMENT_PREFIX_PATH"), &value("ROS_PACKAGE_PATH"))
     }
 
-    /// Looks also in `PREFIX/share/NAME` of each ament prefix, and in `DIR/NAME` of each package path, or in DIR itself
-    /// if it bears the package's name. Folders are separated as the system separates those of `PATH`.
+    /// Also searches `PREFIX/share/NAME` of each ament prefix, and `DIR/NAME` of each package path, or DIR itself if it has the package's
+    /// name. Folders are separated as in the system's `PATH`.
     #[must_use]
     pub fn with_ros_paths(mut self, ament_prefix_path: &OsStr, ros_package_path: &OsStr) -> Self {
         let folders = |paths| {
@@ -187,10 +188,10 @@ impl MeshFiles {
         self
     }
 
-    /// The file that `uri` names, if it is there and may be opened.
+    /// The file that `uri` names, if it exists and may be opened.
     ///
     /// # Errors
-    /// When the name is no name, or the file is missing or outside the allowed folders.
+    /// If the name is invalid, or the file is missing or outside the allowed folders.
     pub(super) fn find(&self, uri: &str) -> Result<Found, MeshFileError> {
         if let Some(embedded) = self.find_embedded(uri) {
             return Ok(embedded);
@@ -219,7 +220,7 @@ impl MeshFiles {
         embedded.find(|(name, _)| Path::new(name) == path).map(|(name, bytes)| Found::Embedded(name, bytes))
     }
 
-    /// A file that a mesh file names, such as a buffer of a glTF: only from the mesh file's own folder and those in it.
+    /// A file named inside a mesh file, such as a buffer of a glTF: only from the mesh file's own folder and its subfolders.
     ///
     /// # Errors
     /// As for [`Self::find`].
@@ -233,7 +234,7 @@ impl MeshFiles {
         }
         match mesh {
             Found::Embedded(..) => Err(bad("is named by a mesh that is compiled in, which has no folder")),
-            // the mesh file takes the place of the folder
+            // the mesh file replaces the folder
             Found::Recorded(file, _) => match &self.recorded {
                 Some(recorded) => found_in_recording(recorded, Some(file), uri),
                 None => Err(MeshFileError::NotRecorded { uri: shortened(uri) }),
@@ -276,7 +277,7 @@ impl MeshFiles {
         })
     }
 
-    /// The candidate's file if it is there and may be opened; nothing outside is looked at.
+    /// The candidate's file if it exists and may be opened; nothing outside the allowed folders is accessed.
     fn look_at(&self, candidate: &Candidate) -> Result<FoundFile, Miss> {
         let Candidate { file, package } = candidate;
         let outside = || Miss::Outside(file.clone());
@@ -312,7 +313,7 @@ impl MeshFiles {
         self.roots().any(|root| path.starts_with(&root.real) || path.starts_with(&root.spelled))
     }
 
-    /// A file that may be opened and whose path differs in upper and lower case only, below the root or package.
+    /// An allowed file whose path below the root or package differs in upper and lower case only.
     fn differing_in_case(&self, candidate: &Candidate) -> Option<PathBuf> {
         let named = mesh_uri::resolved(&candidate.file)?;
         let roots = self.roots().flat_map(|root| [&root.real, &root.spelled]);
@@ -324,7 +325,7 @@ impl MeshFiles {
         self.look_at(&Candidate { file: file.clone(), package }).ok().map(|_| file)
     }
 
-    /// Whether some folder of this package is there.
+    /// True if any folder of this package exists.
     pub(super) fn has_package(&self, name: &str) -> bool {
         let folder = MeshName::Package { name: name.to_owned(), path: PathBuf::new() };
         self.candidates(&folder).iter().any(|candidate| candidate.file.is_dir())
@@ -361,7 +362,7 @@ impl MeshFiles {
 }
 
 impl Root {
-    /// A folder that is not there keeps its name, made absolute.
+    /// The real path; for a missing folder its absolute name.
     fn new(folder: &Path) -> Self {
         let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         let spelled = mesh_uri::resolved(&absolute).unwrap_or_else(|| absolute.clone());
@@ -378,7 +379,7 @@ impl Package {
 }
 
 impl Found {
-    /// The real path, or the name of what is no file.
+    /// The real path; for a missing file its name.
     pub fn path(&self) -> &Path {
         match self {
             Self::File(file) => &file.real,
@@ -415,7 +416,7 @@ fn found_in_recording(
     Ok(Found::Recorded(file.clone(), Arc::clone(bytes)))
 }
 
-/// The first path under `base` whose components are `rest` in other upper and lower case, or the same.
+/// The first path under `base` whose components equal `rest`, ignoring upper and lower case.
 fn other_case(base: &Path, rest: &[&OsStr]) -> Option<PathBuf> {
     let Some((first, rest)) = rest.split_first() else { return Some(base.to_owned()) };
     let wanted = first.to_str()?.to_lowercase();

@@ -1,25 +1,25 @@
-//! Which file each mesh name led to, for recordings; and meshes out of one, in place of files.
+//! Log of resolved mesh names for recordings, and meshes read from a recording instead of files.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A mesh name, and the file that it led to.
+/// A mesh name and the file that it was resolved to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshUse {
     /// Base of names without a scheme: a folder, or the mesh file that names the part.
     pub folder: Option<PathBuf>,
     pub uri: String,
-    /// By its real path.
+    /// The file, with its real path.
     pub file: PathBuf,
 }
 
-/// Notes every mesh that is found. Its copies share one list.
+/// Records every found mesh. Copies share one list.
 #[derive(Clone, Debug, Default)]
 pub struct MeshLog(Arc<Mutex<Vec<MeshUse>>>);
 
 impl MeshLog {
-    /// What was found since this was asked last.
+    /// Meshes found since the last call.
     #[must_use]
     pub fn take(&self) -> Vec<MeshUse> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
@@ -36,7 +36,7 @@ impl MeshLog {
 #[derive(Clone, Debug, Default)]
 pub struct RecordedMeshes(HashMap<(Option<PathBuf>, String), RecordedMesh>);
 
-/// A file by its real path, and what it holds.
+/// A file with its real path and its content.
 pub(super) type RecordedMesh = (PathBuf, Arc<[u8]>);
 
 impl RecordedMeshes {

@@ -1,23 +1,23 @@
-//! What a mesh name says, before any folder is looked at.
+//! Parses mesh names, before any folder is accessed.
 
 use std::path::{Component, Path, PathBuf};
 
 use super::mesh_files::MeshFileError;
 use super::numbers::shortened;
 
-/// A mesh name, decoded and without tricks.
+/// A mesh name, decoded and normalised.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum MeshName {
     /// `package://NAME/path`, or Gazebo's `model://NAME/path`; the path has no `..`.
     Package { name: String, path: PathBuf },
-    /// A path relative to the URDF's folder; it may climb, but only to where opening is allowed.
+    /// A path relative to the URDF's folder; it may contain `..`, but must lead to an allowed folder.
     Relative(PathBuf),
     /// An absolute path, also from `file://`.
     Absolute(PathBuf),
 }
 
-/// Reads a mesh name as URDF and planning scenes write it. Schemes and the host `localhost` are read in any case, as RFC 3986
-/// and RFC 8089 say; `%41` stands for `A` behind the scheme.
+/// Parses a mesh name as written in URDF and planning scenes. Schemes and the host `localhost` are case-insensitive, as in RFC 3986 and
+/// RFC 8089; after the scheme, `%41` stands for `A`.
 pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
     let bad = |reason: &str| MeshFileError::BadName { uri: shortened(uri), reason: reason.to_owned() };
     let (scheme, rest) = split_scheme(uri.trim());
@@ -47,7 +47,7 @@ pub(super) fn parse(uri: &str) -> Result<MeshName, MeshFileError> {
     }
 }
 
-/// The scheme in lower case, and what follows its colon. A colon in a plain file name makes no scheme.
+/// The scheme in lower case, and the text after its colon. A colon in a plain file name does not mark a scheme.
 fn split_scheme(uri: &str) -> (Option<String>, &str) {
     let Some((scheme, rest)) = uri.split_once(':') else { return (None, uri) };
     let scheme = scheme.to_ascii_lowercase();
@@ -55,7 +55,7 @@ fn split_scheme(uri: &str) -> (Option<String>, &str) {
     if is_known || rest.starts_with("//") { (Some(scheme), rest) } else { (None, uri) }
 }
 
-/// `HOST/path` of a `file://` name, where the host may be empty.
+/// `HOST/path` of a `file://` name; the host may be empty.
 fn on_this_computer(rest: &str) -> Result<MeshName, String> {
     let (host, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
     if !host.is_empty() && !host.eq_ignore_ascii_case("localhost") {
@@ -85,7 +85,7 @@ fn package(rest: &str) -> Result<MeshName, &'static str> {
     Ok(MeshName::Package { name: name.to_owned(), path: path.to_owned() })
 }
 
-/// The path with `.` and `..` resolved by name; `None` when it climbs above its beginning.
+/// The path with `.` and `..` resolved by name; `None` if it leads above its start.
 pub(super) fn resolved(path: &Path) -> Option<PathBuf> {
     let mut resolved = PathBuf::new();
     for component in path.components() {

@@ -1,11 +1,11 @@
-//! Mimic joints: whom each follows in the end.
+//! Resolves mimic joints to the free joint that each follows in the end.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 
 use super::joint::{JointKind, Mimic};
 use super::{Joint, JointId};
 
-/// A remark about the mimic of a joint, or why there can be none; other joints are named in the message.
+/// A remark on the mimic of a joint, or an error; other joints are named in the message.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct MimicNote {
     pub joint: JointId,
@@ -16,10 +16,10 @@ pub(super) struct MimicNote {
 /// `m1 (m2 q + o2) + o1 = (m1 m2) q + (m1 o2 + o1)`. One that follows a fixed joint, whose position is 0, becomes fixed at its offset.
 ///
 /// # Errors
-/// Cycles, leaders with several positions, and numbers that overflow. The remarks are about joints that became fixed.
+/// Cycles, leaders with several positions, and numbers that overflow. Remarks are about joints that became fixed.
 pub(super) fn resolve(joints: &mut [Joint]) -> Result<Vec<MimicNote>, MimicNote> {
     let mut remarks = Vec::new();
-    // 0: not looked at, 1: on the chain under way, 2: resolved
+    // 0: not visited, 1: on the current chain, 2: resolved
     let mut state = vec![0u8; joints.len()];
     for start in 0..joints.len() {
         let mut chain = Vec::new();
@@ -79,7 +79,7 @@ fn follow(joints: &mut [Joint], follower: usize) -> Result<Option<MimicNote>, Mi
     ))))
 }
 
-/// Fixes a joint at the offset of its mimic, which it keeps: a state may name it.
+/// Fixes a joint at the offset of its mimic. The mimic is kept, since a state may name the joint.
 fn hold(joint: &mut Joint) -> f64 {
     let position = joint.mimic.map_or(0.0, |mimic| mimic.offset);
     joint.pose_pj *= joint.kind.motion(&[position]);

@@ -1,4 +1,4 @@
-//! The immutable robot: links, joints, the order in which poses are computed.
+//! Immutable robot model: links, joints, and the order in which poses are computed.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Pose, Vector};
@@ -14,13 +14,13 @@ pub struct RobotModel {
     pub(super) links: Vec<Link>,
     pub(super) joints: Vec<Joint>,
     pub(super) root: LinkId,
-    /// Joints so ordered that a parent link's pose is known before its children's.
+    /// Joints in topological order: the pose of a parent link is computed before the poses of its children.
     pub(super) topological_order: Vec<JointId>,
     /// First position of each joint in a configuration, by joint; `None` for fixed and mimicking joints.
     pub(super) first_position: Vec<Option<usize>>,
     pub(super) position_names: Vec<String>,
     pub(super) srdf: Option<Srdf>,
-    /// Prefix of link names, beyond their names in URDF and SRDF.
+    /// Prefix of link names, which is not part of their names in URDF and SRDF.
     pub(super) link_prefix: String,
     pub(super) warnings: Vec<Warning>,
 }
@@ -31,7 +31,7 @@ pub struct Link {
     pub name: String,
     pub parent_joint: Option<JointId>,
     pub collisions: Vec<Collision>,
-    /// Links joined by fixed joints only share this: the topmost such link.
+    /// The topmost link that this link is connected to by fixed joints; identifies the rigid body.
     pub rigid_body: LinkId,
 }
 
@@ -42,21 +42,21 @@ pub struct Collision {
     /// Pose of the shape in the link frame.
     pub pose_ls: Pose,
     pub shape: Shape,
-    /// Where a mesh came from.
+    /// Source of a mesh.
     pub mesh_source: Option<MeshSource>,
 }
 
-/// The name of a mesh in the URDF, and the factors by which it was scaled.
+/// The name of a mesh in the URDF, and its scale factors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshSource {
     pub uri: String,
     pub scale: Vector,
 }
 
-/// Most faults that one error lists.
+/// Maximum number of errors listed in one message.
 const MOST_FAULTS: usize = 20;
 
-/// Why a text is no usable robot: all its faults, as far as one does not hide another.
+/// Errors of a robot description: all of them, as far as one does not hide another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelError {
     pub faults: Vec<Fault>,
@@ -83,14 +83,14 @@ impl From<Fault> for ModelError {
 }
 
 impl ModelError {
-    /// `value`, if there are no faults.
+    /// `value`, if there are no errors.
     pub(super) fn unless_sound<T>(value: T, faults: Vec<Fault>) -> Result<T, Self> {
         if faults.is_empty() { Ok(value) } else { Err(Self::from(faults)) }
     }
 }
 
 impl From<Vec<Fault>> for ModelError {
-    /// A text that is wrong throughout has thousands of faults; nobody reads more than the first.
+    /// A thoroughly wrong text has thousands of errors; only the first ones are useful.
     fn from(mut faults: Vec<Fault>) -> Self {
         let more = faults.len().saturating_sub(MOST_FAULTS);
         faults.truncate(MOST_FAULTS);
@@ -158,31 +158,31 @@ impl RobotModel {
         (0..u32::try_from(self.joints.len()).unwrap_or(u32::MAX)).map(JointId)
     }
 
-    /// Joints so ordered that a parent link's pose is known before its children's.
+    /// Joints in topological order: the pose of a parent link is computed before the poses of its children.
     #[must_use]
     pub fn topological_order(&self) -> &[JointId] {
         &self.topological_order
     }
 
-    /// Names of the numbers of a configuration, in its order: joints that neither are fixed nor mimic another.
+    /// Names of the positions of a configuration, in order, for all joints that are neither fixed nor mimic joints.
     #[must_use]
     pub fn position_names(&self) -> &[String] {
         &self.position_names
     }
 
-    /// Number of degrees of freedom; mimicking joints do not count, a floating joint counts six.
+    /// Number of degrees of freedom; mimic joints do not count, a floating joint counts six.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
         (self.joints.iter()).filter(|j| j.mimic.is_none()).map(|j| j.kind.degrees_of_freedom()).sum()
     }
 
-    /// Where a joint's positions begin in a configuration; `None` for fixed and mimicking joints.
+    /// Index of a joint's first position in a configuration; `None` for fixed and mimic joints.
     #[must_use]
     pub fn first_position(&self, joint: JointId) -> Option<usize> {
         self.first_position[joint.index()]
     }
 
-    /// Names of joints that follow others; their values in a joint state are not needed.
+    /// Names of mimic joints; their values in a joint state are not needed.
     pub fn mimicking_joints(&self) -> impl Iterator<Item = (&Joint, Mimic)> {
         self.joints.iter().filter_map(|j| Some((j, j.mimic?)))
     }
@@ -192,19 +192,19 @@ impl RobotModel {
         self.srdf.as_ref()
     }
 
-    /// What was odd but accepted while loading.
+    /// Warnings about unusual content that was accepted while loading.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// Whether two links are joined by fixed joints only, hence can never move against each other.
+    /// True if two links are joined by fixed joints only, and so never move relative to each other.
     #[must_use]
     pub fn same_rigid_body(&self, a: LinkId, b: LinkId) -> bool {
         self.link(a).rigid_body == self.link(b).rigid_body
     }
 
-    /// Whether the rigid bodies of two links are joined by one moving joint.
+    /// True if the rigid bodies of two links are joined by one moving joint.
     #[must_use]
     pub fn adjacent_rigid_bodies(&self, a: LinkId, b: LinkId) -> bool {
         let is_parent = |parent: LinkId, child: LinkId| {

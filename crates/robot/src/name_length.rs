@@ -1,4 +1,4 @@
-//! The longest name that is read anywhere.
+//! Maximum length of all names.
 
 use clearance_geometry::constants::LONGEST_NAME;
 

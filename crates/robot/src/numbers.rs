@@ -1,9 +1,9 @@
-//! Numbers as XML attributes and mesh files write them: finite decimals, as many as asked for.
+//! Parser for numbers in XML attributes and mesh files: a fixed number of finite decimals.
 
 /// `N` finite decimal numbers separated by white space.
 ///
 /// # Errors
-/// What is wrong, with the text that is: `'2.10.110' is no decimal number`.
+/// The error and the wrong text: `'2.10.110' is no decimal number`.
 pub(super) fn decimals<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Vec<f64> = text.split_whitespace().map(decimal).collect::<Result<_, _>>()?;
     numbers.try_into().map_err(|numbers: Vec<f64>| {

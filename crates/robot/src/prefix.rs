@@ -1,9 +1,10 @@
-//! One of several equal robots: its joints and links under names of their own.
+//! Name prefixes: one of several equal robots, with its own names of joints and links.
 
 use super::RobotModel;
 
 impl RobotModel {
-    /// The same robot, the names of whose joints and links begin with these. Names of groups, and frames outside of the robot, stay.
+    /// The same robot with prefixes for the names of its joints and links. Names of groups, and of frames outside of the robot, are
+    /// unchanged.
     #[must_use]
     pub fn with_prefixes(mut self, of_joints: &str, of_links: &str) -> Self {
         let rename = |name: &mut String, prefix: &str| name.insert_str(0, prefix);

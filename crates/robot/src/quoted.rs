@@ -1,6 +1,6 @@
-//! Names in messages: quoted, and shortened where nobody could mean them.
+//! Quotes names in messages, and shortens names that are too long to be intended.
 
-/// Names listed at most; a message must not grow with hostile input.
+/// Maximum number of listed names; a message must not grow with hostile input.
 const LISTED: usize = 8;
 
 /// `'a', 'b' and 3 more`
@@ -17,7 +17,7 @@ pub fn quoted_list(names: &[String]) -> String {
     }
 }
 
-/// A name from a message in quotes, shortened if nobody could mean it.
+/// A name in quotes, shortened if it is too long to be intended.
 #[must_use]
 pub fn quoted(name: &str) -> String {
     const LONGEST: usize = 80;

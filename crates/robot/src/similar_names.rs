@@ -1,13 +1,13 @@
-//! Names that are nearly those that are known: slips of the keyboard.
+//! Detects typing errors: names similar to a known name.
 
-/// The known name that `name` is but for a slip of the keyboard.
+/// The known name that `name` is a typing error of, if there is one.
 pub(super) fn nearest(name: &str, known: &[&'static str]) -> Option<&'static str> {
     let slips = |known: &&str| slips(name, known).filter(|&n| n <= if known.len() < 6 { 1 } else { 2 });
     known.iter().copied().filter_map(|k| Some((slips(&k)?, k))).min().map(|(_, k)| k)
 }
 
-/// Letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance), whatever their case;
-/// `None` where the lengths alone make more than two.
+/// Number of letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance), ignoring case; `None`
+/// where the difference in length alone exceeds two.
 fn slips(a: &str, b: &str) -> Option<usize> {
     let [a, b] = [a, b].map(|text| text.chars().map(|c| c.to_ascii_lowercase()).take(64).collect::<Vec<_>>());
     if a.len().abs_diff(b.len()) > 2 {

@@ -1,8 +1,8 @@
-//! Where in a text something stands, so that every fault can name its element, file and line.
+//! Source locations, so that every error can name its element, file and line.
 
 use clearance_files::readable_text::on_one_line;
 
-/// A place in an input: file, line, and the element concerned. Any part may be unknown.
+/// A location in an input: file, line, and the element concerned. Any part may be unknown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     pub file: Option<String>,
@@ -11,7 +11,7 @@ pub struct Place {
     pub element: Option<String>,
 }
 
-/// A fault in an input: where, what, and what to do.
+/// An error in an input: location, cause, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     pub place: Place,

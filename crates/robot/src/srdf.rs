@@ -1,4 +1,4 @@
-//! What an SRDF adds to a robot: pairs that may touch, groups, virtual and passive joints.
+//! Reader of SRDF: pairs that may touch, groups, virtual and passive joints.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -12,7 +12,7 @@ mod collision_rules;
 mod group;
 mod group_state;
 
-/// An SRDF with its names resolved; what it says of links and joints that the robot does not have is left out.
+/// An SRDF with its names resolved; entries about links and joints that the robot does not have are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
     pub robot_name: String,
@@ -20,14 +20,14 @@ pub struct Srdf {
     pub disabled_pairs: Vec<DisabledPair>,
     /// Pairs that are checked although a default entry of their links would allow contact; ordered as above.
     pub enabled_pairs: Vec<(LinkId, LinkId)>,
-    /// Links with `<disable_default_collisions>`: they may touch everything that no pair names.
+    /// Links with `<disable_default_collisions>`: they may touch every link, unless a pair is named.
     pub unchecked_by_default: Vec<LinkId>,
     pub groups: Vec<Group>,
     pub virtual_joints: Vec<VirtualJoint>,
     pub passive_joints: Vec<JointId>,
 }
 
-/// Two links that are never checked against each other, and why the SRDF's author says so.
+/// Two links that are never checked against each other, with the reason given in the SRDF.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisabledPair {
     pub a: LinkId,
@@ -45,7 +45,7 @@ pub struct Group {
     pub links: Vec<LinkId>,
 }
 
-/// Where the robot's root stands in a frame outside of it.
+/// The pose of the robot's root in a frame outside of the robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VirtualJoint {
     pub name: String,
@@ -58,7 +58,7 @@ pub struct VirtualJoint {
 /// Types of virtual joints.
 const VIRTUAL_KINDS: [&str; 3] = ["fixed", "floating", "planar"];
 
-/// Elements of SRDF and of Tesseract's dialect that say nothing about collisions.
+/// Elements of SRDF and of Tesseract's dialect that do not concern collisions.
 const IGNORED: [&str; 10] = [
     "end_effector",
     "joint_property",
@@ -75,8 +75,8 @@ const IGNORED: [&str; 10] = [
 /// Reads an SRDF into `model`.
 ///
 /// # Errors
-/// Text that is no SRDF, rules about collisions that name no link, and rules that would leave a pair unchecked if they were left
-/// out. Whatever else is odd becomes a warning: it can only add pairs to check.
+/// Text that is not an SRDF, collision rules that name no link, and rules that would leave a pair unchecked if they were left out. All
+/// other irregularities become warnings: they can only add pairs to check.
 pub(super) fn apply(model: &mut RobotModel, text: &str, file: Option<&str>) -> Result<(), Fault> {
     let mut warnings = Vec::new();
     let expected = Expected { file, language: "an SRDF", root: "robot" };
@@ -102,7 +102,7 @@ struct Reader<'d> {
     joints: HashMap<&'d str, JointId>,
     virtual_joints: Vec<VirtualJoint>,
     warnings: Vec<Warning>,
-    /// Unknown names: a warning for the first place and how many there are.
+    /// Unknown names: a warning for the first occurrence, with the number of occurrences.
     unknown: BTreeMap<(&'static str, String), (Warning, usize)>,
 }
 
@@ -154,7 +154,7 @@ impl<'d> Reader<'d> {
         Ok(name.to_owned())
     }
 
-    /// All attributes of an SRDF are names, but for values and reasons.
+    /// All attributes of an SRDF are names, except for values and reasons.
     fn check_name_lengths(&self, root: Node<'d, 'd>) -> Result<(), Fault> {
         for node in root.descendants().filter(Node::is_element) {
             let names = node.attributes().filter(|a| !matches!(a.name(), "value" | "reason"));
@@ -212,7 +212,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// A warning for each name that would be read if it had no XML namespace of its own.
+    /// A warning for each name that is ignored because it has a different XML namespace.
     fn note_foreign_elements(&mut self, root: Node<'d, 'd>, read: &[&str]) {
         const READ_IN_GROUPS: [&str; 3] = ["joint", "link", "chain"];
         let is_told = |n: &Node| {
@@ -239,7 +239,7 @@ impl<'d> Reader<'d> {
         id
     }
 
-    /// The joint that an attribute names, or a warning; a virtual joint is known, but none of the URDF's.
+    /// The joint that an attribute names, or a warning; a virtual joint is valid, but is not a joint of the URDF.
     fn joint(&mut self, node: Node<'d, 'd>, attribute: &str, element: &str) -> Option<JointId> {
         let name = node.attribute(attribute).unwrap_or_default().trim();
         let id = self.joints.get(name).copied();
@@ -263,7 +263,7 @@ impl<'d> Reader<'d> {
         self.warnings.push(self.xml.warning(node, element, message));
     }
 
-    /// All warnings in the order of their lines.
+    /// All warnings, ordered by line.
     fn finished_warnings(&mut self) -> Vec<Warning> {
         let mut warnings = std::mem::take(&mut self.warnings);
         let unknown = std::mem::take(&mut self.unknown).into_values();

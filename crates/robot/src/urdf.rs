@@ -1,4 +1,4 @@
-//! The robot that `urdf-rs` reads, put together: joints, tree, shapes.
+//! Builds the robot model from the output of `urdf-rs`: joints, tree, shapes.
 
 use std::collections::HashMap;
 
@@ -15,10 +15,10 @@ use super::tree::{Tree, TreeError};
 use super::urdf_validation::{CollisionNotes, JointNotes, LinkNotes, ValidUrdf};
 use super::{Fault, JointId, LinkId, Place, Warning, mimic, pair_limit};
 
-/// Puts a robot together from what `urdf-rs` read of the sound text.
+/// Builds a robot from the output of `urdf-rs` for the validated text.
 ///
 /// # Errors
-/// Joints that form no tree or follow nobody; shapes and meshes that cannot be had, all of them at once.
+/// Joints that form no tree or mimic no existing joint; shapes and meshes that cannot be loaded, all of them at once.
 pub(super) fn build(
     robot: &urdf_rs::Robot,
     mut sound: ValidUrdf,
@@ -60,7 +60,7 @@ fn place(sound: &ValidUrdf, joint: JointId) -> Place {
     notes.map(|n| n.place.clone()).unwrap_or_default()
 }
 
-/// A joint of several positions names them after itself: no other joint may have such a name.
+/// The position names of a joint with several positions contain its own name: no other joint may have such a name.
 fn check_position_names(joints: &[Joint], sound: &ValidUrdf) -> Result<(), ModelError> {
     let by_name: HashMap<&str, usize> =
         joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
@@ -80,7 +80,7 @@ fn check_position_names(joints: &[Joint], sound: &ValidUrdf) -> Result<(), Model
     ModelError::unless_sound((), faults)
 }
 
-/// Where each joint's positions begin, and what the positions are called.
+/// Index of each joint's first position, and the names of the positions.
 fn positions(joints: &[Joint]) -> (Vec<Option<usize>>, Vec<String>) {
     let mut names = Vec::new();
     let first = (joints.iter())
@@ -203,7 +203,7 @@ fn links(
     ModelError::unless_sound(links, faults)
 }
 
-/// Why a collision has no shape.
+/// Reason why a collision has no shape.
 #[derive(Debug, thiserror::Error)]
 enum ShapeError {
     #[error(transparent)]

@@ -1,8 +1,8 @@
-//! The door for URDF: everything `urdf-rs` would take in silence is judged here, with its line.
+//! Validation of URDF: rejects all content that `urdf-rs` would accept silently, with its line.
 //!
-//! `urdf-rs` drops numbers it cannot read, knows no lines, stumbles over visuals and inertias that no collision query
-//! needs, and its XML reader panics on some namespaces. So the text is read twice: here as XML, to find faults and where
-//! they stand; then, reduced to what collision checking needs and known to be sound, by `urdf-rs`.
+//! `urdf-rs` drops numbers it cannot read, has no line numbers, fails on visuals and inertias that no collision query needs, and its XML
+//! reader panics on some namespaces. So the text is read twice. First it is read here as XML, to find errors and their lines. Then
+//! `urdf-rs` reads a validated text, reduced to the parts that collision checking needs.
 
 use std::collections::HashMap;
 
@@ -21,10 +21,10 @@ mod writer;
 
 use writer::Writer;
 
-/// A URDF without faults of its own, before links and joints are put together.
+/// A validated URDF, before links and joints are put together.
 #[derive(Debug, Default)]
 pub(super) struct ValidUrdf {
-    /// Links with their collisions, and joints; nothing else, each with sound attributes.
+    /// Links with their collisions, and joints; nothing else, all with valid attributes.
     pub text: String,
     /// By link, in the order of the text.
     pub links: Vec<LinkNotes>,
@@ -33,7 +33,7 @@ pub(super) struct ValidUrdf {
     pub warnings: Vec<Warning>,
 }
 
-/// What `urdf-rs` does not keep of a link.
+/// Properties of a link that `urdf-rs` does not keep.
 #[derive(Debug)]
 pub(super) struct LinkNotes {
     pub place: Place,
@@ -41,24 +41,24 @@ pub(super) struct LinkNotes {
     pub collisions: Vec<CollisionNotes>,
 }
 
-/// What `urdf-rs` does not keep of a collision.
+/// Properties of a collision that `urdf-rs` does not keep.
 #[derive(Debug)]
 pub(super) struct CollisionNotes {
     pub place: Place,
-    /// The rotation of `quat_xyzw`, in place of roll, pitch and yaw.
+    /// The rotation of `quat_xyzw`, instead of roll, pitch and yaw.
     pub rotation: Option<Rotation>,
 }
 
-/// What `urdf-rs` does not keep of a joint.
+/// Properties of a joint that `urdf-rs` does not keep.
 #[derive(Debug)]
 pub(super) struct JointNotes {
     pub place: Place,
     pub rotation: Option<Rotation>,
-    /// Whether there is a `<limit>` that counts.
+    /// True if there is a `<limit>` that has an effect.
     pub limited: bool,
 }
 
-/// Reads a URDF as XML and reports all its faults, as far as they can be told without meshes.
+/// Reads a URDF as XML and reports all its errors, as far as they can be found without meshes.
 pub(super) fn check(text: &str, file: Option<&str>) -> Result<ValidUrdf, ModelError> {
     let mut warnings = Vec::new();
     let expected = Expected { file, language: "a URDF", root: "robot" };
@@ -68,7 +68,7 @@ pub(super) fn check(text: &str, file: Option<&str>) -> Result<ValidUrdf, ModelEr
     Ok(urdf)
 }
 
-/// The check under way: faults and warnings so far, and the sound text so far.
+/// State of the validation: errors, warnings and validated text so far.
 struct Validator<'d> {
     xml: &'d Xml<'d>,
     version: (u32, u32),
@@ -91,7 +91,7 @@ const SRDF_ELEMENTS: [&str; 8] = [
     "disable_default_collisions",
 ];
 
-/// Most links that the warning about missing collision geometry names.
+/// Maximum number of links named in the warning about missing collision geometry.
 const MOST_NAMED: usize = 20;
 
 impl<'d> Validator<'d> {
@@ -145,7 +145,7 @@ impl<'d> Validator<'d> {
         ModelError::unless_sound(self.sound, self.faults)
     }
 
-    /// One warning for all links that are displayed and never checked.
+    /// One warning for all links that are displayed but never checked.
     fn warn_of_links_without_collision(&mut self) {
         let Some((_, first)) = self.without_collision.first() else { return };
         let named = self.without_collision.iter().take(MOST_NAMED);
@@ -160,11 +160,11 @@ impl<'d> Validator<'d> {
              add <collision> elements to those that could touch something",
             names.join(", ")
         );
-        // first, so that a list that is cut keeps it
+        // first, so that a truncated list still contains it
         self.sound.warnings.insert(0, self.xml.warning(*first, "", message));
     }
 
-    /// Faults that make all others meaningless: no URDF at all.
+    /// Errors that make all others meaningless: the text is not a URDF.
     fn check_root(&mut self, root: Node<'d, 'd>) -> Result<(), Fault> {
         self.xml.reject_xacro()?;
         self.version = match root.attribute("version").map(str::trim) {
@@ -184,7 +184,7 @@ impl<'d> Validator<'d> {
         Ok(())
     }
 
-    /// The links or joints with their names; a missing or repeated name is a fault, and such an element is left out.
+    /// The links or joints by name. A missing or repeated name is an error, and such an element is left out.
     fn named(&mut self, root: Node<'d, 'd>, kind: &str) -> Vec<(String, Node<'d, 'd>)> {
         let mut first_lines: HashMap<&str, u32> = HashMap::new();
         let mut named = Vec::new();
@@ -219,7 +219,7 @@ impl<'d> Validator<'d> {
         self.sound.warnings.push(self.xml.warning(node, element, message));
     }
 
-    /// The first child of that name; further ones are told and ignored.
+    /// The first child of that name; further ones are ignored with a warning.
     fn only_child(&mut self, node: Node<'d, 'd>, name: &str, element: &str) -> Option<Node<'d, 'd>> {
         let mut all = own_children(node, name);
         let first = all.next();
@@ -230,7 +230,7 @@ impl<'d> Validator<'d> {
     }
 }
 
-/// Whether a text holds what xacro should have replaced.
+/// True if a text contains expressions that xacro should have replaced.
 fn is_unexpanded(text: &str) -> bool {
     text.contains("${") || text.contains("$(")
 }

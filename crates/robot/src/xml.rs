@@ -1,4 +1,4 @@
-//! The door for XML: text to tree, with the line of every element, and nothing expanded or fetched.
+//! XML reader: parses text to a tree with the line of every element; nothing is expanded or fetched.
 
 use std::borrow::Cow;
 
@@ -7,16 +7,16 @@ use roxmltree::{Document, Error, Node, ParsingOptions};
 use super::numbers::shortened;
 use super::{Fault, Place, Warning, xml_limits};
 
-/// Longest XML text (bytes) that is read; a robot description is rarely longer than one of these megabytes.
+/// Maximum length (bytes) of an XML text; robot descriptions are rarely longer than one megabyte.
 const LARGEST_TEXT: usize = 64 << 20;
 
-/// Most nodes of a tree: about 200 MB of memory, a hundred times a humanoid with all its visuals.
+/// Maximum number of nodes of a tree: about 200 MB of memory, a hundred times a humanoid with all its visuals.
 const MOST_NODES: u32 = 2_000_000;
 
-/// Most namespace prefixes that are declared on behalf of a text that forgot to.
+/// Maximum number of undeclared namespace prefixes that the reader declares itself.
 const MOST_UNDECLARED_PREFIXES: usize = 16;
 
-/// Outermost elements of other languages.
+/// Root elements of other XML formats.
 const KNOWN_ROOTS: [(&str, &str); 6] = [
     ("COLLADA", "a mesh"),
     ("sdf", "an SDF of Gazebo: convert it to a URDF"),
@@ -26,7 +26,7 @@ const KNOWN_ROOTS: [(&str, &str); 6] = [
     ("svg", "a picture"),
 ];
 
-/// How files of other kinds begin.
+/// First bytes of files of other kinds.
 const KNOWN_BEGINNINGS: [(&str, &str); 14] = [
     ("solid", "an STL mesh"),
     ("ply", "a PLY mesh or cloud"),
@@ -44,7 +44,7 @@ const KNOWN_BEGINNINGS: [(&str, &str); 14] = [
     ("version https://git-lfs", "a pointer of Git LFS: fetch the file with git lfs pull"),
 ];
 
-/// A parsed XML text that knows its name and its lines.
+/// A parsed XML text with its name and line numbers.
 pub(super) struct Xml<'d> {
     pub document: &'d Document<'d>,
     file: Option<String>,
@@ -57,7 +57,7 @@ impl<'d> Xml<'d> {
     }
 
     /// # Errors
-    /// When elements of xacro are left.
+    /// If elements of xacro are left.
     pub fn reject_xacro(&self) -> Result<(), Fault> {
         let is_xacro = |n: &Node| n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
         let Some(element) = self.root().descendants().find(is_xacro) else { return Ok(()) };
@@ -74,7 +74,7 @@ impl<'d> Xml<'d> {
         u32::try_from(line).unwrap_or(u32::MAX)
     }
 
-    /// Where `node` stands; `element` says to a reader what it belongs to.
+    /// Location of `node`; `element` describes to a reader what it belongs to.
     pub fn place(&self, node: Node, element: impl Into<String>) -> Place {
         let element = element.into();
         Place {
@@ -93,7 +93,7 @@ impl<'d> Xml<'d> {
     }
 }
 
-/// Whether an element has another XML namespace than the outermost one.
+/// True if an element has a different XML namespace than the root element.
 pub(super) fn is_foreign(node: Node) -> bool {
     node.tag_name().namespace() != node.document().root_element().tag_name().namespace()
 }
@@ -128,21 +128,21 @@ pub(super) fn child<'d>(node: Node<'d, 'd>, name: &str) -> Option<Node<'d, 'd>> 
 /// All text directly inside an element. Comments, processing instructions and CDATA sections do not end it.
 ///
 /// # Errors
-/// When an element is among it: a clause that names that element.
+/// If it contains an element: a clause that names that element.
 pub(super) fn text<'d>(node: Node<'d, 'd>) -> Result<Cow<'d, str>, String> {
     if let Some(inner) = node.children().find(Node::is_element) {
         return Err(format!("has an element <{}> in its text", shortened(inner.tag_name().name())));
     }
     let mut parts = node.children().filter_map(|part| part.text().filter(|_| part.is_text()));
     let first = Cow::Borrowed(parts.next().unwrap_or_default());
-    // sections that a comment separates are one value in XML
+    // in XML, sections separated by a comment are one value
     Ok(parts.fold(first, |all, part| all + part))
 }
 
-/// What a text should be.
+/// Expected kind of a text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Expected<'f> {
-    /// Where the text comes from, for messages.
+    /// Source of the text, for messages.
     pub file: Option<&'f str>,
     /// Such as `a URDF`.
     pub language: &'static str,
@@ -159,7 +159,7 @@ impl Expected<'_> {
         Fault { place: self.place(line), message: message.into() }
     }
 
-    /// The text is something else altogether.
+    /// The text is of a different kind.
     fn wrong_root(&self, found: &str, line: Option<u32>) -> Fault {
         let Self { language, root, .. } = self;
         let kind = KNOWN_ROOTS.iter().find(|(name, _)| name.eq_ignore_ascii_case(found));
@@ -168,7 +168,7 @@ impl Expected<'_> {
         self.fault(line, format!("the text is <{found}>{kind}, but {language} begins with <{root}>"))
     }
 
-    /// The text is no XML at all.
+    /// The text is not XML.
     fn no_xml(&self, text: &str) -> Fault {
         let first = text.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
         let line = text.lines().position(|line| !line.trim().is_empty());
@@ -184,14 +184,14 @@ impl Expected<'_> {
     }
 }
 
-/// Parses `text` and hands the tree to `read`.
+/// Parses `text` and passes the tree to `read`.
 ///
-/// A byte-order mark and the XML declaration are dropped (its version and encoding bind nobody: the text is Unicode
-/// already), undeclared namespace prefixes are declared; both with a warning where they are faults. Lines stay right.
+/// A byte-order mark and the XML declaration are removed (its version and encoding have no effect: the text is already Unicode).
+/// Undeclared namespace prefixes are declared. Both cause a warning where they are errors. Line numbers stay correct.
 ///
 /// # Errors
-/// A fault with its line: bad syntax, another root element than expected, a DTD (its entities are never expanded,
-/// nothing is fetched), too long a text, or one beyond [`xml_limits`].
+/// An error with its line: bad syntax, an unexpected root element, a DTD (its entities are never expanded, nothing is fetched), a text
+/// that is too long, or one beyond [`xml_limits`].
 pub(super) fn read_xml<T>(
     text: &str,
     expected: Expected,

@@ -1,26 +1,26 @@
 //! Limits of XML text, checked in one linear pass before it is parsed.
 //!
-//! `roxmltree` compares every attribute with all before it, and every namespace declaration with all that are in scope:
-//! quadratic in their number. Deep nesting is safe there, but not in everything that walks the tree.
+//! `roxmltree` compares every attribute with all earlier ones, and every namespace declaration with all declarations in scope: its time
+//! is quadratic in their number. Deep nesting is safe in `roxmltree`, but not in all code that walks the tree.
 
 use clearance_geometry::constants::LONGEST_NAME;
 
-/// Most attributes of one element, namespace declarations included. Descriptions and meshes have twenty at most.
+/// Maximum number of attributes of one element, namespace declarations included. Descriptions and meshes have at most twenty.
 const MOST_ATTRIBUTES: usize = 256;
-/// Most namespace declarations in scope at one element, and in all of the text.
+/// Maximum number of namespace declarations in scope at one element, and in the whole text.
 const MOST_NAMESPACES_IN_SCOPE: usize = 64;
 const MOST_NAMESPACES: usize = 100_000;
-/// Most elements inside each other.
+/// Maximum nesting depth of elements.
 const DEEPEST: usize = 1000;
 
-/// A limit that a text exceeds: the line, from 1, and a clause that names limit and element.
+/// An exceeded limit: the line, from 1, and a clause that names limit and element.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Excess {
     pub line: u32,
     pub message: String,
 }
 
-/// Checks the limits up to the end, or up to a document type, which the parser rejects. Syntax is the parser's matter.
+/// Checks the limits up to the end, or up to a document type, which the parser rejects. Syntax is left to the parser.
 pub(super) fn check(text: &str) -> Result<(), Excess> {
     let mut scan = Scan::default();
     let mut rest = text;
@@ -54,10 +54,10 @@ fn line_of(text: &str, at: usize) -> u32 {
     u32::try_from(text[..at].matches('\n').count() + 1).unwrap_or(u32::MAX)
 }
 
-/// The elements that are open.
+/// The open elements.
 #[derive(Default)]
 struct Scan {
-    /// By open element: namespace declarations in scope.
+    /// By open element: number of namespace declarations in scope.
     namespaces: Vec<usize>,
     declared: usize,
 }
@@ -103,17 +103,17 @@ impl Scan {
 /// A start tag.
 struct Tag<'t> {
     name: &'t str,
-    /// Counted up to one more than the limit.
+    /// Counted up to the limit plus one.
     attributes: usize,
     namespaces: usize,
     long_name: Option<&'t str>,
-    /// Whether it is an element without content.
+    /// True for an element without content.
     is_empty: bool,
     length: usize,
 }
 
 impl<'t> Tag<'t> {
-    /// Reads the tag that `text` begins with. Nothing behind the first attribute too many is looked at.
+    /// Reads the tag at the start of `text`. The search stops at the first attribute beyond the limit.
     fn at_start(text: &'t str) -> Self {
         let bytes = text.as_bytes();
         let is_end =
@@ -135,7 +135,7 @@ impl<'t> Tag<'t> {
                     at += 1;
                     break;
                 }
-                // the tag before has no end: the parser says so
+                // the previous tag has no end: the parser reports it
                 b'<' => break,
                 b'"' | b'\'' => {
                     let close = bytes[at + 1..].iter().position(|&b| b == byte);

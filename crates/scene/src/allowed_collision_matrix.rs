@@ -1,12 +1,12 @@
-//! Pairs that may touch: what MoveIt calls the allowed collision matrix (ACM).
+//! Allowed collision matrix (ACM) of MoveIt: pairs that may touch.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use clearance_robot::RobotModel;
 use serde::Deserialize;
 
-/// For pairs of names, whether they may touch. An entry for a pair wins over the defaults of its names; where neither
-/// exists the pair is checked.
+/// For pairs of names: whether they may touch. An entry for a pair takes precedence over the defaults of its names; where neither exists
+/// the pair is checked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AllowedCollisionMatrix {
     entries: HashMap<(String, String), bool>,
@@ -15,7 +15,7 @@ pub struct AllowedCollisionMatrix {
     defaults: HashMap<String, bool>,
 }
 
-/// Why entries form no matrix.
+/// Errors in the entries of a matrix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MatrixError {
     #[error("allowed_collision_matrix: {names} entry_names but {rows} rows of entry_values")]
@@ -30,7 +30,7 @@ pub enum MatrixError {
     Contradiction(String),
 }
 
-/// `moveit_msgs/AllowedCollisionMatrix` as it stands in the file.
+/// `moveit_msgs/AllowedCollisionMatrix` in the format of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(default)]
 pub struct MatrixEntries {
@@ -60,7 +60,7 @@ impl AllowedCollisionMatrix {
         matrix
     }
 
-    /// What is allowed without any scene's matrix: what the SRDF disables, or without one, adjacent rigid bodies.
+    /// Allowed pairs without a scene's matrix: the pairs that the SRDF disables, or without an SRDF, adjacent rigid bodies.
     #[must_use]
     pub fn of_robot(robot: &RobotModel) -> Self {
         if robot.srdf().is_some() {
@@ -107,7 +107,7 @@ impl AllowedCollisionMatrix {
         Ok(matrix)
     }
 
-    /// Says whether `a` and `b` may touch.
+    /// Sets whether `a` and `b` may touch.
     pub fn set(&mut self, a: &str, b: &str, allowed: bool) {
         self.entries.insert(key(a, b), allowed);
         for name in [a, b] {
@@ -117,19 +117,19 @@ impl AllowedCollisionMatrix {
         }
     }
 
-    /// Sets whether `name` may touch everything that it has no entry with, now and later.
+    /// Sets the default of `name`: whether it may touch everything that it has no entry with, now and later.
     pub fn set_default(&mut self, name: &str, allowed: bool) {
         self.defaults.insert(name.to_owned(), allowed);
     }
 
-    /// Removes everything about some names, in one pass.
+    /// Removes all entries and defaults of some names, in one pass.
     pub fn forget(&mut self, names: &HashSet<&str>) {
         self.entries.retain(|(a, b), _| !names.contains(a.as_str()) && !names.contains(b.as_str()));
         self.named = self.entries.keys().flat_map(|(a, b)| [a, b]).cloned().collect();
         self.defaults.retain(|name, _| !names.contains(name.as_str()));
     }
 
-    /// The matrix of a planning scene that allows the same; names are sorted.
+    /// The equivalent matrix of a planning scene; names are sorted.
     #[must_use]
     pub fn to_entries(&self) -> MatrixEntries {
         let names: BTreeSet<&String> = self.named.iter().collect();
@@ -143,7 +143,7 @@ impl AllowedCollisionMatrix {
         }
     }
 
-    /// Whether an entry of the pair itself, not a default, decides about it.
+    /// True if the pair has an entry of its own, so that no default applies.
     #[must_use]
     pub fn has_entry(&self, a: &str, b: &str) -> bool {
         self.entry(a, b).is_some()
@@ -153,24 +153,24 @@ impl AllowedCollisionMatrix {
         self.entries.get(&key(a, b)).copied()
     }
 
-    /// All names that there are entries or defaults for; one may come twice.
+    /// All names that have entries or defaults; a name may occur twice.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.named.iter().chain(self.defaults.keys()).map(String::as_str)
     }
 
-    /// Whether there is an entry or a default for a name.
+    /// True if a name has an entry or a default.
     #[must_use]
     pub fn mentions(&self, name: &str) -> bool {
         self.defaults.contains_key(name) || self.named.contains(name)
     }
 
-    /// Whether a name may touch those that are not mentioned.
+    /// The default of a name: whether it may touch names without an entry.
     #[must_use]
     pub fn allows_by_default(&self, name: &str) -> bool {
         self.defaults.get(name).copied().unwrap_or(false)
     }
 
-    /// Whether `a` and `b` may touch; false when nothing is said. If both names have defaults, both must allow.
+    /// True if `a` and `b` may touch; false without an entry or default. If both names have defaults, both must allow it.
     #[must_use]
     pub fn allows(&self, a: &str, b: &str) -> bool {
         self.entry(a, b).unwrap_or_else(|| match (self.defaults.get(a), self.defaults.get(b)) {

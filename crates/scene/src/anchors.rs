@@ -1,8 +1,9 @@
-//! What obstacles stand in while the robot's root moves: a table in a room stays in the room when the robot drives through it.
+//! Anchors: poses of obstacles in world-fixed frames. A table in a room keeps its place in the room while the robot drives.
 //!
-//! All poses of the world are kept in the root's frame, so an obstacle remembers where it is in the frame that `MoveIt` plans in, the parent of the
-//! SRDF's virtual joint, if `tf` connects that with the root, or else in the topmost frame of `tf` above the root. Whenever `tf` says that the
-//! root is elsewhere in that frame, the obstacle is put where it belongs. So are the frames that a scene told of.
+//! All poses of the world are stored in the root frame. An obstacle therefore also stores its pose in a world-fixed frame. This is
+//! MoveIt's planning frame, the parent of the SRDF's virtual joint, if `tf` connects it with the root, or else the topmost `tf` frame
+//! above the root. When `tf` reports another pose of the root in that frame, the obstacle's pose in the root frame is updated. Fixed
+//! frames of a scene are updated in the same way.
 
 use clearance_geometry::math::Pose;
 use clearance_robot::RobotModel;
@@ -11,36 +12,36 @@ use super::Time;
 use super::frames::PlacedBy;
 use super::{Scene, SceneContext, TransformTree, Way};
 
-/// Less than this (m, rad) is no motion of the root.
+/// Smaller displacements (m, rad) do not count as motion of the root.
 const STILL: f64 = 1e-4;
 
-/// Where something is in a frame that is no part of the robot.
+/// Pose of an object or frame in a world-fixed frame, which is no part of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Anchor {
     frame: String,
     pose_fo: Pose,
-    /// Pose of the frame in the root's frame that it was last put by. What it is and where it is do not tell this again: far from the root
-    /// that rounds to more than what counts as motion.
+    /// Pose of the world-fixed frame in the root frame at the last update. It cannot be computed from the two other poses: far from the
+    /// root, rounding exceeds the motion threshold.
     pose_rf: Pose,
     certainty: Certainty,
 }
 
-/// A frame that things stand in.
+/// A world-fixed frame that objects are anchored to.
 pub(super) struct AnchorFrame {
     pub frame: String,
-    /// Its pose in the root's frame now.
+    /// Its present pose in the root frame.
     pub pose_rf: Pose,
     pub certainty: Certainty,
 }
 
-/// How it is known where a frame is; what says more about where the root may be is greater.
+/// Source of a world-fixed frame's pose, in ascending order of information about where the root may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Certainty {
-    /// A virtual joint that never moves puts the root at zero in it.
+    /// A fixed virtual joint puts the root at zero in the frame.
     Fixed,
-    /// As nobody has told, the root counts as standing at zero in it.
+    /// Without any information, the root is assumed to be at zero in the frame.
     Assumed,
-    /// `tf` told it, at least once.
+    /// `tf` has given the pose at least once.
     Told,
 }
 
@@ -49,12 +50,12 @@ impl Anchor {
         Self { frame, pose_fo: pose_rf.inverse() * pose_ro, pose_rf, certainty }
     }
 
-    /// The same place for what was put at a pose of its own.
+    /// The same anchored pose, for an object that was placed at its own pose in the root frame.
     fn of(&self, pose_ro: &Pose) -> Self {
         Self { pose_rf: pose_ro * self.pose_fo.inverse(), ..self.clone() }
     }
 
-    /// Where it has to be now, if that is elsewhere than it is.
+    /// The new pose in the root frame, if it differs from the last one.
     fn follow(&mut self, context: &SceneContext) -> Option<Pose> {
         let now = context.pose_by_tf(&self.frame)?;
         self.certainty = Certainty::Told;
@@ -66,7 +67,7 @@ impl Anchor {
 }
 
 impl Scene {
-    /// Lets an obstacle, which was placed in a frame just now, stay where it is in what it stands in.
+    /// Anchors an obstacle that was just placed in `frame` to a world-fixed frame.
     pub fn anchor(&mut self, name: &str, frame: &str, context: &SceneContext) {
         self.anchors.remove(name);
         let Some(obstacle) = self.world.obstacle_by_name(name) else { return };
@@ -75,7 +76,7 @@ impl Scene {
         }
     }
 
-    /// The same for a frame that a scene told of.
+    /// As above, for a fixed frame of a scene.
     pub(super) fn anchor_frame(&mut self, name: &str, parent: &str, context: &SceneContext) {
         self.frame_anchors.remove(name);
         let Some(pose_rf) = self.fixed_frames.get(name) else { return };
@@ -84,20 +85,20 @@ impl Scene {
         }
     }
 
-    /// What stands in a frame, stands in this.
+    /// The world-fixed frame that objects placed in `frame` are anchored to.
     fn ground(&self, frame: &str, context: &SceneContext) -> Option<AnchorFrame> {
         let frame = frame.trim_start_matches('/');
         let below = context.placed_by(frame, self).and_then(|placed_by| match placed_by {
             PlacedBy::Obstacle(name) => self.anchors.get(name),
             PlacedBy::FixedFrame(name) => self.frame_anchors.get(name),
         });
-        // what is not by tf holds for what was placed in it, too
+        // an anchor that does not come from tf also applies to objects placed in its frame
         let assumed =
             below.filter(|anchor| anchor.certainty != Certainty::Told).map(|anchor| anchor.frame.as_str());
         context.ground(assumed.unwrap_or(frame))
     }
 
-    /// Things of the same names that stood somewhere before stand there still, if `tf` connects that with the root.
+    /// Objects that had the same names before keep their earlier anchors, if `tf` connects those with the root.
     pub fn stand_as(&mut self, before: &Self, context: &SceneContext) {
         let is_known = |(_, anchor): &(&String, &Anchor)| context.pose_by_tf(&anchor.frame).is_some();
         for (name, anchor) in before.anchors.iter().filter(is_known) {
@@ -112,8 +113,8 @@ impl Scene {
         }
     }
 
-    /// Puts everything where it belongs now that the root may be elsewhere; whether that changed anything. What stands in nothing yet stands
-    /// from now on in what `tf` has come to know.
+    /// Updates all anchored poses after a motion of the root; returns true if anything changed. Obstacles without an anchor are anchored
+    /// to a frame that `tf` has since provided.
     pub fn follow_frames(&mut self, context: &SceneContext) -> bool {
         self.anchors.retain(|name, _| self.world.obstacle_by_name(name).is_some());
         let before = self.anchors.len();
@@ -124,7 +125,7 @@ impl Scene {
         for (name, anchor) in &mut self.anchors {
             if let Some(pose_ro) = anchor.follow(context) {
                 has_changed = true;
-                // it was there right now
+                // cannot fail: the obstacle was just found
                 let _ = self.world.move_to(name, pose_ro);
             }
         }
@@ -138,12 +139,12 @@ impl Scene {
         has_changed
     }
 
-    /// Obstacles that stand in nothing.
+    /// Obstacles without an anchor.
     fn ungrounded(&self) -> impl Iterator<Item = &String> {
         self.world.obstacles().map(|obstacle| &obstacle.name).filter(|name| !self.anchors.contains_key(*name))
     }
 
-    /// What has to be looked at to know whether obstacles are where they belong.
+    /// The frames to watch, to detect when obstacles need an update.
     #[must_use]
     pub fn grounds(&self, robot: &RobotModel) -> AnchorFrames {
         let mut frames: Vec<Watched> = Vec::new();
@@ -160,7 +161,7 @@ impl Scene {
     }
 }
 
-/// The frames that obstacles stand in, and where they were in the root's frame when these were put where they are.
+/// World-fixed frames that obstacles are anchored to, with their poses in the root frame at the obstacles' last update.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AnchorFrames {
     root: String,
@@ -176,7 +177,7 @@ struct Watched {
 }
 
 impl AnchorFrames {
-    /// Whether obstacles have to be put elsewhere now.
+    /// True if the poses of obstacles need an update now.
     #[must_use]
     pub fn are_elsewhere(&self, transforms: &TransformTree) -> bool {
         let is_one = |Watched { frame, pose_rf, .. }: &Watched| {
@@ -187,14 +188,14 @@ impl AnchorFrames {
             || self.frames.iter().any(is_one)
     }
 
-    /// Whether there is nothing that may stand in a frame.
+    /// True if no obstacle is anchored or needs an anchor.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty() && !self.any_ungrounded
     }
 
-    /// Why the root might be anywhere in what obstacles stand in: `tf` connected the two once, connects the root with others only, or does not
-    /// end above one of the two. A root of which `tf` knows nothing stands at zero.
+    /// The reason why the root's pose relative to anchored obstacles is unknown: `tf` connected the two once, or connects the root with
+    /// other frames only, or does not end above one of the two. A root without any `tf` transform counts as being at zero.
     pub fn lost(&self, transforms: &TransformTree) -> Option<Lost<'_>> {
         let is_endless = |watched: &Watched| transforms.is_too_deep(&watched.frame);
         if !self.is_empty() && transforms.is_too_deep(&self.root) || self.frames.iter().any(is_endless) {
@@ -211,7 +212,7 @@ impl AnchorFrames {
         self.frames.iter().find(is_lost).map(|watched| Lost::In(&watched.frame))
     }
 
-    /// A frame that obstacles stand in, in which the root counts as standing at zero because nobody tells where it is.
+    /// A world-fixed frame with obstacles in which the root is assumed to be at zero, because its pose is not available.
     pub fn assumed(&self, transforms: &TransformTree) -> Option<&str> {
         let is_assumed = |watched: &&Watched| {
             watched.certainty == Certainty::Assumed && transforms.way(&self.root, &watched.frame).is_none()
@@ -219,7 +220,7 @@ impl AnchorFrames {
         self.frames.iter().find(is_assumed).map(|watched| watched.frame.as_str())
     }
 
-    /// The frames that `tf` tells of again and again, seen from the root.
+    /// The world-fixed frames that `tf` publishes repeatedly, relative to the root.
     pub fn tracked_frames<'g>(
         &'g self,
         transforms: &'g TransformTree,
@@ -231,28 +232,28 @@ impl AnchorFrames {
     }
 }
 
-/// Why nobody knows where the root is.
+/// The reason why the root's pose is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lost<'g> {
     /// `tf` does not connect it with this frame.
     In(&'g str),
-    /// Above the root, or what obstacles stand in, `tf` goes in a circle, or has more frames than are looked at.
+    /// Above the root, or above a frame of anchored obstacles, `tf` contains a circle, or more frames than the search visits.
     Endless,
 }
 
-/// A frame that `tf` tells of again and again.
+/// A world-fixed frame that `tf` publishes repeatedly.
 #[derive(Debug)]
 pub struct TrackedFrame<'g> {
     pub frame: &'g str,
-    /// From the root to it.
+    /// The path from the root to the frame.
     pub way: Way<'g>,
-    /// Of the oldest transform on the way that is told again and again.
+    /// Stamp of the oldest repeatedly published transform on the path.
     pub stamp: Time,
 }
 
-/// Whether a frame's pose in the root's frame has changed, as seen from the root.
+/// True if a frame's pose in the root frame has changed, as observed from the root.
 pub fn is_elsewhere(before: &Pose, now: &Pose) -> bool {
-    // far from the root, rounding alone makes a way of a pose back to itself
+    // far from the root, the product of a pose and its own inverse differs from the identity by rounding
     let way = now * before.inverse();
     before != now && (way.translation.vector.norm() > STILL || way.rotation.angle() > STILL)
 }

@@ -1,4 +1,4 @@
-//! What the robot holds: taken up and put down.
+//! Operations on attached objects: attach, append, detach, remove.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -72,7 +72,7 @@ impl Scene {
         }
         let held = self.world.attached_by_name(id).filter(|_| object.operation == Operation::Append);
         let object = if held.is_some() { Cow::Borrowed(object) } else { object.as_new() };
-        // as in MoveIt: what is extended stays where it is, unless the message says where else
+        // as in MoveIt: an extended object keeps its pose, unless the message gives another one
         let pose_lo = match held {
             Some(held) if object.keeps_pose() => held.pose_lo,
             _ => self.pose_in_link(&object, link_id, context)?,
@@ -96,14 +96,14 @@ impl Scene {
         Ok(given)
     }
 
-    /// Pose of a changed object in the frame of the link that takes it.
+    /// Pose of a changed object in the frame of the link it is attached to.
     fn pose_in_link(
         &self,
         object: &ObjectChange,
         link: LinkId,
         context: &SceneContext,
     ) -> Result<Pose, SceneRejection> {
-        // in the frame of the link itself it does not matter where the link is
+        // a pose in the frame of the link itself does not depend on the link's pose
         if object.frame.trim_start_matches('/') == context.robot.link(link).name {
             return Ok(object.pose_fo);
         }
@@ -111,7 +111,7 @@ impl Scene {
         Ok(pose_rl.inverse() * self.pose_of(object, context)?)
     }
 
-    /// What a change takes from the robot.
+    /// The attached objects that a change removes from the robot.
     fn held(
         &self,
         change: &AttachedChange,
@@ -141,10 +141,10 @@ impl Scene {
         Ok(vec![Arc::clone(object)])
     }
 
-    /// Puts what links hold into the world where it is.
+    /// Detaches objects: each becomes an obstacle at its present pose.
     fn detach(&mut self, change: &AttachedChange, context: &SceneContext) -> Result<(), SceneRejection> {
         let held = self.held(change, context)?;
-        // all poses first: what cannot be done for one is done for none
+        // all poses first: if one object cannot be detached, none is
         let mut placed = Vec::new();
         for object in &held {
             let holder = context.robot.link_by_name(&object.link);
@@ -159,7 +159,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes what links hold away altogether.
+    /// Removes attached objects from the scene.
     pub fn let_go(&mut self, change: &AttachedChange, context: &SceneContext) -> Result<(), SceneRejection> {
         for object in self.held(change, context)? {
             let _ = self.world.drop_attached(&object.name);
@@ -168,7 +168,7 @@ impl Scene {
     }
 }
 
-/// What is held already, with more shapes in its own frame as in `MoveIt`, where the change has it.
+/// An attached object with additional shapes, in its own frame as in `MoveIt`, and with the pose of the change, if there is one.
 fn extended(held: &AttachedObject, given: &AttachedObject) -> Result<AttachedObject, SceneRejection> {
     if held.link != given.link {
         let message = format!("link_name: it is attached to '{}', not to '{}'", held.link, given.link);

@@ -1,4 +1,4 @@
-//! Things that a robot holds.
+//! Attached objects: objects that a robot holds.
 
 use std::sync::Arc;
 
@@ -6,26 +6,26 @@ use clearance_geometry::math::Pose;
 
 use super::{Obstacle, ObstacleShape};
 
-/// An attached object of one [`World`](super::World): its number in the order of attaching.
+/// Index of an attached object in one [`World`](super::World), in the order of attaching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct AttachedId(pub u32);
 
-/// A rigid part that a link carries along.
+/// A rigid object attached to a link.
 #[derive(Clone, Debug)]
 pub struct AttachedObject {
     pub name: String,
-    /// The link that carries it.
+    /// Name of the link that the object is attached to.
     pub link: String,
     /// Pose of the object in the frame of that link.
     pub pose_lo: Pose,
     pub shapes: Arc<[ObstacleShape]>,
     pub subframes: Vec<(String, Pose)>,
-    /// Links that may touch it, beside the one that carries it.
+    /// Links that may touch the object, in addition to the link that carries it.
     pub touch_links: Vec<String>,
 }
 
 impl AttachedObject {
-    /// The object, once a link has grasped it; `pose_rl` is the link's pose in the root frame then.
+    /// The attached object that an obstacle becomes when a link grasps it; `pose_rl` is the link's pose in the root frame at that time.
     #[must_use]
     pub fn grasped(object: &Obstacle, link: &str, pose_rl: &Pose, touch_links: Vec<String>) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl AttachedObject {
         }
     }
 
-    /// The obstacle that it becomes where it is let go.
+    /// The obstacle that it becomes when it is detached.
     #[must_use]
     pub fn released(&self, pose_rl: &Pose) -> Obstacle {
         Obstacle {
@@ -49,7 +49,7 @@ impl AttachedObject {
         }
     }
 
-    /// Whether a link may touch it.
+    /// True if contact with the link is allowed.
     #[must_use]
     pub fn may_touch(&self, link: &str) -> bool {
         self.link == link || self.touch_links.iter().any(|touched| touched == link)

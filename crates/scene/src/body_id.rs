@@ -1,4 +1,4 @@
-//! The bodies of a scene, as pairs of them are checked.
+//! Identifiers of the bodies of a scene, which form the pairs to check.
 
 use clearance_robot::LinkId;
 
@@ -8,7 +8,7 @@ use super::{AttachedId, ObstacleId};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum BodyId {
     Link(LinkId),
-    /// An object that a link carries.
+    /// An attached object.
     Attached(AttachedId),
     Obstacle(ObstacleId),
 }

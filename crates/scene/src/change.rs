@@ -1,4 +1,4 @@
-//! Changes of a scene, as messages and files describe them: numbers are checked, frames are still names.
+//! Changes of a scene, as messages and files describe them: numbers are checked, frames are still unresolved names.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -9,15 +9,15 @@ use clearance_robot::{check_name_length, quoted};
 
 use crate::{MatrixEntries, ObstacleShape};
 
-/// What to do with an object.
+/// Operation on an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
-    /// It takes the place of one of its name.
+    /// Adds the object, or replaces the object with its name.
     Add,
-    /// Its shapes are added to those of the object of its name, if there is one, in the frame of that object. An obstacle keeps its pose and
-    /// gets the change's subframes instead of its own; an attached object gets the change's pose, if one is given, and more subframes.
+    /// Appends shapes to the object with its name, if there is one, in the frame of that object. An obstacle keeps its pose, and the
+    /// change's subframes replace its own. An attached object gets the change's pose, if one is given, and additional subframes.
     Append,
-    /// Only its pose changes.
+    /// Changes only the pose.
     Move,
     Remove,
 }
@@ -25,24 +25,24 @@ pub enum Operation {
 /// A change of one obstacle: `moveit_msgs/CollisionObject`.
 #[derive(Clone, Debug)]
 pub struct ObjectChange {
-    /// Empty, for [`Operation::Remove`]: all objects.
+    /// Empty, for [`Operation::Remove`]: applies to all objects.
     pub id: String,
     pub operation: Operation,
-    /// The frame of its pose; the robot's root frame when it is empty.
+    /// The frame of its pose; if empty, the robot's root frame.
     pub frame: String,
     /// Pose of the object in that frame.
     pub pose_fo: Pose,
-    /// With poses in the frame of the object.
+    /// Shapes with poses in the frame of the object.
     pub shapes: Vec<ObstacleShape>,
-    /// For [`Operation::Move`]: where in the object its shapes are from now on; they stay where they are if none is given.
+    /// For [`Operation::Move`]: the new poses of its shapes in the object's frame; they do not change if none is given.
     pub shape_poses: Vec<Pose>,
     pub subframes: Vec<(String, Pose)>,
-    /// What it is: database and key of `object_recognition_msgs/ObjectType`, or nothing.
+    /// Type of the object: database and key of `object_recognition_msgs/ObjectType`, or nothing.
     pub kind: [String; 2],
 }
 
 impl Operation {
-    /// By its constant in `moveit_msgs/CollisionObject`.
+    /// The operation for a constant of `moveit_msgs/CollisionObject`.
     #[must_use]
     pub fn from_number(number: i64) -> Option<Self> {
         match number {
@@ -56,7 +56,7 @@ impl Operation {
 }
 
 impl ObjectChange {
-    /// A change of the object `id` that needs no more than its name.
+    /// A change of the object `id` that needs no other field.
     #[must_use]
     pub fn named(id: impl Into<String>, operation: Operation) -> Self {
         Self {
@@ -71,19 +71,19 @@ impl ObjectChange {
         }
     }
 
-    /// Whether an object that is extended keeps its pose.
+    /// True if an object keeps its pose when shapes are appended.
     pub(super) fn keeps_pose(&self) -> bool {
         self.operation == Operation::Append && self.pose_fo == Pose::identity()
     }
 
-    /// Names are checked before anything quotes or keeps them.
+    /// Checks the lengths of names, before they are quoted or stored.
     fn check_name_lengths(&self) -> Result<(), String> {
         let fields = [("id", &self.id), ("header.frame_id", &self.frame)];
         let subframes = self.subframes.iter().map(|(name, _)| ("subframe_names", name));
         fields.into_iter().chain(subframes).try_for_each(check_field)
     }
 
-    /// A subframe that is given twice, at two places.
+    /// The name of a subframe that is given twice with different poses.
     pub(super) fn contradicted_subframe(&self) -> Option<&str> {
         let mut first: HashMap<&str, &Pose> = HashMap::new();
         let mut subframes = self.subframes.iter();
@@ -92,7 +92,7 @@ impl ObjectChange {
             .map(|(name, _)| name.as_str())
     }
 
-    /// Names of a length that can be kept, and no contradictions.
+    /// Checks that names are short enough to be stored, and that there are no contradictions.
     pub(super) fn check(&self) -> Result<(), String> {
         self.check_name_lengths()?;
         self.contradicted_subframe().map_or(Ok(()), |name| {
@@ -100,7 +100,7 @@ impl ObjectChange {
         })
     }
 
-    /// As in `MoveIt`, if an object of its name is not there yet: the only pose that is given is that of the object.
+    /// As in `MoveIt`, if there is no object of its name yet: the only given pose becomes the pose of the object.
     pub(super) fn as_new(&self) -> Cow<'_, Self> {
         let [only] = self.shapes.as_slice() else { return Cow::Borrowed(self) };
         if self.pose_fo != Pose::identity() {
@@ -111,10 +111,10 @@ impl ObjectChange {
     }
 }
 
-/// A change of what the robot holds: `moveit_msgs/AttachedCollisionObject`.
+/// A change of an attached object: `moveit_msgs/AttachedCollisionObject`.
 #[derive(Clone, Debug)]
 pub struct AttachedChange {
-    /// Empty, for [`Operation::Remove`]: whichever link holds it.
+    /// Empty, for [`Operation::Remove`]: any link that holds the object.
     pub link: String,
     pub object: ObjectChange,
     pub touch_links: Vec<String>,
@@ -132,27 +132,27 @@ fn check_field((field, name): (&'static str, &String)) -> Result<(), String> {
     check_name_length(name).map_err(|excess| format!("{field}: {excess}"))
 }
 
-/// Where an octomap stands; without a shape everything in it is free.
+/// An octomap with its frame and pose; without a shape, all of it is free.
 #[derive(Clone, Debug)]
 pub struct OctomapPlacement {
     pub frame: String,
     pub pose_fo: Pose,
     pub shape: Option<Shape>,
-    /// Whether it tells nothing of any place: no leaf at all, neither occupied nor free.
+    /// True if the octomap has no leaf at all, neither occupied nor free, and thus no information.
     pub is_blank: bool,
 }
 
-/// All obstacles anew: `moveit_msgs/PlanningSceneWorld`.
+/// Replacement of all obstacles: `moveit_msgs/PlanningSceneWorld`.
 #[derive(Clone, Debug, Default)]
 pub struct WorldChange {
     pub objects: Vec<ObjectChange>,
     pub octomap: Option<OctomapPlacement>,
 }
 
-/// One of `fixed_frame_transforms`.
+/// One entry of `fixed_frame_transforms`.
 ///
-/// `MoveIt` writes the pose of `header.frame_id` in the planning frame, which is the `child_frame_id`; anybody else writes the pose of
-/// `child_frame_id` in `header.frame_id`, as in `tf`. [`Scene::apply`](super::Scene::apply) tells them apart by the planning frame.
+/// `MoveIt` writes the pose of `header.frame_id` in the planning frame, which is the `child_frame_id`. Other programs write the pose of
+/// `child_frame_id` in `header.frame_id`, as in `tf`. [`Scene::apply`](super::Scene::apply) distinguishes the two by the planning frame.
 #[derive(Clone, Debug)]
 pub struct FixedFrame {
     /// `child_frame_id`
@@ -162,11 +162,11 @@ pub struct FixedFrame {
     pub pose_pf: Pose,
 }
 
-/// What a scene says about the robot; joint positions come from joint states alone.
+/// The robot state of a scene; joint positions come from joint states only.
 #[derive(Clone, Debug, Default)]
 pub struct RobotStateChange {
     pub is_diff: bool,
-    /// Whether it gives positions of joints.
+    /// True if it contains joint positions.
     pub names_joints: bool,
     pub attached: Vec<AttachedChange>,
 }
@@ -177,7 +177,7 @@ pub struct SceneChange {
     pub robot_model_name: String,
     pub is_diff: bool,
     pub fixed_frames: Vec<FixedFrame>,
-    /// Names of frames whose transforms could not be read: their earlier poses hold no longer.
+    /// Names of frames whose transforms could not be read: their earlier poses become invalid.
     pub unreadable_frames: Vec<String>,
     pub robot_state: RobotStateChange,
     pub matrix: MatrixEntries,
@@ -185,12 +185,12 @@ pub struct SceneChange {
     pub link_padding: Vec<(String, f64)>,
     pub link_scale: Vec<(String, f64)>,
     pub world: WorldChange,
-    /// Whether the octomap stays though this is a whole scene: who was asked knows of none.
+    /// True if the octomap stays although this is a whole scene, because the queried source has no octomap.
     pub keeps_octomap: bool,
 }
 
 impl SceneUpdate {
-    /// Whether it says all that there is, not what changes.
+    /// True if it replaces the whole world or scene, rather than changing a part.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         match self {
@@ -200,13 +200,13 @@ impl SceneUpdate {
         }
     }
 
-    /// Whether it says all of what links hold.
+    /// True if it replaces all attached objects.
     #[must_use]
     pub fn is_whole_of_robot(&self) -> bool {
         matches!(self, Self::Scene(scene) if !scene.is_diff && !scene.robot_state.is_diff)
     }
 
-    /// Whether it says what octomap there is, or that there is none.
+    /// True if it sets or removes the octomap.
     #[must_use]
     pub fn changes_octomap(&self) -> bool {
         match self {
@@ -216,7 +216,7 @@ impl SceneUpdate {
         }
     }
 
-    /// Whether it brings an octomap that tells of any place.
+    /// True if it contains an octomap with any known cell.
     #[must_use]
     pub fn shows_room(&self) -> bool {
         let octomap = match self {
@@ -228,8 +228,8 @@ impl SceneUpdate {
         octomap.is_some_and(|octomap| !octomap.is_blank)
     }
 
-    /// Whether it says something of objects, or of what the robot makes of them: not of an octomap or the robot's joints alone, which are told
-    /// again and again.
+    /// True if it changes objects, or their handling by the robot. False for an octomap or joint positions alone, which are sent
+    /// repeatedly.
     #[must_use]
     pub fn tells_of_objects(&self) -> bool {
         match self {
@@ -260,14 +260,14 @@ impl SceneUpdate {
     }
 }
 
-/// Whatever may change a scene.
+/// Any update of a scene.
 #[derive(Clone, Debug)]
 pub enum SceneUpdate {
     Object(Box<ObjectChange>),
     Attached(Box<AttachedChange>),
     World(Box<WorldChange>),
     Scene(Box<SceneChange>),
-    /// An octomap by itself; `None` takes it away.
+    /// An octomap by itself; `None` removes it.
     Octomap(Option<OctomapPlacement>),
 }
 

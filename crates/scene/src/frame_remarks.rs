@@ -1,9 +1,10 @@
-//! Remarks on poses that hold only for the moment at which a scene is read: a file is read once, while the robot moves on.
+//! Remarks on poses that hold only at the time a scene is read: a file is read once, while the robot moves on.
 
 use super::{AttachedChange, Scene, SceneContext};
 
 impl SceneContext<'_> {
-    /// Why a pose in a frame may not stay where it is now, as a clause; `None` for a frame that stays.
+    /// The reason, as a clause, why an object placed in a frame is not expected to keep its present pose; `None` for a frame that does
+    /// not move.
     pub(super) fn frame_remark(&self, frame: &str, scene: &Scene) -> Option<String> {
         let name = frame.trim_start_matches('/');
         if let Some(joint) = self.virtual_joint_from(name) {
@@ -26,7 +27,7 @@ impl SceneContext<'_> {
         })
     }
 
-    /// The same for an object that is to be attached: the robot's state decides where on the link it is held, unless the object's frame is
+    /// As above, for an object that is to be attached: the robot's state determines its pose on the link, unless the object's frame is
     /// rigidly connected with the link.
     pub(super) fn attachment_remark(&self, change: &AttachedChange, scene: &Scene) -> Option<String> {
         let link = self.robot.link_by_name(&change.link)?;

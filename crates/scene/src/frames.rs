@@ -7,18 +7,18 @@ use super::anchors::{AnchorFrame, Certainty};
 use super::transform_tree::{Ancestor, TransformTree};
 use super::{Obstacle, Scene, Time};
 
-/// What has to be known to understand a message about the world.
+/// Snapshot of robot poses, transforms and clock that a scene update is applied against.
 #[derive(Clone, Debug)]
 pub struct SceneContext<'c> {
     pub robot: &'c RobotModel,
-    /// Where the links are now; `None` while no joint state is known.
+    /// Present poses of the links; `None` until a joint state is received.
     pub poses: Option<&'c LinkPoses>,
     pub transforms: &'c TransformTree,
-    /// Of the clock in which transforms are stamped.
+    /// Present time, of the clock that stamps transforms.
     pub now: Option<Time>,
-    /// Age (s) beyond which a transform that changes says nothing any more.
+    /// Age (s) beyond which a non-static transform is no longer used.
     pub transform_ttl: f64,
-    /// Where links are that never move.
+    /// Poses of the links that never move.
     rest: LinkPoses,
 }
 
@@ -36,7 +36,7 @@ impl<'c> SceneContext<'c> {
         Self { robot, poses, transforms, now, transform_ttl, rest }
     }
 
-    /// Pose of a link in the root frame, if it is known now.
+    /// Pose of a link in the root frame, if it is known at present.
     #[must_use]
     pub fn link_pose(&self, link: LinkId) -> Option<Pose> {
         if self.never_moves(link) {
@@ -59,7 +59,7 @@ impl<'c> SceneContext<'c> {
     /// and their subframes, objects and their subframes, `tf`, fixed frames. An empty name is the root frame.
     ///
     /// # Errors
-    /// When the frame is unknown, or its pose is not known now.
+    /// If the frame is unknown, or its pose is not known at present.
     pub fn frame_pose(&self, frame: &str, scene: &Scene) -> Result<Pose, String> {
         let frame = frame.trim_start_matches('/');
         if frame.is_empty() {
@@ -75,7 +75,7 @@ impl<'c> SceneContext<'c> {
         }
         let above = self.transforms.ancestors(frame);
         let told = self.by_tf(&above);
-        // as in MoveIt: what tf says comes before what a scene said of the frame once
+        // as in MoveIt: a tf transform takes precedence over an earlier one from a scene
         if let (Some(pose), None) = (scene.fixed_frames.get(frame), &told) {
             return Ok(*pose);
         }
@@ -96,8 +96,9 @@ impl<'c> SceneContext<'c> {
         })
     }
 
-    /// What stands in a frame that stays where it is, stands in this: the parent of the virtual joint or, where `tf` does not connect that with the
-    /// root and the frame is not below it, the topmost frame above the root; `None` if there is none.
+    /// World-fixed frame that objects placed in `frame` are anchored to, if `frame` does not move with the robot. It is the parent of the
+    /// virtual joint, or, where `tf` does not connect that parent with the root and `frame` is not below it, the topmost frame above the
+    /// root; `None` if there is none.
     pub(super) fn ground(&self, frame: &str) -> Option<AnchorFrame> {
         let planning = self.virtual_joints();
         let known = |name: &str| {
@@ -114,15 +115,15 @@ impl<'c> SceneContext<'c> {
         planning.clone().find_map(|joint| known(&joint.parent_frame)).or_else(assumed).or_else(topmost)
     }
 
-    /// Pose of a frame in the root frame, however old what `tf` says of it is.
+    /// Pose of a frame in the root frame from `tf`, whatever the age of its transforms.
     pub(super) fn pose_by_tf(&self, frame: &str) -> Option<Pose> {
         self.transforms.way(self.root_name(), frame).map(|way| way.pose())
     }
 
-    /// Whether a frame always stays where it is against the root, as far as it is a part of the robot or of what it holds.
+    /// True if a frame never moves relative to the root because of a moving link or an attached object.
     pub(super) fn stands_still(&self, frame: &str, scene: &Scene) -> bool {
         let above = self.transforms.ancestors(frame.trim_start_matches('/'));
-        // the nearest part of the robot above decides
+        // the nearest ancestor that is a part of the robot decides
         let part = above.iter().find_map(|a| match self.robot.link_by_name(a.name) {
             Some(link) => Some(self.never_moves(link)),
             None => Self::attached_frame(a.name, scene).map(|_| false),
@@ -130,13 +131,13 @@ impl<'c> SceneContext<'c> {
         part.unwrap_or(true)
     }
 
-    /// The frame that `MoveIt` plans in: the parent frame of the root's virtual joint, or else the root link.
+    /// MoveIt's planning frame: the parent frame of the root's virtual joint, or else the root link.
     #[must_use]
     pub fn planning_frame(&self) -> &str {
         self.virtual_joints().next().map_or(self.root_name(), |joint| &joint.parent_frame)
     }
 
-    /// Whether a frame is the one that `MoveIt` plans in.
+    /// True if a frame is MoveIt's planning frame.
     pub(super) fn is_planning_frame(&self, frame: &str) -> bool {
         frame.trim_start_matches('/') == self.planning_frame()
     }
@@ -156,7 +157,7 @@ impl<'c> SceneContext<'c> {
         &self.robot.link(self.robot.root()).name
     }
 
-    /// An object, or a place on it as `object/subframe`.
+    /// Pose of an object, or of a subframe named `object/subframe`.
     fn object_pose(&self, frame: &str, scene: &Scene) -> Option<Result<Pose, String>> {
         if let Some((link, pose_lf)) = Self::attached_frame(frame, scene) {
             let Some(link) = self.robot.link_by_name(link) else {
@@ -172,15 +173,15 @@ impl<'c> SceneContext<'c> {
         if let Some(object) = scene.world.obstacle_by_name(frame) {
             return Some((object, object.pose_ro));
         }
-        // names may contain slashes: every part before one may be that of an object
+        // names may contain slashes: every prefix before a slash may be the name of an object
         let objects = frame.match_indices('/').filter_map(|(i, _)| scene.world.obstacle_by_name(&frame[..i]));
         let mut found =
             objects.filter_map(|o| Some((o.as_ref(), o.pose_ro * subframe(frame, &o.name, &o.subframes)?)));
         found.next()
     }
 
-    /// What places a frame, in the order in which [`Self::frame_pose`] looks: an obstacle, or the fixed frame that it is or is below of;
-    /// `None` for the robot, the planning frame and `tf`.
+    /// The part of the scene that places a frame, in the search order of [`Self::frame_pose`]: an obstacle, or the fixed frame that is
+    /// the frame or one of its ancestors. `None` for the robot, the planning frame and `tf`.
     pub(super) fn placed_by<'s>(&self, frame: &'s str, scene: &'s Scene) -> Option<PlacedBy<'s>>
     where
         'c: 's,
@@ -202,7 +203,7 @@ impl<'c> SceneContext<'c> {
         fixed.map(|(name, _)| PlacedBy::FixedFrame(name))
     }
 
-    /// The link that carries a frame along, and the frame's pose on it.
+    /// The link that a frame is attached to, and the frame's pose in that link.
     pub(super) fn attached_frame<'s>(frame: &str, scene: &'s Scene) -> Option<(&'s str, Pose)> {
         if let Some(object) = scene.world.attached_by_name(frame) {
             return Some((&object.link, object.pose_lo));
@@ -213,16 +214,16 @@ impl<'c> SceneContext<'c> {
         })
     }
 
-    /// A frame outside of the robot whose place is known without `tf`.
+    /// Pose of a frame outside of the robot that is known without `tf`.
     fn standing_pose(&self, frame: &str, scene: &Scene) -> Option<Pose> {
         if let Some(pose) = scene.fixed_frames.get(frame) {
             return Some(*pose);
         }
-        // a virtual joint that moves, and about which tf knows nothing, stands at zero
+        // a moving virtual joint without a tf transform counts as zero
         self.virtual_joint_from(frame).map(|_| Pose::identity())
     }
 
-    /// By the nearest link above whose place is known, or by an ancestor in common with the root.
+    /// Pose by the nearest ancestor that is a link with a known pose, or by a common ancestor with the root.
     fn by_tf(&self, above: &[Ancestor]) -> Option<Result<Pose, String>> {
         let place = |name: &str| self.link_pose(self.robot.link_by_name(name)?);
         if let Some((ancestor, pose_rl)) = above.iter().find_map(|a| Some((a, place(a.name)?))) {

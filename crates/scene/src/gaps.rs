@@ -2,11 +2,11 @@
 
 use super::{AttachedChange, ObjectChange, Operation, SceneChange, SceneUpdate};
 
-/// Something that was announced and is not in the scene as announced.
+/// An announced object or setting that is not in the scene as announced.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Gap {
     pub subject: Subject,
-    /// Of the object or link; empty for an object without a name, an octomap and a matrix.
+    /// Name of the object or link; empty for an object without a name, an octomap and a matrix.
     pub name: String,
     pub extent: Extent,
 }
@@ -16,7 +16,7 @@ pub struct Gap {
 pub enum Subject {
     /// An obstacle of the world.
     Object,
-    /// An object that a link was to take up or let go.
+    /// An object that was to be attached to a link, or to be detached.
     Attached,
     Octomap,
     /// The allowed collision matrix.
@@ -25,10 +25,10 @@ pub enum Subject {
     LinkScale,
 }
 
-/// How much of it is not as announced.
+/// Extent of the difference from the announced content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Extent {
-    /// Its shapes are in the scene, but its pose or its holder is not as announced.
+    /// Its shapes are in the scene, but its pose or its link is not as announced.
     Pose,
     /// Shapes may be missing.
     Shapes,
@@ -42,11 +42,10 @@ impl Gap {
 }
 
 impl SceneUpdate {
-    /// The rest of a gap after this update; `None` if the update closes it. `is_rejected`: whether a part of the update about the same
+    /// The rest of a gap after this update; `None` if the update closes it. `is_rejected`: true if a part of the update for the same
     /// object was rejected.
     ///
-    /// Only an update that gives everything about an object closes its gap: an object that is moved still lacks the shapes that were
-    /// rejected before.
+    /// Only an update that defines an object completely closes its gap: after a move, shapes that were rejected before are still missing.
     #[must_use]
     pub fn left_of(&self, gap: Gap, is_rejected: bool) -> Option<Gap> {
         let is_octomap = gap.subject == Subject::Octomap;
@@ -64,7 +63,7 @@ impl SceneUpdate {
         }
     }
 
-    /// The gaps that are left if nothing of this update comes into force.
+    /// The gaps that remain if no part of this update is applied.
     #[must_use]
     pub fn announced(&self) -> Vec<Gap> {
         let object = |object: &ObjectChange| match object.operation {
@@ -97,7 +96,7 @@ impl ObjectChange {
         let is_all = self.id.is_empty() && self.operation == Operation::Remove;
         let is_about = match gap.subject {
             Subject::Object => is_all || self.id == gap.name,
-            // what is taken out of the world may be what the robot holds since
+            // an object removed from the world may be attached to the robot since then
             Subject::Attached => self.id == gap.name && self.operation != Operation::Remove,
             Subject::Octomap | Subject::Matrix | Subject::LinkPadding | Subject::LinkScale => false,
         };
@@ -112,7 +111,7 @@ impl ObjectChange {
 }
 
 impl AttachedChange {
-    /// The world still has the shapes of what is taken up or put down by its name alone.
+    /// The world still has the shapes of an object that is attached or detached by its name alone.
     pub(super) fn extent(&self) -> Extent {
         if self.object.shapes.is_empty() { Extent::Pose } else { Extent::Shapes }
     }
@@ -126,7 +125,7 @@ impl AttachedChange {
         }
         let is_held = gap.subject == Subject::Attached;
         match operation {
-            // what was to be held is to be in the world from now on
+            // an object that was to be attached must be in the world from now on
             Operation::Remove if is_held && (is_all || is_rejected || gap.extent == Extent::Shapes) => {
                 Some(Gap { subject: Subject::Object, ..gap })
             }
@@ -194,7 +193,7 @@ mod tests {
         use Extent::{Pose, Shapes};
         use Operation::{Add, Append, Move, Remove};
         use Subject::{Attached, Object};
-        // by update: what it leaves of a gap in the world of a pose and of shapes, and of one in what links hold
+        // per update: the rest of a gap of a pose and of shapes in the world, and of a pose and of shapes of an attached object
         let table = [
             (object(Add), [None, None, None, None]),
             (object(Remove), [None, None, Some((Attached, Pose)), Some((Attached, Shapes))]),
@@ -245,7 +244,7 @@ mod tests {
             }
         }
         assert_eq!(object(Remove).left_of(gap(Subject::Object, Extent::Shapes), true), None);
-        // what was never held and is let go should be in the world
+        // an object that was never attached, and is detached, must be in the world
         let left = attached(Remove, false).left_of(gap(Subject::Attached, Extent::Pose), true);
         assert_eq!(left, Some(gap(Subject::Object, Extent::Pose)));
     }

@@ -1,4 +1,4 @@
-//! Names in a scene that have no effect, because nothing bears them.
+//! Warnings about names in a scene that match nothing and so have no effect.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,8 @@ use clearance_robot::{RobotModel, quoted, quoted_list};
 use super::{AllowedCollisionMatrix, OCTOMAP, Scene};
 
 impl Scene {
-    /// Warnings of touch links that the robot has not, and of entries of the allowed collision matrix about neither link nor object.
+    /// Warnings about touch links that the robot does not have, and about entries of the allowed collision matrix that name neither a
+    /// link nor an object.
     #[must_use]
     pub fn names_without_effect(&self, robot: &RobotModel) -> Vec<String> {
         let is_link = |name: &str| robot.link_by_name(name).is_some();
@@ -21,7 +22,7 @@ impl Scene {
         of_attached.take(MOST_OBJECTS).chain(self.matrix_without_effect(robot)).collect()
     }
 
-    /// A warning of entries of the allowed collision matrix about neither link nor object.
+    /// A warning about entries of the allowed collision matrix that name neither a link nor an object.
     pub(super) fn matrix_without_effect(&self, robot: &RobotModel) -> Option<String> {
         let is_known = |name: &str| {
             robot.link_by_name(name).is_some()
@@ -41,7 +42,7 @@ impl Scene {
     }
 }
 
-/// Attached objects that are warned of at most.
+/// Maximum number of attached objects named in warnings.
 const MOST_OBJECTS: usize = 20;
 
 #[cfg(test)]

@@ -1,20 +1,20 @@
 //! The scene around a robot: obstacles, attached objects, allowed collisions, paddings and frames, as `moveit_msgs` describes them.
 //!
-//! Messages and files become the same [`SceneUpdate`]s, which [`Scene::apply`] applies as MoveIt 2 does. No I/O and no ROS types; an object
-//! or field that is rejected changes nothing.
+//! Messages and files are converted to the same [`SceneUpdate`]s, which [`Scene::apply`] applies as MoveIt 2 does. No I/O and no ROS
+//! types. A rejected object or field changes nothing.
 //!
 //! | update | effect |
 //! |---|---|
 //! | [`ObjectChange`] | adds, replaces, extends, moves or removes one obstacle, or removes all |
 //! | [`AttachedChange`] | attaches an object to a link, or detaches it where it is |
 //! | [`WorldChange`] | replaces all obstacles |
-//! | [`SceneChange`] | a whole scene replaces everything; a difference changes what it names |
+//! | [`SceneChange`] | a whole scene replaces everything; a difference changes only the parts it contains |
 //!
-//! Deliberate departures from MoveIt: a whole scene without allowed collision matrix restores the SRDF's; a name that cannot be resolved is
-//! rejected instead of being taken for the planning frame; APPEND of a
-//! single shape to an object takes the shape's pose as it is given; rejected parts of a message leave a [`Gap`], which makes the state UNKNOWN.
+//! Deliberate differences from MoveIt: a whole scene without allowed collision matrix restores the SRDF's. A name that cannot be resolved
+//! is rejected, and is not taken as the planning frame. APPEND of a single shape to an object uses the shape's pose unchanged. Rejected
+//! parts of a message leave a [`Gap`], which makes the state UNKNOWN.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod allowed_collision_matrix;

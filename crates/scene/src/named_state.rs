@@ -1,4 +1,4 @@
-//! A state of the robot as messages have it: `sensor_msgs/JointState`, `moveit_msgs/RobotState`.
+//! Robot states by name, as in the messages `sensor_msgs/JointState` and `moveit_msgs/RobotState`.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use clearance_robot::RobotModel;
 
 use super::files::{JointStateText, MultiDofText, RobotStateText};
 
-/// Positions (rad, m) by the names of [`RobotModel::position_names`], as far as a message has them.
+/// Positions (rad, m) by the names of [`RobotModel::position_names`]; only those contained in a message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedState {
     pub names: Arc<[String]>,
@@ -18,7 +18,7 @@ impl NamedState {
     /// Reads the fields of a `sensor_msgs/JointState`.
     ///
     /// # Errors
-    /// Names without positions, and the reverse.
+    /// If names have no positions, or the reverse.
     pub fn of_joints(names: impl Into<Arc<[String]>>, positions: Vec<f64>) -> Result<Self, String> {
         let names = names.into();
         if names.len() != positions.len() {
@@ -33,7 +33,7 @@ impl NamedState {
     /// Reads a `moveit_msgs/RobotState`; transforms of planar and floating joints become their positions.
     ///
     /// # Errors
-    /// The field, and what is wrong with it. What the robot holds belongs to the world.
+    /// The field and its error. Attached objects are not read here; they belong to the world.
     pub fn of_robot(text: RobotStateText, robot: &RobotModel) -> Result<Self, String> {
         if let Some(attached) = text.attached_collision_objects.first() {
             return Err(format!(
@@ -77,8 +77,8 @@ impl NamedState {
     }
 }
 
-/// Rejects a transform of a joint that the robot does not have, unless it is the identity. A virtual joint says where the root is in the
-/// world: a state does not move it, since obstacles are in the frame of the root.
+/// Rejects a transform of a joint that the robot does not have, unless it is the identity. A virtual joint gives the root's pose in the
+/// world: a state does not move it, since obstacles are in the root frame.
 fn check_root_stays(joint: &str, pose: &Pose, robot: &RobotModel) -> Result<(), String> {
     if *pose == Pose::identity() {
         return Ok(());
@@ -106,7 +106,7 @@ mod tests {
         RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap()
     }
 
-    /// With a virtual joint.
+    /// A robot with a virtual joint.
     fn mounted() -> RobotModel {
         let srdf = "<robot name='r'><virtual_joint name='mount' type='floating' parent_frame='map' child_link='base'/></robot>";
         let text = RobotText { urdf: URDF, srdf: Some(srdf), ..RobotText::default() };
@@ -133,7 +133,7 @@ mod tests {
                         "{why}"
                     );
                 }
-                // where the robot stands anyway
+                // the robot is already there
                 for still in ["{}", "{rotation: {w: -1}}"] {
                     assert!(read(&robot, "", joint, still).unwrap().names.is_empty(), "{joint}");
                 }

@@ -29,7 +29,7 @@ impl Scene {
         }
     }
 
-    /// Whether an object may bear this name.
+    /// Checks whether the name is allowed for an object.
     pub(super) fn check_name(&self, id: &str, context: &SceneContext) -> Result<(), SceneRejection> {
         if id.is_empty() {
             let unnamed = Gap::new(Subject::Object, "", Extent::Shapes);
@@ -82,7 +82,7 @@ impl Scene {
         self.put_obstacle(Obstacle { pose_ro, ..obstacle }, frame, context)
     }
 
-    /// Whether an object may be added.
+    /// Checks whether an object may be added.
     fn check_addition(&self, id: &str, shapes: usize, context: &SceneContext) -> Result<(), SceneRejection> {
         self.check_name(id, context)?;
         if shapes == 0 {
@@ -98,7 +98,7 @@ impl Scene {
         }
     }
 
-    /// Puts an obstacle, whose pose is given in the root frame, where it stays in what `frame` stands in.
+    /// Adds an obstacle with a pose in the root frame, and anchors it to the world-fixed frame that `frame` belongs to.
     fn put_obstacle(
         &mut self,
         obstacle: Obstacle,
@@ -176,20 +176,20 @@ impl Scene {
         })?;
         self.kinds.remove(id);
         self.anchors.remove(id);
-        // as in MoveIt: who bears the name next is another thing
+        // as in MoveIt: the next object with this name is a different one
         if let Some(matrix) = &mut self.matrix {
             matrix.forget(&HashSet::from([id]));
         }
         Ok(())
     }
 
-    /// Takes away what messages have put there; what sensors see stays.
+    /// Removes all obstacles from messages and files; obstacles from sensors stay.
     pub(super) fn remove_all_objects(&mut self) {
         let names = self.given_names();
         for name in &names {
             self.kinds.remove(name);
             self.anchors.remove(name);
-            // it is there: its name was just listed
+            // cannot fail: its name was just listed
             let _ = self.world.remove(name);
         }
         if let Some(matrix) = &mut self.matrix {
@@ -203,7 +203,7 @@ impl Scene {
         names.filter(|name| *name != OCTOMAP && !self.is_sensed(name)).cloned().collect()
     }
 
-    /// Puts an octomap in the place of the one before.
+    /// Replaces the octomap.
     pub(super) fn set_octomap(
         &mut self,
         octomap: Option<&OctomapPlacement>,
@@ -224,7 +224,7 @@ impl Scene {
     }
 }
 
-/// An obstacle with more shapes, in its own frame, and the subframes of the change, as in `MoveIt`.
+/// An obstacle with additional shapes, in its own frame, and with the subframes of the change, as in `MoveIt`.
 fn extended(known: &Obstacle, change: &ObjectChange) -> Obstacle {
     let shapes = known.shapes.iter().chain(&change.shapes).cloned().collect();
     Obstacle { shapes, subframes: change.subframes.clone(), ..known.clone() }

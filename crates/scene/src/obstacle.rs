@@ -1,23 +1,23 @@
-//! Rigid things with names and shapes.
+//! Obstacles: rigid objects with names and shapes.
 
 use std::sync::Arc;
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 
-/// An obstacle of one [`World`](super::World): its place there, which it keeps until it is removed.
+/// Id of an obstacle in one [`World`](super::World): its place in the list, which does not change until it is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObstacleId(pub u32);
 
-/// A rigid thing in the robot's surroundings, made of one or more shapes.
+/// A rigid object around the robot, made of one or more shapes.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
     pub name: String,
     /// Pose of the obstacle in the robot's root frame.
     pub pose_ro: Pose,
-    /// Shared by all copies, so that one that only moved keeps what was built for its shapes.
+    /// Shared by all copies, so that data built for the shapes is kept when the obstacle only moves.
     pub shapes: Arc<[ObstacleShape]>,
-    /// Named places on it, in its frame; nothing is checked there.
+    /// Named frames on the obstacle, in its frame; they have no geometry.
     pub subframes: Vec<(String, Pose)>,
 }
 
@@ -30,7 +30,8 @@ pub struct ObstacleShape {
 }
 
 impl Obstacle {
-    /// The same with its shapes elsewhere in it, one pose for each; as it is if none is given, and `None` if there are too many or too few.
+    /// The same object with new poses of its shapes, one pose per shape. Unchanged if no pose is given; `None` if there are too many or
+    /// too few.
     #[must_use]
     pub fn with_shapes_at(&self, poses: &[Pose]) -> Option<Self> {
         if poses.is_empty() {
@@ -50,7 +51,7 @@ impl Obstacle {
         Self { name: name.into(), pose_ro: Pose::identity(), shapes: shapes.into(), subframes: Vec::new() }
     }
 
-    /// An obstacle of one shape, in the frame of the shape.
+    /// An obstacle with one shape; its frame is the frame of the shape.
     #[must_use]
     pub fn of_shape(name: impl Into<String>, pose_ro: Pose, shape: Shape) -> Self {
         let placed = ObstacleShape { pose_os: Pose::identity(), shape };

@@ -1,11 +1,11 @@
-//! Octrees as obstacles: where they stand, and what of them is occupied.
+//! Octomaps as obstacles: their pose and their occupied cells.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 
 use super::{Octomap, OctomapPlacement};
 
-/// The only kind of tree that messages may bring, as in MoveIt.
+/// The only tree type accepted in messages, as in MoveIt.
 const KIND: &str = "OcTree";
 
 /// The fields of an `octomap_msgs/Octomap`.
@@ -18,7 +18,7 @@ pub struct OctomapMessage<'m> {
 }
 
 impl OctomapMessage<'_> {
-    /// Whether a scene with this message says nothing about its octomap. As in MoveIt, an id without data takes the octomap away.
+    /// True if a scene with this message does not change its octomap. As in MoveIt, an id without data removes the octomap.
     #[must_use]
     pub fn is_absent(&self) -> bool {
         self.data.is_empty() && self.id.is_empty()
@@ -27,7 +27,7 @@ impl OctomapMessage<'_> {
     /// The octree with a pose in a frame.
     ///
     /// # Errors
-    /// When it cannot be read; the message names the field.
+    /// If it cannot be read; the message names the field.
     pub fn placed(
         &self,
         (frame, pose_fo): (String, Pose),
@@ -49,7 +49,7 @@ impl OctomapPlacement {
     /// An octree with a pose in a frame.
     ///
     /// # Errors
-    /// When it has too many occupied cells.
+    /// If it has too many occupied cells.
     pub fn of(
         octomap: &Octomap,
         (frame, pose_fo): (String, Pose),

@@ -1,22 +1,22 @@
-//! Which pairs are checked, with the reason for each that is not.
+//! List of the pairs to check, with the reason for each pair that is skipped.
 
 use std::sync::Arc;
 
 use super::{AllowedCollisionMatrix, AttachedId, BodyId, ObstacleId, World};
 use clearance_robot::{LinkId, RobotModel};
 
-/// The pairs to check, and how many were left out and why.
+/// The pairs to check, and the number of skipped pairs by reason.
 ///
-/// The robot's parts are its links and what they carry. Pairs of them are listed; which part is checked against which
-/// obstacle is a table, so that an obstacle can come and go without the others being touched.
+/// The robot's parts are its links and attached objects. Pairs of them are stored as a list. Pairs of a part with an obstacle are stored
+/// as a table, so that an obstacle can be added or removed without changes to the others.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PairList {
     /// Parts that have geometry.
     parts: Vec<Part>,
     self_pairs: Vec<(BodyId, BodyId)>,
-    /// By obstacle's place: by part, whether they are checked. `None` at gaps.
+    /// By place of an obstacle: for each part, whether the pair is checked. `None` at gaps.
     checked: Vec<Option<Arc<[bool]>>>,
-    /// For obstacles that the matrix says nothing of.
+    /// For obstacles without an entry in the matrix.
     usual: Arc<[bool]>,
     world_count: usize,
     skipped: [usize; SkipReason::ALL.len()],
@@ -24,7 +24,7 @@ pub struct PairList {
     checks_world: bool,
 }
 
-/// Source of the decision which pairs are skipped; the first of these that exists.
+/// Source of the decision which pairs are skipped; the first of these that exists is used.
 #[derive(Clone, Debug, Default, PartialEq)]
 enum PairRules {
     /// The allowed collision matrix of a planning scene.
@@ -52,7 +52,7 @@ impl PairRules {
         }
     }
 
-    /// The reason why the matrix allows contact of two bodies, if it does.
+    /// The reason why the matrix allows contact of two bodies, if it allows it.
     fn why_allowed(&self, a: &str, b: &str) -> Option<SkipReason> {
         let matrix = self.matrix().filter(|matrix| matrix.allows(a, b))?;
         Some(match self {
@@ -77,16 +77,16 @@ struct Part {
     name: String,
 }
 
-/// Why a pair is not checked.
+/// Reason why a pair is skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkipReason {
-    /// The links are joined by fixed joints only, or carry the two objects.
+    /// The links are joined by fixed joints only, or the links that carry the two objects are.
     SameRigidBody,
-    /// The links' rigid bodies are joined by one moving joint, and there is no SRDF to say otherwise.
+    /// The links' rigid bodies are joined by one moving joint, and there is no SRDF that decides otherwise.
     Adjacent,
     /// The SRDF disables the pair.
     Disabled,
-    /// The SRDF disables collisions of one of the bodies with everything that it does not enable.
+    /// The SRDF disables collisions of one of the bodies with every body that it does not enable.
     DisabledByDefault,
     /// The planning scene's allowed collision matrix allows contact.
     Allowed,
@@ -119,11 +119,11 @@ impl std::fmt::Display for SkipReason {
 }
 
 impl PairList {
-    /// Pairs of links and attached objects that have geometry, and of those with obstacles.
+    /// Pairs of links and attached objects that have geometry, and their pairs with obstacles.
     ///
-    /// A scene's matrix replaces the SRDF's, as in MoveIt; without either, adjacent rigid bodies are skipped. Default entries of
-    /// either matrix hold for links, attached objects and obstacles alike. Attached objects are checked against all links but those that may touch them, and against each other
-    /// unless one link carries both.
+    /// A scene's matrix replaces the SRDF's, as in MoveIt; without either, adjacent rigid bodies are skipped. Default entries of either
+    /// matrix hold for links, attached objects and obstacles alike. Attached objects are checked against all links except those that may
+    /// touch them, and against each other unless one link carries both.
     #[must_use]
     pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
         let links = robot.link_ids().filter(|l| !robot.link(*l).collisions.is_empty());
@@ -154,7 +154,7 @@ impl PairList {
         }
     }
 
-    /// Notes that an obstacle of this name is at a place, or none.
+    /// Updates the table for the obstacle of this name at a place, or for an empty place.
     pub fn set_obstacle(&mut self, id: ObstacleId, name: Option<&str>) {
         let place = id.0 as usize;
         if self.checked.len() <= place {
@@ -185,7 +185,7 @@ impl PairList {
         &self.self_pairs
     }
 
-    /// Pairs of links alone, without what they carry.
+    /// Pairs of links, without attached objects.
     pub fn link_pairs(&self) -> impl Iterator<Item = (LinkId, LinkId)> {
         self.self_pairs.iter().filter_map(|pair| match *pair {
             (BodyId::Link(a), BodyId::Link(b)) => Some((a, b)),
@@ -193,7 +193,7 @@ impl PairList {
         })
     }
 
-    /// Pairs of a part of the robot and an obstacle, the part's first.
+    /// Pairs of a robot part and an obstacle, the part first.
     pub fn world_pairs(&self) -> impl Iterator<Item = (BodyId, ObstacleId)> {
         self.parts.iter().enumerate().flat_map(move |(i, part)| {
             let rows = (0..).map(ObstacleId).zip(&self.checked);
@@ -207,7 +207,7 @@ impl PairList {
         self.parts.iter().map(|part| part.body)
     }
 
-    /// Whether a part, by its number among those with geometry, is checked against an obstacle.
+    /// True if a part, by its index among those with geometry, is checked against an obstacle.
     #[inline]
     pub fn checks(&self, part: usize, obstacle: ObstacleId) -> bool {
         self.checked.get(obstacle.0 as usize).is_some_and(|row| row.as_ref().is_some_and(|row| row[part]))
@@ -230,12 +230,12 @@ impl PairList {
         self.world_count
     }
 
-    /// Why pairs are left out, and how many for each reason that occurs.
+    /// The reasons for skipped pairs, with the number of pairs for each reason that occurs.
     pub fn skipped(&self) -> impl Iterator<Item = (SkipReason, usize)> {
         (SkipReason::ALL.into_iter().zip(self.skipped)).filter(|(_, count)| *count > 0)
     }
 
-    /// Leaves out all pairs of parts, or all pairs with obstacles.
+    /// Skips all pairs of parts, or all pairs with obstacles.
     pub fn restricted(mut self, check_self: bool, check_world: bool) -> Self {
         if !check_self {
             self.self_pairs.clear();
@@ -249,7 +249,7 @@ impl PairList {
     }
 }
 
-/// Why two parts are not checked, if they are not.
+/// The reason why two parts are not checked, if there is one.
 fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &PairRules) -> Option<SkipReason> {
     let [a, b] = pair;
     let allowed = || rules.why_allowed(&a.name, &b.name);

@@ -1,28 +1,28 @@
-//! Why a change of the world was not made.
+//! Rejections: errors of scene updates.
 
 use clearance_robot::quoted;
 
 use super::{Extent, Gap, Subject};
 
-/// A fault in a message about the world, with the object and field concerned. Nothing was changed.
+/// An error in a message about the world, with the object and field concerned. The rejected part changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneRejection {
     /// The object's id, if the message is about one.
     pub object: Option<String>,
-    /// Begins with the field, where one is at fault.
+    /// Error text; starts with the name of the field, if a field is wrong.
     pub message: String,
-    /// The gap that it leaves in the scene; `None` if the scene errs on the safe side.
+    /// The gap that it leaves in the scene; `None` if the scene is still on the safe side.
     pub gap: Option<Gap>,
 }
 
 impl SceneRejection {
-    /// Of something that leaves no gap.
+    /// A rejection that leaves no gap.
     #[must_use]
     pub fn new(message: impl Into<String>) -> Self {
         Self { object: None, message: message.into(), gap: None }
     }
 
-    /// Of an object whose shapes are missing.
+    /// Rejection of an object, whose shapes are then missing.
     #[must_use]
     pub fn of(object: &str, message: impl Into<String>) -> Self {
         let gap = Gap::new(Subject::Object, object, Extent::Shapes);
@@ -34,25 +34,25 @@ impl SceneRejection {
         Self::of(super::OCTOMAP, message).leaving(Gap::new(Subject::Octomap, "", Extent::Shapes))
     }
 
-    /// The same with the gap that it leaves.
+    /// The same rejection with the given gap.
     #[must_use]
     pub fn leaving(self, gap: Gap) -> Self {
         Self { gap: Some(gap), ..self }
     }
 
-    /// The same where the scene errs on the safe side, such as for something to be removed that is not there.
+    /// The same rejection without a gap, where the scene is still on the safe side: for example, an object to be removed does not exist.
     #[must_use]
     pub(super) fn without_gap(self) -> Self {
         Self { gap: None, ..self }
     }
 
-    /// The same where the object is in the scene, but elsewhere.
+    /// The same rejection for an object that is in the scene, but at another pose.
     #[must_use]
     pub fn of_pose(self) -> Self {
         Self { gap: self.gap.map(|gap| Gap { extent: Extent::Pose, ..gap }), ..self }
     }
 
-    /// The same of an object that a link was to take up or let go.
+    /// The same rejection for an object that was to be attached or detached.
     #[must_use]
     pub fn of_attached(self) -> Self {
         Self { gap: self.gap.map(|gap| Gap { subject: Subject::Attached, ..gap }), ..self }

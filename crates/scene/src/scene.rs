@@ -8,47 +8,47 @@ use clearance_robot::RobotModel;
 use super::anchors::Anchor;
 use super::{AllowedCollisionMatrix, Obstacle, SceneContext, SceneRejection, SceneUpdate, World};
 
-/// The name of the octomap among the obstacles, as in `MoveIt`.
+/// Name of the octomap obstacle, as in `MoveIt`.
 pub const OCTOMAP: &str = "<octomap>";
 
-/// Everything that messages can change about the surroundings of a robot. Copies share what they hold.
+/// Everything around a robot that messages can change. Copies share their content.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     pub world: World,
-    /// Instead of what the SRDF says, if it is there.
+    /// Replaces the SRDF's matrix, if present.
     pub matrix: Option<AllowedCollisionMatrix>,
-    /// Paddings (m) of single links.
+    /// Paddings (m) of individual links.
     pub link_padding: HashMap<String, f64>,
     pub link_scale: HashMap<String, f64>,
-    /// What objects are, by name: database and key of `object_recognition_msgs/ObjectType`. Nothing depends on it.
+    /// Types of objects, by name: database and key of `object_recognition_msgs/ObjectType`. Not used by any check.
     pub kinds: BTreeMap<String, [String; 2]>,
     /// Poses of frames in the root frame.
     pub fixed_frames: BTreeMap<String, Pose>,
-    /// By name of an obstacle: what it stands in while the robot moves in that.
+    /// By name of an obstacle: its anchor, the world-fixed pose that it keeps while the robot moves.
     pub(super) anchors: BTreeMap<String, Anchor>,
-    /// The same for fixed frames.
+    /// Anchors of fixed frames.
     pub(super) frame_anchors: BTreeMap<String, Anchor>,
-    /// Obstacles that sensors see: only who saw them takes them away.
+    /// Obstacles from sensors: only the sensor that added them removes them.
     pub sensed: BTreeSet<String>,
 }
 
-/// What became of a message.
+/// Result of applying a message.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Applied {
-    /// Whether anything was done.
+    /// True if anything was changed.
     pub changed: bool,
-    /// What was odd but accepted.
+    /// Warnings about unusual but accepted content.
     pub warnings: Vec<String>,
     /// Accepted settings without effect, such as a matrix entry that names nothing.
     pub ineffective: Vec<String>,
-    /// What was not done.
+    /// Rejected parts.
     pub refusals: Vec<SceneRejection>,
 }
 
 /// Parts of a scene that were dropped or are in doubt after a change of the robot.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unfit {
-    /// Objects that are no longer in the scene, wherever they are.
+    /// Descriptions of objects that are no longer in the scene, neither attached nor as obstacles.
     pub dropped: Vec<String>,
     pub warnings: Vec<String>,
 }
@@ -63,21 +63,21 @@ impl Applied {
 }
 
 impl Scene {
-    /// A scene of a world alone.
+    /// A scene with a world and no other content.
     #[must_use]
     pub fn new(world: World) -> Self {
         Self { world, ..Self::default() }
     }
 
-    /// The same without its frames, and without a memory of what obstacles stand in.
+    /// The same scene without its frames and anchors.
     #[must_use]
     pub(super) fn without_frames(self) -> Self {
         let (fixed_frames, anchors, frame_anchors) = Default::default();
         Self { fixed_frames, anchors, frame_anchors, ..self }
     }
 
-    /// Applies what a message says: each object, each field or nothing of it. As in `MoveIt`, what is right comes into force even if
-    /// something beside it is refused.
+    /// Applies a message; each object and each field is applied completely or not at all. As in `MoveIt`, valid parts are applied even if
+    /// others are rejected.
     pub fn apply(&mut self, update: &SceneUpdate, context: &SceneContext) -> Applied {
         let mut applied = Applied::default();
         match update {
@@ -96,10 +96,10 @@ impl Scene {
         applied
     }
 
-    /// What a sensor sees now, under the name of its topic; nothing takes it away.
+    /// Sets the obstacle that a sensor sees now, under the name of its topic. Messages cannot remove it.
     pub fn set_sensed(&mut self, name: &str, seen: Option<Obstacle>) {
         self.anchors.remove(name);
-        // a message never gets at this name, so whatever bears it was seen
+        // messages cannot use this name, so an obstacle with it comes from a sensor
         if let Some(Ok(_)) = seen.map(|obstacle| self.world.replace(obstacle)) {
             self.sensed.insert(name.to_owned());
         } else {
@@ -108,13 +108,13 @@ impl Scene {
         }
     }
 
-    /// Whether a sensor gave this obstacle.
+    /// True if this obstacle comes from a sensor.
     #[must_use]
     pub fn is_sensed(&self, name: &str) -> bool {
         self.sensed.contains(name)
     }
 
-    /// Leaves out what another robot cannot have; gives what that was.
+    /// Removes the parts that do not fit another robot; returns a description of them.
     pub fn fit_to(&mut self, robot: &RobotModel) -> Unfit {
         let Unfit { mut dropped, mut warnings } = Unfit::default();
         let gone: Vec<_> =

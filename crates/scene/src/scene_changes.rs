@@ -1,4 +1,4 @@
-//! Whole scenes and differences between them.
+//! Updates by whole scenes and by differences.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -11,11 +11,11 @@ use super::{
     RobotStateChange, Scene, SceneChange, SceneContext, SceneRejection, Subject, WorldChange,
 };
 
-/// More is a mistake.
+/// Upper limit; larger values are treated as a mistake.
 const LARGEST_SCALE: f64 = 1000.0;
 
 impl Scene {
-    /// Lets new obstacles take the place of all; what sensors see stays, but for the octomap.
+    /// Replaces all obstacles; obstacles from sensors stay, except for the octomap.
     pub(super) fn replace_world(
         &mut self,
         (change, keeps_octomap): (&WorldChange, bool),
@@ -39,7 +39,7 @@ impl Scene {
         for object in &change.objects {
             let held = self.world.attached_by_name(&object.id).is_some();
             if object.operation == Operation::Remove && held {
-                // who attaches an object often takes it from the world in the same message
+                // a message that attaches an object often also removes it from the world
                 let id = &object.id;
                 applied
                     .warnings
@@ -85,8 +85,8 @@ impl Scene {
         }
     }
 
-    /// Adds fixed frames to those that are known, as in `MoveIt`. A frame that is rejected is forgotten: an object is better rejected with
-    /// its frame than placed where the frame was before.
+    /// Adds fixed frames to the existing ones, as in `MoveIt`. A rejected frame is removed: it is safer to reject an object with its
+    /// frame than to place it by the frame's earlier pose.
     fn set_fixed_frames(&mut self, change: &SceneChange, context: &SceneContext, applied: &mut Applied) {
         for name in &change.unreadable_frames {
             self.forget_fixed_frame(name);
@@ -116,7 +116,7 @@ impl Scene {
         let FixedFrame { name, parent, pose_pf } = frame;
         let name = name.trim_start_matches('/');
         let refuse = |why: String| frame.rejection(&why);
-        // MoveIt lists the planning frame in itself; some of its tools leave out the name
+        // MoveIt lists the planning frame relative to itself; some of its tools leave out the name
         let is_itself =
             name == parent.trim_start_matches('/') || name.is_empty() && context.is_planning_frame(parent);
         if is_itself && *pose_pf == Pose::identity() {
@@ -148,7 +148,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Changes what the robot holds.
+    /// Changes the attached objects.
     pub fn change_robot_state(
         &mut self,
         change: &RobotStateChange,
@@ -156,7 +156,7 @@ impl Scene {
         context: &SceneContext,
         applied: &mut Applied,
     ) {
-        // a difference that says nothing about the robot leaves alone what it holds
+        // a difference without a robot state keeps the attached objects
         if !change.is_diff && (!is_diff || change.names_joints) {
             applied.changed |= !self.world.attached().is_empty();
             self.drop_all_attached();
@@ -172,7 +172,7 @@ impl Scene {
         }
     }
 
-    /// Takes all attached objects away; they do not come back into the world.
+    /// Removes all attached objects; they do not become obstacles.
     fn drop_all_attached(&mut self) {
         let names: Vec<String> = self.world.attached().iter().map(|object| object.name.clone()).collect();
         for name in names {
@@ -180,7 +180,7 @@ impl Scene {
         }
     }
 
-    /// A matrix with entries takes the place of the one before, whole; a difference without entries leaves it alone.
+    /// A matrix with entries replaces the earlier one completely; a difference without entries keeps it.
     pub(super) fn set_matrix(&mut self, entries: &MatrixEntries, is_diff: bool, applied: &mut Applied) {
         if *entries == MatrixEntries::default() {
             return;
@@ -189,7 +189,7 @@ impl Scene {
             Ok(matrix) => matrix,
             Err(error) => {
                 let refusal = SceneRejection::new(error.to_string());
-                // the SRDF's pairs are those that were always meant; another message's may be just what this one takes back
+                // the SRDF's pairs are always intended; the pairs of an earlier message may be the ones that this message withdraws
                 let gap = self.matrix.as_ref().map(|_| Gap::new(Subject::Matrix, "", Extent::Shapes));
                 applied.refusals.push(SceneRejection { gap, ..refusal });
                 return;
@@ -276,7 +276,7 @@ impl FixedFrame {
         SceneRejection::new(format!("fixed_frame_transforms: frame {name}: {why}"))
     }
 
-    /// The frame in its parent, whichever way round it was given.
+    /// Pose of the frame in its parent, for either direction in which it was given.
     fn seen_from_parent(&self, context: &SceneContext) -> Cow<'_, Self> {
         if !context.is_planning_frame(&self.name) {
             return Cow::Borrowed(self);

@@ -1,36 +1,36 @@
-//! What a user decides about checking.
+//! User settings of collision checking.
 
 use std::collections::HashMap;
 
 use super::Scene;
 use clearance_geometry::math::Extremes;
 
-/// Choices that hold for every check of one collision checker.
+/// Settings for every check of one collision checker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Safety distance (m) by which every link counts as larger, unless `link_padding` names it.
+    /// Safety distance (m) by which every link is enlarged, unless `link_padding` names it.
     pub padding: f64,
-    /// Safety distance (m) of single links, by name.
+    /// Safety distance (m) of individual links, by name.
     pub link_padding: HashMap<String, f64>,
-    /// Factors by which the shapes of single links count as larger, by name (`Shape::scaled`).
+    /// Scale factors of the shapes of individual links, by name (`Shape::scaled`).
     pub link_scale: HashMap<String, f64>,
-    /// Safety distance (m) of single objects against the robot, by name, beside that of its links.
+    /// Safety distance (m) of individual objects against the robot, by name, in addition to the safety distance of its links.
     pub object_padding: HashMap<String, f64>,
-    /// Factors by which the shapes of single objects count as larger, by name.
+    /// Scale factors of the shapes of individual objects, by name.
     pub object_scale: HashMap<String, f64>,
-    /// Whether padding counts between links of the robot too. As in MoveIt, by default it counts against the world only.
+    /// True if padding also applies between links of the robot. As in MoveIt, by default it applies against the world only.
     pub pad_self: bool,
     /// Check links against links.
     pub check_self: bool,
     /// Check links against obstacles.
     pub check_world: bool,
-    /// What a mesh is.
+    /// Model of a mesh: surface or solid.
     pub mesh_model: MeshModel,
 }
 
 impl Settings {
-    /// With what a scene says about links. A scene that pads less than `padding` takes nothing off it: MoveIt lists all links, most of
-    /// them with none.
+    /// These settings with the link paddings and scales of a scene. A scene padding below `padding` does not reduce it: MoveIt lists all
+    /// links, most of them with no padding.
     #[must_use]
     pub fn with_scene(mut self, scene: &Scene) -> Self {
         let padded = scene.link_padding.iter().filter(|(_, padding)| **padding > 0.0);
@@ -42,7 +42,7 @@ impl Settings {
     }
 }
 
-/// Whether what lies wholly inside a closed mesh touches it.
+/// Whether an object wholly inside a closed mesh touches it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshModel {
     /// A mesh is a surface, as in FCL, Coal and MoveIt.

@@ -1,4 +1,4 @@
-//! Shapes and poses from the numbers of `shape_msgs` and `geometry_msgs`.
+//! Conversion of shapes and poses from the numbers of `shape_msgs` and `geometry_msgs`.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
 
 use super::ObstacleShape;
 
-/// The constants of `shape_msgs/SolidPrimitive`, with what their dimensions are.
+/// The constants of `shape_msgs/SolidPrimitive`, with the meaning of their dimensions.
 const SOLIDS: [(u8, &str, &str); 4] = [
     (1, "box", "three (x, y, z)"),
     (2, "sphere", "one (radius)"),
@@ -15,7 +15,7 @@ const SOLIDS: [(u8, &str, &str); 4] = [
     (4, "cone", "two (height, radius)"),
 ];
 
-/// The constant of `shape_msgs/SolidPrimitive` for a shape's name, in any case.
+/// The constant of `shape_msgs/SolidPrimitive` for a shape's name, case-insensitive.
 #[must_use]
 pub fn solid_type(name: &str) -> Option<u8> {
     SOLIDS.iter().find(|(_, known, _)| name.eq_ignore_ascii_case(known)).map(|(number, ..)| *number)
@@ -38,7 +38,7 @@ pub fn solid(number: u8, dimensions: &[f64]) -> Result<Shape, String> {
     made.map(Shape::Primitive).map_err(|e| format!("dimensions: {e}"))
 }
 
-/// For messages about others.
+/// For use in other error messages.
 pub(super) fn supported_solids() -> &'static str {
     "box, sphere, cylinder and cone are"
 }
@@ -65,10 +65,11 @@ pub fn message_pose(position: [f64; 3], orientation_xyzw: [f64; 4]) -> Result<Po
     })
 }
 
-/// Shapes with their poses in the object; those beyond the last pose have the object's own. `field` is that of the poses.
+/// Shapes with their poses in the object; shapes beyond the last pose get the object's own pose. `field` is the name of the field of
+/// poses.
 ///
 /// # Errors
-/// When there are more poses than shapes.
+/// If there are more poses than shapes.
 pub fn placed_shapes(
     shapes: Vec<Shape>,
     poses: &[Pose],

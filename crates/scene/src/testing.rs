@@ -1,4 +1,4 @@
-//! A robot for the tests of this module.
+//! A robot for the tests of this crate.
 
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
 
@@ -7,7 +7,7 @@ pub fn robot() -> RobotModel {
     robot_on("fixed")
 }
 
-/// The same on a virtual joint of this kind.
+/// The same arm on a virtual joint of this kind.
 pub fn robot_on(virtual_joint: &str) -> RobotModel {
     let fixed = |name: &str, parent: &str, child: &str, xyz: &str| {
         format!(

@@ -1,4 +1,4 @@
-//! Every operation and every refusal, without a network.
+//! Tests of every operation and every rejection, without a network.
 
 mod anchors;
 mod attached;
@@ -12,7 +12,7 @@ use clearance_robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
 
 use super::*;
 
-/// A crane: the hand is lifted by `lift`, 1 m beside the root; the flange never moves.
+/// A crane: the joint `lift` lifts the hand, 1 m beside the root; the flange never moves.
 const URDF: &str = r#"<robot name="crane">
   <link name="base"/><link name="flange"/>
   <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -66,7 +66,7 @@ impl Cell {
         self.apply(&SceneUpdate::Scene(Box::new(change)))
     }
 
-    /// A message that is refused names what is wrong, and changes nothing.
+    /// A rejected message names its error and changes nothing.
     fn refused(&mut self, update: &SceneUpdate, object: Option<&str>, named: &str) {
         let before = format!("{:?}", self.scene);
         let refusal = self.apply(update).unwrap_err();
@@ -85,7 +85,7 @@ impl Cell {
         self.refused(&SceneUpdate::Attached(Box::new(change)), id.as_deref(), named);
     }
 
-    /// Where the shapes of an obstacle are.
+    /// Poses of the shapes of an obstacle.
     fn places(&self, id: &str) -> Vec<[f64; 3]> {
         let object = self.scene.world.obstacle_by_name(id).unwrap();
         object.placed_shapes().map(|(pose, _)| pose.translation.vector.into()).collect()
@@ -186,14 +186,14 @@ fn an_only_shape_lends_a_new_object_its_pose() {
         let object = cell.scene.world.obstacle_by_name(&id).unwrap();
         assert_eq!((object.pose_ro, object.shapes[0].pose_os), (at(0.0, 3.0, 0.0), Pose::identity()));
     }
-    // one that is there already keeps its pose, and the shape its own
+    // an existing object keeps its pose, and the shape its own
     let shapes = vec![placed(at(0.0, 4.0, 0.0))];
     let append = ObjectChange { shapes, operation: Operation::Append, ..add("Add", "", Pose::identity()) };
     cell.object(append).unwrap();
     assert_eq!(cell.places("Add"), [[0.0, 3.0, 0.0], [0.0, 7.0, 0.0]]);
 }
 
-/// As in `MoveIt`: the pose of the message counts for nothing.
+/// As in `MoveIt`: the pose in the message has no effect.
 #[test]
 fn appended_shapes_are_in_the_frame_of_the_object() {
     let mut cell = Cell::new();
@@ -290,14 +290,14 @@ fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
         cell.object(add("probe", frame, Pose::identity())).unwrap();
         assert_eq!(cell.places("probe"), [place], "{frame}");
     }
-    // without a joint state the camera is only known from where tf says that the hand is
+    // without a joint state the pose of the camera is only known from tf, relative to the hand
     cell.poses = None;
     cell.refuses_object(add("probe", "optical", Pose::identity()), "unknown frame 'optical'");
     let transform = Transform { parent: "flange".to_owned(), pose_pf: at(0.0, 0.0, 0.5), stamp };
     cell.transforms.note("hand", transform);
     cell.object(add("probe", "optical", Pose::identity())).unwrap();
     assert_eq!(cell.places("probe"), [[0.0, 4.0, 0.5]]);
-    // what tf says of a frame now comes before what a scene said of it once
+    // a present tf transform takes precedence over an earlier one from a scene
     let transform = Transform { parent: "odom".to_owned(), pose_pf: at(7.0, 0.0, 0.0), stamp };
     cell.transforms.note("shelf", transform);
     cell.object(add("probe", "shelf", Pose::identity())).unwrap();
@@ -310,13 +310,13 @@ fn old_transforms_say_nothing() {
     let transform = |stamp| Transform { parent: "base".to_owned(), pose_pf: at(0.0, 0.0, 1.0), stamp };
     cell.transforms.note("old", transform(Some(seconds(98.0))));
     cell.refuses_object(add("x", "old", Pose::identity()), "transform of frame 'old' on tf is 2.000 s old");
-    // one that comes late does not take the place of a newer one
+    // a late transform does not replace a newer one
     cell.transforms.note("old", transform(Some(seconds(99.5))));
     let late = Transform { pose_pf: at(9.0, 9.0, 9.0), ..transform(Some(seconds(99.4))) };
     cell.transforms.note("old", late);
     cell.object(add("x", "old", Pose::identity())).unwrap();
     assert_eq!(cell.places("x"), [[0.0, 0.0, 1.0]]);
-    // a circle of frames ends
+    // the search ends in a circle of frames
     for (frame, parent) in [("p", "q"), ("q", "p"), ("r", "r")] {
         cell.transforms.note(frame, Transform { parent: parent.to_owned(), ..transform(None) });
         cell.refuses_object(add("y", frame, Pose::identity()), "unknown frame");
@@ -328,17 +328,17 @@ fn a_difference_changes_what_it_names() {
     let mut cell = Cell::new();
     cell.object(add("a", "", Pose::identity())).unwrap();
     cell.object(add("b", "", Pose::identity())).unwrap();
-    // as MoveIt's tutorials attach: taken from the world by the same message
+    // as MoveIt's tutorials attach: the same message removes the object from the world
     let attach = hold("hand", ObjectChange::named("a", Operation::Add));
     let warnings = cell.scene(difference(vec![remove("a")], vec![attach])).unwrap();
     assert!(warnings[0].contains("'a' is attached"), "{warnings:?}");
     assert_eq!((cell.names(), cell.held()), (vec!["b"], vec!["a"]));
-    // and as they detach: put down, and given anew
+    // and as they detach: the object is detached and added again
     let change = difference(vec![add("a", "", at(7.0, 0.0, 0.0))], vec![hold("hand", remove("a"))]);
     cell.scene(change).unwrap();
     assert_eq!((cell.places("a"), cell.held().len()), (vec![[7.0, 0.0, 0.0]], 0));
 
-    // what is right beside a fault is done
+    // valid parts of a message with an error are applied
     let change = difference(
         vec![add("c", "", Pose::identity()), remove("x")],
         vec![hold("hand", add("d", "hand", Pose::identity()))],

@@ -1,11 +1,11 @@
-//! Moments as values.
+//! Time stamps.
 
-/// A moment: nanoseconds since the Unix epoch, or since a simulation began.
+/// A point in time: nanoseconds since the Unix epoch, or since the start of a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Time(i64);
 
 impl Time {
-    /// What a message says that was never stamped.
+    /// The stamp of a message that was never stamped.
     pub const ZERO: Self = Self(0);
 
     #[must_use]
@@ -18,10 +18,10 @@ impl Time {
         self.0
     }
 
-    /// Seconds from `earlier` to this moment; negative when it is the earlier one.
+    /// Seconds from `earlier` to this time; negative if this time is before it.
     #[must_use]
     pub fn seconds_since(self, earlier: Self) -> f64 {
-        // a difference of two i64 needs 65 bits; f64 keeps the microsecond over 285 years
+        // a difference of two i64 needs 65 bits; f64 keeps microseconds over 285 years
         let nanoseconds = i128::from(self.0) - i128::from(earlier.0);
         #[expect(clippy::cast_precision_loss, reason = "rounds to less than a microsecond")]
         let nanoseconds = nanoseconds as f64;

@@ -1,4 +1,4 @@
-//! Frames that others publish: the latest transform of each, as `tf` and `tf_static` tell it.
+//! Frames of other publishers: the latest transform of each, from `tf` and `tf_static`.
 
 use std::collections::HashMap;
 
@@ -7,22 +7,22 @@ use clearance_geometry::math::Pose;
 use super::Time;
 use super::way::Way;
 
-/// Frames known at most, so that a hostile network can not fill the memory.
+/// Maximum number of stored frames, so that a hostile network cannot fill the memory.
 const MOST_FRAMES: usize = 10_000;
 
-/// Frames above another one that are looked at; circles end there.
+/// Maximum number of ancestors that a search visits; ends searches in circles.
 const MOST_ABOVE: usize = 256;
 
-/// A clock that was set back by more than this (s) starts anew.
+/// If the clock is set back by more than this (s), older transforms are accepted again.
 const SET_BACK: f64 = 1.0;
 
-/// A frame in its parent.
+/// The transform of a frame relative to its parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transform {
     pub parent: String,
     /// Pose of the frame in its parent.
     pub pose_pf: Pose,
-    /// When it was so; `None` if it always is.
+    /// Stamp of the transform; `None` if it is static.
     pub stamp: Option<Time>,
 }
 
@@ -32,33 +32,33 @@ pub struct TransformTree {
     by_frame: HashMap<String, Known>,
 }
 
-/// What was told last of a frame.
+/// The latest transform of a frame.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
     pub transform: Transform,
-    /// Whether it was ever told anew, with another stamp; what was told once need not be told again.
+    /// True if the frame was received more than once, with different stamps; a frame received only once need not be repeated.
     pub is_alive: bool,
 }
 
-/// A frame above another one.
+/// An ancestor of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ancestor<'t> {
     pub name: &'t str,
-    /// Pose, in this frame, of the frame that was asked about.
+    /// Pose, in this ancestor, of the frame that the search started from.
     pub pose_af: Pose,
-    /// The oldest transform on the way, if one of them changes: its frame and stamp.
+    /// The oldest transform on the path, if one of them is not static: its frame and stamp.
     pub oldest: Option<(&'t str, Time)>,
-    /// The stamp of the oldest on the way that is told again and again.
+    /// The stamp of the oldest repeatedly published transform on the path.
     pub oldest_alive: Option<Time>,
 }
 
 impl TransformTree {
-    /// Takes note of a transform; one that is older than the known one is passed over. `false` when there are too many frames.
+    /// Stores a transform, unless it is older than the stored one. Returns `false` when there are too many frames.
     #[expect(clippy::needless_pass_by_value, reason = "it is kept")]
     pub fn note(&mut self, frame: &str, transform: Transform) -> bool {
         let frame = frame.trim_start_matches('/');
         if transform.parent.trim_start_matches('/') == frame {
-            // as in tf2: that tells nothing
+            // as in tf2: a frame relative to itself has no information
             return true;
         }
         let known = self.by_frame.get(frame);
@@ -78,19 +78,19 @@ impl TransformTree {
         true
     }
 
-    /// The way from the frame `reference` to the frame `frame`; `None` if nothing connects them.
+    /// The path from the frame `reference` to the frame `frame`; `None` if they are not connected.
     #[must_use]
     pub fn way<'t>(&'t self, reference: &'t str, frame: &'t str) -> Option<Way<'t>> {
         Way::find(self, reference, frame)
     }
 
-    /// The highest frame above another one, if there is one above it.
+    /// The topmost ancestor of a frame, if it has one.
     #[must_use]
     pub fn topmost_above<'t>(&'t self, frame: &'t str) -> Option<&'t str> {
         self.ancestors(frame).last().map(|last| last.name).filter(|&topmost| topmost != frame)
     }
 
-    /// Whether there are more frames above one than are looked at, as in a circle.
+    /// True if a frame has more ancestors than a search visits, as in a circle.
     #[must_use]
     pub fn is_too_deep(&self, frame: &str) -> bool {
         self.ancestors(frame).last().is_some_and(|last| self.by_frame.contains_key(last.name))
@@ -100,7 +100,7 @@ impl TransformTree {
         self.by_frame.get(frame)
     }
 
-    /// The frame itself and those above it, nearest first, as far as they are looked at.
+    /// The frame itself and its ancestors, nearest first, up to the search limit.
     pub(super) fn ancestors<'t>(&'t self, frame: &'t str) -> Vec<Ancestor<'t>> {
         let itself = Ancestor { name: frame, pose_af: Pose::identity(), oldest: None, oldest_alive: None };
         let above =
@@ -110,7 +110,7 @@ impl TransformTree {
 }
 
 impl Known {
-    /// The parent of a frame that is above another one.
+    /// The parent of an ancestor, as the next ancestor.
     fn above<'t>(&'t self, frame: &Ancestor<'t>) -> Ancestor<'t> {
         let transform = &self.transform;
         let stamped = transform.stamp.map(|stamp| (frame.name, stamp));

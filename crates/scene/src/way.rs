@@ -1,21 +1,21 @@
-//! The way from one frame to another through the tree of `tf`.
+//! Path between two frames in the `tf` tree.
 
 use clearance_geometry::math::Pose;
 
 use super::Time;
 use super::transform_tree::{Ancestor, Known, Transform, TransformTree};
 
-/// From a frame `reference` up to the first frame that is above both, and down to a frame `frame`.
+/// Path from a frame `reference` up to the first common ancestor, and down to a frame `frame`.
 #[derive(Clone, Debug)]
 pub struct Way<'t> {
     tree: &'t TransformTree,
-    /// The reference and what is above it, up to what both have in common.
+    /// The reference and its ancestors, up to the common ancestor.
     of_reference: Vec<Ancestor<'t>>,
-    /// The same of the frame.
+    /// The frame and its ancestors, up to the common ancestor.
     of_frame: Vec<Ancestor<'t>>,
 }
 
-/// A frame that is told again and again.
+/// A frame that is published repeatedly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link<'t> {
     pub name: &'t str,
@@ -25,7 +25,7 @@ pub struct Link<'t> {
 }
 
 impl<'t> Way<'t> {
-    /// `None` if nothing connects the two.
+    /// `None` if the two are not connected.
     pub(super) fn find(tree: &'t TransformTree, reference: &'t str, frame: &'t str) -> Option<Self> {
         let [mut of_reference, mut of_frame] = [reference, frame].map(|frame| tree.ancestors(frame));
         let (above, below) = of_frame
@@ -44,19 +44,19 @@ impl<'t> Way<'t> {
         of_reference.pose_af.inverse() * of_frame.pose_af
     }
 
-    /// Stamp of the oldest transform on the way, if one of them changes.
+    /// Frame and stamp of the oldest transform on the path, if one of them is not static.
     #[must_use]
     pub fn oldest(&self) -> Option<Time> {
         self.ends().into_iter().filter_map(|end| end.oldest).map(|(_, stamp)| stamp).min()
     }
 
-    /// The same of those that are told again and again.
+    /// As above, among the frames that are published repeatedly.
     #[must_use]
     pub fn oldest_alive(&self) -> Option<Time> {
         self.ends().into_iter().filter_map(|end| end.oldest_alive).min()
     }
 
-    /// The frames on the way that are told again and again.
+    /// The frames on the path that are published repeatedly.
     pub fn live_links(&self) -> impl Iterator<Item = Link<'t>> {
         let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|way| &way[..way.len() - 1]);
         let known = below.filter_map(|ancestor| Some((ancestor.name, self.tree.known(ancestor.name)?)));
@@ -66,7 +66,7 @@ impl<'t> Way<'t> {
         })
     }
 
-    /// Pose of the frame in the reference, if a frame on the way were elsewhere in its parent.
+    /// Pose of the frame in the reference, if a frame on the path had another pose in its parent.
     #[must_use]
     pub fn pose_if(&self, (link, pose_pf): (&str, &Pose)) -> Pose {
         let [of_reference, of_frame] = [&self.of_reference, &self.of_frame].map(|way| {
@@ -80,7 +80,7 @@ impl<'t> Way<'t> {
         of_reference.inverse() * of_frame
     }
 
-    /// The first frame above both, as seen by each of them.
+    /// The first common ancestor, as reached from each of the two frames.
     fn ends(&self) -> [&Ancestor<'t>; 2] {
         [&self.of_reference, &self.of_frame].map(|way| &way[way.len() - 1])
     }

@@ -1,4 +1,4 @@
-//! Everything that the robot can hit but itself, and how it changes.
+//! The world: obstacles and attached objects, and the operations that change them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use clearance_robot::check_name_length;
 
 use super::{AttachedId, AttachedObject, Obstacle, ObstacleId, ObstacleShape};
 
-/// Obstacles and attached objects. Copies share what they hold, and a change touches nothing but what it is about.
+/// Obstacles and attached objects. Copies share their content; a change affects only the objects it names.
 #[derive(Clone, Debug, Default)]
 pub struct World {
-    /// By id; removed ones leave a gap, which the next one fills.
+    /// By id; a removed obstacle leaves a gap, which the next new one fills.
     places: Vec<Option<Arc<Obstacle>>>,
     gaps: Vec<u32>,
     names: HashMap<Arc<str>, ObstacleId>,
@@ -41,7 +41,7 @@ fn check_names(name: &str, subframes: &[(String, Pose)]) -> Result<(), WorldErro
 }
 
 impl World {
-    /// Adds an obstacle whose name no other has, and no attached object.
+    /// Adds an obstacle; its name must differ from those of all other obstacles and attached objects.
     pub fn add(&mut self, obstacle: Obstacle) -> Result<ObstacleId, WorldError> {
         if obstacle.shapes.is_empty() {
             return Err(WorldError::NoShapes(obstacle.name));
@@ -61,7 +61,7 @@ impl World {
         Ok(ObstacleId(place))
     }
 
-    /// Adds an obstacle in the place of the one of its name, if there is one.
+    /// Adds an obstacle, or replaces the one with its name.
     pub fn replace(&mut self, obstacle: Obstacle) -> Result<ObstacleId, WorldError> {
         if obstacle.shapes.is_empty() {
             return Err(WorldError::NoShapes(obstacle.name));
@@ -76,7 +76,7 @@ impl World {
         }
     }
 
-    /// Adds shapes, in the frame of the obstacle.
+    /// Appends shapes, in the frame of the obstacle.
     pub fn append(
         &mut self,
         name: &str,
@@ -87,31 +87,31 @@ impl World {
         Ok(())
     }
 
-    /// Moves an obstacle, whose shapes follow.
+    /// Moves an obstacle with its shapes.
     pub fn move_to(&mut self, name: &str, pose_ro: Pose) -> Result<(), WorldError> {
         self.obstacle_mut(name)?.pose_ro = pose_ro;
         Ok(())
     }
 
-    /// Takes an obstacle away.
+    /// Removes an obstacle.
     pub fn remove(&mut self, name: &str) -> Result<Arc<Obstacle>, WorldError> {
         let id = self.names.remove(name).ok_or_else(|| WorldError::Unknown(name.to_owned()))?;
         self.gaps.push(id.0);
         self.places[id.0 as usize].take().ok_or_else(|| WorldError::Unknown(name.to_owned()))
     }
 
-    /// Takes all obstacles away; attached objects stay.
+    /// Removes all obstacles; attached objects stay.
     pub fn clear(&mut self) {
         *self = Self { attached: std::mem::take(&mut self.attached), ..Self::default() };
     }
 
-    /// Attaches an object; an obstacle or attached object of its name goes.
+    /// Attaches an object, and removes an obstacle or attached object of the same name.
     pub fn attach(&mut self, object: AttachedObject) -> Result<(), WorldError> {
         if object.shapes.is_empty() {
             return Err(WorldError::NoShapes(object.name));
         }
         check_names(&object.name, &object.subframes)?;
-        // whatever bore the name is this object now
+        // from here on the name refers to the new object
         let _ = self.remove(&object.name);
         match self.attached.iter_mut().find(|other| other.name == object.name) {
             Some(other) => *other = Arc::new(object),
@@ -120,13 +120,13 @@ impl World {
         Ok(())
     }
 
-    /// Takes an attached object away; it does not become an obstacle.
+    /// Removes an attached object; it does not become an obstacle.
     pub fn drop_attached(&mut self, name: &str) -> Result<Arc<AttachedObject>, WorldError> {
         let place = self.attached.iter().position(|object| object.name == name);
         place.map(|i| self.attached.remove(i)).ok_or_else(|| WorldError::NotAttached(name.to_owned()))
     }
 
-    /// Makes an attached object an obstacle where it is; `pose_rl` is the pose of its link in the root frame.
+    /// Makes an attached object an obstacle at its present pose; `pose_rl` is the pose of its link in the root frame.
     pub fn detach(&mut self, name: &str, pose_rl: &Pose) -> Result<ObstacleId, WorldError> {
         let object = self.drop_attached(name)?;
         self.add(object.released(pose_rl))
@@ -149,7 +149,7 @@ impl World {
         self.places.len() - self.gaps.len()
     }
 
-    /// Whether there is neither an obstacle nor an attached object.
+    /// True if there is neither an obstacle nor an attached object.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0 && self.attached.is_empty()
@@ -161,7 +161,7 @@ impl World {
     }
 
     /// # Panics
-    /// When the id is of no obstacle of this world.
+    /// If there is no obstacle with this id in this world.
     #[must_use]
     pub fn obstacle(&self, id: ObstacleId) -> &Arc<Obstacle> {
         self.places[id.0 as usize].as_ref().expect("the id is of an obstacle of this world")
@@ -172,7 +172,7 @@ impl World {
         Some(self.obstacle(self.id(name)?))
     }
 
-    /// How many places there are: ids are below.
+    /// Number of places; all ids are smaller.
     #[must_use]
     pub fn place_count(&self) -> usize {
         self.places.len()
@@ -196,7 +196,7 @@ impl World {
     }
 
     /// # Panics
-    /// When the id is of no attached object of this world.
+    /// If there is no attached object with this id in this world.
     #[must_use]
     pub fn attached_object(&self, id: AttachedId) -> &Arc<AttachedObject> {
         &self.attached[id.0 as usize]

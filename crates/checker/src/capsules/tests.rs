@@ -7,7 +7,7 @@ use clearance_geometry::testing::{Random, levels};
 use super::*;
 use crate::capsule_fit::fit_capsule;
 
-/// Distance of two segments in f64: interior against interior if that is where it is least, else an end.
+/// Distance of two segments in f64: between interior points if that is the least, else from an end.
 pub fn true_distance(c: &LinkCapsule, d: &LinkCapsule) -> f64 {
     let ends = [d.axis_distance(&c.a), d.axis_distance(&c.b), c.axis_distance(&d.a), c.axis_distance(&d.b)];
     let least = ends.into_iter().fold(f64::INFINITY, f64::min);
@@ -46,7 +46,7 @@ pub fn random_pair(random: &mut Random) -> (LinkCapsule, LinkCapsule) {
     (capsule(random, middle_c, u), capsule(random, middle_d, v))
 }
 
-/// What all ways to ask say about one state: bounds, nearness to `margin`.
+/// Results of all query functions on one state: bounds, and nearness to `margin`.
 struct Answers {
     bounds: Vec<f32>,
     near: Vec<bool>,
@@ -96,7 +96,7 @@ fn ask_one<S: Simd>(simd: S, pairs: &CapsulePairs, frames: &[Frame<f64>], margin
     }
 }
 
-/// Asks all levels, in eight states and one by one, and that they agree.
+/// Compares the results of all SIMD levels, in eight states and one by one.
 fn ask(pairs: &CapsulePairs, frames: &[Vec<Frame<f64>>], margin: f64, levels: &[Level]) -> Vec<Answers> {
     let bits = |answers: &Answers| answers.bounds.iter().map(|b| b.to_bits()).collect::<Vec<_>>();
     let mut all =
@@ -141,10 +141,10 @@ fn check(random: &mut Random, far: f64, levels: &[Level]) -> f64 {
         for (i, pair) in seen.chunks_exact(2).enumerate() {
             let distance = true_distance(&pair[0], &pair[1]);
             let bound = f64::from(answers.bounds[i]);
-            // far from the origin the poses themselves round
+            // far from the origin the poses themselves have rounding errors
             assert!(bound <= distance + 1e-15 * far, "{bound} > {distance}: {pair:?}");
             assert!(answers.near[i] || distance > margin, "{distance} is near: {pair:?}");
-            // a mask says no more than the bound does
+            // a mask is no stricter than the bound
             assert!(!answers.near[i] || bound <= margin + 1e-5 * extent, "{bound} is not near: {pair:?}");
             if distance + pair[0].radius + pair[1].radius > 0.05 {
                 loosest = loosest.max((distance - bound) / extent);

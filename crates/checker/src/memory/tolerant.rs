@@ -1,9 +1,9 @@
-//! Distances within a tolerance from what is remembered: what was certain about a pair stays so, less what its bodies have
-//! moved, and points that were near still bound its distance from above. Only where the two are too far apart, it is searched.
+//! Distances within a tolerance, from the memory of a pair. The known lower bound, reduced by the motion of the bodies, stays valid, and
+//! known near points still give an upper bound. The pair is searched only where these bounds are too far apart.
 //!
-//! Such a search does not look for the nearest points, it proves that nothing is nearer than the known ones by more than half of
-//! the tolerance; the other half is for the states to come. How much of it is left, and how fast it goes, tells which pairs the
-//! next state will have to search, if nobody does so before it comes.
+//! Such a search does not look for the nearest points. It proves that nothing is nearer than the known points by more than half of the
+//! tolerance; the other half is left for the next states. The remaining tolerance and the rate of its decrease predict which pairs the
+//! next state will have to search, unless they are renewed in the idle time before it.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -12,15 +12,15 @@ use clearance_proximity::{DistanceBounds, Effort, Scratch};
 use super::{LOOK_AHEAD, Memory};
 use crate::pair::Pair;
 
-/// The share of a tolerance that a search may use up.
+/// Fraction of a tolerance that a search may use up.
 const SEARCHED: f64 = 0.5;
 
-/// For how many states like the last one a tolerance has to last, for a pair not to be due.
+/// Number of states like the last one that a tolerance must last for, or else the pair is due.
 const STATES_AHEAD: f64 = 2.0;
 
 impl Pair<'_> {
-    /// As [`Pair::separation_bounds`], with what is remembered, of a distance that is certainly not below `certain` (m), up to a
-    /// limit that what touches is within; `upper` may be beyond it where `lower` is not.
+    /// As [`Pair::separation_bounds`], using the memory. `certain` (m) is a known lower bound on the distance. The limit must not be less
+    /// than the distance of touching bodies; `upper` may exceed the limit where `lower` does not.
     pub fn separation_bounds_remembering(
         &self,
         (certain, limit): (f64, f64),
@@ -40,7 +40,7 @@ impl Pair<'_> {
         self.search_anew(&known, limit, effort, memory, scratch)
     }
 
-    /// Renews what is known of a pair that is due, where it is now.
+    /// Renews the bounds of a pair that is due, at its present pose.
     pub(super) fn renew_bounds(
         &self,
         limit: f64,
@@ -71,8 +71,8 @@ impl Pair<'_> {
         found
     }
 
-    /// How much (m) a lower bound may still lose: more than nothing if it proves the pair beyond the limit, or is within the
-    /// tolerance and leaves no doubt about contact.
+    /// Amount (m) that a lower bound may still lose. It is positive if the bound proves the pair beyond the limit, or is within the
+    /// tolerance and decides contact.
     fn left_of_tolerance(&self, known: &DistanceBounds, limit: f64, effort: &Effort) -> f64 {
         let apart = self.info.padding + CONTACT_DISTANCE;
         let needed =
@@ -80,8 +80,8 @@ impl Pair<'_> {
         known.lower - needed
     }
 
-    /// Searches what is certain from points that are known to be near, if there are any, and a little beyond the limit,
-    /// for else it would run out in the next state.
+    /// Searches for bounds, starting from known near points if there are any, up to a little beyond the limit: a bound equal to the limit
+    /// would not last for the next state.
     fn search_around(
         &self,
         known: &DistanceBounds,
@@ -96,30 +96,30 @@ impl Pair<'_> {
         };
         let farther = limit + LOOK_AHEAD;
         let Some(near) = known.upper else { return self.separation_bounds(farther, &rough, scratch) };
-        // next to contact, and to where distances are exact, a proof of half the gap is for more states than one of no gap
+        // near contact, and near the range of exact distances, proving half of the gap lasts for more states than proving none
         let apart = (self.info.padding + 2.0 * CONTACT_DISTANCE).greater(effort.exact_within);
         let half_way = apart + 0.5 * (near.distance - apart).greater(0.0);
         let aim = rough.lower(near.distance).greater(half_way).lesser(farther);
         let found = self.separation_bounds(aim, &rough, scratch);
         if found.upper.is_none() && near.distance <= aim {
-            // what touched does no longer
+            // the pair touched, but no longer does
             return self.separation_bounds(farther, &rough, scratch);
         }
         DistanceBounds { upper: found.upper.or(Some(near)), ..found }
     }
 }
 
-/// What is certain about any pair.
+/// Bounds that hold for every pair.
 const UNKNOWN: DistanceBounds = DistanceBounds { lower: f64::NEG_INFINITY, upper: None, interrupted: false };
 
 impl Memory {
-    /// Notes what is left of the tolerance in one more state.
+    /// Records the tolerance that is left after one more state.
     fn note_left(&mut self, left: f64) {
         self.is_due = left < STATES_AHEAD * (self.left - left);
         self.left = left;
     }
 
-    /// What is certain about a pair's distance at another pose.
+    /// Bounds on a pair's distance at another pose.
     fn bounds_at(&self, pair: &Pair) -> DistanceBounds {
         let upper = self.near_points_at(&pair.pose_ab);
         DistanceBounds { lower: self.lower_at(pair), upper, interrupted: false }

@@ -1,4 +1,4 @@
-//! What is proven of a motion, as a document.
+//! Certificates of free motions and trajectories.
 
 use clearance_geometry::math::Extremes;
 use clearance_motion::{Certificate, MotionSegment, SegmentProof, Trajectory};
@@ -11,7 +11,7 @@ use clearance_motion::certificate_parts;
 use clearance_motion::{model_fingerprint, world_fingerprint};
 
 impl CollisionChecker {
-    /// As [`Self::check_motion_with`], and the certificate of a free motion.
+    /// As [`Self::check_motion_with`], with the certificate if the motion is free.
     #[must_use]
     pub fn certify_motion(
         &self,
@@ -26,7 +26,7 @@ impl CollisionChecker {
         (report, certificate)
     }
 
-    /// As [`Self::check_trajectory`], and the certificate of a free trajectory.
+    /// As [`Self::check_trajectory`], with the certificate if the trajectory is free.
     #[must_use]
     pub fn certify_trajectory(
         &self,

@@ -1,4 +1,4 @@
-//! Many motions at once.
+//! Checks of many motions at once.
 
 use clearance_motion::MotionSegment;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use super::report::{MotionOptions, MotionReport};
 use crate::collision_checker::CollisionChecker;
 
 impl CollisionChecker {
-    /// Answers about many motions, in their order: the same for any number of threads, unless there is a deadline.
+    /// Reports on many motions, in their order: the same for any number of threads, unless there is a deadline.
     ///
     /// Runs on the threads of the rayon pool it is called in.
     #[must_use]

@@ -1,4 +1,4 @@
-//! One pair in the middle of an interval: how far apart, and how much nearer it can come on the way to either end.
+//! One pair in the middle of an interval: its distance, and a bound on the decrease of that distance towards either end.
 
 use clearance_geometry::constants::MOTION_SLACK;
 use clearance_geometry::math::{Extremes, MatrixPose, UnitVector, Vector};
@@ -14,7 +14,7 @@ use crate::numbers::PairNumber;
 use crate::pair::Pair;
 use clearance_scene::BodyId;
 
-/// The positions of a segment around a moment.
+/// Joint positions of a segment around a time.
 struct Around<'s> {
     segment: &'s MotionSegment,
     middle: f64,
@@ -36,7 +36,7 @@ impl Deviations for Around<'_> {
     }
 }
 
-/// How positions deviate in an interval.
+/// Deviation of joint positions within an interval.
 pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl Deviations + '_ {
     Around { segment, middle: 0.5 * (from + to), half_width: 0.5 * (to - from) }
 }
@@ -45,11 +45,11 @@ pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl 
 pub struct IntervalMidpoint<'c> {
     pub pair: Pair<'c>,
     pub approach: Approach,
-    /// A number (m) never larger than the bodies' distance, padding not taken off, by their capsules.
+    /// Lower bound (m) on the bodies' distance, padding not subtracted, from their capsules.
     pub lower: f64,
 }
 
-/// A pair where it is at one moment, and all it reaches.
+/// A pair placed at one time, with the bounding volumes of its bodies.
 pub struct PlacedPair<'c> {
     pub pair: Pair<'c>,
     reaches: [Reach; 2],
@@ -91,7 +91,7 @@ impl CollisionChecker {
         }
     }
 
-    /// Pair number `index` at `middle`, and what it can do within `half_width` of it.
+    /// Pair number `index` at `middle`, with a bound on its motion within `half_width` of it.
     pub(super) fn moment<'c>(
         &'c self,
         index: usize,
@@ -121,7 +121,7 @@ impl CollisionChecker {
         IntervalMidpoint { pair, approach, lower }
     }
 
-    /// How the obstacle of a pair moves, if it does.
+    /// The motion of the pair's obstacle, if it moves.
     fn mover<'s>(&self, segment: &'s MotionSegment, index: usize) -> Option<&'s MovingObstacle> {
         if segment.obstacles().is_empty() {
             return None;
@@ -131,7 +131,7 @@ impl CollisionChecker {
         segment.obstacles().iter().find(|mover| mover.name == name)
     }
 
-    /// The places of obstacles that move, ascending.
+    /// The places of moving obstacles, ascending.
     pub(super) fn moving_places(&self, segment: &MotionSegment) -> Vec<usize> {
         let ids = segment.obstacles().iter().filter_map(|mover| self.world().id(&mover.name));
         let mut places: Vec<_> = ids.map(|id| id.0 as usize).collect();
@@ -140,7 +140,7 @@ impl CollisionChecker {
     }
 }
 
-/// Where points have to be followed when bodies of these reaches move: of one that has no end, where the other is.
+/// Regions in which points of moving bodies have to be bounded. An infinite body takes the region of the other body.
 fn moving_reaches([a, b]: [Reach; 2]) -> [Reach; 2] {
     match (a.radius.is_finite(), b.radius.is_finite()) {
         (true, false) => [a, a],
@@ -149,7 +149,7 @@ fn moving_reaches([a, b]: [Reach; 2]) -> [Reach; 2] {
     }
 }
 
-/// How an obstacle moves: a turn about its centre, which shifts.
+/// Motion of an obstacle: a rotation about its centre, and a translation of the centre.
 fn of_obstacle(mover: &MovingObstacle, reach: &Reach, around: &Around) -> SideMotion {
     let mut motion = SideMotion::default();
     let (linear, angular) = (Vector::from(mover.linear), Vector::from(mover.angular));
@@ -167,12 +167,12 @@ fn of_obstacle(mover: &MovingObstacle, reach: &Reach, around: &Around) -> SideMo
 }
 
 impl RobotBody {
-    /// Its capsule, seen from outside.
+    /// Its capsule, transformed to the root frame.
     pub fn reach_at(&self, pose: &MatrixPose) -> Reach {
         self.capsule.reach_at(pose)
     }
 
-    /// How far (m) it reaches from its body's origin.
+    /// Radius (m) around its body's origin that contains it.
     pub fn reach(&self) -> f64 {
         let ends = [self.capsule.a, self.capsule.b].map(|p| p.coords.norm());
         (ends[0].greater(ends[1]) + self.capsule.radius) * (1.0 + MOTION_SLACK) + MOTION_SLACK

@@ -1,4 +1,4 @@
-//! Level 0 of a motion: capsules of all pairs, eight intervals at once.
+//! Level 0 of a motion: capsule bounds of all pairs in eight intervals at once.
 
 use clearance_geometry::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use clearance_geometry::math::UnitVector;
@@ -16,14 +16,14 @@ use crate::collision_checker::CollisionChecker;
 use crate::questions::near_pairs;
 use crate::workspace::Workspace;
 
-/// Where each part's ways stand in a list of all.
+/// Index of each part's kinematic paths in a list of the paths of all parts.
 #[derive(Clone, Debug)]
 pub struct Ways {
-    /// By part: its first way, which no joint makes.
+    /// By part: its first path, which has no joints.
     starts: Vec<usize>,
-    /// By part: the way that matters to what stands still.
+    /// By part: the path to the root, which matters for static obstacles.
     to_root: Vec<usize>,
-    /// By part: how far it reaches (m) from its body's origin.
+    /// By part: the radius (m) around its body's origin that contains it.
     reach: Vec<f64>,
 }
 
@@ -41,14 +41,14 @@ impl Ways {
     }
 }
 
-/// A pair that may touch in some of eight intervals, and a bit for each of them.
+/// A pair that may touch in some of eight intervals, and a bit mask of these intervals.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPair {
     pub pair: usize,
     pub intervals: u8,
 }
 
-/// How positions deviate within one unit of t, at their fastest.
+/// Deviation of positions within one unit of t, at their maximum speed.
 struct AtTopSpeed<'s>(&'s MotionSegment);
 
 impl Deviations for AtTopSpeed<'_> {
@@ -65,7 +65,7 @@ impl Deviations for AtTopSpeed<'_> {
     }
 }
 
-/// How far tolerances let positions be off.
+/// Tolerances of the positions.
 struct Off<'s>(&'s MotionSegment);
 
 impl Deviations for Off<'_> {
@@ -83,8 +83,8 @@ impl Deviations for Off<'_> {
 }
 
 impl CollisionChecker {
-    /// For each self pair, how far (m) it may come nearer in one unit of t; then for each part, how far it may come nearer to
-    /// what stands still.
+    /// For each self pair, the maximum decrease (m) of its distance in one unit of t; then for each part, the maximum decrease of its
+    /// distance to static obstacles.
     pub(super) fn approach_speeds(
         &self,
         segment: &MotionSegment,
@@ -98,7 +98,7 @@ impl CollisionChecker {
         }
     }
 
-    /// In the same order, how much (m) nearer tolerances let them be.
+    /// In the same order, the decrease (m) that tolerances allow.
     pub(super) fn tolerated(&self, segment: &MotionSegment, ways: &mut Vec<f64>, off: &mut Vec<f32>) {
         if segment.tube().is_empty() {
             off.clear();
@@ -124,7 +124,7 @@ impl CollisionChecker {
         sums.extend(self.ways.to_root.iter().map(|way| up(ways[*way])));
     }
 
-    /// The pairs that capsules do not prove apart in the eight intervals of this half width around `middles`.
+    /// The pairs that capsules do not prove apart in eight intervals of this half width around `middles`.
     pub(super) fn screen_intervals(
         &self,
         segment: &MotionSegment,
@@ -162,7 +162,7 @@ impl CollisionChecker {
         });
     }
 
-    /// As [`Self::screen_intervals`], pairs with obstacles.
+    /// As [`Self::screen_intervals`], for pairs with obstacles.
     fn screen_obstacles(
         &self,
         segment: &MotionSegment,
@@ -184,7 +184,7 @@ impl CollisionChecker {
                     near.push(NearPair { pair: self.world_pair(part, place), intervals });
                 }
             });
-            // level 0 knows nothing of obstacles that move
+            // level 0 does not bound moving obstacles
             let moving =
                 movers.iter().map(|place| self.world_pair(part, *place)).filter(|i| self.is_pair(*i));
             near.extend(moving.map(|pair| NearPair { pair, intervals: u8::MAX }));
@@ -192,19 +192,19 @@ impl CollisionChecker {
         near.sort_unstable_by_key(|near| near.pair);
     }
 
-    /// By number of [`Self::approach_speeds`]: how much nearer (m) they may come within an interval of this half width.
+    /// By index of [`Self::approach_speeds`]: the maximum decrease (m) of the distance within an interval of this half width.
     fn motion_within<'m>(
         half_width: f64,
         speeds: &'m [f32],
         off: &'m [f32],
     ) -> impl Fn(usize) -> f32 + use<'m> {
         let half_width = up(half_width * (1.0 + 1e-6));
-        // without any width it is about states
+        // an interval of zero width is a state
         let loose = f32::from(u8::from(half_width > 0.0));
         move |i| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6)
     }
 
-    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone: in the first interval.
+    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone; reported as the first interval.
     pub(super) fn screen_whole(
         &self,
         segment: &MotionSegment,
@@ -216,7 +216,7 @@ impl CollisionChecker {
         segment.positions_at(0.5, positions);
         let motion = Self::motion_within(0.5, speeds, off);
         let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
-        // a group that is not full repeats its last pair
+        // an incomplete group repeats its last pair
         let last = self.infos.len().saturating_sub(1);
         let margins =
             |group: usize| std::array::from_fn(|lane| motion((LANES * group + lane).min(last)) + padding);
@@ -234,7 +234,7 @@ impl CollisionChecker {
         workspace.frames = frames;
     }
 
-    /// The pairs that capsules do not prove apart in an interval of a motion that widens: in the first interval.
+    /// The pairs that capsules do not prove apart in an interval of a widening motion; reported as the first interval.
     pub(super) fn screen_widening(
         &self,
         segment: &MotionSegment,

@@ -1,7 +1,7 @@
-//! Until when can nothing touch, wherever the robot goes?
+//! Time before which nothing can touch, whatever motion follows within the acceleration limits.
 //!
-//! From a state with joint velocities a robot whose joints accelerate by no more than their limits is, after a time τ, within ½ a τ² of
-//! where its velocities alone would bring it: a tube around a straight motion that widens with time (Hubbard 1995, *Collision detection for
+//! From a state with joint velocities, a robot with limited joint accelerations a is, after a time τ, within ½ a τ² of where its
+//! velocities alone would bring it. This is a tube around a straight motion that widens with time (Hubbard 1995, *Collision detection for
 //! interactive graphics applications*, calls such bounds space-time bounds).
 
 use clearance_motion::{MotionSegment, SegmentError, floating};
@@ -12,25 +12,25 @@ use crate::collision_checker::CollisionChecker;
 use crate::workspace::Workspace;
 use clearance_scene::BodyId;
 
-/// Resolution of the answer: motion (m) that no longer matters.
+/// Resolution of the result: motion (m) below which intervals are not refined.
 const RESOLUTION: f64 = 2e-3;
 
-/// Looks that an answer may take, and more for each pair: wild velocities must not take seconds.
+/// Maximum number of evaluations, plus a number per pair: extreme velocities must not take seconds.
 const LOOKS: u64 = 1000;
 const LOOKS_A_PAIR: u64 = 20;
 
-/// What is certain about the near future.
+/// Result of a look-ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookAhead {
-    /// No pair touches earlier (s).
+    /// No pair touches before this time (s).
     pub free_for: f64,
-    /// The pair that may touch then; `None` if none can before the horizon, or if nothing could be found out in bearable time.
+    /// The pair that may touch then; `None` if none can before the horizon, or if the evaluation limit was reached.
     pub first: Option<(BodyId, BodyId)>,
 }
 
 impl CollisionChecker {
-    /// A time (s) before which no pair can touch, up to `horizon` (s), if the robot now moves with `velocities` (rad/s, m/s, one a
-    /// position) and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints have to stand.
+    /// Time (s) before which no pair can touch, up to `horizon` (s). The robot now moves with `velocities` (rad/s, m/s, one per
+    /// position), and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints must be at rest.
     pub fn look_ahead(
         &self,
         q: &Configuration,

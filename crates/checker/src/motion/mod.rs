@@ -1,20 +1,20 @@
-//! Is the way from here to there free? Certified motion: an answer `Free` is a proof for every t in [0, 1].
+//! Certified continuous collision checking of motions: a result `Free` is a proof for every t in [0, 1].
 //!
-//! An interval of the motion is free for a pair if the pair's distance in the middle is more than what it can lose on the way to
-//! either end; that bound is derived in `docs/derivations/motion-bound.md`. What is not proven is cut into pieces
-//! until it is, or a contact is found, or the motion within a piece is less than the tolerance.
+//! An interval of the motion is free for a pair if the pair's distance in the middle is larger than its possible decrease towards either
+//! end; that bound is derived in `docs/derivations/motion-bound.md`. Unproven parts are split until they are proven, or a contact is
+//! found, or the motion within a piece is less than the tolerance.
 //!
 //! | step | file |
 //! |---|---|
 //! | capsules of all pairs, eight intervals at once | `level_zero` |
-//! | one pair at one moment: how far apart, how far for | `moment` |
-//! | which intervals to look at, in which order | `order` |
-//! | what a look proves, what is found | `prover` |
-//! | what is proven, as a document | `certify` |
+//! | one pair at one moment: its distance, and the interval it proves free | `interval_midpoint` |
+//! | order in which intervals are searched | `order` |
+//! | proofs and results of the check | `prover` |
+//! | certificates of free motions | `certify` |
 //! | many motions; stretches one after the other | `edges`, `trajectory` |
-//! | how far a check has come, and its end before time | `watch` |
+//! | progress of a check, and its cancellation | `watch` |
 //! | volumes around a motion | `swept_volume` |
-//! | until when nothing can touch | `look_ahead` |
+//! | time before which nothing can touch | `look_ahead` |
 
 mod certify;
 mod edges;

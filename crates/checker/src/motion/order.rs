@@ -1,4 +1,4 @@
-//! In which order the intervals of a motion are looked at.
+//! Order in which the intervals of a motion are searched.
 
 use std::collections::VecDeque;
 
@@ -9,33 +9,33 @@ use super::level_zero::NearPair;
 use super::prover::{Piece, Prover};
 use super::report::{MotionOrder, UndecidedReason};
 
-/// The motion (m) in an interval at level 0 that is aimed at.
+/// Target motion (m) within one interval at level 0.
 const LEVEL_ZERO_MOTION: f32 = 0.1;
 
-/// Motions (m) either way from the middle that are looked at as one interval.
+/// Motions up to this length (m) on either side of the middle are searched as one interval.
 const SHORT_MOTION: f32 = 0.07;
 
-/// Most intervals at level 0.
+/// Maximum number of intervals at level 0.
 const MOST_INTERVALS: usize = 1024;
 
-/// Where states are looked at when any contact will do: the end, where most that collide do, and then each as far as can be from those
-/// before it.
+/// Fractions of the motion that are sampled when any contact suffices: first the end, where most colliding motions collide, then each as
+/// far as possible from the earlier ones.
 const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125];
 
-/// How often the first interval of a motion that widens is doubled to make the whole.
+/// Number of doublings from the first interval of a widening motion to the whole motion.
 const DOUBLINGS: i32 = 8;
 
-/// Positions (rad, m) beyond which kinematics are too rough for f32 to hide it.
+/// Positions (rad, m) beyond which kinematics are too inexact for the rounding slack of f32.
 const LARGEST_AT_LEVEL_ZERO: f64 = 1e4;
 
-/// Most pieces that wait in a queue; what comes beyond is looked at first.
+/// Maximum number of queued pieces; further pieces are searched at once.
 const MOST_QUEUED: usize = 1 << 18;
 
 impl Prover<'_> {
-    /// Looks at all of the motion that matters.
+    /// Searches the whole motion, as far as it matters.
     pub(super) fn run(&mut self) {
         self.motion.stack.clear();
-        // the bounds of level 0 have no room for the rounding of huge angles
+        // the bounds of level 0 do not cover the rounding of huge angles
         if self.proofs.is_some() || self.segment.size() > LARGEST_AT_LEVEL_ZERO {
             return self.all_pairs_alone();
         }
@@ -44,7 +44,7 @@ impl Prover<'_> {
         }
         self.checker.approach_speeds(self.segment, &mut self.motion.ways, &mut self.motion.speeds);
         self.checker.tolerated(self.segment, &mut self.motion.ways, &mut self.motion.off);
-        // level 0 leaves what has no end in every interval
+        // level 0 leaves infinite bodies open in every interval
         let speeds = self.motion.speeds.iter().copied().filter(|speed| speed.is_finite());
         let fastest = speeds.fold(0.0, f32::greater);
         let blocks = blocks(fastest);
@@ -55,15 +55,15 @@ impl Prover<'_> {
         }
     }
 
-    /// One pair after the other, each from the whole motion to smaller pieces: the fewest proofs.
+    /// Searches pair by pair, each from the whole motion down to smaller pieces: needs the fewest proofs.
     fn all_pairs_alone(&mut self) {
         for pair in self.checker.all_pairs() {
             self.pair_in(Piece { pair, from: 0.0, to: 1.0 });
         }
     }
 
-    /// What may be more and more off is looked at in intervals each as long as all before it: where nothing is proven any more,
-    /// nothing after it matters.
+    /// Search of a motion whose deviation grows with time: each interval is as long as all before it. After the first interval without a
+    /// proof, nothing matters.
     fn soonest(&mut self) {
         let mut from = 0.0;
         for doubling in (0..DOUBLINGS).rev() {
@@ -80,7 +80,7 @@ impl Prover<'_> {
         }
     }
 
-    /// Where little moves, the middle tells enough of all but a few pairs.
+    /// For small motions the middle decides all but a few pairs.
     fn short(&mut self) {
         let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
         self.checker.screen_whole(self.segment, (&speeds, &off), &mut self.motion, self.workspace);
@@ -90,8 +90,8 @@ impl Prover<'_> {
         }
     }
 
-    /// Blocks of eight intervals in their order, and where a run of intervals begins in which level 0 leaves a pair, that pair in all of
-    /// the run: what is always near often moves little.
+    /// Searches blocks of eight intervals in order. Where a run of intervals begins in which level 0 leaves a pair open, the pair is
+    /// searched in the whole run: a pair that is always near often moves little.
     fn earliest(&mut self, blocks: usize) {
         for block in 0..blocks {
             let ends = self.screen(block, blocks);
@@ -110,8 +110,8 @@ impl Prover<'_> {
         }
     }
 
-    /// What collides mostly does so for long: eight states first, then all pieces that level 0 leaves, each looked at once before any of
-    /// their parts is.
+    /// Most colliding motions collide for long: eight states are tested first, then all pieces that level 0 leaves open; each is searched
+    /// once before any of its parts.
     fn any(&mut self, blocks: usize) {
         if let Some(pair) = self.some_state_collides() {
             self.nothing_known_before(pair);
@@ -142,7 +142,7 @@ impl Prover<'_> {
         }
     }
 
-    /// The pair that collides at one of eight fractions, if one does.
+    /// The pair that collides at one of eight fractions, if there is one.
     fn some_state_collides(&mut self) -> Option<usize> {
         self.screen_at(SAMPLES, 0.0);
         for (lane, t) in SAMPLES.into_iter().enumerate() {
@@ -156,7 +156,7 @@ impl Prover<'_> {
         None
     }
 
-    /// In any order nothing is known of what comes before a hit, or where the search was stopped at a pair.
+    /// Without a fixed order nothing is proven before a collision, or before the pair at which the search was stopped.
     fn nothing_known_before(&mut self, pair: usize) {
         let piece = Piece { pair, from: 0.0, to: 1.0 };
         self.leave_open(piece, [0.0, f64::INFINITY], UndecidedReason::Tolerance);
@@ -174,7 +174,7 @@ impl Prover<'_> {
         ends
     }
 
-    /// Level 0 of eight intervals.
+    /// Level 0 for eight intervals.
     fn screen_at(&mut self, middles: [f64; LANES], half_width: f64) {
         let (speeds, off) = (std::mem::take(&mut self.motion.speeds), std::mem::take(&mut self.motion.off));
         self.checker.screen_intervals(
@@ -188,14 +188,14 @@ impl Prover<'_> {
     }
 }
 
-/// How many blocks of eight intervals make motions at level 0 small.
+/// Number of blocks of eight intervals that keeps the motion per interval small at level 0.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
 fn blocks(fastest: f32) -> usize {
     let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).lesser(MOST_INTERVALS as f32);
     (intervals.greater(1.0) as usize).div_ceil(LANES)
 }
 
-/// Where the run of set bits that begins at a lane ends; `None` if none begins there.
+/// End of the run of set bits that begins at a lane; `None` if none begins there.
 fn run_from(near: u8, lane: usize) -> Option<usize> {
     let begins = near & (1 << lane) != 0 && (lane == 0 || near & (1 << (lane - 1)) == 0);
     begins.then(|| lane + (near >> lane).trailing_ones() as usize)

@@ -1,9 +1,9 @@
-//! One motion: what a look at a pair proves, what is left, and what is found.
+//! Continuous check of one motion: proves pairs free in intervals, and collects open intervals and contacts.
 //!
-//! A pair that level 0 leaves open in an interval is looked at in the middle:
-//! its distance proves a part of the interval around the middle free, and what remains on either side is looked at in turn
-//! (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005 bisect). The distance is only asked of the hierarchies where capsules
-//! do not do, and only where the motion is small enough for an answer to be of use.
+//! A pair that level 0 leaves open in an interval is evaluated in the middle. Its distance proves a part of the interval around the
+//! middle free; the remainders on either side are evaluated in turn (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005
+//! bisect). The hierarchies are searched only where capsules do not suffice, and only where the motion is small enough for the result to
+//! be useful.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
@@ -20,34 +20,34 @@ use crate::collision_checker::CollisionChecker;
 use crate::pair::Pair;
 use crate::workspace::Workspace;
 
-/// Above this motion (m) within an interval the hierarchies are not asked: the answer would rarely prove anything.
+/// Motion (m) within an interval above which the hierarchies are not searched: the result would rarely prove anything.
 const WORTH_ASKING: f64 = 0.04;
 
-/// How far a distance may be off, as a share of itself: what is left unproven costs less than exactness.
+/// Relative tolerance of a distance: leaving a small part unproven costs less than an exact distance.
 const ROUGHLY: f64 = 0.15;
 
-/// A share of an interval that is not worth a piece of its own.
+/// Smallest fraction of an interval that becomes a piece of its own.
 const LEAST_SHARE: f64 = 0.15;
 
-/// The motion (m) in an interval below which nothing is cut further: about where contact and its absence look alike.
+/// Motion (m) within an interval below which it is not split further: about where contact and its absence cannot be distinguished.
 const FLOOR: f64 = 4e-9;
 
-/// Of a motion that widens: an interval that is short beside the time before it needs not be cut.
+/// For a widening motion: an interval that is short relative to the time before it need not be split.
 const KNOWN_WELL: f64 = 0.03;
 
-/// Looks between two glances at the clock.
+/// Number of evaluations between two reads of the clock.
 const LOOKS_A_GLANCE: u64 = 16;
 
-/// Looks spent on what is nearer than the tolerance, in the hope to decide it.
+/// Number of evaluations spent on a pair nearer than the tolerance, to try to decide it.
 const PATIENCE: u32 = 2000;
 
-/// Memory for motions.
+/// Scratch memory for motions.
 #[derive(Clone, Debug, Default)]
 pub struct MotionScratch {
     pub(super) positions: Vec<f64>,
-    /// By position, in eight states.
+    /// By position, for eight states.
     pub(super) columns: Vec<[f64; LANES]>,
-    /// In which of eight intervals which pairs may touch.
+    /// Pairs that may touch, with a mask of the eight intervals.
     pub(super) near: Vec<NearPair>,
     pub(super) ways: Vec<f64>,
     pub(super) speeds: Vec<f32>,
@@ -55,7 +55,7 @@ pub struct MotionScratch {
     pub(super) stack: Vec<Piece>,
 }
 
-/// An interval in which a pair is to be looked at.
+/// An interval in which a pair is to be evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub pair: usize,
@@ -63,7 +63,7 @@ pub(super) struct Piece {
     pub to: f64,
 }
 
-/// An interval that stays open.
+/// An interval that stays undecided.
 #[derive(Clone, Copy, Debug)]
 struct Open {
     piece: Piece,
@@ -79,40 +79,40 @@ pub(super) struct Hit {
     point: Option<Point>,
 }
 
-/// What a look found.
+/// Result of one evaluation of a pair in an interval.
 enum Look {
-    /// The pair touches; in the whole interval it moves by this much (m).
+    /// The pair touches; the second value is its motion (m) in the whole interval.
     Hit(Option<Point>, f64),
-    /// A part of the interval around its middle is free: its share, and what proves it.
+    /// A part of the interval around its middle is free: its fraction, and the bounds that prove it.
     Proven { share: f64, lower: f64, bound: f64 },
-    /// Nothing: the distance is between these, and this is the most that the pair moves.
+    /// Undecided: bounds on the distance, and the largest motion of the pair.
     Open { distance: [f64; 2], motion: f64 },
 }
 
-/// A motion that is looked at, and what is known so far.
+/// The check of one motion, with its results so far.
 pub(super) struct Prover<'a> {
     pub(super) checker: &'a CollisionChecker,
     pub(super) segment: &'a MotionSegment,
     pub(super) options: &'a MotionOptions,
     pub(super) workspace: &'a mut Workspace,
     pub(super) motion: MotionScratch,
-    /// All that comes before has been looked at.
+    /// All of the motion before this time has been searched.
     pub(super) seen_until: f64,
-    /// Nothing after this matters: something is known to collide there.
+    /// Nothing after this time matters: a collision there is known.
     pub(super) cutoff: f64,
     pub(super) hit: Option<Hit>,
-    /// The earliest interval that stays open, and where the last of them ends.
+    /// The earliest undecided interval, and the end of the last one.
     open: Option<Open>,
     open_until: f64,
     patience: u32,
     looks: u64,
-    /// What was proven, if it is to be kept.
+    /// The proofs, if they are to be kept.
     pub(super) proofs: Option<Vec<Proof>>,
     pub(super) stopped: Option<UndecidedReason>,
 }
 
 impl CollisionChecker {
-    /// Whether the straight way in joint space from one configuration to another is free, with the usual options.
+    /// Checks whether the straight line in joint space between two configurations is free, with default options.
     #[must_use]
     pub fn check_motion(
         &self,
@@ -124,7 +124,7 @@ impl CollisionChecker {
         self.check_motion_with(&segment, &MotionOptions::default(), workspace)
     }
 
-    /// Whether a motion is free: proven, contact, or undecided and why.
+    /// Checks whether a motion is free: the result is proven free, contact, or undecided with a reason.
     #[must_use]
     pub fn check_motion_with(
         &self,
@@ -136,7 +136,7 @@ impl CollisionChecker {
         self.sure_of_contact(report, segment, options, workspace)
     }
 
-    /// Makes the numbers of pairs those that they have in the list of all.
+    /// Converts pair numbers to indices in the list of all pairs.
     fn number_in_order(&self, proofs: &mut [Proof]) {
         if proofs.is_empty() {
             return;
@@ -147,7 +147,7 @@ impl CollisionChecker {
         }
     }
 
-    /// What would stand where it is although it is to move must not be taken for free.
+    /// Rejects a motion of an unknown obstacle or of another robot: it would otherwise be checked at rest, and might wrongly be free.
     fn refusal(&self, segment: &MotionSegment) -> Option<MotionVerdict> {
         let known = |name: &str| self.world().id(name).is_some();
         let of_another = segment.position_count() != self.robot().position_names().len();
@@ -161,7 +161,7 @@ impl CollisionChecker {
         })
     }
 
-    /// Where a tracking tolerance leaves it open, the motion itself may tell.
+    /// Where a tracking tolerance leaves the result undecided, the check without this tolerance may find a contact.
     pub(super) fn sure_of_contact(
         &self,
         report: MotionReport,
@@ -184,7 +184,7 @@ impl CollisionChecker {
         }
     }
 
-    /// As [`Self::check_motion_with`], and all proofs if they are to be kept.
+    /// As [`Self::check_motion_with`], with all proofs if they are to be kept.
     pub(super) fn prove(
         &self,
         segment: &MotionSegment,
@@ -230,7 +230,7 @@ impl CollisionChecker {
 }
 
 impl Prover<'_> {
-    /// A motion that is not proven free from its start on, or to its end, may collide there.
+    /// If no proof covers the start or the end of a motion, it may collide there.
     fn look_at_the_ends(&mut self) {
         let Some(open) = self.open.filter(|_| self.stopped.is_none()) else { return };
         let pairs = [Some(open.piece.pair), self.hit.map(|hit| hit.pair)];
@@ -242,7 +242,7 @@ impl Prover<'_> {
         }
     }
 
-    /// Whether a pair touches at t; a contact is noted.
+    /// True if a pair touches at t; the contact is recorded.
     pub(super) fn touches(&mut self, index: usize, t: f64) -> bool {
         let Workspace { frames, scratch, .. } = &mut *self.workspace;
         let positions = &mut self.motion.positions;
@@ -259,7 +259,7 @@ impl Prover<'_> {
         true
     }
 
-    /// Looks at a pair until nothing in the piece that comes before the cutoff is left, the earliest first.
+    /// Evaluates a pair until nothing of the piece before the cutoff is left, the earliest part first.
     pub(super) fn pair_in(&mut self, piece: Piece) {
         self.motion.stack.clear();
         self.motion.stack.push(piece);
@@ -276,7 +276,7 @@ impl Prover<'_> {
         }
     }
 
-    /// Looks at a piece; what it leaves is put on the stack, the earlier on top.
+    /// Evaluates a piece; the remainders are pushed on the stack, the earlier one on top.
     pub(super) fn look_at(&mut self, piece: Piece) {
         let Piece { pair, from, to } = piece;
         let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
@@ -305,7 +305,7 @@ impl Prover<'_> {
         }
     }
 
-    /// Cuts a piece in two unless there is no use.
+    /// Splits a piece in two, unless this is useless.
     fn push_open(&mut self, piece: Piece, distance: [f64; 2], motion: f64) {
         let Piece { pair, from, to } = piece;
         let middle = 0.5 * (from + to);
@@ -329,7 +329,7 @@ impl Prover<'_> {
         self.motion.stack.push(Piece { pair, from, to: middle });
     }
 
-    /// The motion (m) in an interval that may stay open.
+    /// Motion (m) in an interval below which it may stay undecided.
     fn tolerance(&self) -> f64 {
         self.options.tolerance.greater(FLOOR)
     }
@@ -347,7 +347,7 @@ impl Prover<'_> {
         }
     }
 
-    /// Looks at a pair in the middle of a piece.
+    /// Evaluates a pair in the middle of a piece.
     fn look(&mut self, piece: Piece, middle: f64, half_width: f64) -> Look {
         self.looks += 1;
         if self.is_over() {
@@ -374,7 +374,7 @@ impl Prover<'_> {
         if motion > WORTH_ASKING {
             return moment.proven(*lower).unwrap_or(Look::Open { distance: unknown, motion });
         }
-        // of a distance that padding and tolerances take most of, a share is too much
+        // if padding and tolerances use up most of a distance, a relative tolerance is too large
         let effort = if padding > 0.0 || self.segment.is_loose() {
             Effort { absolute_tolerance: ROUGHLY * motion, ..Effort::default() }
         } else {
@@ -391,7 +391,7 @@ impl Prover<'_> {
         moment.proven(found.lower).unwrap_or(Look::Open { distance, motion })
     }
 
-    /// Whether to stop here.
+    /// True if the check is to stop here.
     fn is_over(&mut self) -> bool {
         if self.stopped.is_none() {
             if self.looks > self.options.budget {
@@ -407,7 +407,7 @@ impl Prover<'_> {
         let ids = |pair: usize| self.checker.info(pair).ids;
         let open = self.open.filter(|open| open.piece.from <= self.cutoff);
         let free_until = open.map_or(self.cutoff, |open| open.piece.from);
-        // who stops early has not looked at everything before that
+        // a check that stops early has not searched everything before `free_until`
         let free_until = if self.stopped.is_some() { free_until.lesser(self.seen_until) } else { free_until };
         if let Some(Hit { pair, t, point }) = self.hit {
             return MotionVerdict::Contact { t: [free_until.lesser(t), t], pair: ids(pair), witness: point };
@@ -421,7 +421,7 @@ impl Prover<'_> {
                 reason,
             },
             (Some(open), None) => MotionVerdict::Undecided {
-                // who may touch within a tolerance ends the search
+                // a possible contact within the tracking tolerance ends the search
                 t: [
                     open.piece.from,
                     if open.reason == UndecidedReason::Tube { 1.0 } else { self.open_until },
@@ -435,20 +435,20 @@ impl Prover<'_> {
 }
 
 impl CollisionChecker {
-    /// A point in the frame of a pair's first body, as seen from the root.
+    /// Transforms a point from the frame of a pair's first body to the root frame.
     fn in_root(&self, pair: &Pair, point: &Point, segment: &MotionSegment, t: f64) -> Option<Point> {
         let link = self.robot_bodies[pair.info.bodies.0].link;
         let mut poses = LinkPoses::new(self.robot());
         self.robot().forward_kinematics(&segment.at(t), &mut poses);
         let seat = self.chain.seat(link.index())?;
-        // the body's frame is where its link's seat comes from
+        // the pose of the link in its body gives the frame of the body
         let pose_lb = Pose::from(&MatrixPose::from(&seat.place)).inverse();
         Some(poses.pose(link) * pose_lb * point)
     }
 }
 
 impl IntervalMidpoint<'_> {
-    /// What a distance (m) proves, if it is worth it.
+    /// The interval that a distance (m) proves free, if it is long enough.
     fn proven(&self, lower: f64) -> Option<Look> {
         let share = self.approach.share(lower - self.pair.info.padding);
         (share >= LEAST_SHARE).then(|| Look::Proven { share, lower, bound: self.approach.within(share) })

@@ -1,4 +1,4 @@
-//! What is asked of a motion, and what is answered.
+//! Options and results of motion checks.
 
 use std::time::Instant;
 
@@ -8,22 +8,22 @@ use clearance_proximity::Work;
 use super::watch::Watch;
 use clearance_scene::BodyId;
 
-/// How a motion is to be checked.
+/// Options of a motion check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionOptions {
-    /// Within an interval in which no body moves more than this (m) an open question may stay open: whatever keeps farther apart is
-    /// always decided.
+    /// An interval in which no body moves more than this (m) may stay undecided: pairs that stay farther apart than this are always
+    /// decided.
     pub tolerance: f64,
     pub order: MotionOrder,
-    /// When to stop with what is known so far.
+    /// Time at which the check stops with its results so far.
     pub deadline: Option<Instant>,
-    /// After how many looks at a pair to stop; some microseconds each.
+    /// Number of pair evaluations after which the check stops; each takes some microseconds.
     pub budget: u64,
-    /// By which another thread sees how far the check has come, and may stop it.
+    /// Handle by which another thread observes the progress of the check, and may stop it.
     pub watch: Option<Watch>,
 }
 
-/// Which contact is looked for.
+/// Which contact the check searches for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MotionOrder {
     /// The earliest: all before it is proven free.
@@ -34,7 +34,7 @@ pub enum MotionOrder {
 }
 
 impl MotionOptions {
-    /// Why nothing more is to be looked at, if whoever watches wants no more or the deadline has passed.
+    /// The reason to stop now, if the watching thread has stopped the check or the deadline has passed.
     #[must_use]
     pub fn stopped_by(&self) -> Option<UndecidedReason> {
         if self.watch.as_ref().is_some_and(Watch::is_stopped) {
@@ -57,26 +57,26 @@ impl Default for MotionOptions {
     }
 }
 
-/// Whether a motion is free.
+/// Result of a motion check.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MotionVerdict {
     /// Proven: no pair touches anywhere in [0, 1].
     Free,
     /// A pair touches.
     Contact {
-        /// Free before the first, proven; colliding at the second.
+        /// The motion is proven free before the first time, and collides at the second.
         t: [f64; 2],
         pair: (BodyId, BodyId),
         /// A common point (root frame) at the second t, if one is known.
         witness: Option<Point>,
     },
-    /// Neither was found.
+    /// Neither a proof nor a contact was found.
     Undecided {
-        /// Free before the first, proven, and after the second; in between a part of it is open.
+        /// The motion is proven free before the first time and after the second; a part in between is undecided.
         t: [f64; 2],
-        /// The pair that is open first; `None` if none was looked at.
+        /// The pair of the first undecided interval; `None` if none was evaluated.
         pair: Option<(BodyId, BodyId)>,
-        /// In the middle of the interval the pair's distance (m, padding taken off) is between these.
+        /// Bounds on the pair's distance (m, padding subtracted) in the middle of the interval.
         distance: [f64; 2],
         reason: UndecidedReason,
     },
@@ -87,15 +87,15 @@ pub enum MotionVerdict {
 pub enum UndecidedReason {
     /// A pair comes nearer than the tolerance, and no contact was found.
     Tolerance,
-    /// Within the tracking tolerance a pair may touch.
+    /// A pair may touch within the tracking tolerance.
     Tube,
     Deadline,
-    /// Whoever watches has stopped it.
+    /// The watching thread stopped the check.
     Canceled,
     Budget,
-    /// The pair is two planes, of which nothing is proven, or numbers are too large to be computed with.
+    /// The pair is two planes, for which nothing is proven, or numbers are too large for the computation.
     Overflow,
-    /// The motion is of another robot, moves an obstacle that the world has not, or has segments that do not join.
+    /// The motion belongs to another robot, moves an obstacle that is not in the world, or has segments that do not join.
     Mismatch,
 }
 
@@ -129,18 +129,18 @@ impl std::fmt::Display for UndecidedReason {
     }
 }
 
-/// The answer about one motion.
+/// Report on one motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionReport {
     pub verdict: MotionVerdict,
-    /// How often a pair was looked at, one interval at a time.
+    /// Number of evaluations of a pair in one interval.
     pub looks: u64,
     /// Volume tests and primitive tests that the answer took.
     pub work: Work,
 }
 
 impl MotionReport {
-    /// About a motion that is not looked at any more.
+    /// Report on a motion that was not evaluated.
     pub(super) fn not_looked_at(reason: UndecidedReason) -> Self {
         let (t, distance) = ([0.0, 1.0], [0.0, f64::INFINITY]);
         let verdict = MotionVerdict::Undecided { t, pair: None, distance, reason };

@@ -1,4 +1,4 @@
-//! Volumes around what a robot sweeps over during a motion.
+//! Volumes swept by a robot during a motion.
 
 use clearance_geometry::math::Point;
 use clearance_geometry::simd::dispatch;
@@ -9,8 +9,9 @@ use crate::collision_checker::CollisionChecker;
 use crate::workspace::Workspace;
 use clearance_scene::BodyId;
 
-/// All that a link or an attached object touches from one t to another lies within `radius` of the line from `a` to `b` (root frame, metres): its
-/// capsule in the middle of the interval, grown by the farthest that any of it moves on the way to either end.
+/// Swept volume of a link or an attached object between two times: it lies within `radius` of the segment from `a` to `b` (root frame,
+/// metres). This is the body's capsule in the middle of the interval, grown by the largest motion of any of its points towards either
+/// end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweptVolume {
     pub body: BodyId,
@@ -21,8 +22,8 @@ pub struct SweptVolume {
 }
 
 impl CollisionChecker {
-    /// The volumes of all links and attached objects with geometry, in intervals of even length; more intervals make smaller volumes. Padding is not
-    /// part of them, and what holds a plane, which sweeps over everything, has none.
+    /// The swept volumes of all links and attached objects with geometry, in intervals of equal length; more intervals give smaller
+    /// volumes. Padding is not included. Bodies with a plane, which sweep over everything, have no volume.
     #[must_use]
     pub fn swept_volumes(
         &self,

@@ -1,4 +1,4 @@
-//! Segments one after the other, and the gaps between those that do not join exactly.
+//! Checks of trajectories: segment by segment, with the gaps between segments that do not join exactly.
 
 use clearance_motion::{Join, MotionSegment, Trajectory, join};
 use clearance_proximity::Work;
@@ -7,13 +7,13 @@ use super::report::{MotionOptions, MotionReport, MotionVerdict, UndecidedReason}
 use crate::collision_checker::CollisionChecker;
 use crate::workspace::Workspace;
 
-/// The answer about a trajectory: that about its first segment that is not free, if there is one.
+/// Report on a trajectory: the report on its first segment that is not free, if there is one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrajectoryReport {
     pub verdict: MotionVerdict,
-    /// The segment that the verdict is about; the last one if all are free.
+    /// Index of the segment that the verdict refers to; the last one if all are free.
     pub segment: usize,
-    /// Seconds from the start: free before the first, proven. `None` if the trajectory is free or has no times.
+    /// Times (s from the start): the trajectory is proven free before the first. `None` if it is free or has no times.
     pub time: Option<[f64; 2]>,
     pub looks: u64,
     pub work: Work,
@@ -27,7 +27,7 @@ impl TrajectoryReport {
 }
 
 impl CollisionChecker {
-    /// Whether a trajectory is free: all of its segments proven, or what is with the first that is not.
+    /// Checks whether a trajectory is free: either all segments are proven free, or the report is on the first that is not.
     #[must_use]
     pub fn check_trajectory(
         &self,
@@ -42,7 +42,7 @@ impl CollisionChecker {
     }
 }
 
-/// Checks one segment after the other until one is not free; `check` is called for gaps between segments, too.
+/// Checks segment by segment until one is not free; `check` is called for gaps between segments, too.
 pub(super) fn each_segment(
     trajectory: &Trajectory,
     options: &MotionOptions,
@@ -79,15 +79,15 @@ pub(super) fn each_segment(
     TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
 }
 
-/// A stretch of a trajectory that is to be checked.
+/// A part of a trajectory that is to be checked.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Stretch<'t> {
     Segment(&'t MotionSegment),
-    /// KinematicPath two segments: nothing of it stands in a certificate, since a verifier proves it by itself.
+    /// Gap between two segments. It has no entry in a certificate, since a verifier proves it independently.
     Gap(&'t MotionSegment),
 }
 
-/// The report about the gap between two segments, as one about the start of the second; `None` if they join exactly.
+/// Report on the gap between two segments, expressed at the start of the second; `None` if they join exactly.
 fn check_gap(
     [before, after]: [&MotionSegment; 2],
     check: &mut impl FnMut(Stretch) -> MotionReport,
@@ -106,10 +106,10 @@ fn check_gap(
     let is_loose = before.is_loose() || after.is_loose();
     let verdict = match report.verdict {
         MotionVerdict::Free => MotionVerdict::Free,
-        // neither segment touches anywhere
+        // neither segment itself touches
         MotionVerdict::Contact { pair, .. } => undecided(Some(pair), [0.0; 2], UndecidedReason::Tolerance),
         MotionVerdict::Undecided { pair, distance, reason, .. } => {
-            // the gap's own tolerance is that of rounding
+            // the gap's own tolerance only covers rounding
             let by_rounding = reason == UndecidedReason::Tube && !is_loose;
             undecided(pair, distance, if by_rounding { UndecidedReason::Tolerance } else { reason })
         }

@@ -1,9 +1,9 @@
-//! A check that another thread watches, and may stop.
+//! Handle to observe and stop a check from another thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// How far a check has come; clones are about the same check.
+/// Progress of a check; clones refer to the same check.
 #[derive(Clone, Debug, Default)]
 pub struct Watch(Arc<Watched>);
 
@@ -20,7 +20,7 @@ impl PartialEq for Watch {
 }
 
 impl Watch {
-    /// Has the check end soon, with what is known then.
+    /// Stops the check soon; it then returns its results so far.
     pub fn stop(&self) {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
@@ -30,7 +30,7 @@ impl Watch {
         self.0.is_stopped.load(Ordering::Relaxed)
     }
 
-    /// So many segments of the trajectory are proven free, from the first on.
+    /// Number of segments of the trajectory proven free, from the first on.
     #[must_use]
     pub fn segments_free(&self) -> usize {
         self.0.segments_free.load(Ordering::Relaxed)

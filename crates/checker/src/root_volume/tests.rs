@@ -7,7 +7,7 @@ use super::*;
 use crate::capsules::LinkCapsule;
 use crate::capsules::tests::{random_pair, true_distance};
 
-/// What a chain with its first body at `origin` makes of a capsule.
+/// The capsule that a chain with its first body at `origin` computes.
 fn seen_from(origin: Vector, capsule: &LinkCapsule) -> RootCapsule {
     let middle = (capsule.a.coords + capsule.b.coords) * 0.5;
     let segment = Segment { centre: single(middle - origin), half: single((capsule.b - capsule.a) * 0.5) };
@@ -59,7 +59,7 @@ fn bounds_of_boxes_are_never_above_distances_and_boxes_hold_all() {
         let volume = PieceVolume::Box { centre: Point::origin(), axes: nalgebra::one(), half_extents: half };
         let of_box = RootVolume::of_piece(&volume, &pose, 0.05);
         let bound = f64::from(of_box.lower_bound(&seen_from(random.vector(1.0), &c)));
-        // the nearest of many points of the axis: its distance to a box is known
+        // reference: the nearest of many points of the axis, whose distance to a box is known
         let inverse = pose.inverse();
         let to_box = |s: f64| {
             let p = (&inverse * (c.a + (c.b - c.a) * s)).coords;

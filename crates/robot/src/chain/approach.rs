@@ -1,11 +1,11 @@
-//! How much nearer two bodies of a robot can come during a motion: the bounds of `docs/derivations/motion-bound.md`.
+//! Upper bound on the approach of two robot bodies during a motion, as derived in `docs/derivations/motion-bound.md`.
 
 use clearance_geometry::constants::{KINEMATICS_ROUNDING, MOTION_SLACK};
 use clearance_geometry::math::Extremes;
 
 use super::{Reach, SideMotion};
 
-/// How much nearer a pair can come within an interval, and parts of it around its middle.
+/// Upper bound on the decrease of a pair's distance within an interval, and within parts of the interval around its middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
     /// W, without tolerances.
@@ -14,17 +14,17 @@ pub struct Approach {
     speed: f64,
     /// Remainders of the bound of first order.
     bent: f64,
-    /// What tolerances let it be nearer, in both bounds.
+    /// Contribution of tolerances to both bounds.
     off: f64,
     /// Remainders that do not shrink with the interval, since tolerances do not.
     stiff: f64,
-    /// What kinematics may be off by.
+    /// Error of the kinematics.
     rounding: f64,
 }
 
 impl Approach {
-    /// Of two bodies whose motions and reaches are these, in an interval of this half width; no position is ever larger than `size`
-    /// (rad, m). Where numbers overflow the pair may come nearer by any length.
+    /// Bound for two bodies with these motions and reaches, in an interval of this half width; no position is ever larger than `size`
+    /// (rad, m). Where numbers overflow the bound is infinite.
     #[must_use]
     #[inline]
     pub fn new(sides: &[SideMotion; 2], reaches: &[Reach; 2], half_width: f64, size: f64) -> Self {
@@ -36,7 +36,7 @@ impl Approach {
         let remainder = a.remainder + b.remainder;
         let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
         let extent = reaches.iter().map(Reach::extent).sum::<f64>() + a.extent + b.extent;
-        // what a mimic joint's offset or an obstacle's displacement cancels has been rounded before
+        // before the offset of a mimic joint or the displacement of an obstacle cancels large values, these were rounded
         let rounding = KINEMATICS_ROUNDING * ((10.0 + size) * extent + 10.0 * size);
         let found = Self {
             way: a.way + b.way,
@@ -50,11 +50,11 @@ impl Approach {
         if (way + speed + bent + off + stiff + rounding).is_finite() { found } else { Self::ANY }
     }
 
-    /// Nothing is known.
+    /// Infinite: there is no bound.
     const ANY: Self =
         Self { way: f64::INFINITY, speed: f64::INFINITY, bent: 0.0, off: 0.0, stiff: 0.0, rounding: 0.0 };
 
-    /// The most (m) that the pair comes nearer in the part of the interval that has this share of its width.
+    /// The maximum decrease (m) of the pair's distance within a central part of the interval, given as a fraction of its width.
     #[must_use]
     #[inline]
     pub fn within(&self, share: f64) -> f64 {
@@ -62,19 +62,19 @@ impl Approach {
         ((share * self.way).lesser(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK + self.rounding
     }
 
-    /// What of that (m) shrinks with the interval.
+    /// The part of that bound (m) that shrinks with the interval.
     #[must_use]
     #[inline]
     pub fn motion(&self) -> f64 {
         self.way.lesser(self.speed + self.bent)
     }
 
-    /// The share of the interval in which the pair comes nearer by less than `room` (m).
+    /// The fraction of the interval in which the pair's distance decreases by less than `room` (m).
     #[must_use]
     #[inline]
     pub fn share(&self, room: f64) -> f64 {
         let room = room * (1.0 - 2.0 * MOTION_SLACK) - 2.0 * MOTION_SLACK - self.rounding - self.off;
-        // no number proves nothing
+        // NaN proves nothing
         if room.is_nan() || room <= 0.0 {
             return 0.0;
         }
@@ -83,7 +83,7 @@ impl Approach {
         // the positive root of bent s² + speed s = rest, stable for small bent
         let root = (self.speed * self.speed + 4.0 * self.bent * rest).sqrt();
         let of_first = if rest > 0.0 { 2.0 * rest / (self.speed + root) } else { 0.0 };
-        // where nothing moves, all of it
+        // without motion, the whole interval
         if self.way == 0.0 { 1.0 } else { of_way.greater(of_first).clamp(0.0, 1.0) }
     }
 }
@@ -96,13 +96,13 @@ mod tests {
     use clearance_geometry::math::{UnitVector, Vector};
     use clearance_geometry::testing::Random;
 
-    /// Positions that change as cubic polynomials of t around a middle at 0, and may be off by a little.
+    /// Positions that are cubic polynomials of t around a middle at 0, with small tolerances.
     struct Wave {
         middle: Vec<f64>,
         numbers: Vec<[f64; 3]>,
         off: Vec<f64>,
         half_width: f64,
-        /// By first position of a floating joint: how it turns.
+        /// By first position of a floating joint: its rotation.
         turns: Vec<(usize, UnitVector, f64)>,
     }
 
@@ -153,7 +153,7 @@ mod tests {
             wave
         }
 
-        /// Somewhere that the positions may be at t.
+        /// A random value of the positions at t, within the tolerances.
         fn at(&self, t: f64, random: &mut Random) -> Vec<f64> {
             let along = |(q, [a, b, c]): (&f64, &[f64; 3])| q + t * (a + t * (b + t * c));
             let mut positions: Vec<f64> = self.middle.iter().zip(&self.numbers).map(along).collect();
@@ -201,14 +201,14 @@ mod tests {
         p + (q - p) * (0.5 + random.within(0.5)) + random.direction().into_inner() * capsule.radius
     }
 
-    /// No two points of two capsules come nearer than the bound says, in any part of the interval; and the bound is nearly reached.
+    /// No two points of two capsules approach by more than the bound, in any part of the interval; and the bound is nearly reached.
     #[test]
     fn no_points_come_nearer_than_the_bound() {
         let mut random = Random::new(4711);
         let mut tightest: f64 = 0.0;
         for _ in 0..1200 {
             let (joints, count, _) = random_tree(&mut random, 8);
-            // a joint that follows part of a quaternion is none that robots have
+            // no robot joint mimics a component of a quaternion
             if joints.iter().any(|joint| follows_a_quaternion(joint, &joints)) {
                 continue;
             }

@@ -1,15 +1,14 @@
-//! Compiling: from joints as a robot has them to steps that cost little.
+//! Compiler from the joints of a robot to steps that cost little.
 
 use clearance_geometry::math::{Pose, RotationMatrix, UnitVector, Vector};
 
 use super::{Body, Chain, ChainJoint, EightSources, Frame, LinkInBody, Motion, Source, Step, Turn};
 
 impl Chain {
-    /// Compiles `joints`, parents first, of a robot whose links are numbered; `needed` says by link whether its frame
-    /// will be asked for.
+    /// Compiles `joints`, parents first, of a robot whose links are numbered; `needed` marks the links whose frames will be needed.
     ///
     /// # Panics
-    /// When a joint names a link beyond `needed`, or its parent is not yet placed.
+    /// If a joint names a link beyond `needed`, or its parent does not have a pose yet.
     #[must_use]
     #[inline]
     pub fn compile(root: usize, joints: &[ChainJoint], needed: &[bool]) -> Self {
@@ -30,7 +29,7 @@ impl From<&Pose> for Frame<f64> {
     }
 }
 
-/// A constant frame while compiling.
+/// A constant frame during compilation.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     r: RotationMatrix,
@@ -42,7 +41,7 @@ impl Place {
         Self { r: RotationMatrix::identity(), t: Vector::zeros() }
     }
 
-    /// `self`, then `inner` within it.
+    /// The composition of `self` and the frame `inner` within it.
     fn then(&self, inner: &Self) -> Self {
         Self { r: self.r * inner.r, t: self.r * inner.t + self.t }
     }
@@ -51,7 +50,7 @@ impl Place {
         Self { r: self.r * r, t: self.t }
     }
 
-    /// This place as seen from a frame that is turned by `aim` about z.
+    /// This frame relative to a frame that is rotated by `aim` about z.
     fn seen_from(&self, aim: f64) -> Self {
         let back = about_z(-aim);
         Self { r: back * self.r, t: back * self.t }
@@ -83,7 +82,7 @@ fn z_onto(axis: &UnitVector) -> RotationMatrix {
     turn.map_or(RotationMatrix::from_diagonal(&Vector::new(1.0, -1.0, -1.0)), nalgebra::Rotation3::into_inner)
 }
 
-/// Bodies and seats before the frames of turning bodies are aimed at their children.
+/// Bodies and link seats, before the frames of revolute bodies are aligned with their children.
 struct Draft {
     bodies: Vec<DraftBody>,
     seats: Vec<Option<DraftSeat>>,
@@ -92,19 +91,19 @@ struct Draft {
 #[derive(Clone, Debug)]
 struct DraftBody {
     parent: usize,
-    /// Place in the parent body at position zero.
+    /// Pose in the parent body at position zero.
     place: Place,
     motion: DraftMotion,
-    /// Whether this is the child that its parent's x axis is made for.
+    /// True if this is the child that its parent's x axis is aligned with.
     aimed_at: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum DraftMotion {
     Root,
-    /// About z of the body's place.
+    /// Rotation about z of the body's frame.
     Turn(Source),
-    /// Along an axis in the parent body.
+    /// Translation along an axis in the parent body.
     Shift(Vector, Source),
     Float(usize),
 }
@@ -129,7 +128,7 @@ impl Draft {
         draft
     }
 
-    /// The seat of a link that moves in `joint`.
+    /// The pose in its body of a link that is moved by `joint`.
     fn add(&mut self, joint: DraftSeat, motion: &Motion) -> DraftSeat {
         let position = |index| Source { index, multiplier: 1.0, offset: 0.0 };
         match *motion {
@@ -146,13 +145,13 @@ impl Draft {
         }
     }
 
-    /// A body turning about the z column of `axes`; its link's seat undoes those axes.
+    /// A body that rotates about the z column of `axes`; the pose of its link compensates for these axes.
     fn add_turn(&mut self, joint: DraftSeat, axes: &RotationMatrix, source: Source) -> DraftSeat {
         let seat = self.add_body(joint.body, joint.place.turned_by(axes), DraftMotion::Turn(source));
         DraftSeat { place: seat.place.turned_by(&axes.transpose()), ..seat }
     }
 
-    /// A body that slides and keeps its parent's orientation; its link's seat makes up for the joint's.
+    /// A prismatic body that keeps its parent's orientation; the pose of its link compensates for the joint's orientation.
     fn add_shift(&mut self, joint: DraftSeat, axis: &Vector, source: Source) -> DraftSeat {
         let Place { r, t } = joint.place;
         let place = Place { r: RotationMatrix::identity(), t };
@@ -165,7 +164,7 @@ impl Draft {
         DraftSeat { body: self.bodies.len() - 1, place: Place::identity() }
     }
 
-    /// Keeps the seats of needed links, and the bodies they sit on or hang from.
+    /// Keeps the poses of needed links, their bodies, and the ancestors of these bodies.
     fn drop_unneeded(&mut self, needed: &[bool]) {
         let mut keep = vec![false; self.bodies.len()];
         keep[0] = true;
@@ -190,8 +189,8 @@ impl Draft {
         }
     }
 
-    /// By how much each body's frame is to be turned about z, so that its x axis is the common normal to its own axis
-    /// and its first turning child's. Sliding bodies turn along with their parents.
+    /// Rotation of each body's frame about z that makes its x axis the common normal of its own axis and the axis of its first revolute
+    /// child. Prismatic bodies rotate with their parents.
     fn aims(&mut self) -> Vec<f64> {
         let turns = |body: &DraftBody| matches!(body.motion, DraftMotion::Turn(_));
         let mut aims: Vec<Option<f64>> = vec![None; self.bodies.len()];
@@ -221,7 +220,7 @@ fn normal_direction(r: &RotationMatrix) -> f64 {
 }
 
 impl DraftBody {
-    /// The body with its frame turned by `aim` about z, in a parent turned by its own; `None` for the root's.
+    /// The body with its frame rotated by `aim` about z, in a parent rotated by its own angle; `None` for the root's.
     fn finish(&self, aim: f64, aims: &[f64]) -> Option<Body> {
         let place = self.place.seen_from(aims[self.parent]);
         let step = match self.motion {
@@ -253,7 +252,7 @@ impl DraftSeat {
 }
 
 impl Source {
-    /// The same position counted from elsewhere, less whole turns.
+    /// The same position with another zero, minus full turns.
     fn shifted(self, angle: f64) -> Self {
         let turn = std::f64::consts::TAU;
         Self { offset: self.offset + (angle - (angle / turn).round() * turn), ..self }

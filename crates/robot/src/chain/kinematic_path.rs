@@ -1,7 +1,7 @@
-//! The joints between two bodies: where one stands as seen from the other, and how far they can move.
+//! Kinematic path between two bodies: relative poses, and bounds on the relative motion.
 //!
-//! All is seen from the bodies' lowest common ancestor; joints nearer to the root move both alike. The bounds are derived in
-//! `docs/derivations/motion-bound.md`, whose symbols are used here.
+//! All quantities are relative to the bodies' lowest common ancestor; joints nearer to the root move both bodies alike. The bounds are
+//! derived in `docs/derivations/motion-bound.md`; the symbols here are the same.
 
 use std::ops::Range;
 
@@ -11,69 +11,70 @@ use clearance_geometry::simd::{Simd, f64x8, sin_cos};
 
 use super::{Body, Chain, Columns, Frame, PlacedFrame, Step};
 
-/// The bodies from each body up to the root. Those of a body are the end of the way from a leaf, so that a chain has one way for all.
+/// The path from each body up to the root. A body's path is the end of the path of a leaf below it, so that a serial chain stores one
+/// path for all.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathsToRoot {
-    /// From leaves to the root, way by way.
+    /// The paths from leaves to the root, one after the other.
     bodies: Vec<usize>,
-    /// By body: itself first, the root last.
+    /// By body: the range of its path, from the body itself to the root.
     ways: Vec<Range<usize>>,
 }
 
-/// Two bodies' ways to their lowest common ancestor.
+/// The paths of two bodies to their lowest common ancestor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinematicPath<'w> {
     ancestor: usize,
-    /// By side: bodies from the most distal one to the ancestor, which is left out.
+    /// By side: bodies from the most distal one up to the ancestor, which is excluded.
     sides: [&'w [usize]; 2],
 }
 
-/// By how much a position may differ, within an interval, from that in the middle.
+/// Bound on the deviation of a position, within an interval, from its value in the middle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// Its velocity in the middle, a unit of t.
+    /// Velocity in the middle, per unit of t.
     pub velocity: f64,
-    /// δ: how far it goes in the interval, either way.
+    /// δ: the maximum deviation within the interval, to either side.
     pub most: f64,
-    /// Of that, what lies beyond the way that the velocity in the middle makes.
+    /// The part of δ beyond the motion at the velocity in the middle.
     pub bent: f64,
-    /// How far it may be off whatever the interval is; not part of the others.
+    /// Tolerance that does not depend on the interval; not included in the others.
     pub off: f64,
 }
 
-/// How positions deviate within an interval.
+/// Deviation of positions within an interval.
 pub trait Deviations {
-    /// Of a position; not of quaternions.
+    /// Deviation of a position; not used for quaternions.
     fn of(&self, position: usize) -> Deviation;
 
     /// Half the width of the interval, in t.
     fn half_width(&self) -> f64;
 
-    /// The turn of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle a unit of t.
+    /// The rotation of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle per unit of t.
     fn turn(&self, first: usize) -> Option<(UnitVector, f64)>;
 }
 
-/// All points within `radius` of a segment; seen from the ancestor.
+/// All points within `radius` of a segment, in the frame of the ancestor.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     pub ends: [Vector; 2],
     pub radius: f64,
 }
 
-/// How one of the bodies moves, seen from the ancestor.
+/// Motion of one of the bodies, in the frame of the ancestor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SideMotion {
-    /// W, of the interval's width alone.
+    /// W, for the interval's width alone.
     pub way: f64,
-    /// What tolerances add to W.
+    /// Contribution of tolerances to W.
     pub off: f64,
     /// R.
     pub remainder: f64,
-    /// K, of the interval's width alone.
+    /// K, for the interval's width alone.
     pub bent: f64,
-    /// How far (m) the frames on the way are from the ancestor's origin, at most: what rounding is a share of.
+    /// Maximum distance (m) of the frames on the path from the ancestor's origin; rounding errors are proportional to it.
     pub extent: f64,
-    /// Velocity (a unit of t) of what passes through the ancestor's origin, and angular velocity.
+    /// Velocity (per unit of t) of the body point at the ancestor's origin, and angular velocity.
     pub velocity: Vector,
     pub angular: Vector,
 }
@@ -83,7 +84,7 @@ impl Chain {
     #[inline]
     pub fn paths_to_root(&self) -> PathsToRoot {
         let mut found = PathsToRoot { bodies: Vec::new(), ways: vec![0..0; self.body_count()] };
-        // children before parents: what no way has passed yet is a leaf
+        // children before parents: a body that is not on any path yet is a leaf
         for leaf in (0..self.body_count()).rev() {
             if found.ways[leaf].is_empty() {
                 found.add(leaf, |body| self.bodies[body - 1].parent);
@@ -92,7 +93,7 @@ impl Chain {
         found
     }
 
-    /// Writes the frames of the bodies between two, and of the two, in their lowest common ancestor.
+    /// Computes the frames of the bodies between two bodies, and of the two, in their lowest common ancestor.
     #[inline(always)]
     pub fn frames_between<S: Simd>(
         &self,
@@ -119,7 +120,7 @@ impl Chain {
         }
     }
 
-    /// How one of two bodies moves, from their frames: the body at the end of a side, whose points lie within `reach`.
+    /// The motion of one of two bodies, computed from their frames: the body at the end of a side, whose points lie within `reach`.
     #[must_use]
     #[inline]
     pub fn side_motion(
@@ -136,9 +137,9 @@ impl Chain {
         motion
     }
 
-    /// For each joint from a body up to the root: how far anything within `reach` metres of the body's origin may move, at most, by
-    /// the joints before it: bounds W with the reaches of chains that are stretched, which hold wherever joints stand. One more than
-    /// there are joints. `range` tells how far a position ever is from zero.
+    /// For each joint from a body up to the root: upper bound on the motion, by the joints before it, of all points within `reach` metres
+    /// of the body's origin. These are bounds W with the reaches of fully stretched chains, so they hold for all joint positions. There
+    /// is one more entry than joints. `range` gives the maximum absolute value of a position.
     #[inline]
     pub fn stretched_ways(
         &self,
@@ -161,7 +162,7 @@ impl Chain {
 }
 
 impl PathsToRoot {
-    /// Adds the way from a leaf.
+    /// Adds the path from a leaf.
     fn add(&mut self, leaf: usize, parent: impl Fn(usize) -> usize) {
         let mut body = leaf;
         let first = self.bodies.len();
@@ -184,7 +185,7 @@ impl PathsToRoot {
         &self.bodies[self.ways[body].clone()]
     }
 
-    /// How many joints there are between a body and the root.
+    /// Number of joints between a body and the root.
     #[must_use]
     #[inline]
     pub fn depth(&self, body: usize) -> usize {
@@ -208,7 +209,7 @@ impl PathsToRoot {
         depths
     }
 
-    /// The ways between two bodies, which have this many joints on either side of their lowest common ancestor.
+    /// The paths of two bodies, with the given numbers of joints on either side of their lowest common ancestor.
     #[must_use]
     #[inline]
     pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> KinematicPath<'_> {
@@ -216,14 +217,14 @@ impl PathsToRoot {
         KinematicPath { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
     }
 
-    /// The way between a body and the root.
+    /// The path between a body and the root.
     #[must_use]
     #[inline]
     pub fn to_root(&self, body: usize) -> KinematicPath<'_> {
         self.between([body, Chain::ROOT], [self.depth(body), 0])
     }
 
-    /// Number of bodies in all ways that are stored.
+    /// Number of bodies in all stored paths.
     #[must_use]
     #[inline]
     pub fn stored(&self) -> usize {
@@ -232,7 +233,7 @@ impl PathsToRoot {
 }
 
 impl KinematicPath<'_> {
-    /// Bodies on the way from one of the two to the ancestor, which is left out.
+    /// Bodies on the path from one of the two to the ancestor, which is excluded.
     #[must_use]
     #[inline]
     pub fn side(&self, side: usize) -> &[usize] {
@@ -241,7 +242,7 @@ impl KinematicPath<'_> {
 }
 
 impl Body {
-    /// Adds how far this joint moves what lies within `extent` of its origin; returns how far it slides itself.
+    /// Adds the motion, by this joint, of points within `extent` of its origin; returns the translation by the joint itself.
     fn add_stretched_way(
         &self,
         way: &mut f64,
@@ -269,7 +270,7 @@ impl Body {
         }
     }
 
-    /// Adds the motion of this body's joint to that of one that hangs on it.
+    /// Adds the motion by this body's joint to the motion of a body further out.
     #[inline]
     fn add_motion(
         &self,
@@ -329,21 +330,21 @@ impl Deviation {
 }
 
 impl Reach {
-    /// A number not less than the distance (m) of any of its points from an axis.
+    /// Upper bound (m) on the distance of its points from an axis.
     #[inline]
     fn farthest_from(&self, axis: &Vector, origin: &Vector) -> f64 {
         let [p, q] = [axis.cross(&(self.ends[0] - origin)), axis.cross(&(self.ends[1] - origin))];
         p.norm_squared().greater(q.norm_squared()).sqrt() + self.radius
     }
 
-    /// How far any of its points is from the origin, at most, in the 1-norm.
+    /// Upper bound on the distance of its points from the origin, in the 1-norm.
     #[must_use]
     #[inline]
     pub fn extent(&self) -> f64 {
         self.ends.iter().map(|p| p.abs().sum()).fold(0.0, f64::greater) + 2.0 * self.radius
     }
 
-    /// The most that any of its points moves a unit of t.
+    /// Maximum speed of its points, per unit of t.
     #[inline]
     #[must_use]
     pub fn speed(&self, velocity: &Vector, angular: &Vector) -> f64 {
@@ -353,7 +354,7 @@ impl Reach {
 }
 
 impl SideMotion {
-    /// Adds a joint that turns, nearer to the ancestor than those before.
+    /// Adds a revolute joint, nearer to the ancestor than the joints so far.
     #[inline]
     pub fn turn(&mut self, axis: &Vector, origin: &Vector, deviation: &Deviation, reach: &Reach) {
         let Deviation { velocity, most, bent, off } = *deviation;
@@ -368,7 +369,7 @@ impl SideMotion {
         self.velocity += origin.cross(&angular);
     }
 
-    /// Adds a joint that slides.
+    /// Adds a prismatic joint.
     #[inline]
     pub fn shift(&mut self, velocity: Vector, deviation: &Deviation) {
         self.way += deviation.most;
@@ -388,7 +389,7 @@ mod tests {
     use crate::chain::tests::random_tree;
     use clearance_geometry::testing::Random;
 
-    /// The ways between all bodies of random trees are those that are found by going up from both.
+    /// The paths between all bodies of random trees equal those found by going up from both bodies.
     #[test]
     fn ways_meet_at_the_lowest_common_ancestor() {
         let mut random = Random::new(31);

@@ -1,5 +1,5 @@
-//! Kinematics of one state, a vector for each column of a frame: the same operations on each coordinate as of eight states in lanes,
-//! in the same order, hence the same bits.
+//! Kinematics of one state, with one SIMD vector per column of a frame. The operations on each coordinate, and their order, are the same
+//! as for eight states in lanes, hence the results are bit-identical.
 
 use clearance_geometry::math::MatrixPose;
 use clearance_geometry::simd::prelude::*;
@@ -7,31 +7,31 @@ use clearance_geometry::simd::{Simd, f32x8, f64x4, f64x8, sin_cos};
 
 use super::{Body, Chain, Frame, Step, Turn};
 
-/// A frame, whose columns are vectors of which the fourth number means nothing.
+/// A frame whose columns are vectors with an unused fourth element.
 #[derive(Clone, Copy, Debug)]
 pub struct Columns<S: Simd> {
     r: [f64x4<S>; 3],
     t: f64x4<S>,
 }
 
-/// The same in memory: written and read whole, for what is taken apart between two joints costs more than the joint.
+/// The same frame in memory. It is written and read as a whole: splitting it between two joints would cost more than the joint.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub struct PlacedFrame([[f64; 4]; 4]);
 
-/// Where the angles of eight bodies come from; of those that do not turn any number.
+/// Sources of the angles of eight bodies; arbitrary for bodies that are not revolute.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(align(32))]
 pub(super) struct EightSources {
     indices: [usize; 8],
     multipliers: [f64; 8],
     offsets: [f64; 8],
-    /// How many turn.
+    /// Number of revolute bodies among the eight.
     turning: usize,
 }
 
 impl EightSources {
-    /// Of up to eight bodies.
+    /// Angle sources of up to eight bodies.
     #[inline]
     pub fn of(bodies: &[Body]) -> Self {
         let mut sources = Self { indices: [0; 8], multipliers: [0.0; 8], offsets: [0.0; 8], turning: 0 };
@@ -56,7 +56,7 @@ impl EightSources {
 
     #[inline(always)]
     fn angles<S: Simd>(&self, simd: S, positions: &[f64]) -> f64x8<S> {
-        // written out, so that no memory is between: what was just written in parts is slow to read as one
+        // written out, to avoid memory in between: partly written memory is slow to read as a whole
         let q = |lane: usize| positions[self.indices[lane]];
         let q = f64x8::simd_from(simd, [q(0), q(1), q(2), q(3), q(4), q(5), q(6), q(7)]);
         q * f64x8::simd_from(simd, self.multipliers) + f64x8::simd_from(simd, self.offsets)
@@ -64,8 +64,8 @@ impl EightSources {
 }
 
 impl Chain {
-    /// As [`Self::frames`] for one state, to the same bits, with eight joints' sines in lanes. Each frame is shown to `visit` with
-    /// the number of its body, while it is at hand.
+    /// As [`Self::frames`] for one state, with bit-identical results and eight joints' sines in lanes. Each frame is passed to `visit`
+    /// with the number of its body while it is in registers.
     #[inline(always)]
     pub fn frames_of_one<S: Simd>(
         &self,
@@ -75,7 +75,7 @@ impl Chain {
         mut visit: impl FnMut(usize, &Columns<S>),
     ) {
         frames[0] = PlacedFrame::IDENTITY;
-        // most bodies hang on the one before: it is kept at hand, for memory just written is slow to read otherwise
+        // the parent of most bodies is the previous one: it is kept in registers, since memory just written is slow to read
         let mut last = Columns::of(simd, &PlacedFrame::IDENTITY);
         visit(0, &last);
         for ((eight, sources), first) in self.bodies.chunks(8).zip(&self.angles).zip((1..).step_by(8)) {
@@ -180,7 +180,7 @@ impl<S: Simd> Columns<S> {
         self.t + self.turn(p)
     }
 
-    /// In single precision, each twice: the columns, and the way to here from an `origin`, which is but once there.
+    /// The frame in single precision, each value twice: the columns, and the vector from `origin`, which occurs only once.
     #[inline(always)]
     pub fn doubled(&self, simd: S, origin: f64x4<S>) -> [f32x8<S>; 4] {
         let [x, y, z] = self.r;
@@ -200,7 +200,7 @@ fn vector<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> f64x4<S> {
     f64x4::simd_from(simd, [x, y, z, 0.0])
 }
 
-/// Two axes, turned towards each other's place.
+/// Rotates two axes in their common plane.
 #[inline(always)]
 fn mix<S: Simd>(x: f64x4<S>, y: f64x4<S>, cos: f64, sin: f64) -> [f64x4<S>; 2] {
     [x * cos + y * sin, y * cos - x * sin]

@@ -1,4 +1,4 @@
-//! Where bodies can ever be: known before any position is.
+//! Regions that bodies can reach, over all joint positions.
 
 use std::ops::RangeInclusive;
 
@@ -6,20 +6,20 @@ use clearance_geometry::math::{Extremes, Vector};
 
 use super::{Chain, Source, Step};
 
-/// Rounding that is granted to sums of lengths.
+/// Rounding error allowed for sums of lengths.
 const GRANTED: f64 = 1e-9;
 
-/// A ball (root frame) that something never leaves.
+/// A ball (root frame) that contains all positions of a point or body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReachableRegion {
     pub centre: Vector,
-    /// Infinite where a joint floats, or slides by a position that has no range (m).
+    /// Radius (m). Infinite where a joint floats, or is prismatic without a range.
     pub radius: f64,
 }
 
 impl Chain {
-    /// The territories of the origins of all bodies, by body, as long as positions by which joints slide are in their ranges (m).
-    /// Joints turn as far as they like.
+    /// Balls around all positions of the bodies' origins, by body, as long as prismatic positions are in their ranges (m). Revolute
+    /// joints are not limited.
     #[must_use]
     #[inline]
     pub fn territories(
@@ -48,7 +48,7 @@ impl Chain {
         all
     }
 
-    /// The positions by which joints slide.
+    /// The positions of prismatic joints.
     #[inline]
     pub fn sliding_positions(&self) -> impl Iterator<Item = usize> {
         self.bodies.iter().filter_map(|body| match &body.step {
@@ -59,7 +59,7 @@ impl Chain {
 }
 
 impl Source {
-    /// The largest number that comes of positions in a range, of either sign.
+    /// The largest absolute value of a joint position over a range.
     fn farthest(&self, range: &RangeInclusive<f64>) -> f64 {
         let [lower, upper] = [range.start(), range.end()].map(|q| (self.multiplier * q + self.offset).abs());
         lower.greater(upper)

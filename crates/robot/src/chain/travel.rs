@@ -1,27 +1,27 @@
-//! How far bodies may move when joints do: numbers known before any pose is.
+//! Upper bounds on the motion of bodies from joint motion, independent of poses.
 //!
-//! When one joint moves, what hangs on it moves rigidly against the rest: by at most the angle times how far any of it can
-//! ever be from the axis, or by what it slides. So no distance between two points changes by more. Joints may be thought to
-//! move one after the other, so a change of all of them changes no distance by more than the sum. (The bound of conservative advancement: Zhang, Redon, Lee
-//! & Kim 2007, *Continuous collision detection for articulated models using Taylor models and temporal culling*, section 4,
-//! with reaches that hold for all positions.)
+//! When one joint moves, the bodies beyond it move rigidly relative to the rest. A revolute joint moves their points by at most the angle
+//! times their largest possible distance from the axis, a prismatic joint by its own motion. No distance between two points changes by
+//! more. Joints can be considered to move one after the other, so a change of all positions changes no distance by more than the sum.
+//! (The bound of conservative advancement: Zhang, Redon, Lee & Kim 2007, *Continuous collision detection for articulated models using
+//! Taylor models and temporal culling*, section 4, with reaches that hold for all positions.)
 
 use clearance_geometry::math::Extremes;
 
 use super::{Chain, Source, Step};
 
-/// For each position of a robot, by how much (m) any distance changes while it changes by one.
+/// For each position of a robot: maximum change (m) of any distance per unit of the position.
 #[derive(Clone, Debug, Default)]
 pub struct TravelRates {
-    /// Position index, and metres a radian or a metre.
+    /// Position index, and rate in metres per radian or per metre.
     rates: Vec<(usize, f64)>,
-    /// Positions that lengthen the chain, and the range in which the rates hold.
+    /// Positions that lengthen the chain, and the ranges in which the rates hold.
     ranges: Vec<(usize, [f64; 2])>,
 }
 
 impl TravelRates {
-    /// A number (m) that no distance of two points of the robot or its world changes by more than between two states; infinite
-    /// where nothing is known.
+    /// Upper bound (m) on the change of any distance between two points of the robot or its world between two states; infinite where
+    /// there is no bound.
     #[must_use]
     #[inline]
     pub fn between(&self, from: &[f64], to: &[f64]) -> f64 {
@@ -32,18 +32,18 @@ impl TravelRates {
         }
         let steps = self.rates.iter().map(|&(i, rate)| (rate, (to[i] - from[i]).abs()));
         let travel: f64 = steps.filter(|(_, step)| *step != 0.0).map(|(rate, step)| rate * step).sum();
-        // no number is no bound
+        // NaN is no bound
         if travel.is_nan() { f64::INFINITY } else { travel * (1.0 + 1e-12) }
     }
 }
 
 impl Chain {
-    /// The rates for what reaches `reach` (m, by body) from the bodies' origins; `range` tells within which limits a position
-    /// stays, `None` where there are none.
+    /// The rates for bodies whose points are within `reach` (m, by body) of the bodies' origins; `range` gives the limits of a position,
+    /// `None` where there are none.
     #[must_use]
     pub fn travel_rates(&self, reach: &[f64], range: impl Fn(usize) -> Option<[f64; 2]>) -> TravelRates {
         let mut travel = TravelRates::default();
-        // of all that hangs on a body, from its origin, however joints stand
+        // maximum distance of all points beyond a body from its origin, for any joint positions
         let mut extent = reach.to_vec();
         for (i, body) in self.bodies.iter().enumerate().rev() {
             let below = extent[i + 1];
@@ -80,7 +80,7 @@ impl TravelRates {
     }
 }
 
-/// The farthest that a position in `range` shifts.
+/// The maximum translation of a position in `range`.
 fn farthest(source: &Source, range: [f64; 2]) -> f64 {
     range.iter().map(|q| (q * source.multiplier + source.offset).abs()).fold(0.0, f64::greater)
 }
@@ -93,7 +93,7 @@ mod tests {
     use clearance_geometry::math::Vector;
     use clearance_geometry::testing::Random;
 
-    /// The distance of points of any two bodies changes by no more than the rates say.
+    /// The distance of points of any two bodies changes by no more than the rates allow.
     #[test]
     fn no_distance_changes_by_more() {
         let mut random = Random::new(77);
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(rates.between(&[0.25], &[f64::NAN]), f64::INFINITY);
     }
 
-    /// Positions not far from others; quaternions keep their length.
+    /// Positions near other positions; quaternions keep their length.
     fn near(from: &[f64], joints: &[ChainJoint], random: &mut Random) -> Vec<f64> {
         let step = 10f64.powf(random.within(2.0) - 2.0);
         let mut to: Vec<f64> = from.iter().map(|q| q + random.within(step)).collect();

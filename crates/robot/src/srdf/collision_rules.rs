@@ -18,11 +18,11 @@ pub(super) struct CollisionRules {
 }
 
 impl<'d> Reader<'d> {
-    /// As in `MoveIt`'s `AllowedCollisionMatrix(const srdf::Model&)`: a disabled pair overrules an enabled one, and both overrule
+    /// As in `MoveIt`'s `AllowedCollisionMatrix(const srdf::Model&)`: a disabled pair takes precedence over an enabled one, and both over
     /// the default entries of their links. The order of the elements in the file does not matter.
     ///
     /// # Errors
-    /// An element that names no link: which pair is meant can not be known.
+    /// An element that names no link: the intended pair is unknown.
     pub(super) fn collision_rules(&mut self, root: Node<'d, 'd>) -> Result<CollisionRules, Fault> {
         let mut unchecked_by_default = BTreeSet::new();
         for node in own_children(root, "disable_default_collisions") {
@@ -64,7 +64,7 @@ impl<'d> Reader<'d> {
         })
     }
 
-    /// Where links are unchecked by default, a rule that is left out would leave its pair unchecked.
+    /// Where links are unchecked by default, leaving out a rule would leave its pair unchecked.
     fn reject_unknown_links(&self, node: Node<'d, 'd>) -> Result<(), Fault> {
         let unknown = ["link1", "link2"].into_iter().filter_map(|attribute| {
             let name = node.attribute(attribute).unwrap_or_default().trim();
@@ -101,7 +101,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// A fault unless the attribute is there and not empty.
+    /// An error unless the attribute exists and is not empty.
     fn require(&self, node: Node<'d, 'd>, attribute: &str) -> Result<(), Fault> {
         if node.attribute(attribute).is_some_and(|link| !link.trim().is_empty()) {
             return Ok(());
@@ -114,7 +114,7 @@ impl<'d> Reader<'d> {
         let element = node.tag_name().name();
         self.require(node, "link1")?;
         self.require(node, "link2")?;
-        // both are looked up, so that both are reported when unknown
+        // both are resolved, so that both are reported when unknown
         let (a, b) = (self.link(node, "link1", element), self.link(node, "link2", element));
         let (Some(a), Some(b)) = (a, b) else { return Ok(None) };
         if a == b {

@@ -9,10 +9,10 @@ use crate::numbers::shortened;
 use crate::xml::{is_foreign, own_children};
 use crate::{JointId, LinkId};
 
-/// Most groups that a warning names.
+/// Maximum number of groups named in a warning.
 const MOST_NAMED: usize = 8;
 
-/// A group as written: its own members, and the groups it names.
+/// A group as written: its own members, and the names of its subgroups.
 struct Draft<'d> {
     name: &'d str,
     node: Node<'d, 'd>,
@@ -22,7 +22,7 @@ struct Draft<'d> {
 }
 
 impl<'d> Reader<'d> {
-    /// Groups with their subgroups resolved; groups that contain each other are each the union of all of them.
+    /// Groups with their subgroups resolved; groups that contain each other are each resolved to the union of all of them.
     pub(super) fn read_groups(&mut self, root: Node<'d, 'd>) -> Vec<Group> {
         let mut drafts = self.drafts(root);
         for together in subgroups_first(&drafts) {
@@ -116,7 +116,7 @@ impl<'d> Reader<'d> {
                         draft.joints.extend(self.chain(base, tip));
                     }
                 }
-                // groups are resolved when all are known; passive joints here say nothing about collisions
+                // groups are resolved after all are read; passive joints here do not concern collisions
                 "group" | "passive_joint" => {}
                 other => {
                     let message = format!("<{}> is no part of a group; ignored", shortened(other));
@@ -128,7 +128,7 @@ impl<'d> Reader<'d> {
         draft
     }
 
-    /// Joints from `base` to `tip`; up to their nearest common link first when `tip` does not hang on `base`.
+    /// Joints from `base` to `tip`; by way of their nearest common ancestor if `tip` is not a descendant of `base`.
     fn chain(&self, base: LinkId, tip: LinkId) -> BTreeSet<JointId> {
         let (up, down) = (self.joints_above(base), self.joints_above(tip));
         up.symmetric_difference(&down).copied().collect()
@@ -140,8 +140,8 @@ impl<'d> Reader<'d> {
     }
 }
 
-/// Groups in an order in which subgroups come before those that name them; groups that contain each other stand together, in the order
-/// of the text. Tarjan (1972), without recursion: texts may nest groups deeply.
+/// Groups in topological order, subgroups first; groups that contain each other are adjacent, in the order of the text. Tarjan (1972),
+/// without recursion: texts may nest groups deeply.
 fn subgroups_first(drafts: &[Draft]) -> Vec<Vec<usize>> {
     let mut search = Components { reached: vec![None; drafts.len()], ..Components::default() };
     for root in 0..drafts.len() {
@@ -155,16 +155,16 @@ fn subgroups_first(drafts: &[Draft]) -> Vec<Vec<usize>> {
 /// Search for strongly connected components.
 #[derive(Default)]
 struct Components {
-    /// By group: in which order it was reached.
+    /// By group: the order in which the search reached it.
     reached: Vec<Option<usize>>,
     count: usize,
-    /// Groups that were reached and are in no component yet.
+    /// Reached groups that do not belong to a component yet.
     open: Vec<usize>,
     is_open: BTreeSet<usize>,
     found: Vec<Vec<usize>>,
 }
 
-/// A group on the path of the search: its next subgroup, and the earliest open group that it leads to.
+/// A group on the path of the search: its next subgroup, and the earliest open group reachable from it.
 struct Step {
     index: usize,
     next: usize,
@@ -204,7 +204,7 @@ impl Components {
         }
     }
 
-    /// All groups that were opened since `index` lead to each other.
+    /// All groups opened since `index` are reachable from each other.
     fn close(&mut self, index: usize) {
         let start = self.open.iter().rposition(|&open| open == index).unwrap_or_default();
         let mut together = self.open.split_off(start);

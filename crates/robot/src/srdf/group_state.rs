@@ -1,4 +1,4 @@
-//! Named states (`<group_state>`): nothing is checked with them, but what is wrong with them is reported.
+//! Named states (`<group_state>`): not used by any check, but their errors are reported.
 
 use std::collections::HashSet;
 
@@ -9,7 +9,7 @@ use crate::JointKind;
 use crate::numbers::{decimal, shortened};
 use crate::xml::own_children;
 
-/// Most remarks about named states; a text that is wrong throughout has thousands.
+/// Maximum number of remarks on named states; a thoroughly wrong text has thousands.
 const MOST_REMARKS: usize = 20;
 
 /// Largest deviation of a quaternion's length from 1.
@@ -53,7 +53,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// Fault of a joint name in a group state, if there is one.
+    /// Error in a joint name of a group state, if there is one.
     fn fault_of_joint(&self, name: &str, group: Option<&Group>) -> Option<String> {
         if name.is_empty() {
             return Some("a joint has no name".to_owned());
@@ -68,7 +68,7 @@ impl<'d> Reader<'d> {
         Some(format!("joint '{name}' is not in group '{}'", shortened(&group.name)))
     }
 
-    /// Fault of a joint value in a group state, if there is one.
+    /// Error in a joint value of a group state, if there is one.
     fn fault_of_value(&self, node: Node, name: &str) -> Option<String> {
         let count = self.position_count(name)?;
         let quoted = shortened(name);
@@ -97,7 +97,7 @@ impl<'d> Reader<'d> {
         })
     }
 
-    /// How many values a state gives a joint; `None` if that is not known.
+    /// Number of values of a joint in a state; `None` if it is not known.
     fn position_count(&self, name: &str) -> Option<usize> {
         let of_virtual = |kind: &str| match kind {
             "fixed" => Some(0),
@@ -109,7 +109,7 @@ impl<'d> Reader<'d> {
             return of_virtual(&joint.kind);
         }
         let joint = self.model.joint(*self.joints.get(name)?);
-        // a follower of a fixed joint may be given
+        // a mimic joint of a fixed joint may be named
         let follows = joint.mimic.is_some() && joint.kind == JointKind::Fixed;
         Some(if follows { 1 } else { joint.kind.position_suffixes().len() })
     }

@@ -1,10 +1,10 @@
-//! Marc Lehmann's LZF, which compresses PCD files.
+//! Decompression of Marc Lehmann's LZF, the compression of PCD files.
 
-/// The bytes that `packed` stands for: `size` of them.
+/// Decompresses `packed` to exactly `size` bytes.
 ///
 /// # Errors
-/// When `packed` is cut, refers to what is not there, or stands for more or fewer bytes. No more memory is taken than
-/// there are bytes to put in it.
+/// If `packed` is truncated, contains an invalid reference, or decompresses to more or fewer bytes. Memory grows only with the bytes
+/// actually decompressed.
 pub(super) fn unpack(packed: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let mut out = Vec::new();
     let mut at = 0;
@@ -25,7 +25,7 @@ pub(super) fn unpack(packed: &[u8], size: usize) -> Result<Vec<u8>, String> {
             let back = ((control & 31) << 8) + usize::from(take(1)?[0]) + 1;
             let start =
                 out.len().checked_sub(back).ok_or("the compressed data refers to what is not there")?;
-            // what is copied may reach into its own copy
+            // the source of a copy may overlap its destination
             for i in start..start + length {
                 out.push(out[i]);
             }

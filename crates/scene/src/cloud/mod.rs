@@ -1,7 +1,7 @@
-//! Clouds of points from files (PCD, PLY), and from any bytes that hold records.
+//! Point clouds from files (PCD, PLY), and from any bytes that hold records.
 //!
-//! The parsers are our own: the crates that read these formats build a value for every number of every field, or do not
-//! know compressed PCD, and trust the counts of the header.
+//! The parsers are part of this project. Existing crates for these formats build a value for every number of every field, or do not
+//! support compressed PCD, and trust the counts of the header.
 
 mod lzf;
 mod pcd;
@@ -13,16 +13,16 @@ pub use points::{CloudError, CloudPoints, Column, Columns};
 
 use clearance_files::ply_format::is_ply;
 
-/// Whether the bytes begin as a cloud file does that [`read_cloud`] knows.
+/// True if the bytes start like a point cloud file that [`read_cloud`] supports.
 #[must_use]
 pub fn is_cloud(bytes: &[u8]) -> bool {
     is_ply(bytes) || pcd::is_pcd(bytes)
 }
 
-/// The points of a PCD or PLY file, which is recognised by what it holds.
+/// The points of a PCD or PLY file, recognised by its content.
 ///
 /// # Errors
-/// What the file lacks or where it contradicts itself.
+/// The missing or contradictory part of the file.
 pub fn read_cloud(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     if is_ply(bytes) {
         ply::read(bytes)

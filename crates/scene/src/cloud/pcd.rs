@@ -1,4 +1,4 @@
-//! PCD, the files of the Point Cloud Library (PCL).
+//! Reader of PCD files, the format of the Point Cloud Library (PCL).
 
 use clearance_files::ply_format::words::{next_line, quoted, words};
 use clearance_files::ply_format::{ByteOrder, NumberKind};
@@ -6,7 +6,7 @@ use clearance_files::ply_format::{ByteOrder, NumberKind};
 use super::lzf;
 use super::points::{CloudError, CloudPoints, Column, Columns};
 
-/// What stands before the data.
+/// The header.
 #[derive(Debug, Default)]
 struct Header {
     names: Vec<String>,
@@ -26,7 +26,7 @@ enum Storage {
     Compressed,
 }
 
-/// One field of a point, which may hold several numbers.
+/// One field of a point; it may hold several numbers.
 #[derive(Clone, Debug)]
 struct Field {
     name: String,
@@ -40,7 +40,7 @@ struct Field {
     place: usize,
 }
 
-/// Whether the first line that is no comment is one of a PCD header.
+/// True if the first line that is not a comment is a PCD header line.
 pub(super) fn is_pcd(bytes: &[u8]) -> bool {
     let mut rest = bytes;
     while let Some((line, after)) = next_line(rest) {
@@ -55,7 +55,7 @@ pub(super) fn is_pcd(bytes: &[u8]) -> bool {
 }
 
 /// # Errors
-/// When the header is incomplete or contradicts itself, or the data does not hold as many points as it says.
+/// If the header is incomplete or contradictory, or the data holds fewer points than it declares.
 pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     let (header, storage, data) = Header::read(bytes)?;
     let fields = header.fields()?;
@@ -66,7 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
         Storage::Binary => read_binary(data, &fields, count, &mut cloud)?,
         Storage::Compressed => read_compressed(data, &fields, count, &mut cloud)?,
     }
-    // as the Point Cloud Library, which reads where the sensor was and leaves the points where they are
+    // as the Point Cloud Library: the sensor's pose is read, but the points are not transformed
     if header.viewpoint.is_some_and(|v| v != [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]) {
         cloud.remarks.push("its VIEWPOINT is not applied: points are taken as they are".to_owned());
     }
@@ -143,7 +143,7 @@ impl Header {
 }
 
 impl Field {
-    /// Bytes and numbers of a point up to the end of this field; `None` when they cannot be counted.
+    /// Bytes and numbers of a point up to the end of this field; `None` on overflow.
     fn end(&self) -> Option<(usize, usize)> {
         let offset = self.offset.checked_add(self.size.checked_mul(self.count)?)?;
         Some((offset, self.place.checked_add(self.count)?))
@@ -188,7 +188,7 @@ fn number_kind(kind: char, size: usize) -> Option<NumberKind> {
     })
 }
 
-/// The fields x, y and z, each with how its number is stored.
+/// The fields x, y and z, each with the storage kind of its numbers.
 fn coordinates(fields: &[Field]) -> Result<[(&Field, NumberKind); 3], CloudError> {
     let find = |name: &str| -> Result<_, CloudError> {
         let mut named = fields.iter().filter(|f| f.name == name);
@@ -264,7 +264,7 @@ fn read_binary(
     cloud.read(data, &Columns { xyz, order: ByteOrder::Little }, count)
 }
 
-/// All numbers of the first field, then all of the second and so on, compressed as a whole; padding is left out.
+/// Compressed data: all numbers of the first field, then all of the second and so on, compressed as a whole, without padding.
 fn read_compressed(
     data: &[u8],
     fields: &[Field],

@@ -1,11 +1,11 @@
-//! Point clouds in PLY files: the vertices only.
+//! Reader of point clouds in PLY files: the vertices only.
 
 use clearance_files::ply_format::PlyFile;
 
 use super::points::{CloudError, CloudPoints};
 
 /// # Errors
-/// When the header is incomplete, or the data ends before the last vertex.
+/// If the header is incomplete, or the data ends before the last vertex.
 pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     let PlyFile { elements, mut numbers } = PlyFile::open(bytes)?;
     let mut cloud = CloudPoints::default();
@@ -26,7 +26,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     if elements.iter().any(|e| e.name == "face" && e.count > 0) {
         cloud.remarks.push("its faces are not used: only its vertices are points".to_owned());
     }
-    // its vertices are whole: what follows them decides nothing
+    // the vertices are complete; the data after them is not needed
     match after.iter().try_for_each(|element| numbers.skip(element)) {
         Ok(()) => cloud.remarks.extend(numbers.left()),
         Err(error) => cloud.remarks.push(format!("what follows its vertices is cut: {error}")),

@@ -1,4 +1,4 @@
-//! Points out of records: the same for every format and message that holds clouds.
+//! Reads points from records, for all formats and messages with point clouds.
 
 use std::sync::Arc;
 
@@ -7,22 +7,22 @@ use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::Extremes;
 use clearance_geometry::{PointCloud, PointCloudError};
 
-/// Points as they were read, before they have a size.
+/// Points of a cloud, not yet enlarged to balls.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CloudPoints {
-    /// In the frame of the cloud (m); all finite.
+    /// Coordinates in the frame of the cloud (m); all finite.
     pub points: Vec<[f32; 3]>,
-    /// How many points had a coordinate that is no number, and were left out: sensors mark so what they did not see.
+    /// Number of points that were skipped because a coordinate is NaN or infinite: sensors mark missing measurements this way.
     pub dropped: usize,
-    /// Whether those that are too far away to be computed with are left out as well.
+    /// True if points too far away for the computation are skipped as well.
     pub drops_far: bool,
-    /// How far (m) rounding to 32-bit floats moved a point at most.
+    /// Largest displacement (m) of a point by rounding to 32-bit floats.
     pub rounding: f64,
-    /// What was odd, as complete clauses.
+    /// Warnings about unusual content, as complete clauses.
     pub remarks: Vec<String>,
 }
 
-/// Why bytes are no cloud.
+/// Errors of point cloud reading.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct CloudError(pub(super) String);
@@ -39,7 +39,7 @@ impl From<PlyError> for CloudError {
     }
 }
 
-/// Where one coordinate of every point stands: that of point `i` begins at byte `first + i * stride`.
+/// Location of one coordinate of all points: the coordinate of point `i` starts at byte `first + i * stride`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
     pub first: usize,
@@ -55,10 +55,10 @@ pub struct Columns {
 }
 
 impl CloudPoints {
-    /// Adds one point; one that is not finite is dropped and counted.
+    /// Adds one point; a point that is not finite is skipped and counted.
     ///
     /// # Errors
-    /// When the point is farther than [`LARGEST_COORDINATE`], unless such are dropped too.
+    /// If the point is farther than [`LARGEST_COORDINATE`], unless such points are skipped, too.
     #[allow(clippy::cast_possible_truncation)] // what is lost is counted
     pub fn push(&mut self, point: [f64; 3]) -> Result<(), CloudError> {
         let is_far = point.iter().any(|c| c.abs() > LARGEST_COORDINATE);
@@ -84,7 +84,7 @@ impl CloudPoints {
     /// Adds `count` points.
     ///
     /// # Errors
-    /// When the bytes are too few for them, before anything is allocated; and as for [`Self::push`].
+    /// If the bytes are too few for them, detected before any allocation; and as for [`Self::push`].
     pub fn read(&mut self, bytes: &[u8], columns: &Columns, count: usize) -> Result<(), CloudError> {
         let end = |c: &Column| {
             let last = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(c.stride))?;
@@ -105,8 +105,7 @@ impl CloudPoints {
         Ok(())
     }
 
-    /// The cloud of balls of this `radius` (m) around the points, widened by what rounding moved them; `None` without
-    /// points.
+    /// The cloud of balls of this `radius` (m) around the points, enlarged by the rounding displacement; `None` without points.
     pub fn cloud(self, radius: f64) -> Result<Option<Arc<PointCloud>>, PointCloudError> {
         if self.points.is_empty() {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! Any file that describes obstacles, recognised by what it holds.
+//! Kinds of files that describe obstacles, recognised by their content.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -8,7 +8,7 @@ use clearance_robot::{MeshFiles, RobotModel};
 use super::loader::{SceneError, SceneLoader};
 use crate::{Octomap, is_cloud, read_cloud};
 
-/// What a file of obstacles holds.
+/// Kind of an obstacle file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldFileKind {
     /// The YAML of a planning scene.
@@ -22,7 +22,7 @@ pub enum WorldFileKind {
 }
 
 impl WorldFileKind {
-    /// By what the file holds; by its name when that does not tell.
+    /// Recognises a file by its content, or by its name where the content does not suffice.
     #[must_use]
     pub fn of(bytes: &[u8], path: &Path) -> Self {
         if Octomap::is_file(bytes) {
@@ -44,8 +44,8 @@ impl WorldFileKind {
 }
 
 impl SceneLoader {
-    /// Adds what a file of any kind holds, whose name `path` only names it. Clouds and octrees are in the root frame; a
-    /// cloud's points are balls of `point_radius` (m), and it bears the name of the file without its extension.
+    /// Adds the content of a file of any kind; `path` is only used as its name. Clouds and octrees are in the root frame. A cloud's
+    /// points become balls of `point_radius` (m), and its obstacle is named after the file without its extension.
     pub fn read_file(
         &mut self,
         bytes: &[u8],

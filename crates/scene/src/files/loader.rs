@@ -1,4 +1,4 @@
-//! Reads scene files one after the other into one scene.
+//! Loader that reads several scene files into one scene.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
@@ -8,18 +8,18 @@ use super::robot_state::Situation;
 use super::scene_file::SceneFile;
 use crate::{CloudPoints, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
 
-/// Reads files of any kind on top of each other: each adds to the scene that those before it left.
+/// Reads files of any kind, one after the other; each adds to the scene of the earlier ones.
 #[derive(Clone, Debug, Default)]
 pub struct SceneLoader {
     pub scene: Scene,
-    /// Whether what an octree does not know counts as occupied; decided before it is read.
+    /// True if unknown space of an octree counts as occupied; set before the octree is read.
     pub unknown_is_occupied: bool,
     /// Warnings about accepted content; each names its file.
     pub warnings: Vec<String>,
     pub(super) situation: Situation,
 }
 
-/// A fault in a scene file, with the object and field concerned.
+/// An error in a scene file, with the object and field concerned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneError {
     pub file: String,
@@ -55,14 +55,13 @@ impl SceneError {
 }
 
 impl SceneLoader {
-    /// The scene. Frames of the files are left behind: they held while the robot stood where the files say.
+    /// The scene. Frames of the files are removed: they are only valid for the robot pose of the files.
     #[must_use]
     pub fn into_scene(self) -> Scene {
         self.scene.without_frames()
     }
 
-    /// Adds the points of a file as an obstacle of balls with this `radius` (m), in the root frame; `name` is the file's
-    /// stem.
+    /// Adds the points of a file as an obstacle made of balls with this `radius` (m), in the root frame; `name` is the file's stem.
     pub fn add_cloud(
         &mut self,
         points: CloudPoints,
@@ -91,10 +90,10 @@ impl SceneLoader {
         self.file(file, &place.context(robot)).add_obstacle(cloud, "")
     }
 
-    /// Makes an octree of a file the scene's octomap, in the root frame.
+    /// Uses the octree of a file as the scene's octomap, in the root frame.
     ///
     /// # Errors
-    /// When there is one already, or the octree has too many cells.
+    /// If there is an octomap already, or the octree has too many cells.
     pub fn add_octomap(
         &mut self,
         octomap: &Octomap,
@@ -108,11 +107,11 @@ impl SceneLoader {
         self.file(file, &place.context(robot)).set_octomap(octomap)
     }
 
-    /// A file that may not replace anything.
+    /// A file that must not replace any object.
     pub(super) fn file<'f>(&'f mut self, name: &'f str, context: &'f SceneContext<'f>) -> SceneFile<'f> {
         SceneFile { loader: self, name, context, is_diff: false }
     }
 }
 
-/// Rounding of points (m) that is told.
+/// Rounding of points (m) above which a warning is issued.
 const NOTABLE_ROUNDING: f64 = 1e-4;

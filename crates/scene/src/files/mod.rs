@@ -1,4 +1,5 @@
-//! Scenes out of files: the YAML of a `moveit_msgs/PlanningScene`, MoveIt's `.scene` text, clouds and octrees; and files of robot states.
+//! Readers of scene files: the YAML of a `moveit_msgs/PlanningScene`, MoveIt's `.scene` text, point clouds and octrees; and of robot
+//! state files.
 
 mod kind;
 mod loader;

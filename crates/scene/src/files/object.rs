@@ -1,4 +1,4 @@
-//! From objects as they stand in YAML to changes of a scene.
+//! Converts objects of YAML files to changes of a scene.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Pose, Vector};
@@ -9,7 +9,7 @@ use crate::shapes::{mesh, placed_shapes, plane, solid, solid_type, supported_sol
 use crate::{AttachedChange, ObjectChange, Operation};
 
 impl ObjectChange {
-    /// Faults and remarks name the field.
+    /// Errors and remarks name the field.
     pub(super) fn from_text(
         text: ObjectText,
         files: &MeshFiles,
@@ -63,7 +63,7 @@ impl AttachedChange {
     }
 }
 
-/// Shapes of one field; faults tell which.
+/// Shapes of one field; errors name the field.
 fn all<T>(
     texts: &[T],
     field: &str,

@@ -1,4 +1,4 @@
-//! Robot state of scene files: places the frames of links.
+//! Robot state of scene files; determines the poses of links.
 
 use clearance_geometry::math::Pose;
 use clearance_robot::{Configuration, LinkPoses, RobotModel, VirtualJoint};
@@ -6,16 +6,16 @@ use clearance_robot::{Configuration, LinkPoses, RobotModel, VirtualJoint};
 use super::text::{MultiDofText, RobotStateText};
 use crate::{SceneContext, Transform, TransformTree};
 
-/// State of the robot, as far as files give it.
+/// State of the robot, as far as the files contain it.
 #[derive(Clone, Debug, Default)]
 pub struct Situation {
     /// The default configuration when no file gives one.
     configuration: Option<Configuration>,
-    /// Where the root stands in the parent frame of its virtual joint, if a file says so.
+    /// Pose of the root in the parent frame of its virtual joint, if a file gives it.
     transforms: TransformTree,
 }
 
-/// Where links and frames are in a situation.
+/// Poses of links and frames in a robot state.
 pub struct Place {
     poses: LinkPoses,
     transforms: TransformTree,
@@ -38,8 +38,7 @@ impl Situation {
         Place { poses, transforms: self.transforms.clone() }
     }
 
-    /// Where the robot is, if the state says so.
-    /// `is_scene_empty`: nothing was placed yet.
+    /// Applies the robot pose of the state, if it contains one. `is_scene_empty`: no object was placed yet.
     pub fn read_state(
         &mut self,
         text: &RobotStateText,
@@ -68,7 +67,7 @@ impl Situation {
         Ok(())
     }
 
-    /// The positions of planar and floating joints, by name. The virtual joint of the root says where the robot stands.
+    /// The positions of planar and floating joints, by name. The virtual joint of the root gives the robot's pose in the world.
     fn read_base(
         &mut self,
         text: &MultiDofText,
@@ -109,7 +108,7 @@ impl Situation {
         Ok(placed)
     }
 
-    /// The root's pose in the parent frame of its virtual joint. Once something was placed with the root elsewhere, it can not move.
+    /// The root's pose in the parent frame of its virtual joint. It cannot change after an object was placed by another root pose.
     fn place_root(
         &mut self,
         joint: &VirtualJoint,

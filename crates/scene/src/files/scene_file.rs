@@ -1,4 +1,4 @@
-//! Applies the content of one file to the scene. A part that is rejected makes the file an error.
+//! Applies the content of one file to the scene. A rejected part makes the file an error.
 
 use super::loader::{SceneError, SceneLoader};
 use crate::{
@@ -17,7 +17,7 @@ pub struct SceneFile<'f> {
 }
 
 impl SceneFile<'_> {
-    /// Applies an update; what was odd becomes a warning that names the file.
+    /// Applies an update; unusual content becomes a warning that names the file.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<(), SceneError> {
         let applied = self.loader.scene.apply(update, self.context);
         self.finish(applied)
@@ -60,7 +60,7 @@ impl SceneFile<'_> {
         self.apply(&SceneUpdate::Scene(Box::new(change)))
     }
 
-    /// Adds an obstacle whose pose is that in a frame.
+    /// Adds an obstacle whose pose is given in a frame.
     pub fn add_obstacle(&mut self, obstacle: Obstacle, frame: &str) -> Result<(), SceneError> {
         self.check_is_new(&obstacle.name)?;
         let scene = &mut self.loader.scene;
@@ -84,7 +84,7 @@ impl SceneFile<'_> {
     /// The allowed collision matrix of the file.
     pub fn set_matrix(&mut self, entries: &MatrixEntries) -> Result<(), SceneError> {
         let mut applied = Applied::default();
-        // default entries alone are ineffective in a message that is a difference; a file is the beginning of a scene
+        // default entries alone have no effect in a difference message; but a file defines an initial scene
         self.loader.scene.set_matrix(entries, self.is_diff, &mut applied);
         self.finish(applied)
     }

@@ -1,8 +1,8 @@
-//! MoveIt's `.scene` text: what RViz writes with "Save Scene" and `SceneLoader::saveGeometryToStream`.
+//! MoveIt's `.scene` text format, written by RViz with "Save Scene" and by `SceneLoader::saveGeometryToStream`.
 //!
-//! A line with the scene's name; for every object `* id` and its shapes; a full stop at the end. In the newer dialect each
-//! object has a pose before its shapes and subframes after them. As in `MoveIt`, the line after the first object's id
-//! decides: a number of shapes alone is the old one.
+//! A line with the scene's name; for every object `* id` and its shapes; a full stop at the end. In the newer format each object has a
+//! pose before its shapes and subframes after them. As in `MoveIt`, the line after the first object's id decides: a single number, the
+//! number of shapes, marks the older format.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
@@ -12,25 +12,25 @@ use super::loader::{SceneError, SceneLoader};
 use crate::shapes::{mesh, message_pose, plane, solid};
 use crate::{Obstacle, ObstacleShape};
 
-/// How far from 1 the length of a quaternion may be before that is told.
+/// Deviation of a quaternion's length from 1 above which a warning is issued.
 const QUATERNION_SLACK: f64 = 1e-3;
 
-/// The words of the text, and the line of the last one.
+/// Tokenizer: the words of the text, and the line of the last one.
 struct Words<'t> {
     text: &'t str,
-    /// Where the next word is looked for.
+    /// Position where the search for the next word starts.
     at: usize,
 }
 
 impl SceneLoader {
-    /// Whether a text is in this format, by the mark of its first object or its end.
+    /// True if a text is in this format, recognised by the mark of its first object or its end.
     #[must_use]
     pub fn is_scene_text(text: &str) -> bool {
         let first = text.lines().skip(1).find(|line| !line.trim().is_empty());
         first.is_some_and(|line| line.starts_with("* ") || line.trim_end() == ".")
     }
 
-    /// Adds the objects of a `.scene` text, which are in the frame that `MoveIt` plans in.
+    /// Adds the objects of a `.scene` text; their poses are in MoveIt's planning frame.
     pub fn read_scene_text(&mut self, text: &str, file: &str, robot: &RobotModel) -> Result<(), SceneError> {
         let place = self.situation.place(robot);
         let context = place.context(robot);
@@ -75,7 +75,7 @@ impl SceneLoader {
     }
 }
 
-/// Whether the line after the first object's id holds more than one word.
+/// True if the line after the first object's id holds more than one word.
 fn is_newer_dialect(text: &str) -> bool {
     let mut lines = text.lines().skip(1).skip_while(|line| !line.starts_with('*'));
     lines.nth(1).is_some_and(|line| line.trim().contains(' '))
@@ -101,7 +101,7 @@ impl<'t> Words<'t> {
         line
     }
 
-    /// Of the last word, from 1.
+    /// Line of the last word, from 1.
     fn line(&self) -> usize {
         1 + self.text[..self.at].trim_end().matches('\n').count()
     }
@@ -156,7 +156,7 @@ impl<'t> Words<'t> {
         match kind {
             "box" => solid(1, &self.numbers::<f64, 3>("size")?),
             "sphere" => solid(2, &[self.number("radius")?]),
-            // here the radius stands before the length, in messages after it
+            // in this format the radius comes before the length, in messages after it
             "cylinder" | "cone" => {
                 let [radius, length] = self.numbers("radius and length")?;
                 solid(if kind == "cone" { 4 } else { 3 }, &[length, radius])
@@ -164,7 +164,7 @@ impl<'t> Words<'t> {
             "plane" => plane(self.numbers("coefficients")?),
             "mesh" => {
                 let [vertices, triangles]: [u32; 2] = self.numbers("numbers of vertices and triangles")?;
-                // the file may announce more than it holds
+                // the file may declare more shapes than it contains
                 let vertices: Result<Vec<[f64; 3]>, _> =
                     (0..vertices).map(|_| self.numbers("vertex")).collect();
                 let vertices = vertices?;

@@ -1,4 +1,4 @@
-//! Files of states: YAML or JSON of this program, of `sensor_msgs/JointState` or of `moveit_msgs/RobotState`.
+//! Reader of robot state files: YAML or JSON in this project's format, or as `sensor_msgs/JointState` or `moveit_msgs/RobotState`.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use super::text::{AttachedText, JointStateText, MultiDofText, RobotStateText};
 use crate::NamedState;
 
-/// One element of a file: any of the three.
+/// One element of a file, in any of the three formats.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct StateText {
@@ -37,7 +37,7 @@ struct StateText {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StateList {
     pub states: Vec<NamedState>,
-    /// Parts of the text that belong to no state.
+    /// Warnings about parts of the text that belong to no state.
     pub remarks: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ impl NamedState {
     /// also a list of them, or documents one after the other as `ros2 topic echo` writes them.
     ///
     /// # Errors
-    /// One line with the place in the text, or the number of the state.
+    /// One line with the location in the text, or the number of the state.
     pub fn list_from_text(text: &str, robot: &RobotModel) -> Result<StateList, String> {
         let (text, remarks) = yaml::without_remarks_of_echo(text);
         let mut states = Vec::new();
@@ -59,7 +59,7 @@ impl NamedState {
 
 fn elements(text: &str) -> Result<Vec<StateText>, String> {
     let text = text.trim_start_matches('\u{feff}');
-    // large files are JSON, which is read faster
+    // large files are JSON, which is faster to parse
     let as_json = json(text);
     if let Ok(elements) = as_json {
         return Ok(elements);
@@ -79,7 +79,7 @@ fn elements(text: &str) -> Result<Vec<StateText>, String> {
     Ok(elements)
 }
 
-/// The elements of a JSON text; an error without a message means that it is none.
+/// The elements of a JSON text; an error without a message means that the text is not JSON.
 fn json(text: &str) -> Result<Vec<StateText>, Option<String>> {
     let read = match text.trim_start().chars().next() {
         Some('{') => serde_json::from_str(text).map(|one| vec![one]),
@@ -95,7 +95,7 @@ fn from_document(document: &Document) -> Result<Vec<StateText>, String> {
 
 fn parse<T: DeserializeOwned>(document: &Document) -> Result<T, String> {
     yaml::from_document(document.text).map_err(|first| {
-        // once more, for the line in the whole text
+        // parsed again, to obtain the line in the whole text
         let padded = "\n".repeat(document.line - 1) + document.text;
         yaml::from_document::<T>(&padded).err().unwrap_or(first)
     })

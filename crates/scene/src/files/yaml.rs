@@ -1,4 +1,4 @@
-//! Planning scenes out of YAML.
+//! Reader of planning scenes in YAML.
 
 mod text;
 
@@ -28,14 +28,14 @@ impl SceneLoader {
         Ok(loader)
     }
 
-    /// Reads a `moveit_msgs/PlanningScene` or its `world` alone, on top of what is there.
+    /// Reads a `moveit_msgs/PlanningScene` or its `world` alone, and adds it to the existing scene.
     ///
-    /// It is applied as a message would be, with these differences: a scene with `is_diff` may replace objects, in any other an id that is
-    /// there already is a fault; only one file may have an `allowed_collision_matrix`. Poses in the frame of a link that moves are those of
-    /// the file's `robot_state`, or of the default configuration. Mesh resources are looked up by `files`.
+    /// It is applied like a message, with these differences: a scene with `is_diff` may replace objects, in any other an existing id is
+    /// an error; only one file may have an `allowed_collision_matrix`. Poses in the frame of a moving link use the file's `robot_state`,
+    /// or the default configuration. Mesh resources are looked up by `files`.
     ///
     /// # Errors
-    /// The first fault, with object and field. What was read before it stays.
+    /// The first error, with object and field. Content read before it stays.
     pub fn read_yaml(
         &mut self,
         text: &str,
@@ -90,7 +90,7 @@ impl SceneFile<'_> {
         let change = SceneChange {
             is_diff: true,
             fixed_frames: fixed_frames.collect::<Result<_, _>>()?,
-            // MoveIt lists all links, most of them with neither: that takes nothing off what a file before this one gave
+            // MoveIt lists all links, most of them with neither: these entries do not override those of an earlier file
             link_padding: sizes(padding.iter().map(|l| (&l.link_name, l.padding)), 0.0),
             link_scale: sizes(scale.iter().map(|l| (&l.link_name, l.scale)), 1.0),
             ..SceneChange::default()
@@ -153,7 +153,7 @@ impl SceneFile<'_> {
     }
 }
 
-/// Sizes of links other than that of a link without any.
+/// Sizes of links that differ from the default size.
 fn sizes<'t>(given: impl Iterator<Item = (&'t String, f64)>, usual: f64) -> Vec<(String, f64)> {
     given.filter(|(_, size)| *size != usual).map(|(link, size)| (link.clone(), size)).collect()
 }

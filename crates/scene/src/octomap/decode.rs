@@ -1,9 +1,9 @@
-//! The two ways in which OctoMap writes a tree, both depth first.
+//! Decoders of OctoMap's two tree encodings, both depth first.
 //!
-//! Binary, without probabilities: each inner node is 16 bits, two for each child from the lowest on: 0 unknown, 1 free,
-//! 2 occupied, 3 an inner node, which follows in its turn. Full: each node is its log-odds (f32) and, for coloured trees,
-//! three bytes of colour, then a byte whose bits say which children exist; those follow. A node without children is a leaf,
-//! occupied if its log-odds are not below zero (a probability of one half).
+//! Binary, without probabilities: each inner node is 16 bits, two for each child from the lowest on: 0 unknown, 1 free, 2 occupied, 3 an
+//! inner node, whose data follows in turn. Full: each node is its log-odds (f32) and, for coloured trees, three bytes of colour, then a
+//! byte whose bits mark the existing children; their data follows. A node without children is a leaf, and is occupied if its log-odds are
+//! not below zero (a probability of one half).
 
 #![allow(clippy::redundant_closure_for_method_calls)] // a method's lifetimes are not general enough
 
@@ -13,14 +13,14 @@ struct Decoder<'b> {
     bytes: &'b [u8],
     /// The next byte.
     at: usize,
-    /// What stands before the tree in its file, so that faults name the file's bytes.
+    /// Number of bytes before the tree in its file, so that errors give offsets in the file.
     skipped: usize,
     cells: Vec<Cell>,
     nodes: usize,
 }
 
 impl Octomap {
-    /// The tree of an `octomap_msgs/Octomap`. A binary one of any type has the same bytes.
+    /// The tree of an `octomap_msgs/Octomap`. A binary tree has the same encoding for all types.
     pub fn from_message(binary: bool, id: &str, resolution: f64, data: &[u8]) -> Result<Self, OctomapError> {
         if binary { Self::from_binary(resolution, data) } else { Self::from_full(resolution, id, data) }
     }
@@ -36,7 +36,7 @@ impl Octomap {
     }
 }
 
-/// The cells of a binary tree that must have `announced` nodes; `skipped` bytes stand before it.
+/// The cells of a binary tree with exactly `announced` nodes; `skipped` bytes precede it.
 pub(super) fn binary(data: &[u8], skipped: usize, announced: usize) -> Result<Vec<Cell>, OctomapError> {
     decoded(data, skipped, Some(announced), |decoder, root| decoder.binary_node(root))
 }
@@ -91,7 +91,7 @@ impl Decoder<'_> {
         (self.cells.len() <= MOST_CELLS).then_some(()).ok_or(OctomapError::TooManyCells)
     }
 
-    /// Recursion ends with the levels.
+    /// The recursion depth is limited by the number of levels.
     fn binary_node(&mut self, node: Cell) -> Result<(), OctomapError> {
         let byte = self.place();
         if node.level == 0 {

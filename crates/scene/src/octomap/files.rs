@@ -1,4 +1,4 @@
-//! What stands before the tree in `.bt` and `.ot` files.
+//! Headers of `.bt` and `.ot` files, before the tree.
 
 use super::{Octomap, OctomapError, decode};
 
@@ -7,28 +7,28 @@ const FULL: &[u8] = b"# Octomap OcTree file";
 /// The first four bytes of the oldest `.bt` files, before the resolution (f64) and the number of nodes (u32).
 const OLD_BINARY: [u8; 4] = [3, 0, 0, 0];
 
-/// What a header says.
+/// Content of a header.
 struct Header {
     id: String,
     size: usize,
     resolution: f64,
-    /// Where the tree begins.
+    /// Offset of the tree.
     end: usize,
 }
 
 impl Octomap {
-    /// Whether the bytes begin as a `.bt` or `.ot` file does.
+    /// True if the bytes start like a `.bt` or `.ot` file.
     #[must_use]
     pub fn is_file(bytes: &[u8]) -> bool {
         bytes.starts_with(BINARY) || bytes.starts_with(FULL)
     }
 
-    /// A `.bt` or `.ot` file, whichever it is by what it holds.
+    /// Reads a `.bt` or `.ot` file, recognised by its content.
     pub fn from_file(bytes: &[u8]) -> Result<Self, OctomapError> {
         if bytes.starts_with(FULL) { Self::from_ot_file(bytes) } else { Self::from_bt_file(bytes) }
     }
 
-    /// A `.bt` file: which cells are occupied and which free.
+    /// Reads a `.bt` file: which cells are occupied and which free.
     pub fn from_bt_file(bytes: &[u8]) -> Result<Self, OctomapError> {
         let header = if bytes.starts_with(BINARY) {
             Header::read(bytes)?
@@ -39,13 +39,13 @@ impl Octomap {
         Self::new(header.resolution, cells)
     }
 
-    /// An `.ot` file: the probability of every cell.
+    /// Reads an `.ot` file: the probability of every cell.
     pub fn from_ot_file(bytes: &[u8]) -> Result<Self, OctomapError> {
         if !bytes.starts_with(FULL) {
             return Err(OctomapError::NoOctomap);
         }
         let header = Header::read(bytes)?;
-        // what the oldest files call it
+        // the name in the oldest files
         let id = if header.id == "1" { "OcTree" } else { &header.id };
         if header.size > 0 && bytes.len() == header.end {
             return Err(OctomapError::Truncated { byte: header.end });
@@ -75,7 +75,7 @@ impl Header {
                         end: at,
                     });
                 }
-                // comments, and whatever later versions add
+                // comments, and entries added by later versions
                 _ => {}
             }
         }

@@ -1,7 +1,7 @@
-//! Octrees of occupied, free and unknown space, as OctoMap makes them.
+//! OctoMap octrees of occupied, free and unknown space.
 //!
-//! OctoMap has no well-kept reader in Rust, and its own format is short: see [`decode`] for the trees and [`files`] for
-//! what stands before them in a file.
+//! There is no well-maintained OctoMap reader in Rust, and the format is short: see [`decode`] for the trees and [`files`] for the
+//! headers of files.
 
 mod decode;
 mod files;
@@ -10,11 +10,11 @@ mod voxels;
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 
-/// How often the root cube is halved down to the finest cells.
+/// Number of levels from the root cube down to the finest cells.
 const LEVELS: u8 = 16;
-/// The finest cell whose lower corner is the origin.
+/// Coordinate of the finest cell whose lower corner is the origin.
 const ORIGIN: i32 = 1 << (LEVELS - 1);
-/// Most cells that are kept: 270 MB of them.
+/// Maximum number of stored cells, which take 270 MB.
 const MOST_CELLS: usize = 1 << 25;
 
 /// An octree as a partition of its root cube.
@@ -35,7 +35,7 @@ pub struct Cell {
     pub space: Space,
 }
 
-/// What is known of a cell.
+/// State of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
     Free,
@@ -43,7 +43,7 @@ pub enum Space {
     Unknown,
 }
 
-/// Why bytes are no octree.
+/// Errors of octree decoding.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OctomapError {
     #[error("the tree ends in the middle of a node at byte {byte}")]
@@ -79,13 +79,13 @@ impl Octomap {
         self.resolution
     }
 
-    /// All cells, in no order of meaning; together they fill the root cube.
+    /// All cells, in arbitrary order; together they fill the root cube.
     #[must_use]
     pub fn cells(&self) -> &[Cell] {
         &self.cells
     }
 
-    /// Whether any cell is known to be free or occupied.
+    /// True if any cell is free or occupied.
     #[must_use]
     pub fn has_known_cells(&self) -> bool {
         self.cells.iter().any(|cell| cell.space != Space::Unknown)
@@ -93,7 +93,7 @@ impl Octomap {
 
     fn new(resolution: f64, cells: Vec<Cell>) -> Result<Self, OctomapError> {
         let largest = LARGEST_COORDINATE / f64::from(ORIGIN);
-        // smaller ones have no 32-bit coordinates
+        // coordinates of smaller cells cannot be stored as 32-bit floats
         let usable = (f64::from(f32::MIN_POSITIVE)..=largest).contains(&resolution);
         usable.then_some(Self { resolution, cells }).ok_or(OctomapError::BadResolution(resolution))
     }
@@ -102,7 +102,7 @@ impl Octomap {
 impl Cell {
     const ROOT: Self = Self { corner: [0; 3], level: LEVELS, space: Space::Unknown };
 
-    /// One of the eight halves: bit 0 of `index` is along x, bit 1 along y, bit 2 along z.
+    /// One of the eight children: bit 0 of `index` is along x, bit 1 along y, bit 2 along z.
     fn child(self, index: usize, space: Space) -> Self {
         let level = self.level - 1;
         let bit = |axis: usize| u16::try_from(index >> axis & 1).unwrap_or_default();

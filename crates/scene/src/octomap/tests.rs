@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// A tree as a test writes it.
+/// A tree as written in a test.
 #[derive(Clone, Debug)]
 enum Node {
     Unknown,
@@ -53,7 +53,7 @@ impl Node {
         }
     }
 
-    /// What is at a finest cell, by walking down.
+    /// The content of a finest cell, found by descending the tree.
     fn at(&self, cell: [u16; 3], level: u8) -> Space {
         match self {
             Self::Unknown => Space::Unknown,
@@ -78,7 +78,7 @@ fn tree() -> impl Strategy<Value = Node> {
     prop::collection::vec(inner, 8).prop_map(inner_node)
 }
 
-/// With something known below it: a node without children is a leaf.
+/// A node with known children: a node without children is a leaf.
 fn inner_node(mut children: Vec<Node>) -> Node {
     if children.iter().all(|c| matches!(c, Node::Unknown)) {
         children[3] = Node::Leaf(false);
@@ -86,7 +86,7 @@ fn inner_node(mut children: Vec<Node>) -> Node {
     Node::Inner(Box::new(children.try_into().unwrap()))
 }
 
-/// A chain of inner nodes with one leaf at the end, so many halvings down.
+/// A chain of inner nodes with one leaf at the end, a given number of levels down.
 fn chain(levels: u8, octant: usize) -> Node {
     (0..levels).fold(Node::Leaf(true), |inner, _| {
         let mut children = std::array::from_fn(|_| Node::Unknown);
@@ -123,7 +123,7 @@ proptest! {
         let full = Octomap::from_full(0.05, "OcTree", &tree.full(false)).unwrap();
         let colour = Octomap::from_full(0.05, "ColorOcTree", &tree.full(true)).unwrap();
         for cell in cells {
-            // exactly one cell of the partition is there
+            // exactly one cell of the partition contains it
             prop_assert_eq!(space_at(&map, cell), vec![tree.at(cell, LEVELS)]);
             prop_assert_eq!(space_at(&full, cell), vec![tree.at(cell, LEVELS)]);
         }
@@ -194,7 +194,7 @@ proptest! {
 
 #[test]
 fn a_finest_cell_lies_where_octomap_puts_it() {
-    // octant 7 of the root begins at the origin; from there always the lowest octant
+    // octant 7 of the root begins at the origin; below it always the lowest octant
     let mut tree = chain(15, 0);
     let mut children = std::array::from_fn(|_| Node::Unknown);
     std::mem::swap(&mut children[7], &mut tree);

@@ -1,16 +1,16 @@
-//! Space that nobody has seen, near what somebody has.
+//! Unknown space of an octree, within the box around its known cells.
 
 use super::{Cell, LEVELS, Octomap, Space};
 
-/// The finest pieces of unknown space at the edge of what was seen are not finer than this share of its length, so that
-/// they do not become too many.
+/// The finest pieces of unknown space at the edge of the known space are not smaller than this fraction of its length, to limit their
+/// number.
 const FINEST_SHARE: u32 = 256;
 
 impl Octomap {
     /// Cells of unknown space within the box around all known cells.
     ///
-    /// Larger ones that reach out of the box are cut into halves; pieces of less than a 256th of the box's length are kept
-    /// whole and may reach out of it. What they add is unknown too.
+    /// Larger cells that reach out of the box are halved along each axis. Pieces smaller than a 256th of the box's length are kept whole
+    /// and may reach out of the box; the space added this way is unknown, too.
     #[must_use]
     pub fn unknown_cells(&self) -> Vec<Cell> {
         let Some(seen) = self.known_bounds() else { return Vec::new() };
@@ -23,7 +23,7 @@ impl Octomap {
         pieces
     }
 
-    /// The box around all cells that are free or occupied, in finest cells; `None` when nothing is known.
+    /// The box around all free or occupied cells, in finest cells; `None` if there are none.
     fn known_bounds(&self) -> Option<[[u32; 3]; 2]> {
         let known = self.cells.iter().filter(|cell| cell.space != Space::Unknown);
         known.map(|cell| cell.bounds()).reduce(|[lo, hi], [l, h]| {

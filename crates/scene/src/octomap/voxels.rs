@@ -1,4 +1,4 @@
-//! Octrees as solid cubes.
+//! Converts octrees to solid cubes.
 
 use std::sync::Arc;
 
@@ -8,9 +8,8 @@ use clearance_geometry::{Cube, Voxels, VoxelsError};
 use super::{Cell, ORIGIN, Octomap, Space};
 
 impl Octomap {
-    /// The occupied cells, and if asked those of unknown space (see [`Self::unknown_cells`]), as solid cubes in the frame
-    /// of the tree; `None` when there are none. Each cube holds all of its cell: what rounding to 32-bit floats would cut
-    /// off, its edge is longer.
+    /// The occupied cells, and optionally the cells of unknown space (see [`Self::unknown_cells`]), as solid cubes in the frame of the
+    /// tree; `None` if there are none. Each cube contains its whole cell: its edge is enlarged by the error of rounding to 32-bit floats.
     pub fn to_voxels(&self, unknown_is_occupied: bool) -> Result<Option<Arc<Voxels>>, VoxelsError> {
         let occupied = self.cells.iter().filter(|cell| cell.space == Space::Occupied).copied();
         let unknown = if unknown_is_occupied { self.unknown_cells() } else { Vec::new() };

@@ -1,8 +1,8 @@
-//! A root that drives, and obstacles that stay.
+//! Tests of a driving root, with obstacles that stay in place.
 
 use super::*;
 
-/// The robot's root drives along x through what `tf` calls `map`, or below `map` through `odom`.
+/// The robot's root drives along x relative to the `tf` frame `map`, or below `map` relative to `odom`.
 fn drive(cell: &mut Cell, x: f64) -> bool {
     let transform = |parent: &str, x| Transform {
         parent: parent.to_owned(),
@@ -22,7 +22,7 @@ fn drive(cell: &mut Cell, x: f64) -> bool {
 #[test]
 fn obstacles_stay_where_they_are_while_the_robot_drives() {
     let mut cell = Cell::new();
-    // before tf says anything, what stands in the parent of the virtual joint is where it is if the robot stands at zero
+    // before any tf transform, poses in the parent of the virtual joint are those of a robot at zero
     cell.object(add("early", "map", at(5.0, 0.0, 0.0))).unwrap();
     cell.object(add("beside", "", at(7.0, 0.0, 0.0))).unwrap();
     assert!(drive(&mut cell, 1.0));
@@ -35,12 +35,12 @@ fn obstacles_stay_where_they_are_while_the_robot_drives() {
     assert!(drive(&mut cell, 2.0));
     let xs = |cell: &Cell| ["early", "beside", "table", "crate"].map(|name| cell.places(name)[0][0]);
     assert_eq!(xs(&cell), [3.0, 6.0, 3.0, 1.0]);
-    // what a link holds rides along, and stays where it is put down
+    // an attached object moves with its link, and stays in place after it is detached
     cell.attach(hold("", ObjectChange::named("part", Operation::Remove))).unwrap();
     assert_eq!(cell.places("part"), [[3.0, 0.0, 0.0]]);
     assert!(drive(&mut cell, 3.0));
     assert_eq!((xs(&cell), cell.places("part")[0][0]), ([2.0, 5.0, 2.0, 0.0], 2.0));
-    // what is moved stands where it was put
+    // a moved obstacle stays at its new pose
     cell.object(shift("table", "hand", at(0.0, 0.0, 0.0))).unwrap();
     cell.object(remove("crate")).unwrap();
     assert!(drive(&mut cell, 4.0));
@@ -49,7 +49,7 @@ fn obstacles_stay_where_they_are_while_the_robot_drives() {
     assert!(!drive(&mut cell, 5.0));
 }
 
-/// The crane, below a frame in which its root may move.
+/// The crane, below a frame relative to which its root may move.
 fn on_wheels() -> Cell {
     let mut cell = Cell::new();
     let srdf = SRDF.replace("fixed", "planar");
@@ -91,7 +91,7 @@ fn frames_that_a_scene_told_of_stay_where_they_are() {
     cell.object(add("after", "station", at(0.0, 0.0, 0.0))).unwrap();
     assert_eq!(cell.places("before"), [[3.0, 0.0, 0.0]]);
     assert_eq!(cell.places("after"), [[3.0, 0.0, 0.0]]);
-    // another scene knows nothing of them
+    // another scene does not contain them
     cell.scene(SceneChange::default()).unwrap();
     assert!(!drive(&mut cell, 5.0));
 }
@@ -151,7 +151,7 @@ fn a_root_that_tf_knows_elsewhere_only_is_lost_unless_it_never_moves() {
     }
 }
 
-/// A turn of the root moves the origin of a frame that is far away by much, and what is near the root by little.
+/// A rotation of the root moves the origin of a distant frame by much, and points near the root by little.
 #[test]
 fn a_root_has_moved_by_as_much_as_it_moved_itself() {
     let mut cell = Cell::new();
@@ -184,7 +184,7 @@ fn what_files_placed_stays_in_the_room_when_they_are_read_again() {
     assert_eq!(cell.places("table"), [[1.0, 0.0, 0.0]]);
     drive(&mut cell, 5.0);
     assert_eq!(cell.places("table"), [[0.0, 0.0, 0.0]]);
-    // for a root that tf knows elsewhere only, it is where the file says
+    // for a root that tf only connects to other frames, it stays where the file places it
     let mut elsewhere = from_file();
     elsewhere.transforms.note("base", transform("yard", 1.0, Some(99.9)));
     let context = SceneContext::new(&cell.robot, None, &elsewhere.transforms, Some(seconds(100.0)), 1.0);
@@ -220,7 +220,7 @@ fn frames_of_a_scene_before_hold_nothing_back() {
     assert!(!is_lost(&cell), "it stands in what tf tells of");
 }
 
-/// A chain of frames above the root, each told twice, and an obstacle beside the robot.
+/// A chain of frames above the root, each received twice, and an obstacle beside the robot.
 fn below_a_chain(frames: usize) -> Cell {
     let mut cell = Cell::new();
     cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
@@ -247,7 +247,7 @@ fn a_chain_of_frames_is_followed_so_far_and_no_farther() {
     }
 }
 
-/// Far from the root a pose rounds to more than what counts as motion.
+/// Far from the root, rounding of a pose exceeds the motion threshold.
 #[test]
 fn what_stands_far_away_is_put_once() {
     let mut cell = Cell::new();
@@ -279,7 +279,7 @@ fn a_circle_of_frames_above_the_root_tells_nothing() {
     assert!(!is_lost(&cell));
 }
 
-/// Puts everything where it belongs; whether that was due.
+/// Updates all anchored poses; returns true if an update was needed.
 fn drive_on(cell: &mut Cell) -> bool {
     let is_due = cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms);
     let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
@@ -308,7 +308,8 @@ fn a_frame_in_itself_tells_nothing() {
     assert!(!is_lost(&cell));
 }
 
-/// Whatever places a frame decides what becomes of an obstacle in it: a name with slashes, or a frame of tf below a fixed one, too.
+/// The element that places a frame determines the motion of obstacles in it, also for a name with slashes, or a tf frame below a fixed
+/// frame.
 #[test]
 fn obstacles_follow_what_places_their_frame() {
     let mut cell = Cell::new();
@@ -330,7 +331,7 @@ fn obstacles_follow_what_places_their_frame() {
     assert_eq!(xs(&cell), [2.0, 2.0, 4.0]);
 }
 
-/// A fixed frame below a frame that tf hangs below a moving link moves with the robot as well.
+/// A fixed frame whose parent is below a moving link in tf moves with the robot, too.
 #[test]
 fn a_fixed_frame_below_a_link_that_moves_is_rejected_through_tf_too() {
     let mut cell = Cell::new();

@@ -1,4 +1,4 @@
-//! Attached objects: attaching, appending, detaching, rejecting.
+//! Tests of attached objects: attach, append, detach, reject.
 
 use super::*;
 
@@ -20,7 +20,7 @@ fn an_object_is_taken_up_carried_and_put_down() {
     assert_eq!(cell.places("under"), [[1.0, 0.0, 2.5]]);
     cell.refuses_object(add("part", "", at(0.0, 0.0, 0.0)), "id: it is attached to link 'hand'");
 
-    // the hand goes up by a metre
+    // the hand is lifted by a metre
     let mut poses = LinkPoses::new(&cell.robot);
     cell.robot.forward_kinematics(&cell.robot.configuration(&[4.0]).unwrap(), &mut poses);
     cell.poses = Some(poses);
@@ -51,11 +51,11 @@ fn an_object_is_attached_with_shapes_of_its_own_and_extended() {
     cell.attach(hold("hand", ObjectChange { pose_fo: Pose::identity(), ..append.clone() })).unwrap();
     let held = &cell.scene.world.attached()[0];
     assert_eq!((held.pose_lo, held.shapes.len()), (at(0.0, 0.0, 3.0), 3), "no pose is given");
-    // ADD again takes its place
+    // a second ADD replaces it
     cell.attach(hold("flange", add("part", "flange", at(0.0, 0.0, 0.0)))).unwrap();
     assert_eq!((cell.held().len(), cell.scene.world.attached()[0].shapes.len()), (1, 1));
 
-    // in the frame of its link no joint state is needed
+    // a pose in the frame of its link needs no joint state
     cell.poses = None;
     cell.attach(hold("hand", add("other", "hand", at(0.0, 0.0, 1.0)))).unwrap();
     cell.refuses_attached(

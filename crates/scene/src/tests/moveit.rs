@@ -1,4 +1,5 @@
-//! Where files and messages once differed, both do now what `MoveIt` 2 does (`planning_scene.cpp`, `world.cpp`, `robot_state.cpp`).
+//! Tests that files and messages both behave like `MoveIt` 2 (`planning_scene.cpp`, `world.cpp`, `robot_state.cpp`), in cases where they
+//! once differed.
 
 use super::*;
 
@@ -21,7 +22,7 @@ fn place_in_file(loader: &SceneLoader, id: &str) -> [f64; 3] {
     object.placed_shapes().next().unwrap().0.translation.vector.into()
 }
 
-/// `World::setSubframesOfObject` replaces them, also by none.
+/// `World::setSubframesOfObject` replaces the subframes, also by an empty list.
 #[test]
 fn appending_replaces_the_subframes_of_an_object() {
     let mut cell = Cell::new();
@@ -56,7 +57,7 @@ fn removing_an_unknown_object_is_rejected() {
     assert!(error.message.contains("it can not be removed"), "{error}");
 }
 
-/// `World::getTransform` takes whatever follows the name of an object and a slash for a subframe.
+/// `World::getTransform` treats any text after the name of an object and a slash as a subframe.
 #[test]
 fn names_of_objects_and_subframes_may_contain_slashes() {
     let shelf = |id: &str, subframe: &str, x: f64| ObjectChange {
@@ -132,7 +133,7 @@ fn fixed_frames_are_given_as_moveit_gives_them() {
     assert_eq!(place_in_file(&file.unwrap(), "p"), [0.0, 0.0, 2.0]);
 }
 
-/// `Transforms::setTransforms` adds to the frames that are known; of those that are rejected nothing is left.
+/// `Transforms::setTransforms` adds to the existing frames; rejected frames are removed.
 #[test]
 fn fixed_frames_are_added_to_those_that_are_known() {
     let frame = |name: &str, parent: &str| FixedFrame {
@@ -153,7 +154,7 @@ fn fixed_frames_are_added_to_those_that_are_known() {
     }
 }
 
-/// `Transforms::setTransform` takes frames in the planning frame only: a frame that moves with the robot is not fixed.
+/// `Transforms::setTransform` accepts only frames in the planning frame: a frame that moves with the robot is not fixed.
 #[test]
 fn a_fixed_frame_does_not_move_with_the_robot() {
     let error =
@@ -161,7 +162,7 @@ fn a_fixed_frame_does_not_move_with_the_robot() {
     assert!(error.unwrap_err().message.contains("its parent 'hand' moves with the robot"));
 }
 
-/// `processAttachedCollisionObjectMsg`: only ADD without shapes takes an object from the world.
+/// `processAttachedCollisionObjectMsg`: only ADD without shapes removes the object from the world.
 #[test]
 fn appending_to_nothing_takes_no_object_from_the_world() {
     let mut cell = Cell::new();
@@ -174,7 +175,7 @@ fn appending_to_nothing_takes_no_object_from_the_world() {
     assert!(error.is_err());
 }
 
-/// `processOctomapMsg` takes trees of type `OcTree`; an id without data takes the octomap away.
+/// `processOctomapMsg` accepts trees of type `OcTree`; an id without data removes the octomap.
 #[test]
 fn octomaps_of_messages_and_files_are_the_same() {
     let message = |id, data| OctomapMessage { id, binary: true, resolution: 0.1, data };
@@ -194,7 +195,7 @@ fn octomaps_of_messages_and_files_are_the_same() {
     assert!(loader.scene.world.id(OCTOMAP).is_none());
 }
 
-/// `MoveIt` lets the last one win; which one is meant, nobody knows.
+/// In `MoveIt` the last one takes precedence, although the intended one is not known.
 #[test]
 fn what_is_given_twice_has_to_agree() {
     let mut cell = Cell::new();

@@ -6,7 +6,7 @@ use crate::read_cloud;
 /// Name, kind, bytes of a number, count.
 type Field = (&'static str, char, usize, usize);
 
-/// A cloud in any of the three forms: x, y and z among other fields, in any order and of any kind.
+/// A cloud in any of the three encodings: x, y and z among other fields, in any order and of any kind.
 #[derive(Clone, Debug)]
 struct Written {
     points: Vec<[f64; 3]>,
@@ -79,7 +79,7 @@ impl Written {
 }
 
 fn written() -> impl Strategy<Value = Written> {
-    // whole numbers are the same in every kind
+    // integers are the same in every kind
     let number = || (-100i8..100).prop_map(f64::from);
     let kind = || prop_oneof![Just(('F', 4)), Just(('F', 8)), Just(('I', 2)), Just(('I', 4))];
     let points = prop::collection::vec([number(), number(), number()], 0..20);
@@ -108,7 +108,7 @@ proptest! {
         let bytes = written.file();
         for end in 0..bytes.len() {
             let cut = read_cloud(&bytes[..end]);
-            // no points are soon complete, and a last number in text may lose digits and still be one
+            // a header of zero points is complete early; and a last number in text may lose digits and still be a number
             let complete = written.points.is_empty() || written.form == "ascii";
             prop_assert!(cut.is_err() || complete, "{} of {}", end, bytes.len());
         }
@@ -131,7 +131,7 @@ fn points_that_are_no_numbers_are_dropped() {
     );
     let cloud = read_cloud(text.as_bytes()).unwrap();
     assert_eq!(cloud.points, [[1.0, 2.0, 3.0], [0.1, 0.2, 0.3]]);
-    // a 32-bit number as text is rounded once: what the sensor said
+    // a 32-bit number as text is rounded only once, to the number of the sensor
     assert_eq!((cloud.dropped, cloud.rounding), (2, 0.0));
 }
 

@@ -121,7 +121,7 @@ fn faults_are_named() {
         let error = read_cloud(text.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(word), "{error} does not name {word}");
     }
-    // what takes no bytes is not counted through
+    // elements without any bytes are skipped, not counted one by one
     let endless = format!("{head}element nothing {}\nelement vertex 0\n{xyz}end_header\n", usize::MAX);
     assert_eq!(read_cloud(endless.as_bytes()).unwrap().points.len(), 0);
 }

@@ -9,7 +9,7 @@ fn read(text: &str) -> Result<SceneLoader, SceneError> {
     scene.read_scene_text(text, "a.scene", &robot()).map(|()| scene)
 }
 
-/// A scene of all shapes, as `MoveIt` writes it: with object pose and subframes in the newer dialect.
+/// A scene with all kinds of shapes, as `MoveIt` writes it: with object pose and subframes in the newer format.
 fn scene(newer: bool) -> String {
     let pose = |words: &'static str| if newer { words } else { "" };
     format!(

@@ -22,7 +22,7 @@ fn j(position: f64) -> Row {
     (vec!["j".to_owned()], vec![position])
 }
 
-/// As `ros2 topic echo` writes it.
+/// The format of `ros2 topic echo`.
 fn echo(position: f64) -> String {
     format!(
         "header:\n  stamp:\n    sec: 1\n    nanosec: 2\n  frame_id: ''\nname:\n- j\nposition:\n- {position}\nvelocity: []\neffort: []\n---\n"

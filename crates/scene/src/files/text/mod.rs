@@ -1,5 +1,5 @@
-//! A planning scene as it stands in YAML: `moveit_msgs` field names, with the short forms that MoveIt's tools write
-//! (lists for vectors, names for shape types).
+//! YAML format of a planning scene: `moveit_msgs` field names, with the short forms that MoveIt's tools write (lists for vectors, names
+//! for shape types).
 
 mod numbers;
 mod object;
@@ -31,7 +31,7 @@ pub struct SceneText {
     pub robot_model_name: Option<String>,
     #[serde(rename = "object_colors")]
     _object_colors: Option<IgnoredAny>,
-    /// Whether objects may be replaced.
+    /// True if objects may be replaced.
     #[serde(default)]
     pub is_diff: bool,
 }
@@ -131,7 +131,7 @@ pub struct MultiDofText {
     _wrench: Option<IgnoredAny>,
 }
 
-/// Bytes as numbers with or without sign.
+/// Bytes, as signed or unsigned numbers.
 fn bytes<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
     let numbers = Vec::<i16>::deserialize(deserializer)?;
     let byte = |n: &i16| u8::try_from(*n).or_else(|_| i8::try_from(*n).map(i8::cast_unsigned));

@@ -27,7 +27,7 @@ pub enum XyzText {
     Map(XyzMap),
 }
 
-/// What is left out is zero, as in a message.
+/// Missing components are zero, as in a message.
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct XyzMap {
@@ -43,7 +43,7 @@ pub enum QuaternionText {
     Map(QuaternionMap),
 }
 
-/// What is left out is that of no rotation, as in a message.
+/// Missing components are those of the identity, as in a message.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct QuaternionMap {

@@ -1,4 +1,4 @@
-//! Objects of a scene as they stand in YAML.
+//! YAML format of the objects of a scene.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -94,9 +94,9 @@ pub struct PlaneText {
 pub struct MeshText {
     pub triangles: Vec<FaceText>,
     pub vertices: Vec<XyzText>,
-    /// A mesh file by URI, as MotionBenchMaker writes it.
+    /// A mesh file by URI, in the format of MotionBenchMaker.
     pub resource: Option<String>,
-    /// Scale of a resource along its axes.
+    /// Scale factors of the mesh along its axes.
     pub dimensions: Option<[f64; 3]>,
 }
 

@@ -18,7 +18,7 @@ fn near(a: Vector, b: [f64; 3]) {
     assert!((a - Vector::from(b)).norm() < 1e-9, "{a} instead of {b:?}");
 }
 
-/// Everything a scene may say, as `ros2 service call` prints it.
+/// A scene with all possible fields, as `ros2 service call` prints it.
 const FULL: &str = "
 name: everything
 robot_model_name: r
@@ -67,7 +67,7 @@ fn everything_a_scene_may_say() {
     assert_eq!((part.link.as_str(), part.touch_links.as_slice()), ("tool", &["arm".to_owned()][..]));
     near(part.pose_lo.translation.vector, [0.0, 0.0, 0.2]);
     assert_eq!(part.subframes[0].0, "tip");
-    // the robot stands two metres above its world
+    // the robot is two metres above the world's origin
     near(place(&loader, "floor"), [0.0, 0.0, -1.5]);
     near(place(&loader, "o"), [1.0, 3.0, 0.0]);
     near(place(&loader, "lid"), [1.0, 3.0, 1.0]);
@@ -79,7 +79,7 @@ fn everything_a_scene_may_say() {
     );
     assert!(loader.warnings.iter().any(|w| w.contains("takes the place of all entries")));
     assert_eq!(loader.warnings.len(), 2, "{:?}", loader.warnings);
-    // in the sixteen bits of 0x0080, two for each child, the fourth is occupied
+    // in the sixteen bits of 0x0080, two per child, the fourth child is occupied
     let octomap = loader.scene.world.obstacle_by_name("<octomap>").unwrap();
     near(octomap.pose_ro.translation.vector, [0.0, 3.0, 1.0]);
     let Shape::Voxels(voxels) = &octomap.shapes[0].shape else { panic!("no voxels") };
@@ -108,7 +108,7 @@ world:
     near(places[0], [0.0, 4.0, 0.0]);
     near(places[1], [0.0, 4.0, 1.0]);
     assert_eq!(loader.scene.world.len(), 1);
-    // what was allowed to an object goes with it
+    // the allowed collisions of an object are removed with it
     assert!(!loader.scene.matrix.unwrap().mentions("b"));
 }
 
@@ -130,7 +130,7 @@ fn files_add_to_each_other_and_only_diffs_replace() {
     assert!(error.contains("b.yaml: object 'o'") && error.contains("is_diff"), "{error}");
     near(place(&more(&file(&ball(2.0), true)).unwrap(), "o"), [2.0, 0.0, 0.0]);
     let attached = "is_diff: true\nrobot_state: {is_diff: true, attached_collision_objects: [{link_name: tool, object: {id: o}}]}\n";
-    // as tutorials write it: what is attached is also removed from the world
+    // as tutorials write it: an attached object is also removed from the world
     let both = format!("{attached}world: {{collision_objects: [{{id: o, operation: remove}}]}}");
     let held = more(&both).unwrap();
     assert!(
@@ -219,7 +219,7 @@ fn faults_name_object_and_field() {
 
 #[test]
 fn no_pose_of_the_state_is_lost() {
-    // the same part, given in three frames of one rigid arm
+    // the same object, given in three frames of one rigid arm
     let scene = |frame: &str, position: &str| {
         let text = format!(
             "robot_state: {{joint_state: {{name: [j], position: [0.3]}}, attached_collision_objects: [{{link_name: tool,
@@ -238,7 +238,7 @@ fn no_pose_of_the_state_is_lost() {
     }
 }
 
-/// A state whose virtual joint puts the robot somewhere, with a ball in the frame of the world.
+/// A state whose virtual joint sets the robot's pose, with a ball in the world frame.
 fn on_stand(frame: &str, transforms: &[&str]) -> String {
     let names = vec!["stand"; transforms.len()].join(", ");
     format!(

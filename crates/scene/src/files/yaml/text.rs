@@ -1,4 +1,4 @@
-//! From YAML to the words of a scene.
+//! Parses YAML text into the data types of a scene.
 
 use clearance_files::yaml;
 use serde_json::Value;
@@ -7,7 +7,7 @@ use serde_path_to_error::{Path, Segment};
 use crate::files::loader::SceneError;
 use crate::files::text::SceneText;
 
-/// The scene that a text spells out, or what of it is not as it should be: the field, and the object that it belongs to.
+/// Parses a scene; an error names the field and the object that it belongs to.
 pub fn read(text: &str, file: &str) -> Result<SceneText, SceneError> {
     let text = &*yaml::only_document(text).map_err(|why| SceneError::of_file(file, why.to_string()))?;
     if let Some(message) = yaml::cut_in_words(text) {
@@ -31,14 +31,14 @@ pub fn read(text: &str, file: &str) -> Result<SceneText, SceneError> {
     })
 }
 
-/// A field, of an object or of the whole.
+/// Location of an error: a field, of an object or of the whole scene.
 struct Place {
     object: Option<String>,
     field: String,
 }
 
 impl Place {
-    /// `None` where nothing is named: at the top, or in a text that is no YAML.
+    /// `None` where there is no name: at the top level, or in text that is not YAML.
     fn of(path: &Path, text: &str) -> Option<Self> {
         let segments: Vec<&Segment> = path.iter().collect();
         let within_object = segments.windows(2).rposition(holds_object).map(|at| at + 2).or_else(|| {
@@ -69,9 +69,9 @@ fn id_at(whole: &Value, segments: &[&Segment]) -> Option<String> {
     Some(object.get("id")?.as_str()?.to_owned())
 }
 
-/// As in `primitives[0].dimensions[1]`.
+/// Path of a field, as in `primitives[0].dimensions[1]`.
 fn in_words(segments: &[&Segment]) -> String {
-    // a key that is not known yet
+    // an unknown key
     let named = segments.iter().filter(|segment| !matches!(segment, Segment::Unknown));
     let words = named.map(|segment| match segment {
         Segment::Seq { .. } => segment.to_string(),
@@ -80,12 +80,12 @@ fn in_words(segments: &[&Segment]) -> String {
     words.collect::<String>().trim_start_matches('.').to_owned()
 }
 
-/// Limits that admit large inline meshes but no text that expands without end.
+/// Parser limits that accept large inline meshes, but no text that expands without end.
 fn limits() -> serde_saphyr::Options {
     const LARGEST_COUNT: usize = 20_000_000;
     serde_saphyr::options! {
         with_snippet: false,
-        // else the keys y and n of a position or a normal are booleans
+        // otherwise the keys y and n of a position or a normal would be booleans
         strict_booleans: true,
         budget: serde_saphyr::budget! {
             max_events: LARGEST_COUNT,
