@@ -38,8 +38,8 @@ impl CollisionBody {
         Self::with_volumes(shapes)
     }
 
-    /// As [`Self::new`], but a closed mesh is a solid, if `shapes` marks it so: objects wholly inside it touch it, too. Open meshes stay
-    /// surfaces.
+    /// As [`Self::new`], but closed meshes are solids: a body wholly inside one touches it, if it was also built by this function. Open
+    /// meshes stay surfaces.
     #[must_use]
     #[inline]
     pub fn with_solid_meshes<'a>(

@@ -19,7 +19,7 @@ impl Axes {
         Self(std::array::from_fn(|k| std::array::from_fn(|i| round(axes[(i, k)]))))
     }
 
-    /// True for the tree's own axes: coordinates are unchanged, including their rounding.
+    /// Coordinates of a point along exactly these axes, with the rounding that they have.
     #[must_use]
     #[inline]
     pub fn along(&self, point: &Vector) -> Vector {
