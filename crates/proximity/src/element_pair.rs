@@ -197,7 +197,7 @@ fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
         .map_or_else(|| drawn_together([p, q], proven.greater(0.0) / apart), of_faces)
 }
 
-/// Two points at a fraction of the distance of two points; each moves half the way.
+/// Two points moved towards each other by equal amounts, until their distance is the given fraction of the original one.
 fn drawn_together([p, q]: PointPair, share: f64) -> PointPair {
     let aside = (q - p) * (0.5 - 0.5 * share);
     [p + aside, q - aside]
