@@ -1,10 +1,10 @@
-//! Checks certificates, and shares nothing with what makes them: the smallest code that has to be trusted.
+//! Verifier of certificates. It shares no code with the checker that makes them: this is the smallest code that has to be trusted.
 //!
-//! A certificate claims that a robot can make a motion and hits nothing ([`Certificate`](clearance_motion::Certificate)). Nothing in
-//! it is believed. The kinematics here are the plain ones; there is no tree of volumes, no lane, no rounding to f32 of the
-//! engine's. What has to be right for an accepted certificate to be true:
+//! A certificate claims that a robot can make a motion without collision ([`Certificate`](clearance_motion::Certificate)). None of its
+//! claims is trusted. The kinematics here are uncompiled; there are no bounding volume trees of the engine, no SIMD lanes, and no
+//! rounding to f32. An accepted certificate is true if the following code is correct:
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `documents` | it is about this robot, world and motion; every pair is listed |
 //! | `joins` | segments follow each other exactly, or the gap between them is free; obstacles start where the world has them |
@@ -16,9 +16,9 @@
 //! | `body`, `apart` | every two elements are proven apart, by boxes or by a direction along which they are |
 //! | `interior` | nothing lies inside a closed mesh, if these are solids |
 //!
-//! What finds the directions (`direction`) need not be right: a bad direction proves nothing, and the certificate is refused.
+//! The search for directions (`direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod apart;
