@@ -43,7 +43,7 @@ pub(super) fn check(certificate: &Certificate, robot: &RobotModel, subject: &Sub
     if certificate.segments.is_empty() { Err(Refusal::NoSegments) } else { Ok(()) }
 }
 
-/// Rejects another robot or another world. The hashes decide; the parts describe the differences, and must match the hashes.
+/// Rejects another robot or another world. The hashes decide; the parts only describe the differences, and must not contradict the hashes.
 fn check_subject(certificate: &Certificate, subject: &Subject) -> Result<(), Refusal> {
     let (mut models, mut worlds) = (Differences::default(), Differences::default());
     if let Some(parts) = &certificate.parts {
