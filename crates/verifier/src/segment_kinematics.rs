@@ -191,7 +191,7 @@ impl<'r> Laws<'r> {
                 steps.push(step(true, normal.into_inner(), first + 2));
             }
             JointKind::Floating => {
-                // it goes straight and turns evenly: what it does until the middle tells it all, and that is never half a turn
+                // it translates and rotates at constant velocity: its motion until the middle determines it, and is never half a turn
                 let [start, middle] =
                     [0.0, 0.5].map(|t| joint.kind.motion(&self.motion.at(t).positions()[first..]));
                 let speed = |i: usize| self.polynomials[first + i][1];
