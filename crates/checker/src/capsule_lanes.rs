@@ -87,7 +87,7 @@ impl<S: Simd> Lanes<S> {
         self.separation(n) / square(n).sqrt() - radii
     }
 
-    /// Vector from the approximately nearest point of the first segment to that of the second.
+    /// Vector from the approximately nearest point of the first segment to the nearest point of the second.
     #[inline(always)]
     pub fn direction(&self, c: &Constants<S>) -> [f32x8<S>; 3] {
         let Self { w, u, v } = *self;

@@ -24,7 +24,7 @@ const LONGEST_SHOWN_PATH: usize = 300;
 /// Most names that [`names_in`] returns.
 const MOST_NAMES: usize = 100_000;
 
-/// Why a file is not read.
+/// Reason why a file is not read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", shown(file))]
 pub struct InputFileError {
@@ -58,7 +58,7 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, InputFileError> {
     })
 }
 
-/// Opens a regular file for streaming. The caller bounds what it keeps of it.
+/// Opens a regular file for streaming. The caller limits the amount of data it keeps.
 ///
 /// # Errors
 /// When the file is missing, unreadable or no regular file.
@@ -67,7 +67,7 @@ pub fn open(path: &Path) -> Result<File, InputFileError> {
     open_regular(path).map(|(file, _)| file).map_err(fault)
 }
 
-/// Writes a file, in place of the one that is there.
+/// Writes a file, and replaces an existing one.
 ///
 /// # Errors
 /// When there is something else than a regular file, or the file can not be written.
@@ -77,11 +77,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
     check_target(path)?;
     let mut file = create_without_blocking(path).map_err(unwritable)?;
     only_regular(&file.metadata().map_err(unwritable)?, OUTPUT_HINT).map_err(fault)?;
-    // not before it is known to be regular
+    // truncated only after it is known to be a regular file
     file.set_len(0).and_then(|()| file.write_all(bytes)).map_err(unwritable)
 }
 
-/// Whether a file may be written there: nothing is, or a regular file.
+/// Checks that a file may be written there: nothing exists, or a regular file.
 ///
 /// # Errors
 /// When something else stands there, such as a folder or a FIFO.
@@ -114,7 +114,7 @@ fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Looked at before it is opened, since opening some devices has effects, and again once it is open.
+/// Checked before it is opened, since opening some devices has effects, and again once it is open.
 fn open_regular(path: &Path) -> Result<(File, Metadata), String> {
     only_regular(&path.metadata().map_err(unreadable)?, INPUT_HINT)?;
     let file = open_without_blocking(path).map_err(unreadable)?;

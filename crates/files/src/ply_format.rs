@@ -1,4 +1,4 @@
-//! PLY, the Stanford polygon format: header and numbers. Meshes and point clouds are read with it.
+//! PLY, the Stanford polygon format: header and numbers, for the readers of meshes and point clouds.
 
 mod number_kind;
 pub mod words;
@@ -16,7 +16,7 @@ enum Storage {
     Binary(ByteOrder),
 }
 
-/// A kind of record, and how many of it there are by the header.
+/// A kind of record, with the number of records declared in the header.
 #[derive(Debug)]
 pub struct Element {
     pub name: String,
@@ -32,12 +32,12 @@ pub struct Property {
     pub list: Option<NumberKind>,
 }
 
-/// Why bytes are no PLY, or not what is sought in one.
+/// Reason why bytes are not a PLY, or lack the requested content.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct PlyError(pub String);
 
-/// A PLY behind its header.
+/// The data of a PLY after its header.
 #[expect(missing_debug_implementations, reason = "numbers are read as they are asked for")]
 pub struct PlyFile<'d> {
     pub elements: Vec<Element>,
@@ -48,7 +48,7 @@ impl<'d> PlyFile<'d> {
     /// Reads the header. Counts are checked against the data before anything is allocated for them.
     ///
     /// # Errors
-    /// When the header is incomplete, or an element has more records than the data has room for.
+    /// If the header is incomplete, or an element has more records than fit in the data.
     pub fn open(bytes: &'d [u8]) -> Result<Self, PlyError> {
         let (storage, elements, data) = header(bytes)?;
         for element in &elements {

@@ -1,4 +1,4 @@
-//! Text out of files and messages, made fit for terminals and logs.
+//! Converts text from files and messages to a form that is safe for terminals and logs.
 //!
 //! Guarantee: nothing in the result moves the cursor, colours, hides or reorders text, or begins a new line.
 

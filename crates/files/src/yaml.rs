@@ -1,6 +1,6 @@
 //! YAML texts: one document, or several with a line of three dashes between them.
 //!
-//! `ros2 topic echo` ends every message with such a line, so that a saved message is a document and an empty one behind it.
+//! `ros2 topic echo` ends every message with such a line, so a saved message is a document followed by an empty one.
 
 use std::borrow::Cow;
 
@@ -95,14 +95,14 @@ pub fn from_document<T: DeserializeOwned>(document: &str) -> Result<T, String> {
     read.map_err(|error| in_words(&error))
 }
 
-/// Most nodes of a text: what a file of the largest size that is read holds in numbers.
+/// Maximum number of nodes of a text: the count of numbers in a file of the largest allowed size.
 const MOST_NODES: usize = 20_000_000;
 
-/// Limits that admit long trajectories and large meshes, but no text that expands without end.
+/// Parser limits that accept long trajectories and large meshes, but no text that expands without end.
 fn limits() -> serde_saphyr::Options {
     serde_saphyr::options! {
         with_snippet: false,
-        // else the keys y and n of a position or a normal are booleans
+        // otherwise the keys y and n of a position or a normal would be booleans
         strict_booleans: true,
         budget: serde_saphyr::budget! {
             max_events: MOST_NODES,

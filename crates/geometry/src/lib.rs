@@ -1,6 +1,6 @@
-//! What a solid is, in its own frame.
+//! Geometry of shapes in their own frames: primitives, meshes, planes, point clouds and voxels.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod constants;

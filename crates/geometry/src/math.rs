@@ -1,4 +1,4 @@
-//! Aliases and the frame notation.
+//! Type aliases, and the notation for frames.
 //!
 //! A pose of frame B in frame A is `pose_ab`; a point with coordinates in A is `point_a`; inner letters cancel:
 //! `point_a = pose_ab * point_b`, `pose_ac = pose_ab * pose_bc`. The world is `w`, the robot's root `r`, an obstacle `o`.
@@ -21,10 +21,10 @@ pub type UnitVector = nalgebra::Unit<Vector>;
 pub type Rotation = nalgebra::UnitQuaternion<f64>;
 /// A rotation as a matrix: its columns are the axes of the rotated frame.
 pub type RotationMatrix = nalgebra::Matrix3<f64>;
-/// A rigid placement of one frame in another.
+/// The pose of one frame in another.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// The angle (rad) from minus half a turn to half a turn that leads to the same place.
+/// The equivalent angle (rad) between minus half a turn and half a turn.
 #[must_use]
 pub fn without_whole_turns(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
@@ -49,7 +49,7 @@ pub fn pose_from_xyz_rpy(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
     Pose::from_parts(nalgebra::Translation3::from(xyz), Rotation::from_euler_angles(roll, pitch, yaw))
 }
 
-/// A rigid placement with its rotation as a matrix: [`Pose`] is what people write, this is what engines compose.
+/// A pose with its rotation as a matrix: [`Pose`] is used in interfaces, this type in computations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatrixPose {
     pub rotation: RotationMatrix,

@@ -1,4 +1,4 @@
-//! Triangle meshes, validated once: every index in range, every coordinate finite.
+//! Triangle meshes, validated at construction: every index is in range, every coordinate finite.
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,7 +11,7 @@ use crate::math::{Point, Vector};
 pub struct TriangleMesh {
     vertices: Vec<Point>,
     triangles: Vec<[u32; 3]>,
-    /// Found when it is asked for: that costs a sort of all edges.
+    /// Computed at the first use, since it needs a sort of all edges.
     solid: OnceLock<Arc<SolidMesh>>,
 }
 
@@ -21,7 +21,7 @@ impl PartialEq for TriangleMesh {
     }
 }
 
-/// Why a list of vertices and faces is no mesh.
+/// Reason why a list of vertices and faces is not a valid mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
     #[error("the mesh has no triangles")]
@@ -73,8 +73,8 @@ impl TriangleMesh {
         Triangle { a, b, c }
     }
 
-    /// The mesh scaled along its axes. An odd number of negative factors mirrors it, and turns the winding so that
-    /// outward faces stay outward.
+    /// The mesh scaled along its axes. An odd number of negative factors mirrors it, and reverses the winding so that outward faces stay
+    /// outward.
     pub fn scaled(mut self, factors: Vector) -> Result<Self, MeshError> {
         for p in &mut self.vertices {
             p.coords.component_mul_assign(&factors);
@@ -87,7 +87,7 @@ impl TriangleMesh {
         Self::new(self.vertices, self.triangles)
     }
 
-    /// The mesh larger by a factor about the mean of all vertices, used or not.
+    /// The mesh scaled by a factor about the mean of all vertices, used or not.
     #[allow(clippy::cast_precision_loss)] // a mean needs no more than 52 bits of the count
     pub fn scaled_about_mean(&self, factor: f64) -> Result<Self, MeshError> {
         let mean = self.vertices.iter().map(|p| p.coords).sum::<Vector>() / self.vertices.len() as f64;
@@ -95,7 +95,7 @@ impl TriangleMesh {
         Self::new(grown.collect(), self.triangles.clone())
     }
 
-    /// Smallest and largest corner of the axis-aligned box around the vertices that triangles use.
+    /// Smallest and largest corner of the axis-aligned bounding box of the vertices that triangles use.
     #[must_use]
     pub fn bounds(&self) -> (Point, Point) {
         let mut lo = Point::from([f64::INFINITY; 3]);
@@ -137,7 +137,7 @@ impl TriangleMesh {
         self.solid().contains(&self.vertices, point, &mut 0)
     }
 
-    /// Builds what [`Self::encloses`] needs, so that the first point costs no more than others.
+    /// Builds the data for [`Self::encloses`], so that the first point costs no more than others.
     pub fn prepare_solid(&self) {
         self.solid().prepare(&self.vertices);
     }

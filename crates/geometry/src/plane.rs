@@ -1,17 +1,16 @@
-//! Planes: infinite surfaces without thickness.
+//! Planes: infinite surfaces of zero thickness.
 
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Extremes, Point, Pose, UnitVector, Vector};
 
-/// All points p with `normal · p = offset` (m). It has two sides and no inside: what lies wholly on either side does not
-/// touch it.
+/// All points p with `normal · p = offset` (m). It has two sides and no inside: an object wholly on either side does not touch it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     pub normal: UnitVector,
     pub offset: f64,
 }
 
-/// Coefficients that describe no plane.
+/// Invalid coefficients of a plane.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlaneError {
     #[error("plane coefficients {0:?} are not all finite")]
@@ -29,7 +28,7 @@ impl Plane {
         if !coefficients.iter().all(|x| x.is_finite()) {
             return Err(PlaneError::NotFinite(coefficients));
         }
-        // squares of very large or very small numbers are no numbers
+        // squares of very large or very small numbers overflow or underflow
         let scale = a.abs().greater(b.abs()).greater(c.abs());
         let normal = Vector::new(a / scale, b / scale, c / scale);
         let Some(normal) = UnitVector::try_new(normal, 0.5) else {
@@ -40,7 +39,7 @@ impl Plane {
         (near.then_some(Self { normal, offset })).ok_or(PlaneError::TooFar(coefficients))
     }
 
-    /// How far (m) a point is on the normal's side; negative on the other.
+    /// Signed distance (m) of a point from the plane, positive on the side of the normal.
     #[must_use]
     pub fn height(&self, p: &Point) -> f64 {
         self.normal.dot(&p.coords) - self.offset
@@ -52,7 +51,7 @@ impl Plane {
         Point::from(self.normal.into_inner() * self.offset)
     }
 
-    /// The plane of a frame placed at `pose`, seen from outside.
+    /// Transforms a plane from a frame placed at `pose` to the parent frame.
     #[must_use]
     pub fn transformed(&self, pose: &Pose) -> Self {
         let normal = pose.rotation * self.normal;

@@ -1,4 +1,4 @@
-//! Clouds of points, as depth cameras and laser scanners see the world.
+//! Point clouds, as measured by depth cameras and laser scanners.
 
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Extremes, Point};
@@ -10,7 +10,7 @@ pub struct PointCloud {
     radius: f64,
 }
 
-/// Why a list of points is no cloud.
+/// Reason why a list of points is not a valid cloud.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PointCloudError {
     #[error("the cloud has no points")]
@@ -60,7 +60,7 @@ impl PointCloud {
         (corner(lo, -self.radius), corner(hi, self.radius))
     }
 
-    /// Of every point's ball (m).
+    /// Radius of every point's ball (m).
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius

@@ -1,8 +1,8 @@
-//! Solids with a formula.
+//! Solid primitives: box, sphere, cylinder, cone, capsule.
 
 use crate::math::Point;
 
-/// A solid primitive, centred on its own origin; cylinders, cones and capsules stand along z. Lengths in metres.
+/// A solid primitive, centred on its own origin; the axis of cylinders, cones and capsules is z. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Primitive {
     Box {
@@ -20,14 +20,14 @@ pub enum Primitive {
         radius: f64,
         half_length: f64,
     },
-    /// `half_length` leaves out the two half spheres.
+    /// `half_length` does not include the two half spheres.
     Capsule {
         radius: f64,
         half_length: f64,
     },
 }
 
-/// A dimension that no solid can have.
+/// An invalid dimension of a solid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{shape} {dimension} is {value}, but must be a finite number of metres, zero or more")]
 pub struct PrimitiveError {
@@ -64,14 +64,14 @@ impl Primitive {
         Ok(Self::Cone { radius, half_length: 0.5 * length })
     }
 
-    /// A capsule; `length` leaves out the half spheres.
+    /// A capsule; `length` does not include the half spheres.
     pub fn capsule(radius: f64, length: f64) -> Result<Self, PrimitiveError> {
         check("capsule", "radius", radius)?;
         check("capsule", "length", length)?;
         Ok(Self::Capsule { radius, half_length: 0.5 * length })
     }
 
-    /// The solid with all dimensions larger by a factor.
+    /// The solid with all dimensions scaled by a factor.
     pub fn scaled(&self, factor: f64) -> Result<Self, PrimitiveError> {
         let full = 2.0 * factor;
         match *self {

@@ -1,11 +1,11 @@
-//! A solid or a surface that can collide.
+//! Shapes for collision checking: solids and surfaces.
 
 use std::sync::Arc;
 
 use super::{MeshError, Plane, PointCloud, Primitive, PrimitiveError, TriangleMesh, Voxels};
 
-/// What a link or an obstacle is made of, in its own frame. Primitives, the balls of a cloud and voxels are solid; a mesh
-/// and a plane are surfaces.
+/// A shape of a link or an obstacle, in its own frame. Primitives, the balls of a cloud and voxels are solid; a mesh and a plane are
+/// surfaces.
 #[derive(Clone, Debug)]
 pub enum Shape {
     Primitive(Primitive),
@@ -15,7 +15,7 @@ pub enum Shape {
     Voxels(Arc<Voxels>),
 }
 
-/// Why a shape cannot be scaled.
+/// Reason why a shape cannot be scaled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScaleError {
     #[error("the scale is {0}, but must be a finite number above zero")]
@@ -27,7 +27,7 @@ pub enum ScaleError {
 }
 
 impl Shape {
-    /// The field's word for the kind of shape.
+    /// The usual name of the kind of shape.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {
@@ -43,8 +43,8 @@ impl Shape {
         }
     }
 
-    /// The shape larger by a factor, as `MoveIt` scales links: a primitive about its centre, a mesh about the mean of its
-    /// vertices. Planes, clouds and voxels, which are no parts that somebody made, stay as they are.
+    /// The shape scaled by a factor, as `MoveIt` scales links: a primitive about its centre, a mesh about the mean of its vertices.
+    /// Planes, clouds and voxels, which are not manufactured parts, are unchanged.
     pub fn scaled(&self, factor: f64) -> Result<Self, ScaleError> {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(ScaleError::BadFactor(factor));

@@ -1,9 +1,9 @@
-//! What the tests of all modules need: chance, and every SIMD level of this machine.
+//! Test utilities for all crates: random numbers, and every SIMD level of this machine.
 
 use crate::math::{Pose, Rotation, UnitVector, Vector};
 use crate::simd::Level;
 
-/// A small deterministic source of chance (SplitMix64).
+/// A small deterministic random number generator (SplitMix64).
 #[derive(Debug)]
 pub struct Random(u64);
 
@@ -35,7 +35,7 @@ impl Random {
 
     pub fn direction(&mut self) -> UnitVector {
         match self.below(3) {
-            // robots' axes mostly are coordinate axes
+            // most joint axes of robots are coordinate axes
             0 => [Vector::x_axis(), Vector::y_axis(), Vector::z_axis()][self.below(3)],
             1 => -[Vector::x_axis(), Vector::y_axis(), Vector::z_axis()][self.below(3)],
             _ => UnitVector::new_normalize(self.vector(1.0)),
@@ -53,7 +53,7 @@ impl Random {
     }
 }
 
-/// Every level that this machine can run.
+/// Every SIMD level supported by this machine.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     let mut levels = Vec::new();

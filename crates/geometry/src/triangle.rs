@@ -15,10 +15,10 @@ pub struct Triangle {
     pub c: Point,
 }
 
-/// Squared sine of an angle below which two segments count as parallel: over a metre they part by 1e-10 m.
+/// Squared sine of an angle below which two segments count as parallel: over a metre they diverge by 1e-10 m.
 const PARALLEL: f64 = 1e-20;
 
-/// Squared sine of an angle below which the nearest points of two lines are rough along the lines.
+/// Squared sine of an angle below which the nearest points of two lines are inexact along the lines.
 const NARROW: f64 = 1e-6;
 
 /// Two points, one on each of two solids.
@@ -80,7 +80,7 @@ impl Triangle {
         touching.then(|| self.common_point(other, crossing))
     }
 
-    /// Where an edge of one triangle pierces the other, the first in their order: in general position every crossing has one. The
+    /// A point where an edge of one triangle pierces the other, the first in their order: in general position every crossing has one. The
     /// signs of heights are exact.
     fn crossing(&self, other: &Self) -> Option<Point> {
         let one_side =
@@ -102,8 +102,8 @@ impl Triangle {
         pierced(self, other, theirs).or_else(|| pierced(other, self, ours))
     }
 
-    /// A point of both of two touching triangles, of which the first crossing is known. Nearly coplanar ones are pierced at points
-    /// that rounding may move far along; their edges meet, or a corner of one lies on the other.
+    /// A common point of two touching triangles, given their first crossing. For nearly coplanar triangles, rounding may move the
+    /// piercing points far along the triangles; then their edges meet, or a corner of one lies on the other.
     fn common_point(&self, other: &Self, crossing: Option<Point>) -> Point {
         let on_both = |p: &Point| {
             let off = |t: &Self| nalgebra::distance(p, &t.nearest_point(p));
@@ -127,8 +127,8 @@ impl Triangle {
         orientation(&self.a, &self.b, &self.c, x)
     }
 
-    /// Where a segment whose ends have these heights passes through the triangle. A segment in the triangle's plane does not: what
-    /// they have in common is found at edges and corners.
+    /// The point where a segment whose ends have these heights passes through the triangle. For a segment in the triangle's plane there
+    /// is none: common points are found at edges and corners instead.
     fn pierced_at(&self, [p, q]: &[Point; 2], [height_p, height_q]: [f64; 2]) -> Option<Point> {
         let one_side = (height_p > 0.0 && height_q > 0.0) || (height_p < 0.0 && height_q < 0.0);
         if one_side || (height_p == 0.0 && height_q == 0.0) {
@@ -164,7 +164,7 @@ impl Triangle {
     }
 }
 
-/// Nearest points of two triangles over vertex–face and edge–edge pairs, until a pair is proven to be the nearest; right unless they
+/// Nearest points of two triangles over vertex–face and edge–edge pairs, until a pair is proven to be the nearest; correct unless they
 /// cross.
 fn nearest_features(
     (first, our_face): (&Triangle, &Face),
@@ -191,14 +191,14 @@ fn nearest_features(
     nearest.pair
 }
 
-/// What points have in common of which the nearest in a triangle are looked for.
+/// Precomputed values of a triangle for nearest-point queries.
 struct Face {
     edges: [[Point; 2]; 3],
-    /// Along the edges, and their squared lengths.
+    /// Edge vectors, and their squared lengths.
     ways: [Vector; 3],
     squares: [f64; 3],
     normal: Vector,
-    /// Across each edge, to the inside.
+    /// Vectors in the plane normal to each edge, pointing inside.
     inward: [Vector; 3],
     normal_squared: f64,
     longest: f64,
@@ -221,7 +221,7 @@ impl Face {
         }
     }
 
-    /// Whether all of `other` lies more than `clear` (m) and what rounding may hide on one side of the plane.
+    /// True if all of `other` lies more than `clear` (m) plus the rounding error on one side of the plane.
     fn plane_separates(&self, other: &Triangle, clear: f64) -> bool {
         let from = self.edges[0][0];
         let [p, q, r] = [other.a - from, other.b - from, other.c - from];
@@ -233,10 +233,10 @@ impl Face {
         heights.iter().all(|h| *h > needed) || heights.iter().all(|h| *h < -needed)
     }
 
-    /// The point nearest to `p`: straight below it if it lies over the face, else on an edge.
+    /// The point nearest to `p`: its projection if that is inside the face, else a point on an edge.
     ///
-    /// The height over the face is measured from the nearest edge, so that slivers keep their accuracy: the normal of a
-    /// sliver is rough, but where `p` is near the sliver it is near an edge.
+    /// The height over the face is measured from the nearest edge, so that slivers keep their accuracy: the normal of a sliver is
+    /// inexact, but where `p` is near the sliver it is near an edge.
     #[inline]
     fn nearest_point(&self, p: &Point) -> Point {
         let (mut on_edge, mut least) = (Point::origin(), f64::INFINITY);
@@ -253,13 +253,13 @@ impl Face {
             return on_edge;
         }
         let foot = p - self.normal * (self.normal.dot(&(p - on_edge)) / self.normal_squared);
-        // inside, the nearest edge is no farther than the triangle is high; a normal that is noise claims more
+        // inside, the distance to the nearest edge is at most the triangle's height; an inexact normal may give more
         let inside = (foot - on_edge).norm_squared() * self.longest <= 4.0 * self.normal_squared;
         if inside { foot } else { on_edge }
     }
 }
 
-/// The pair of points that are nearest of all that were offered, the first of equal ones; the origin twice of none.
+/// The nearest of all given pairs of points, the first of equal ones; the origin twice if none was given.
 struct NearestPair {
     pair: PointPair,
     squared: f64,
@@ -290,8 +290,8 @@ fn orientation(a: &Point, b: &Point, c: &Point, d: &Point) -> f64 {
     robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(d))
 }
 
-/// Whether the planes through two points, normal to the line between them, have one polygon on each outer side: then no
-/// points of the polygons are nearer (the early exit of PQP's triangle distance, Larsen et al. 1999).
+/// True if the planes through two points, normal to the line between them, have one polygon on each outer side: then no points of the
+/// polygons are nearer (the early exit of PQP's triangle distance, Larsen et al. 1999).
 #[must_use]
 pub fn separated_across([p, q]: &PointPair, ours: &[Point], theirs: &[Point]) -> bool {
     let n = q - p;
@@ -308,7 +308,7 @@ pub fn nearest_on_segment(p: &Point, segment: &[Point; 2]) -> Point {
     nearest_along(p, segment, &way, way.norm_squared())
 }
 
-/// The same, of a segment of which the way from end to end and its squared length are known.
+/// As above, for a segment with known end-to-end vector and squared length.
 #[inline]
 fn nearest_along(p: &Point, [a, b]: &[Point; 2], way: &Vector, length_squared: f64) -> Point {
     if length_squared == 0.0 {
@@ -342,12 +342,12 @@ pub fn nearest_on_segments(first: &[Point; 2], second: &[Point; 2]) -> PointPair
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Angle {
     Wide,
-    /// The lines are nearly parallel: an end of a segment may be nearer than what was found inside.
+    /// The lines are nearly parallel: an end of a segment may be nearer than the result inside.
     Narrow,
 }
 
-/// Nearest points of the two lines, if they lie inside both segments and the lines are not parallel. Where they are
-/// found along nearly parallel lines is rough; each is the projection of the other, so that their distance is not.
+/// Nearest points of the two lines, if they lie inside both segments and the lines are not parallel. For nearly parallel lines their
+/// position along the lines is inexact, but each is the projection of the other, so their distance is exact.
 fn nearest_inside_segments(first: &[Point; 2], second: &[Point; 2]) -> Option<(PointPair, Angle)> {
     let ([p, q], [r, s]) = (first, second);
     let (d1, d2, pr) = (q - p, s - r, r - p);

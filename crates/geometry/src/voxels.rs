@@ -1,4 +1,4 @@
-//! Sets of cubes, as the occupied leaves of an octree.
+//! Sets of cubes, such as the occupied leaves of an octree.
 
 use super::point_cloud::is_near;
 use crate::constants::LARGEST_COORDINATE;
@@ -17,7 +17,7 @@ pub struct Cube {
     pub half_edge: f32,
 }
 
-/// Why a list of cubes is no set of voxels.
+/// Reason why a list of cubes is not a valid set of voxels.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VoxelsError {
     #[error("there are no cubes")]

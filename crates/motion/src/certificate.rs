@@ -1,10 +1,9 @@
-//! A proof that a motion is free, as a document that others can check.
+//! Certificate: a proof that a motion is free, as a document that an independent program can verify.
 //!
-//! For every pair of bodies that has to be checked it lists intervals that cover [0, 1]. On each the pair's distance in the
-//! middle is said to be not less than `lower`, and to lose at most `bound` on the way to either end:
-//! the pair is apart throughout if `lower > bound + padding`. The bound is derived in
-//! `docs/derivations/motion-bound.md`. Hashes say which model, world and motion it is about, and a digest that nothing in it was
-//! altered by accident; what it claims is not to be trusted but checked.
+//! For every pair of bodies that has to be checked it lists intervals that cover [0, 1]. For each interval it claims that the pair's
+//! distance in the middle is at least `lower`, and decreases by at most `bound` towards either end: the pair is free of contact in the
+//! interval if `lower > bound + padding`. The bound is derived in `docs/derivations/motion-bound.md`. Hashes identify the model, world
+//! and motion. A digest detects accidental changes. The claims must be verified, not trusted.
 
 use std::io::{BufWriter, Write};
 
@@ -21,7 +20,7 @@ pub const FORMAT: &str = "clearance certificate 2";
 /// [`Certificate::format`] of one without; still read.
 pub const FORMAT_1: &str = "clearance certificate 1";
 
-/// A proof that a robot can make a motion and hits nothing.
+/// A proof that a robot can make a motion without collision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
@@ -67,21 +66,21 @@ struct Unsigned<'c> {
     digest: &'static str,
 }
 
-/// A stretch of the motion and the proof that it is free.
+/// A segment of the motion, and the proof that it is free.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentProof {
     pub motion: SegmentText,
-    /// In the order of pairs, then of time: `[pair, from, to, lower, bound]`.
+    /// Ordered by pair, then by time: `[pair, from, to, lower, bound]`.
     pub proofs: Vec<Proof>,
 }
 
-/// One pair is apart from `from` to `to`: `(pair, from, to, lower, bound)` with the pair's number, two fractions of the segment, and two
-/// lengths in metres.
+/// Proof that one pair is free of contact between `from` and `to`: `(pair, from, to, lower, bound)` with the pair's index, two fractions
+/// of the segment, and two lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Proof(pub usize, pub f64, pub f64, pub f64, pub f64);
 
-/// Why a text is no certificate.
+/// Reason why a text is not a valid certificate.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
     #[error("this is no certificate: {0}")]
@@ -126,7 +125,7 @@ impl Certificate {
         certificate
     }
 
-    /// The same in format 2: with the parts that its hashes are about, and the tolerance (m) it was made with.
+    /// The same certificate in format 2: with the parts behind its hashes, and the tolerance (m) it was made with.
     #[must_use]
     pub fn with_parts(mut self, parts: CertificateParts, tolerance: f64) -> Self {
         FORMAT.clone_into(&mut self.format);
@@ -135,7 +134,7 @@ impl Certificate {
         self
     }
 
-    /// Whether it has what its format asks for, and no more.
+    /// True if it has exactly the fields of its format.
     #[must_use]
     pub fn has_known_format(&self) -> bool {
         match self.format.as_str() {
@@ -145,7 +144,7 @@ impl Certificate {
         }
     }
 
-    /// Reads a certificate and checks that it is whole.
+    /// Reads a certificate and checks its format and digest.
     pub fn from_json(text: &str) -> Result<Self, CertificateError> {
         let certificate: Self = serde_json::from_str(text)?;
         if !certificate.has_known_format() {
@@ -164,13 +163,13 @@ impl Certificate {
         serde_json::to_string(self).expect("numbers and texts have a JSON form")
     }
 
-    /// What [`Self::motion`] has to be.
+    /// Expected value of [`Self::motion`].
     #[must_use]
     pub fn motion_hash(&self) -> String {
         motion_hash(&self.joints, &self.segments)
     }
 
-    /// What [`Self::digest`] has to be.
+    /// Expected value of [`Self::digest`].
     #[must_use]
     pub fn content_hash(&self) -> String {
         let Self {
@@ -226,10 +225,10 @@ impl Certificate {
     }
 }
 
-/// Longest text (characters) of a document that a message repeats.
+/// Maximum length (characters) of a document's text quoted in a message.
 const LONGEST_SHOWN: usize = 100;
 
-/// A text out of a document as messages show it: short, and nothing in it that a terminal obeys.
+/// A text from a document, for messages: shortened, and without control characters for terminals.
 #[must_use]
 pub fn shown(text: &str) -> String {
     let mut short: String = text.chars().take(LONGEST_SHOWN).collect();
@@ -244,7 +243,7 @@ fn motion_hash(joints: &[String], segments: &[SegmentProof]) -> String {
     sha256(&(joints, segments.iter().map(|s| &s.motion).collect::<Vec<_>>()))
 }
 
-/// Of a thing's JSON; shortest forms of numbers make it the same everywhere.
+/// Hash of a value's JSON; shortest forms of numbers make it the same on every machine.
 pub fn sha256(thing: &impl Serialize) -> String {
     let mut print = Fingerprint::default();
     let mut buffer = BufWriter::new(&mut print);
@@ -260,7 +259,7 @@ mod tests {
     use crate::BodyPart;
     use clearance_robot::MeshFiles;
 
-    /// Anybody can compute the digest: SHA-256 of the compact JSON with an empty digest.
+    /// The digest can be computed by anyone: SHA-256 of the compact JSON with an empty digest.
     #[test]
     fn digests_are_those_of_the_text() {
         let urdf = include_str!("../../../urdf/two_link/two_link.urdf");

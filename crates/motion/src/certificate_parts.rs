@@ -1,9 +1,8 @@
-//! Hashes of the single parts of a robot and a world: they name what differs when the hash of the whole does.
+//! Hashes of the individual parts of a robot and a world: they identify the difference when the hash of the whole differs.
 
 use serde::{Deserialize, Serialize};
 
-/// Parts of the model hash and the world hash. A verifier computes its own and compares:
-/// nothing here is believed.
+/// Parts of the model hash and the world hash. A verifier computes its own and compares; it trusts nothing in here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertificateParts {
@@ -13,17 +12,17 @@ pub struct CertificateParts {
     pub attached_objects: Vec<BodyPart>,
     /// Mesh treatment: `surface` or `solid`.
     pub meshes: String,
-    /// Whether padding counts between links, too.
+    /// True if padding also applies between links.
     pub pad_self: bool,
     /// Whether pairs of links, and pairs with obstacles, are checked.
     pub check_self: bool,
     pub check_world: bool,
 }
 
-/// A link, an obstacle or an attached object: name, hash of its shapes and of what carries it, safety distance (m), factor of size.
+/// A link, an obstacle or an attached object: name, hash of its shapes and its carrying link, safety distance (m), scale factor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyPart(pub String, pub String, pub f64, pub f64);
 
-/// A joint: name, and hash of its frame, axis, kind, links and mimicry.
+/// A joint: name, and hash of its frame, axis, kind, links and mimic.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointPart(pub String, pub String);

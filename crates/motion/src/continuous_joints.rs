@@ -1,7 +1,8 @@
-//! Which way round continuous joints go.
+//! Direction of rotation of continuous joints.
 //!
-//! Positions that differ by whole turns are one place, but two ways. `joint_trajectory_controller` goes from its current state to the first
-//! point the shortest way: it takes whole turns off the current position (`wraparound_joint`), and so does [`shortest_way`].
+//! Positions that differ by full turns are the same pose, but different paths. `joint_trajectory_controller` moves from its current state
+//! to the first point in the shortest direction: it subtracts full turns from the current position (`wraparound_joint`), and so does
+//! [`shortest_way`].
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,23 +10,24 @@ use clearance_robot::{Configuration, ConfigurationError, JointId, JointKind, Rob
 
 use super::{MotionSegment, Trajectory};
 
-/// How far (rad) from half a turn both ways count as equally short: the joint then turns as its positions say.
+/// Deviation (rad) from half a turn within which both directions count as equally short: the joint then follows its given positions.
 const HALF_TURN_TOLERANCE: f64 = 1e-9;
 
-/// How near (rad) to half a turn a controller, which measures the start itself, may find the other way shorter.
+/// Deviation (rad) from half a turn within which a controller, which measures the start itself, may select the other direction.
 const HALF_TURN_DOUBT: f64 = 1e-3;
 
-/// Which way round a continuous joint goes from one position to the next.
+/// Direction of a continuous joint from one position to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContinuousDirection {
-    /// Through all positions between the two, however many turns that are.
+    /// Through all positions between the two, for any number of turns.
     #[default]
     AsGiven,
-    /// By half a turn at most: whole turns are taken off where it starts.
+    /// By half a turn at most: full turns are subtracted from the start.
     Shortest,
 }
 
-/// A continuous joint that turns in a motion, with its positions (rad) where the motion starts and ends: through all between, as was proven.
+/// A continuous joint that rotates in a motion, with its positions (rad) at the start and the end; the proof covers all positions in
+/// between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContinuousTurn {
     pub joint: String,
@@ -33,7 +35,7 @@ pub struct ContinuousTurn {
     pub to: f64,
 }
 
-/// A continuous joint that can not go the shortest way.
+/// A continuous joint that cannot take the shortest direction.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "continuous joint '{joint}' can not go the shortest way from {from} to {to}: '{follower}' mimics it, and would be elsewhere after whole turns"
@@ -45,11 +47,11 @@ pub struct HeldTurn {
     pub to: f64,
 }
 
-/// The same places, such that continuous joints go from each to the next by half a turn at most; the last stays as it is. Joints that can
-/// not, because another one mimics them, go as they are given: they are told, too.
+/// Equivalent configurations such that continuous joints move from each to the next by half a turn at most; the last one is unchanged.
+/// Joints that cannot, because another one mimics them, keep their given positions; these joints are returned, too.
 ///
 /// # Errors
-/// When a joint gets too far away to be computed with.
+/// If a joint position becomes too large for the computation.
 pub fn shortest_way(
     robot: &RobotModel,
     points: Vec<Configuration>,
@@ -77,7 +79,7 @@ pub fn shortest_way(
     Ok((points, held))
 }
 
-/// A continuous joint, which may mimic another one: its position is `multiplier · q[index] + offset`.
+/// A continuous joint, which may be a mimic joint: its position is `multiplier · q[index] + offset`.
 struct Turning<'r> {
     name: &'r str,
     index: usize,
@@ -90,14 +92,14 @@ impl Turning<'_> {
         self.multiplier * q.positions()[self.index] + self.offset
     }
 
-    /// Whether it turns so far in a straight segment that the other way is shorter, or about as short.
+    /// True if it rotates so far in a straight segment that the other direction is shorter, or about as short.
     fn is_long(&self, segment: &MotionSegment) -> bool {
         let turn = self.multiplier.abs() * segment.top_speed(self.index);
         segment.is_straight() && turn > PI - HALF_TURN_DOUBT
     }
 }
 
-/// All continuous joints, those that mimic another one too.
+/// All continuous joints, mimic joints included.
 fn turning(robot: &RobotModel) -> impl Iterator<Item = Turning<'_>> {
     let joints = robot.joint_ids().map(|id| (id, robot.joint(id)));
     let continuous = joints.filter(|(_, joint)| matches!(joint.kind, JointKind::Continuous(_)));
@@ -114,7 +116,7 @@ fn continuous(robot: &RobotModel) -> impl Iterator<Item = (JointId, usize)> {
     robot.joint_ids().filter(is_continuous).filter_map(|id| Some((id, robot.first_position(id)?)))
 }
 
-/// How many whole turns an angle has too many for the shortest way.
+/// Number of full turns to subtract from an angle for the shortest direction.
 fn whole_turns(angle: f64) -> f64 {
     let turns = (angle / TAU).round();
     let is_half = ((angle - TAU * turns).abs() - PI).abs() <= HALF_TURN_TOLERANCE;
@@ -122,7 +124,7 @@ fn whole_turns(angle: f64) -> f64 {
 }
 
 impl Trajectory {
-    /// The continuous joints that turn, with their positions at the start and at the end.
+    /// The continuous joints that rotate, with their positions at the start and at the end.
     #[must_use]
     pub fn continuous_turns(&self, robot: &RobotModel) -> Vec<ContinuousTurn> {
         let (Some(first), Some(last)) = (self.segments().first(), self.segments().last()) else {
@@ -139,7 +141,8 @@ impl Trajectory {
             .collect()
     }
 
-    /// A warning about straight segments in which a continuous joint turns by half a turn or more, of which a controller may make less.
+    /// A warning about straight segments in which a continuous joint rotates by half a turn or more, where a controller may rotate it by
+    /// less.
     #[must_use]
     pub fn long_turn_note(&self, robot: &RobotModel) -> Option<String> {
         let joints: Vec<Turning> = turning(robot).collect();
@@ -197,7 +200,7 @@ mod tests {
         assert!((wheel[0] - (3.0 - TAU)).abs() < 1e-12 && wheel[1] == -3.0 && held.is_empty(), "{wheel:?}");
         let (wheel, _) = way(&robot, &[[0.5, 0.0], [100.0 * TAU + 0.4, 0.0]]);
         assert!((wheel[0] - 100.0 * TAU - 0.5).abs() < 1e-9);
-        // the arm is not continuous, and points in between follow those behind
+        // the arm is not continuous, and points in between are adjusted to the points after them
         let points =
             [[3.0, 3.0], [-3.0, -3.0], [3.0, 3.0]].map(|q| robot.configuration(&q).unwrap()).to_vec();
         let (points, _) = shortest_way(&robot, points).unwrap();
@@ -274,7 +277,7 @@ mod tests {
     }
 
     proptest! {
-        /// The way is by half a turn at most, between the same places, and the goal stays.
+        /// Each motion is by half a turn at most, between the same poses, and the goal is unchanged.
         #[test]
         fn the_shortest_way_is_short_and_between_the_same_places(from in -60.0..60.0_f64, to in -60.0..60.0_f64) {
             let robot = robot("continuous", 3.0);

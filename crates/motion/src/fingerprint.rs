@@ -1,10 +1,10 @@
-//! A hash of things too big to be written as text first.
+//! Incremental hash of data too large to be written as text first.
 
 use clearance_geometry::math::Pose;
 use sha2::{Digest, Sha256};
 
-/// SHA-256 over texts and numbers, fed one after the other; texts and lists bring their lengths, so that none can pass for
-/// another.
+/// SHA-256 over a sequence of texts and numbers; texts and lists are preceded by their lengths, so that different sequences have
+/// different inputs.
 #[derive(Debug, Default)]
 pub struct Fingerprint(Sha256);
 
@@ -25,7 +25,7 @@ impl Fingerprint {
         self.bytes(text.as_bytes())
     }
 
-    /// As they are, without their length.
+    /// Adds bytes without their length.
     pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
         self.0.update(bytes);
         self

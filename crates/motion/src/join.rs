@@ -1,30 +1,31 @@
-//! The joint between two consecutive segments of a motion.
+//! Join between two consecutive segments of a motion.
 //!
-//! Each segment is proven free by itself, up to its own end. Where the next one starts with the very same numbers, nothing lies in
-//! between. Where it does not, however small the difference, the robot passes through configurations that belong to neither: thin
-//! surfaces can cross there, and a mimic joint with a large multiplier makes any difference large. That gap is a motion of its own.
+//! Each segment is proven free by itself, up to its own end. If the next one starts with exactly the same numbers, there is no gap.
+//! Otherwise, however small the difference, the robot passes through configurations that belong to neither segment: thin surfaces can be
+//! crossed there, and a mimic joint with a large multiplier makes any difference large. The gap is therefore checked as a separate
+//! motion.
 
 use clearance_geometry::math::{Extremes, Point, Pose};
 
 use super::moving_obstacle::NO_DISPLACEMENT;
 use super::{MotionSegment, MovingObstacle};
 
-/// Largest gap (rad, m, relative to the size of what jumps) that rounding explains; a larger one is another motion.
+/// Largest gap (rad, m, relative to the size of the value) that rounding explains; a larger one means a different motion.
 const LARGEST_GAP: f64 = 1e-9;
 
-/// How two consecutive segments join.
+/// Kind of join between two consecutive segments.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Join {
-    /// The second starts with the numbers with which the first ends.
+    /// The second segment starts with exactly the numbers with which the first ends.
     Exact,
-    /// The straight motion from one to the other. Its tolerances contain those of both segments and the rounding of the end.
+    /// The straight motion across the gap. Its tolerances include those of both segments and the rounding of the end.
     Gap(Box<MotionSegment>),
 }
 
-/// Why two segments are no connected motion.
+/// Reason why two segments are not a connected motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JoinError {
-    /// They are about different robots.
+    /// They belong to different robots.
     Length { before: usize, after: usize },
     /// A position (by its index) jumps from one number to another.
     Position { position: usize, from: f64, to: f64 },
@@ -32,7 +33,7 @@ pub enum JoinError {
     Obstacle { name: String, by: Pose },
 }
 
-/// How `after` joins on to `before`.
+/// The join from `before` to `after`.
 pub fn join(before: &MotionSegment, after: &MotionSegment) -> Result<Join, JoinError> {
     let counts = [before, after].map(MotionSegment::position_count);
     if counts[0] != counts[1] {
@@ -61,7 +62,7 @@ pub fn join(before: &MotionSegment, after: &MotionSegment) -> Result<Join, JoinE
     Ok(Join::Gap(Box::new(after.between(&from, &starts).into_gap(tube, movers, before.size()))))
 }
 
-/// A quaternion and its negative are one rotation: takes the one that is nearer to the other configuration's.
+/// A quaternion and its negative are the same rotation: selects the one nearer to the other configuration's.
 fn turn_alike(quaternions: &[usize], ends: &mut [[f64; 2]], starts: &[f64]) {
     for first in quaternions {
         let (ends, starts) = (&mut ends[*first..first + 4], &starts[*first..first + 4]);
@@ -97,7 +98,7 @@ fn obstacles(
     Ok((movers, all_join))
 }
 
-/// Whether two obstacles are displaced by the same numbers at t = 0; one that does not move stands where the world has it.
+/// True if two obstacles have exactly the same displacement at t = 0; one that does not move has its pose in the world.
 fn same_displacement(a: Option<&MovingObstacle>, b: Option<&MovingObstacle>) -> bool {
     let [a, b] = [a, b].map(|mover| mover.map_or(NO_DISPLACEMENT, MovingObstacle::start_numbers));
     a.0 == b.0 && (a.1 == b.1 || a.1 == b.1.map(|c| -c))

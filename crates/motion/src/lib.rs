@@ -1,15 +1,15 @@
-//! How robots and obstacles move, and what is proven about it; the third of the right tower.
+//! Motions of robots and obstacles, and certificates that a motion is free.
 //!
-//! | what | type |
+//! | concept | type |
 //! |---|---|
-//! | one smooth stretch, t from 0 to 1 | [`MotionSegment`] |
-//! | a rigid obstacle on the move | [`MovingObstacle`] |
-//! | the same on a clock, evenly or through poses | [`ObstacleTrajectory`] |
-//! | stretches one after the other, with times | [`Trajectory`] |
-//! | which way round a continuous joint goes | [`ContinuousDirection`] |
+//! | one smooth segment, t from 0 to 1 | [`MotionSegment`] |
+//! | a rigid moving obstacle | [`MovingObstacle`] |
+//! | the same over time, with constant velocity or through poses | [`ObstacleTrajectory`] |
+//! | consecutive segments with times | [`Trajectory`] |
+//! | direction of rotation of a continuous joint | [`ContinuousDirection`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod certificate;

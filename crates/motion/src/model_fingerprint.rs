@@ -1,4 +1,4 @@
-//! What a certificate is about, as hashes: the robot as it is checked, and its surroundings.
+//! Hashes of the robot and the world that a certificate belongs to.
 
 use std::collections::HashMap;
 
@@ -9,8 +9,8 @@ use clearance_scene::{AllowedCollisionMatrix, BodyId, MeshModel, PairList, Setti
 
 use super::Fingerprint;
 
-/// SHA-256 of all that decides how the robot moves, where it is solid, and what of it is checked: links, shapes, joints but their
-/// limits, paddings, what a mesh is, pairs of links. File names and the order of the URDF's attributes do not matter.
+/// SHA-256 of everything that determines how the robot moves, its geometry, and the pairs that are checked: links, shapes, joints except
+/// their limits, paddings, mesh treatment, pairs of links. File names and the order of the URDF's attributes do not matter.
 #[must_use]
 pub fn model_fingerprint(
     robot: &RobotModel,
@@ -49,7 +49,7 @@ pub fn model_fingerprint(
     print.finish()
 }
 
-/// Numbers of single objects, by name.
+/// Values of individual objects, by name.
 fn add_objects(print: &mut Fingerprint, what: &str, numbers: &HashMap<String, f64>) {
     let mut sorted: Vec<_> = numbers.iter().collect();
     sorted.sort_by_key(|(name, _)| *name);
@@ -59,7 +59,7 @@ fn add_objects(print: &mut Fingerprint, what: &str, numbers: &HashMap<String, f6
     }
 }
 
-/// SHA-256 of the obstacles and attached objects: names, shapes, poses, and which links may touch what they carry.
+/// SHA-256 of the obstacles and attached objects: names, shapes, poses, and touch links.
 #[must_use]
 pub fn world_fingerprint(world: &World) -> String {
     let mut print = Fingerprint::default();
@@ -98,7 +98,7 @@ pub(super) fn add_kind(print: &mut Fingerprint, joint: &Joint) {
     let axis = |axis: &UnitVector| vec![axis.x, axis.y, axis.z];
     let (kind, axis) = match &joint.kind {
         JointKind::Fixed => ("fixed", vec![]),
-        // limits aside these are the same
+        // except for limits these are the same
         JointKind::Revolute(a) | JointKind::Continuous(a) => ("turning", axis(a)),
         JointKind::Prismatic(a) => ("prismatic", axis(a)),
         JointKind::Floating => ("floating", vec![]),

@@ -1,33 +1,33 @@
-//! An obstacle that moves evenly: a constant twist.
+//! Moving obstacle with a constant twist.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
-/// How an obstacle moves while t goes from 0 to 1: its pose is displaced by a shift of `linear` and a turn about `centre`, which
-/// shifts with it. At t = 0 it stands where the world has it. All in the robot's root frame.
+/// Motion of an obstacle while t goes from 0 to 1: its pose is displaced by a translation of `linear` and a rotation about `centre`,
+/// which is translated with it. At t = 0 it has its pose in the world. All in the robot's root frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MovingObstacle {
     /// Name of the obstacle.
     pub name: String,
-    /// The point (m) that only shifts, at t = 0.
+    /// The point (m) that is only translated, at t = 0.
     pub centre: [f64; 3],
-    /// Shift (m) from t = 0 to t = 1.
+    /// Translation (m) from t = 0 to t = 1.
     pub linear: [f64; 3],
-    /// Turn (rad) from t = 0 to t = 1: an axis times an angle.
+    /// Rotation (rad) from t = 0 to t = 1: an axis times an angle.
     pub angular: [f64; 3],
-    /// A displacement that already happened at t = 0, before the turn and the shift: position and quaternion (x, y, z, w).
+    /// A displacement that exists already at t = 0, before the rotation and the translation: position and quaternion (x, y, z, w).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<([f64; 3], [f64; 4])>,
 }
 
-/// Where the world has an obstacle.
+/// The zero displacement: the obstacle's pose in the world.
 pub(super) const NO_DISPLACEMENT: ([f64; 3], [f64; 4]) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
 
 impl MovingObstacle {
-    /// From one displacement to another, shifting and turning evenly, by the shortest way; `centre` is a point of the
-    /// obstacle where the world has it.
+    /// From one displacement to another, with constant translation and rotation, by the shortest direction; `centre` is a point of the
+    /// obstacle at its pose in the world.
     #[must_use]
     pub fn between(name: &str, centre: Point, from: &Pose, to: &Pose) -> Self {
         let (start, end) = (from * centre, to * centre);
@@ -42,7 +42,7 @@ impl MovingObstacle {
         }
     }
 
-    /// By which the obstacle is displaced at t from where the world has it.
+    /// Displacement of the obstacle at t from its pose in the world.
     #[must_use]
     pub fn displacement(&self, t: f64) -> Pose {
         let centre = Vector::from(self.centre);
@@ -58,7 +58,7 @@ impl MovingObstacle {
         }
     }
 
-    /// What it does from one t to another, which may lie beyond 1, as a motion of its own.
+    /// Its motion between two values of t, which may be beyond 1, as a motion of its own.
     #[must_use]
     pub fn part(&self, [from, to]: [f64; 2]) -> Self {
         let [centre, linear, angular] = [self.centre, self.linear, self.angular].map(Vector::from);
@@ -79,7 +79,7 @@ impl MovingObstacle {
         self.start.unwrap_or(NO_DISPLACEMENT)
     }
 
-    /// Whether it stands still.
+    /// True if it does not move.
     #[must_use]
     pub fn stands(&self) -> bool {
         self.linear == [0.0; 3] && self.angular == [0.0; 3]
@@ -91,7 +91,7 @@ impl MovingObstacle {
         MatrixPose::from(&self.displacement(t))
     }
 
-    /// A number (m, rad) not less than any that it is given by.
+    /// Upper bound (m, rad) on the numbers that define it.
     #[must_use]
     pub fn size(&self) -> f64 {
         let start = self.start.map_or([0.0; 3], |(xyz, _)| xyz);
@@ -99,7 +99,7 @@ impl MovingObstacle {
         all.iter().flatten().map(|x| x.abs()).fold(0.0, f64::greater)
     }
 
-    /// Whether all numbers can be computed with and the start is a pose.
+    /// True if all numbers are in the range of the computation and the start is a valid pose.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         let finite = |v: &[f64]| v.iter().all(|x| x.abs() <= LARGEST_COORDINATE);

@@ -1,4 +1,4 @@
-//! An obstacle that moves on a clock: evenly, or through poses at given times.
+//! Obstacle trajectory: motion with a constant twist, or through timed poses.
 
 use clearance_geometry::math::{Point, Pose};
 use clearance_scene::World;
@@ -6,8 +6,7 @@ use clearance_scene::World;
 use super::trajectory::Part;
 use super::{MovingObstacle, Trajectory, TrajectoryError};
 
-/// How an obstacle of the world moves on the clock of a [`Trajectory`] (s). A motion without times has a clock of its own: it begins
-/// at 0 and ends at 1.
+/// Motion of an obstacle of the world over the time of a [`Trajectory`] (s). For a motion without times, time goes from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObstacleTrajectory {
     name: String,
@@ -16,16 +15,16 @@ pub struct ObstacleTrajectory {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Course {
-    /// What happens in one unit of time, from 0 on, and goes on evenly.
+    /// Motion in one unit of time, from 0 on; it continues at constant velocity.
     Even(MovingObstacle),
     /// One more time than pieces.
     Poses { times: Vec<f64>, pieces: Vec<MovingObstacle> },
 }
 
-/// A turn (rad) between two poses from which on it is not clear which way is the shortest.
+/// Rotation (rad) between two poses above which the shortest direction is ambiguous.
 const CLEAR_TURN: f64 = std::f64::consts::PI - 0.01;
 
-/// Why poses are no way.
+/// Reason why poses are not a valid trajectory.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PosesError {
     #[error("two poses at least are needed, but there are {0}")]
@@ -39,8 +38,8 @@ pub enum PosesError {
 }
 
 impl ObstacleTrajectory {
-    /// A constant twist, for ever: at time 0 the obstacle stands where the world has it. `linear` (m/s) is the velocity of `centre`
-    /// (m, at time 0), `angular` (rad/s) an axis times a speed; all in the robot's root frame.
+    /// A constant twist without end: at time 0 the obstacle has its pose in the world. `linear` (m/s) is the velocity of `centre` (m, at
+    /// time 0), `angular` (rad/s) an axis times a speed; all in the robot's root frame.
     #[must_use]
     pub fn even(name: &str, centre: Point, linear: [f64; 3], angular: [f64; 3]) -> Self {
         let name = name.to_owned();
@@ -49,8 +48,9 @@ impl ObstacleTrajectory {
         Self { name, course: Course::Even(unit) }
     }
 
-    /// Through poses (robot's root frame) of any frame that moves with the obstacle, each at its time (s); at the first the obstacle
-    /// stands where the world has it. Between two poses the frame's origin goes straight and the frame turns evenly, by the shortest way.
+    /// Through poses (robot's root frame) of any frame that moves with the obstacle, each at its time (s); at the first one the obstacle
+    /// has its pose in the world. Between two poses the frame's origin moves on a straight line and the frame rotates at constant speed,
+    /// by the shortest direction.
     pub fn through(name: &str, poses: &[(f64, Pose)]) -> Result<Self, PosesError> {
         let &[(_, first), _, ..] = poses else { return Err(PosesError::TooFew(poses.len())) };
         for (pose, &(time, _)) in poses.iter().enumerate() {
@@ -65,7 +65,7 @@ impl ObstacleTrajectory {
             if from.rotation.angle_to(&to.rotation) > CLEAR_TURN {
                 return Err(PosesError::HalfTurn(i + 1));
             }
-            // at its first pose it stands where the world has it, without any rounding
+            // at its first pose it has exactly its pose in the world, without rounding
             let start = if i == 0 { Pose::identity() } else { from * back };
             Ok(MovingObstacle::between(name, centre, &start, &(to * back)))
         });
@@ -79,7 +79,7 @@ impl ObstacleTrajectory {
         &self.name
     }
 
-    /// Times between which it moves evenly; none if it always does.
+    /// Times at which its velocity may change; none if it is constant.
     fn times(&self) -> &[f64] {
         match &self.course {
             Course::Even(_) => &[],
@@ -87,7 +87,7 @@ impl ObstacleTrajectory {
         }
     }
 
-    /// What it does between two times, of which it has none of its own in between.
+    /// Its motion between two times, with none of its own times in between.
     fn between(&self, [from, to]: [f64; 2]) -> MovingObstacle {
         match &self.course {
             Course::Even(unit) => unit.part([from, to]),
@@ -101,12 +101,11 @@ impl ObstacleTrajectory {
 }
 
 impl Trajectory {
-    /// With obstacles of `world` that move on its clock. A segment during which an obstacle comes to one of its poses is cut there:
-    /// [`Self::origin`] tells where it comes from.
+    /// Adds moving obstacles of `world`, with the same time. A segment during which an obstacle reaches one of its poses is split there:
+    /// [`Self::origin`] gives the original segment.
     ///
     /// # Errors
-    /// When several segments have no times, an obstacle's poses do not last from the beginning to the end, or the world has no such
-    /// obstacle.
+    /// If several segments have no times, an obstacle's poses do not cover the whole time, or the world has no such obstacle.
     pub fn with_obstacles(
         self,
         world: &World,
@@ -137,7 +136,7 @@ impl Trajectory {
     }
 }
 
-/// Refuses poses that begin too late or end too early.
+/// Rejects poses that begin too late or end too early.
 fn covers(obstacle: &ObstacleTrajectory, motion: [f64; 2]) -> Result<(), TrajectoryError> {
     let (Some(&from), Some(&to)) = (obstacle.times().first(), obstacle.times().last()) else { return Ok(()) };
     if from <= motion[0] && motion[1] <= to {
@@ -146,7 +145,7 @@ fn covers(obstacle: &ObstacleTrajectory, motion: [f64; 2]) -> Result<(), Traject
     Err(TrajectoryError::ObstacleTimes { name: obstacle.name.clone(), poses: [from, to], motion })
 }
 
-/// Where a stretch of time has to end for all obstacles to move evenly in it: those in between, and its end.
+/// Times at which an interval must be split, so that all obstacles move at constant velocity in each part: those in between, and its end.
 fn cuts(obstacles: &[ObstacleTrajectory], [from, to]: [f64; 2]) -> Vec<f64> {
     let within = |obstacle: &ObstacleTrajectory| {
         let times = obstacle.times();

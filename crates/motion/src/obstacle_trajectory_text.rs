@@ -1,4 +1,4 @@
-//! Moving obstacles as they stand in files.
+//! Reader of moving obstacle files.
 
 use clearance_files::yaml;
 use clearance_geometry::Shape;
@@ -38,10 +38,10 @@ fn no_turn() -> [f64; 4] {
     [0.0, 0.0, 0.0, 1.0]
 }
 
-/// Why a text does not say how obstacles move.
+/// Reason why a text does not describe the motion of obstacles.
 #[derive(Debug, thiserror::Error)]
 pub enum ObstacleTextError {
-    /// The reader says where.
+    /// The message of the parser contains the location.
     #[error("{0}")]
     Text(String),
     #[error("moving_obstacles is empty")]
@@ -59,10 +59,10 @@ pub enum ObstacleTextError {
 }
 
 impl ObstacleTrajectory {
-    /// Reads YAML or JSON: `moving_obstacles`, a list of obstacles of `world` by `name`, each with a twist (`linear` in m/s, `angular` in
-    /// rad/s, `centre` in m; what is not given is zero, and the centre that of the obstacle's only shape, unless that is a plane) or with `poses`, each of them
-    /// a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; none if not given). All in the robot's root frame, on the
-    /// trajectory's clock: [`Self::even`] and [`Self::through`] say how.
+    /// Reads YAML or JSON: `moving_obstacles`, a list of obstacles of `world` by `name`. Each has either a twist (`linear` in m/s,
+    /// `angular` in rad/s, `centre` in m; missing values are zero, and a missing centre is the centre of the obstacle's only shape,
+    /// unless that is a plane), or `poses`, each with a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; the identity if
+    /// missing). All are in the robot's root frame and in the trajectory's time, see [`Self::even`] and [`Self::through`].
     pub fn list_from_yaml(text: &str, world: &World) -> Result<Vec<Self>, ObstacleTextError> {
         let text: FileText = yaml::from_text(text).map_err(ObstacleTextError::Text)?;
         if text.moving_obstacles.is_empty() {
@@ -92,7 +92,7 @@ impl ObstacleText {
             (None, [shape]) if !matches!(shape.shape, Shape::Plane(_)) => {
                 (obstacle.pose_ro * shape.pose_os).translation.vector.into()
             }
-            // what does not turn moves alike everywhere
+            // without rotation all points move alike
             (None, _) if angular == [0.0; 3] => [0.0; 3],
             (None, _) => return Err(ObstacleTextError::NoCentre(self.name.clone())),
         };

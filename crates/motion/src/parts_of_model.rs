@@ -8,10 +8,10 @@ use clearance_scene::{MeshModel, Settings, World};
 use super::model_fingerprint::{add_kind, add_shape};
 use super::{BodyPart, CertificateParts, Fingerprint, JointPart};
 
-/// Digits of a part's hash: it names what differs, the hash of the whole decides.
+/// Number of digits of a part's hash: it only identifies differences; the hash of the whole decides.
 const DIGITS: usize = 16;
 
-/// The parts of a robot and a world as they are checked.
+/// The parts of a robot and a world, in their checked form.
 #[must_use]
 pub fn certificate_parts(robot: &RobotModel, world: &World, settings: &Settings) -> CertificateParts {
     let links = robot.links().iter().map(|link| {
@@ -65,7 +65,7 @@ fn hash_of_shapes<'s>(carriers: &[&str], shapes: impl Iterator<Item = (Pose, &'s
     short(print)
 }
 
-/// By names, so that a link that is added does not change the joints after it.
+/// By names, so that an additional link does not change the hashes of later joints.
 fn joint(robot: &RobotModel, id: JointId) -> JointPart {
     let joint = robot.joint(id);
     let mut print = Fingerprint::default();

@@ -1,4 +1,4 @@
-//! One smooth stretch of a motion.
+//! Motion segment: one smooth part of a motion.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::{Extremes, Rotation, UnitVector, Vector};
@@ -8,41 +8,41 @@ use serde::{Deserialize, Serialize};
 
 use super::MovingObstacle;
 
-/// Numbers of a polynomial of degree five, the constant first.
+/// Coefficients of a polynomial of degree five, the constant first.
 pub type Polynomial = [f64; 6];
 
-/// How all positions of a robot change while t goes from 0 to 1: each a polynomial of degree five at most, but floating joints turn
-/// at even speed, by the shortest way.
+/// Motion of all positions of a robot while t goes from 0 to 1. Each position is a polynomial of degree at most five, but floating joints
+/// rotate at constant speed, by the shortest path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSegment {
     positions: Vec<Polynomial>,
-    /// Positions at t = 1 as they were given; empty for polynomials, whose ends are sums.
+    /// Given positions at t = 1; empty for polynomials, whose ends are computed sums.
     goal: Vec<f64>,
     /// Index of the first component of each quaternion.
     quaternions: Vec<usize>,
     turns: Vec<Turn>,
     obstacles: Vec<MovingObstacle>,
-    /// How far (rad, m) each position may be off on the way; empty when it is followed exactly.
+    /// Tolerance (rad, m) of each position along the motion; empty if it is followed exactly.
     tube: Vec<f64>,
-    /// How fast each position may come to be off (rad, m, a unit of t²); empty where it does not.
+    /// Growth of each position's deviation (rad, m, per unit of t²); empty if there is none.
     spread: Vec<f64>,
     is_straight: bool,
-    /// No position is ever larger than this (rad, m), nor is what it is computed from.
+    /// Upper bound (rad, m) on all positions, and on the values they are computed from.
     size: f64,
 }
 
-/// The turn of a floating joint.
+/// The rotation of a floating joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
-    /// Where its quaternion begins.
+    /// Index of the first component of its quaternion.
     pub first: usize,
     pub from: Rotation,
-    /// In the frame that the joint turns in.
+    /// Rotation axis, in the frame of the joint.
     pub axis: UnitVector,
     pub angle: f64,
 }
 
-/// Why numbers are no motion.
+/// Reason why numbers are not a valid motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SegmentError {
     #[error("the motion has {given} positions, but the robot has {expected}")]
@@ -71,7 +71,7 @@ pub enum SegmentError {
     Obstacle(String),
 }
 
-/// A segment as it stands in a file.
+/// File format of a segment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentText {
@@ -81,7 +81,7 @@ pub struct SegmentText {
     /// Positions at t = 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to: Option<Vec<f64>>,
-    /// Or a polynomial for each position, the constant first.
+    /// Alternatively, a polynomial for each position, the constant first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polynomials: Option<Vec<[f64; 6]>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -132,7 +132,7 @@ impl MotionSegment {
                 return Err(SegmentError::FloatingPolynomial(name.to_owned()));
             }
         }
-        // this makes quaternions as long as they have to be
+        // this normalises quaternions
         let start: Vec<f64> = positions.iter().map(|p| p[0]).collect();
         let start = robot.configuration(&start)?;
         positions.iter_mut().zip(start.positions()).for_each(|(p, q)| p[0] = *q);
@@ -143,7 +143,7 @@ impl MotionSegment {
         Ok(segment)
     }
 
-    /// With obstacles of `world` that move on the same clock.
+    /// Adds moving obstacles of `world`, with the same t.
     pub fn with_obstacles(self, world: &World, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
         for (i, mover) in obstacles.iter().enumerate() {
             if world.id(&mover.name).is_none() {
@@ -156,7 +156,7 @@ impl MotionSegment {
         self.with_movers(obstacles)
     }
 
-    /// As [`Self::with_obstacles`], whether or not there are such obstacles.
+    /// As [`Self::with_obstacles`], without a check that these obstacles exist.
     pub fn with_movers(mut self, obstacles: Vec<MovingObstacle>) -> Result<Self, SegmentError> {
         if let Some(bad) = obstacles.iter().find(|o| !o.is_sound()) {
             return Err(SegmentError::Obstacle(bad.name.clone()));
@@ -167,14 +167,14 @@ impl MotionSegment {
         Ok(self)
     }
 
-    /// With the obstacles that move during another segment.
+    /// Adds the moving obstacles of another segment.
     #[must_use]
     pub fn with_obstacles_of(self, other: &Self) -> Self {
         let size = other.obstacles.iter().map(MovingObstacle::size).fold(self.size, f64::greater);
         Self { size, obstacles: other.obstacles.clone(), ..self }
     }
 
-    /// With a tolerance (rad, m) for each of the robot's positions: the robot may be anywhere within it.
+    /// Adds a tolerance (rad, m) for each of the robot's positions: the robot may be anywhere within it.
     pub fn with_tube(mut self, robot: &RobotModel, tube: Vec<f64>) -> Result<Self, SegmentError> {
         let expected = robot.position_names().len();
         if tube.len() != expected {
@@ -194,13 +194,13 @@ impl MotionSegment {
         Ok(self)
     }
 
-    /// With accelerations (rad, m, a unit of t²) that each of the positions may have on top of what it does by itself.
+    /// Adds accelerations (rad, m, per unit of t²) by which each of the positions may deviate from the motion.
     #[must_use]
     pub fn with_spread(self, spread: Vec<f64>) -> Self {
         Self { spread, ..self }
     }
 
-    /// What it does from one t to another, as a segment of its own.
+    /// The part of the motion between two values of t, as a segment of its own.
     #[must_use]
     pub(super) fn part(&self, [from, to]: [f64; 2]) -> Self {
         if [from, to] == [0.0, 1.0] {
@@ -208,7 +208,7 @@ impl MotionSegment {
         }
         let obstacles = self.obstacles.iter().map(|mover| mover.part([from, to])).collect();
         if !self.goal.is_empty() {
-            // both parts at a cut compute its positions alike, so that they join exactly
+            // both parts at a cut compute its positions by the same operations, so that they join exactly
             return Self { obstacles, ..self.between(self.at(from).positions(), self.at(to).positions()) };
         }
         let part = |p: &Polynomial| {
@@ -222,8 +222,8 @@ impl MotionSegment {
         Self { positions: self.positions.iter().map(part).collect(), obstacles, ..self.clone() }
     }
 
-    /// The same robot, tolerances and obstacles, straight from one configuration to another that is no farther from zero than this
-    /// segment's [`Self::size`].
+    /// A straight motion of the same robot, with the same tolerances and obstacles, between two configurations no farther from zero than
+    /// this segment's [`Self::size`].
     pub(super) fn between(&self, from: &[f64], to: &[f64]) -> Self {
         Self {
             positions: line(from, to),
@@ -234,14 +234,14 @@ impl MotionSegment {
         }
     }
 
-    /// With the tolerances and obstacles of a gap, next to a segment of this [`Self::size`].
+    /// Adds the tolerances and obstacles of a gap, next to a segment of this [`Self::size`].
     pub(super) fn into_gap(self, tube: Vec<f64>, obstacles: Vec<MovingObstacle>, beside: f64) -> Self {
         let tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
         let size = obstacles.iter().map(MovingObstacle::size).fold(self.size.greater(beside), f64::greater);
         Self { tube, spread: Vec::new(), obstacles, size, ..self }
     }
 
-    /// The same robot, which stands at the start of this segment, exactly and without any obstacle that moves.
+    /// The same robot at rest at the start of this segment, without tolerances and moving obstacles.
     #[must_use]
     pub fn standing_at_start(&self) -> Self {
         let start: Vec<f64> = self.starts().collect();
@@ -254,19 +254,19 @@ impl MotionSegment {
         Self { tube: Vec::new(), spread: Vec::new(), ..self.clone() }
     }
 
-    /// Whether the robot may be elsewhere more and more.
+    /// True if the robot's possible deviation grows with t.
     #[must_use]
     pub fn widens(&self) -> bool {
         !self.spread.is_empty()
     }
 
-    /// Whether the robot may be elsewhere than the motion says.
+    /// True if the robot may deviate from the motion.
     #[must_use]
     pub fn is_loose(&self) -> bool {
         !self.tube.is_empty() || !self.spread.is_empty()
     }
 
-    /// A number (rad, m) not less than any position, nor than what it is computed from.
+    /// Upper bound (rad, m) on all positions, and on the values they are computed from.
     #[must_use]
     pub fn size(&self) -> f64 {
         self.size
@@ -297,7 +297,7 @@ impl MotionSegment {
         self.positions.iter().map(|p| p[0])
     }
 
-    /// A position at t = 1, and by how much rounding may have it off; zero where the end was given as a number.
+    /// A position at t = 1, with its rounding error; the error is zero where the end was given as a number.
     pub(super) fn end(&self, position: usize) -> [f64; 2] {
         if let Some(goal) = self.goal.get(position) {
             return [*goal, 0.0];
@@ -311,34 +311,34 @@ impl MotionSegment {
         [value(p, 1.0), 10.0 * f64::EPSILON * size]
     }
 
-    /// Highest power of t in any position; 1 for a straight line, also if it stands still.
+    /// Highest power of t in any position; 1 for a straight line, also without motion.
     #[must_use]
     pub fn degree(&self) -> usize {
         let of = |p: &Polynomial| p.iter().rposition(|c| *c != 0.0).unwrap_or(0);
         if self.goal.is_empty() { self.positions.iter().map(of).max().unwrap_or(0) } else { 1 }
     }
 
-    /// Whether every position goes from its first to its last at even speed.
+    /// True if every position changes at constant speed.
     #[must_use]
     pub fn is_straight(&self) -> bool {
         self.is_straight
     }
 
-    /// The turn of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle (rad a unit of t).
+    /// The rotation of a floating joint whose positions begin at `first`: axis in the joint's frame, and angle (rad per unit of t).
     #[must_use]
     pub fn turn_of(&self, first: usize) -> Option<(UnitVector, f64)> {
         let turn = self.turns.iter().find(|turn| turn.first == first + 3)?;
         Some((turn.axis, turn.angle))
     }
 
-    /// The fastest (a unit of t) that a position ever changes.
+    /// The maximum speed (per unit of t) of a position.
     #[must_use]
     pub fn top_speed(&self, position: usize) -> f64 {
         let p = &self.positions[position];
         if self.is_straight { p[1].abs() } else { largest_slope(p) }
     }
 
-    /// The farthest that a position ever is from zero, tolerance included.
+    /// The maximum absolute value of a position, tolerance included.
     #[must_use]
     pub fn range(&self, position: usize) -> f64 {
         let Deviation { most, off, .. } = self.deviation(position, 0.5, 0.5);
@@ -348,7 +348,7 @@ impl MotionSegment {
     /// Writes the positions at t.
     ///
     /// # Panics
-    /// When `positions` is not as long as the robot has positions.
+    /// If the length of `positions` differs from the robot's number of positions.
     pub fn positions_at(&self, t: f64, positions: &mut [f64]) {
         if t == 1.0 && !self.goal.is_empty() {
             positions.copy_from_slice(&self.goal);
@@ -377,7 +377,7 @@ impl MotionSegment {
         Configuration::trusted(positions)
     }
 
-    /// By how much a position differs from that at `middle` within `half_width` of it; not for quaternions.
+    /// Bound on the deviation of a position from its value at `middle` within `half_width` of it; not for quaternions.
     #[must_use]
     #[inline]
     pub fn deviation(&self, position: usize, middle: f64, half_width: f64) -> Deviation {
@@ -407,7 +407,7 @@ impl MotionSegment {
     }
 }
 
-/// Taylor's numbers at t, by repeated synthetic division.
+/// Taylor coefficients at t, by repeated synthetic division.
 #[inline]
 fn taylor(p: &Polynomial, t: f64) -> Polynomial {
     let mut c = *p;
@@ -427,7 +427,7 @@ fn value(p: &Polynomial, t: f64) -> f64 {
     p.iter().rev().fold(0.0, |sum, c| sum * t + c)
 }
 
-/// C(i, k) / C(4, k): the part that each coefficient of a polynomial of degree four has in its Bernstein coefficients.
+/// C(i, k) / C(4, k): the contribution of each coefficient of a polynomial of degree four to its Bernstein coefficients.
 const SHARES: [[f64; 5]; 5] = [
     [1.0, 0.0, 0.0, 0.0, 0.0],
     [1.0, 1.0 / 4.0, 0.0, 0.0, 0.0],
@@ -436,7 +436,7 @@ const SHARES: [[f64; 5]; 5] = [
     [1.0, 1.0, 1.0, 1.0, 1.0],
 ];
 
-/// A number not less than any slope between 0 and 1: the derivative lies within the hull of its Bernstein coefficients.
+/// Upper bound on the slope between 0 and 1: the derivative lies within the hull of its Bernstein coefficients.
 fn largest_slope(p: &Polynomial) -> f64 {
     let derivative = [p[1], 2.0 * p[2], 3.0 * p[3], 4.0 * p[4], 5.0 * p[5]];
     let coefficient =

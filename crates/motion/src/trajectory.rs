@@ -1,37 +1,37 @@
-//! Stretches one after the other: what ROS calls a joint trajectory.
+//! Trajectory: consecutive motion segments with times, as in a ROS joint trajectory.
 
 use clearance_robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 
 use super::{ContinuousDirection, HeldTurn, JoinError, MotionSegment, SegmentError, join, shortest_way};
 
-/// Segments, and the seconds at which they begin and end.
+/// Segments, with their start and end times (s).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     segments: Vec<MotionSegment>,
-    /// One more than segments; empty where no times were given.
+    /// One more than segments; empty if no times were given.
     times: Vec<f64>,
-    /// By segment, what it is a part of; empty where each is a whole.
+    /// By segment, the original segment it is a part of; empty if none was split.
     parts: Vec<Part>,
 }
 
-/// A part of a segment.
+/// Part of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Part {
     pub segment: usize,
     pub t: [f64; 2],
 }
 
-/// One point of a trajectory, as `trajectory_msgs/JointTrajectoryPoint` has it: velocities and accelerations may be empty.
+/// One point of a trajectory, as in `trajectory_msgs/JointTrajectoryPoint`: velocities and accelerations may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajectoryPoint {
     pub positions: Vec<f64>,
     pub velocities: Vec<f64>,
     pub accelerations: Vec<f64>,
-    /// Seconds.
+    /// Time (s) from the start.
     pub time_from_start: f64,
 }
 
-/// Why points are no trajectory.
+/// Reason why points are not a valid trajectory.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrajectoryError {
     #[error("a trajectory needs at least two points, but it has {0}")]
@@ -67,7 +67,7 @@ pub enum TrajectoryError {
 }
 
 impl TrajectoryError {
-    /// A segment that does not start where the one before ends.
+    /// A segment does not start where the previous one ends.
     fn at_join(segment: usize, error: JoinError) -> Self {
         match error {
             JoinError::Length { before, after } => {
@@ -81,7 +81,7 @@ impl TrajectoryError {
 }
 
 impl Trajectory {
-    /// Segments without times, each beginning where the last ends, robot and obstacles.
+    /// Segments without times; each must begin where the last ends, for robot and obstacles.
     pub fn of_segments(segments: Vec<MotionSegment>) -> Result<Self, TrajectoryError> {
         if segments.is_empty() {
             return Err(TrajectoryError::TooShort(0));
@@ -92,10 +92,10 @@ impl Trajectory {
         Ok(Self { segments, times: Vec::new(), parts: Vec::new() })
     }
 
-    /// As `trajectory_msgs/JointTrajectory` means it: between two points positions go straight, or as cubic polynomials if both
-    /// have velocities, or as quintic ones if both have accelerations, too. Joints that are not named stay as in `rest`.
+    /// Interpolation of `trajectory_msgs/JointTrajectory`: between two points positions are linear, or cubic polynomials if both have
+    /// velocities, or quintic ones if both also have accelerations. Joints that are not named keep their positions of `rest`.
     ///
-    /// Either all times are zero or each comes after the last.
+    /// Either all times are zero, or each is later than the previous one.
     pub fn from_points(
         robot: &RobotModel,
         joints: &[String],
@@ -105,7 +105,7 @@ impl Trajectory {
         Self::from_points_going(robot, joints, points, rest, ContinuousDirection::AsGiven)
     }
 
-    /// The same where continuous joints go from point to point as `direction` says.
+    /// As above, with the given direction of continuous joints between points.
     pub fn from_points_going(
         robot: &RobotModel,
         joints: &[String],
@@ -150,13 +150,13 @@ impl Trajectory {
         &self.segments
     }
 
-    /// The same with each segment changed. Obstacles that move from segment to segment are for [`Self::with_obstacles`].
+    /// The same trajectory with each segment changed. For obstacles that move over several segments use [`Self::with_obstacles`].
     pub fn map<E>(self, change: impl FnMut(MotionSegment) -> Result<MotionSegment, E>) -> Result<Self, E> {
         let segments = self.segments.into_iter().map(change).collect::<Result<_, _>>()?;
         Ok(Self { segments, times: self.times, parts: self.parts })
     }
 
-    /// A remark where the first point comes later than the start of the trajectory.
+    /// A remark if the first point is later than the start of the trajectory.
     #[must_use]
     pub fn late_start_note(&self) -> Option<String> {
         let first = *self.times.first().filter(|time| **time > 0.0)?;
@@ -166,7 +166,7 @@ impl Trajectory {
         ))
     }
 
-    /// When segments begin and end; a single one without times goes from 0 to 1.
+    /// Start and end times of segments; a single one without times goes from 0 to 1.
     pub(super) fn clock(&self) -> Result<Vec<f64>, TrajectoryError> {
         match (self.times.as_slice(), self.segments.len()) {
             ([], 1) => Ok(vec![0.0, 1.0]),
@@ -175,13 +175,13 @@ impl Trajectory {
         }
     }
 
-    /// The same, cut at more times.
+    /// The same trajectory, split at additional times.
     pub(super) fn cut(self, segments: Vec<MotionSegment>, parts: Vec<Part>, times: Vec<f64>) -> Self {
         let times = if self.times.is_empty() { Vec::new() } else { times };
         Self { segments, times, parts }
     }
 
-    /// Of a fraction of a segment: which segment it was, and which fraction of it, before moving obstacles cut it.
+    /// Original segment, and fraction of it, of a fraction of a segment that was split for moving obstacles.
     #[must_use]
     pub fn origin(&self, segment: usize, t: f64) -> (usize, f64) {
         match self.parts.get(segment) {
@@ -190,7 +190,7 @@ impl Trajectory {
         }
     }
 
-    /// Seconds from the start at a fraction of a segment; `None` where no times were given.
+    /// Seconds from the start at a fraction of a segment; `None` if no times were given.
     #[must_use]
     pub fn time(&self, segment: usize, t: f64) -> Option<f64> {
         let [from, to] = [*self.times.get(segment)?, *self.times.get(segment + 1)?];
@@ -198,7 +198,7 @@ impl Trajectory {
     }
 }
 
-/// Points between which continuous joints go as `direction` says.
+/// Adjusts points so that continuous joints move between them in the given direction.
 fn directed(
     robot: &RobotModel,
     points: Vec<Configuration>,
@@ -214,7 +214,7 @@ fn directed(
     }
 }
 
-/// Whether there are times.
+/// True if there are times.
 fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
     if points.iter().all(|p| p.time_from_start == 0.0) {
         return Ok(false);
@@ -244,7 +244,7 @@ fn check_lengths(point: usize, p: &TrajectoryPoint, joints: &[String]) -> Result
     Ok(())
 }
 
-/// Refuses velocities and accelerations of mimic joints that are not those of their leaders, also where they make no curve.
+/// Rejects velocities and accelerations of mimic joints that disagree with their leaders, even if they are not used.
 fn check_rates(named: &NamedJoints, p: &TrajectoryPoint) -> Result<(), ConfigurationError> {
     for (what, values) in [("velocity", &p.velocities), ("acceleration", &p.accelerations)] {
         if !values.is_empty() {
@@ -254,7 +254,7 @@ fn check_rates(named: &NamedJoints, p: &TrajectoryPoint) -> Result<(), Configura
     Ok(())
 }
 
-/// Cubic or quintic pieces from point `first` to the next, both with velocities, in t from 0 to 1.
+/// Cubic or quintic polynomials from point `first` to the next, both with velocities, for t from 0 to 1.
 fn polynomials(
     named: &NamedJoints,
     first: usize,
@@ -276,7 +276,7 @@ fn polynomials(
     let accelerations = accelerations.transpose()?;
     let piece = |index: usize| {
         let ends = [from.positions()[index], to.positions()[index]];
-        // joints that are not named stay where they are
+        // joints that are not named keep their positions
         let at = |rates: &[Vec<Option<f64>>; 2], scale: f64| {
             Some([rates[0][index]? * scale, rates[1][index]? * scale])
         };

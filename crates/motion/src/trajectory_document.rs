@@ -1,4 +1,4 @@
-//! Trajectories as they stand in files: which of ROS's messages it is, and what of it is a joint trajectory.
+//! Trajectory files: recognises the ROS message type, and extracts the joint trajectory.
 
 use clearance_files::yaml;
 use clearance_robot::{Configuration, RobotModel};
@@ -11,13 +11,13 @@ use super::TrajectoryPoint;
 use super::trajectory_start::TrajectoryStart;
 use super::trajectory_text::TrajectoryTextError;
 
-/// A `trajectory_msgs/JointTrajectory`, and the positions of joints that it does not name.
+/// A `trajectory_msgs/JointTrajectory`, with the positions of joints that it does not name.
 pub(super) struct TrajectoryDocument {
     pub joint_names: Vec<String>,
     pub points: Vec<TrajectoryPoint>,
     pub rest: Configuration,
     pub start: Option<TrajectoryStart>,
-    /// Parts of the text that say nothing about the motion.
+    /// Remarks on parts of the text that do not affect the motion.
     pub remarks: Vec<String>,
 }
 
@@ -187,8 +187,9 @@ impl DurationText {
 }
 
 impl TrajectoryDocument {
-    /// Reads a `trajectory_msgs/JointTrajectory`, a `moveit_msgs/RobotTrajectory` or a `moveit_msgs/DisplayTrajectory` of one trajectory,
-    /// whose start tells the joints that the trajectory does not name; other joints stay as in `rest`.
+    /// Reads a `trajectory_msgs/JointTrajectory`, a `moveit_msgs/RobotTrajectory` or a `moveit_msgs/DisplayTrajectory` with one
+    /// trajectory. The start of the latter gives the positions of joints that the trajectory does not name; other joints keep their
+    /// positions of `rest`.
     pub fn read(text: &str, robot: &RobotModel, rest: &Configuration) -> Result<Self, TrajectoryTextError> {
         let (text, mut remarks) = yaml::without_remarks_of_echo(text);
         let file = yaml::from_text(&text).and_then(inner).map_err(TrajectoryTextError::Text)?;
@@ -212,7 +213,7 @@ impl TrajectoryDocument {
     }
 }
 
-/// The start that a `trajectory_start` tells, if it names any joint.
+/// The start given in `trajectory_start`, if it names any joint.
 fn start(
     text: Option<RobotStateText>,
     robot: &RobotModel,
@@ -228,7 +229,7 @@ fn start(
     start.map(Some).map_err(|error| fault(error.to_string()))
 }
 
-/// The goal that an action's message holds, or the file itself.
+/// The goal inside an action's message, or the file itself.
 fn inner(file: FileText) -> Result<FileText, String> {
     let FileText { joint_names, points, joint_trajectory, trajectory, trajectory_start, goal, .. } = &file;
     let FileText {

@@ -1,4 +1,4 @@
-//! Where a robot stands before a trajectory begins.
+//! Start state of a trajectory.
 
 use std::f64::consts::TAU;
 
@@ -6,20 +6,20 @@ use clearance_robot::{Configuration, ConfigurationError, JointKind, RobotModel};
 
 use super::ContinuousDirection;
 
-/// How far (rad, m) a start may be from the first point: what rounding in files and messages makes.
+/// Tolerance (rad, m) between the start and the first point; allows for rounding in files and messages.
 pub const START_TOLERANCE: f64 = 1e-6;
 
-/// A start that a message tells beside the points of its trajectory.
+/// A start state that a message contains in addition to the points of its trajectory.
 ///
-/// Nothing between it and the first point is checked, so the two must be the same.
+/// The motion from it to the first point is not checked, so the two must be equal.
 #[derive(Clone, Debug)]
 pub(super) struct TrajectoryStart {
     configuration: Configuration,
-    /// By position: whether the message tells it.
+    /// By position: true if the message contains it.
     given: Vec<bool>,
 }
 
-/// A start that is not the first point.
+/// Error: the start differs from the first point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "trajectory_start has '{name}' at {start}, but the first point has it at {first}, and nothing between the two would be checked: \
@@ -32,7 +32,7 @@ pub struct StartMismatch {
 }
 
 impl TrajectoryStart {
-    /// Positions by name; those without name are as in `rest`.
+    /// Positions by name; other positions are as in `rest`.
     pub fn new(
         robot: &RobotModel,
         rest: &Configuration,
@@ -49,7 +49,7 @@ impl TrajectoryStart {
     }
 
     /// # Errors
-    /// The first position in which `first` is another configuration.
+    /// The first position in which `first` differs.
     pub fn check(
         &self,
         robot: &RobotModel,
@@ -61,7 +61,7 @@ impl TrajectoryStart {
             let Some(index) = robot.first_position(joint) else { continue };
             let kind = &robot.joint(joint).kind;
             let positions = index..index + kind.position_suffixes().len();
-            // a quaternion and its negative are one rotation
+            // a quaternion and its negative are the same rotation
             let dot: f64 = starts[positions.clone()]
                 .iter()
                 .zip(&firsts[positions.clone()])
@@ -69,7 +69,7 @@ impl TrajectoryStart {
                 .map(|(a, b)| a * b)
                 .sum();
             let sign = if *kind == JointKind::Floating && dot < 0.0 { -1.0 } else { 1.0 };
-            // on the shortest way whole turns are nothing, unless a mimic joint is elsewhere after them
+            // on the shortest path full turns do not matter, unless they change the pose of a mimic joint
             let turns = matches!(kind, JointKind::Continuous(_))
                 && direction == ContinuousDirection::Shortest
                 && robot.moved_by_whole_turns(joint).is_none();

@@ -5,10 +5,10 @@ use clearance_robot::{Configuration, RobotModel};
 use super::trajectory_document::TrajectoryDocument;
 use super::{ContinuousDirection, MotionSegment, StartMismatch, Trajectory, TrajectoryError};
 
-/// Why a text is no trajectory.
+/// Reason why a text is not a trajectory.
 #[derive(Debug, thiserror::Error)]
 pub enum TrajectoryTextError {
-    /// The reader says where.
+    /// The message of the parser contains the location.
     #[error("{0}")]
     Text(String),
     #[error(transparent)]
@@ -18,8 +18,8 @@ pub enum TrajectoryTextError {
 }
 
 impl Trajectory {
-    /// Reads a `trajectory_msgs/JointTrajectory`, also within a `moveit_msgs/RobotTrajectory` or `DisplayTrajectory`; joints that it
-    /// does not name stay as in `rest`.
+    /// Reads a `trajectory_msgs/JointTrajectory`, also within a `moveit_msgs/RobotTrajectory` or `DisplayTrajectory`; joints that it does
+    /// not name keep their positions of `rest`.
     pub fn from_yaml(
         robot: &RobotModel,
         text: &str,
@@ -28,7 +28,7 @@ impl Trajectory {
         Ok(Self::from_yaml_going(robot, text, rest, ContinuousDirection::AsGiven)?.0)
     }
 
-    /// The same where continuous joints go from point to point as `direction` says, with remarks about the text.
+    /// As above, with the given direction of continuous joints between points, and with remarks on the text.
     pub fn from_yaml_going(
         robot: &RobotModel,
         text: &str,

@@ -1,4 +1,4 @@
-//! A rigid body ready for questions: its triangles, solids, planes and grains, and the hierarchies over them.
+//! Collision geometry of a rigid body: its triangles, solids, planes and grains, and the hierarchies over them.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
 use clearance_geometry::{Plane, Shape};
@@ -14,7 +14,7 @@ use super::surface::Surface;
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::Tree;
 
-/// One body in its own frame, with hierarchies of volumes `B`.
+/// Collision geometry of one body in its own frame, with hierarchies of volumes `B`.
 #[derive(Clone, Debug)]
 pub struct CollisionBody<B: BoundingVolume = Obb> {
     /// All triangles.
@@ -26,7 +26,7 @@ pub struct CollisionBody<B: BoundingVolume = Obb> {
     /// Clouds of points and sets of voxels.
     pub(super) grains: Vec<Grains<B>>,
     pub(super) interior: Option<Interior>,
-    /// Around all but the planes.
+    /// Bounding sphere of everything except the planes.
     bounded: Option<BoundingSphere>,
 }
 
@@ -38,7 +38,8 @@ impl CollisionBody {
         Self::with_volumes(shapes)
     }
 
-    /// As [`Self::new`], but what lies wholly inside a closed mesh touches it, if it was made so, too. Open meshes stay surfaces.
+    /// As [`Self::new`], but closed meshes are solids: a body wholly inside one touches it, if it was also built by this function. Open
+    /// meshes stay surfaces.
     #[must_use]
     #[inline]
     pub fn with_solid_meshes<'a>(
@@ -52,10 +53,10 @@ impl CollisionBody {
 }
 
 impl<B: BoundingVolume> CollisionBody<B> {
-    /// As [`CollisionBody::new`], with hierarchies of any volume.
+    /// As [`CollisionBody::new`], with hierarchies of any type of volume.
     ///
     /// # Panics
-    /// When the meshes have more than 2³² vertices or 2³¹ triangles together.
+    /// If the meshes together have more than 2³² vertices or 2³¹ triangles.
     #[must_use]
     #[inline]
     pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
@@ -91,13 +92,13 @@ impl<B: BoundingVolume> CollisionBody<B> {
         self.bounded.filter(|_| !self.has_planes()).unwrap_or(BoundingSphere::UNBOUNDED)
     }
 
-    /// The same around all but the planes.
+    /// A sphere around everything except the planes.
     #[inline]
     pub(super) fn bounded(&self) -> Option<&BoundingSphere> {
         self.bounded.as_ref()
     }
 
-    /// A number (m) never larger than the distance of two bodies, from the spheres and planes around and in them.
+    /// Lower bound (m) on the distance of two bodies, from their bounding spheres and planes.
     #[must_use]
     #[inline]
     pub fn sphere_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {

@@ -1,4 +1,4 @@
-//! A sphere around a whole body, in f64.
+//! Bounding sphere of a whole body, in f64.
 
 use clearance_geometry::constants::FIT_SLACK;
 use clearance_geometry::math::{Extremes, MatrixPose, Point};
@@ -15,10 +15,10 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Around what has no end.
+    /// Sphere of an infinite body.
     pub(super) const UNBOUNDED: Self = Self { centre: Point::new(0.0, 0.0, 0.0), radius: f64::INFINITY };
 
-    /// A number never larger than the distance (m) of what two spheres hold.
+    /// Lower bound on the distance (m) between the contents of two spheres.
     #[inline]
     #[must_use]
     pub fn lower_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
@@ -28,8 +28,8 @@ impl BoundingSphere {
         nalgebra::distance(&self.centre, &centre) - self.radius - other.radius - FIT_SLACK * reach
     }
 
-    /// The farthest (m) that a point of the sphere moves from one pose to another: what its centre moves, and what its radius
-    /// turns by, the stretch of a matrix being at most its Frobenius norm.
+    /// Maximum motion (m) of a point of the sphere from one pose to another: the motion of the centre, plus the radius times the
+    /// Frobenius norm of the difference of rotations, which bounds the norm of that matrix.
     #[must_use]
     #[inline]
     pub fn displacement(&self, from: &MatrixPose, to: &MatrixPose) -> f64 {
@@ -42,7 +42,7 @@ impl BoundingSphere {
         nalgebra::distance(&p, &q) + turn * self.radius + FIT_SLACK * reach
     }
 
-    /// `None` around nothing. The centre is the middle of the box around everything.
+    /// `None` without content. The centre is the middle of the bounding box.
     #[inline]
     pub(super) fn around<B: BoundingVolume>(
         vertices: &[Point],

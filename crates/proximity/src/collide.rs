@@ -1,4 +1,4 @@
-//! Do two bodies touch?
+//! Collision query: do two bodies touch?
 
 use clearance_geometry::math::{MatrixPose, Point};
 

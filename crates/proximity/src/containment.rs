@@ -1,8 +1,8 @@
-//! Whether a body whose surface touches nothing lies inside a closed mesh.
+//! Containment: tests whether a body whose surface touches nothing lies inside a closed mesh.
 //!
-//! If two surfaces do not touch, each connected part of one is wholly inside or wholly outside the other, so one point
-//! of each part decides. Meshes that are open in part have an inside where the rest of them is closed. Tests of points count as work, and
-//! end at the deadline.
+//! If two surfaces do not touch, each connected part of one is wholly inside or wholly outside the other, so one point of each part
+//! decides. Meshes that are partly open have an inside where the rest of them is closed. Point tests count as work, and stop at the
+//! deadline.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::search::Descent;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{GrainLeaf, PlaneVisitor, TreePlane};
 
-/// The closed meshes of a body, and a point of each connected part of it.
+/// The closed meshes of a body, and a point of each connected part of the body.
 #[derive(Clone, Debug)]
 pub(super) struct Interior {
     closed_meshes: Vec<ClosedMesh>,
@@ -37,7 +37,7 @@ impl Interior {
         let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
-                // no closed mesh holds a plane; grains are looked for in their tree
+                // no closed mesh contains a plane; grains are searched in their tree
                 Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => {}
                 Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
@@ -79,7 +79,7 @@ impl Interior {
         Ok(found)
     }
 
-    /// The centre of a grain of another body inside one of the meshes, in the frame of this.
+    /// The centre of a grain of another body inside one of the meshes, in the frame of this body.
     fn grain_inside<B: BoundingVolume>(
         &self,
         sets: &[Grains<B>],
@@ -103,12 +103,12 @@ impl Interior {
     }
 }
 
-/// The deadline came before it was known whether anything is inside.
+/// The deadline passed before the containment test was complete.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DeadlinePassed;
 
-/// A point of one body inside a closed mesh of the other, in the frame of a. A point of each connected part is tested, and the centre of
-/// each point or cube: where surfaces do not touch, all of it is inside or outside.
+/// A point of one body inside a closed mesh of the other, in the frame of a. One point of each connected part is tested, and the centre
+/// of each point or cube: where surfaces do not touch, the whole part is inside or outside.
 #[inline]
 pub(super) fn contained_point<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
@@ -146,7 +146,7 @@ struct MeshTest<'i> {
 }
 
 impl MeshTest<'_> {
-    /// Whether a point (frame of the mesh's body) is inside.
+    /// True if a point (frame of the mesh's body) is inside.
     fn contains(&mut self, point_b: &Point, incumbent: &mut Incumbent) -> bool {
         incumbent.work.volume_tests += 1;
         let p = self.mesh.pose_bm.inverse_transform_point(point_b);
@@ -157,7 +157,7 @@ impl MeshTest<'_> {
     }
 }
 
-/// Looks for grains inside a mesh, between two planes of the box around it.
+/// Finds grains inside a mesh, between two planes of the box around it.
 struct CentresInside<'i, 'w, B: BoundingVolume> {
     test: MeshTest<'i>,
     grains: &'i Grains<B>,
@@ -274,7 +274,7 @@ mod tests {
         Shape::Mesh(Arc::new(TriangleMesh::new(vertices, faces).unwrap()))
     }
 
-    /// A point inside is found, whichever body it belongs to; after the deadline no point counts as outside.
+    /// A point inside is found in either body; after the deadline no point counts as outside.
     #[test]
     fn the_deadline_counts_for_points_inside() {
         let cloud = PointCloud::new(vec![[0.1, 0.2, 0.3], [0.2, 0.1, 0.0], [5.0, 5.0, 5.0]], 0.01).unwrap();

@@ -1,5 +1,5 @@
-//! Every convex element as a core swept by a sphere: a sphere is a point, a capsule a segment, the others themselves.
-//! What is round costs no iteration and loses no accuracy.
+//! Cores: every convex element is a core swept by a sphere. The core of a sphere is a point, that of a capsule a segment; other elements
+//! are their own cores. Round shapes therefore need no iteration and lose no accuracy.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_geometry::{Primitive, Triangle};
@@ -10,7 +10,7 @@ use super::element::Element;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Core {
     Point,
-    /// Along z, half this long.
+    /// Along z; the value is half of the length.
     Segment(f64),
     Triangle(Triangle),
     /// Half extents.
@@ -27,7 +27,7 @@ pub(super) enum Core {
     },
 }
 
-/// A core, where it is, and how far around it the element reaches.
+/// A core with its pose, and the radius of the swept sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RoundedCore {
     pub core: Core,
@@ -64,7 +64,7 @@ impl RoundedCore {
         Self { core: Core::Point, pose, radius: 0.0 }
     }
 
-    /// How far (m) any of it is from a point of its body, at most.
+    /// Upper bound (m) on the distance of its points from a point of its body.
     #[inline]
     pub fn farthest_from(&self, point: &Point) -> f64 {
         let to = |p: Point| nalgebra::distance(&(&self.pose * p), point);
@@ -90,7 +90,7 @@ impl Core {
         [Point::new(0.0, 0.0, -half_length), Point::new(0.0, 0.0, half_length)]
     }
 
-    /// A core and a radius around it that hold this core: of a cylinder its axis, of anything else itself.
+    /// A core and a radius around it that contain this core: for a cylinder its axis, for others the core itself.
     #[inline]
     pub fn capsule(&self) -> (Self, f64) {
         match *self {
@@ -131,7 +131,7 @@ impl Core {
             Self::Cuboid(half) => Point::from(half.zip_map(direction, f64::copysign)),
             Self::Cylinder { radius, half_length } => {
                 let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
-                // a direction so nearly along the axis has no side to it
+                // no side for a direction almost along the axis
                 let (x, y) = if across > f64::MIN_POSITIVE {
                     (direction.x / across, direction.y / across)
                 } else {
@@ -172,7 +172,7 @@ impl Core {
         }
     }
 
-    /// How deep `p` lies inside, and the nearest point of the surface; `None` outside or for a core without volume.
+    /// Depth of `p` inside, and the nearest point of the surface; `None` outside, or for a core without volume.
     pub fn depth(&self, p: &Point) -> Option<(f64, Point)> {
         match *self {
             Self::Point | Self::Segment(_) | Self::Triangle(_) => None,
@@ -203,7 +203,7 @@ impl Core {
     }
 }
 
-/// The point nearest to one at this distance from the axis and this height, in the half plane through it.
+/// The nearest point of a cone in the half plane through its axis, for a point at this distance from the axis and this height.
 fn nearest_in_section(radius: f64, half_length: f64, [r, z]: [f64; 2]) -> [f64; 2] {
     let length = 2.0 * half_length;
     let up = z + half_length;
@@ -221,7 +221,7 @@ fn nearest_in_section(radius: f64, half_length: f64, [r, z]: [f64; 2]) -> [f64; 
     [radius * (1.0 - share), half_length - length * (1.0 - share)]
 }
 
-/// How deep a point lies inside a cone, and the nearest point of its surface.
+/// Depth of a point inside a cone, and the nearest point of its surface.
 fn cone_depth(radius: f64, half_length: f64, p: &Point) -> Option<(f64, Point)> {
     let across = (p.x * p.x + p.y * p.y).sqrt();
     let (length, up) = (2.0 * half_length, p.z + half_length);

@@ -1,4 +1,4 @@
-//! How far are two bodies apart?
+//! Distance query: how far are two bodies apart?
 
 use std::time::Instant;
 
@@ -27,7 +27,7 @@ pub fn distance<B: BoundingVolume>(
     search::<B, false>((a, b), &pose_ab.into(), goal, scratch).best
 }
 
-/// As [`distance`], but satisfied with less than the whole truth: what is certain after some effort.
+/// As [`distance`], with tolerances or a deadline: returns bounds.
 #[must_use]
 #[inline]
 pub fn distance_bounds<B: BoundingVolume>(
@@ -41,8 +41,8 @@ pub fn distance_bounds<B: BoundingVolume>(
     bounds((a, b), &pose_ab.into(), Goal { limit, effort: *effort, ..Goal::EXACT }, scratch)
 }
 
-/// As [`distance_bounds`], where points of the bodies are known to be no farther apart than `reached` (m): when the effort is over before
-/// anything nearer is found, what is certain is within the tolerance of that, and there is no upper bound.
+/// As [`distance_bounds`], where points of the bodies are known to be at most `reached` (m) apart. If the search stops before anything
+/// nearer is found, the lower bound is within the tolerance of `reached`, and there is no upper bound.
 #[must_use]
 #[inline]
 pub fn distance_bounds_below(
@@ -76,23 +76,23 @@ fn bounds<B: BoundingVolume>(
     }
 }
 
-/// How exact a distance has to be, and for how long it may be looked for.
+/// Search options: tolerances and time limit of a distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
-    /// The answer may be too large by this share of itself (of the bodies' distance, where a padding is taken off).
+    /// Allowed relative error by which the result may be too large (relative to the bodies' distance, where a padding is subtracted).
     pub relative_tolerance: f64,
-    /// Or by this much (m).
+    /// Allowed absolute error (m); the larger of the two applies.
     pub absolute_tolerance: f64,
-    /// Distances up to this (m) are told exactly all the same.
+    /// Distances up to this (m) are exact nevertheless.
     pub exact_within: f64,
-    /// Until a state has cost this much ([`Work::cost`]), its distances are told exactly all the same.
+    /// The distances of a state are exact until it has cost this much ([`Work::cost`]).
     pub exact_cost: u64,
-    /// When to stop with what is known so far.
+    /// Time at which the search stops with its results so far.
     pub deadline: Option<Instant>,
 }
 
 impl Effort {
-    /// Whether nothing less than the exact answer is asked for, however long it takes.
+    /// True if the result must be exact, without a time limit.
     #[must_use]
     #[inline]
     pub fn is_exact(&self) -> bool {
@@ -107,7 +107,7 @@ impl Effort {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// What a distance may really be when it is told as `upper`; tolerances below zero count as zero.
+    /// Lower bound on a distance that is reported as `upper`; tolerances below zero count as zero.
     #[must_use]
     #[inline]
     pub fn lower(&self, upper: f64) -> f64 {
@@ -115,20 +115,20 @@ impl Effort {
         if self.exact_within > 0.0 { within.greater(self.exact_within.lesser(upper)) } else { within }
     }
 
-    /// As [`Self::lower`], after so much work.
+    /// As [`Self::lower`], after the given amount of work.
     #[inline]
     pub fn lower_after(&self, work: &Work, upper: f64) -> f64 {
         if self.exact_cost > 0 && work.cost() < self.exact_cost { upper } else { self.lower(upper) }
     }
 }
 
-/// What is certain about a distance.
+/// Bounds on a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceBounds {
-    /// The distance is not less than this (m); infinite only if the bodies are infinitely apart.
+    /// Lower bound (m); infinite only if the bodies are infinitely far apart.
     pub lower: f64,
-    /// Points of the bodies that are this far apart: the distance is not more. `None` if none within the limit was found.
+    /// Points of the bodies; their distance is an upper bound. `None` if none were found within the limit.
     pub upper: Option<Separation>,
-    /// Whether the deadline came before the tolerance was reached.
+    /// True if the deadline passed before the tolerance was reached.
     pub interrupted: bool,
 }

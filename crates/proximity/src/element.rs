@@ -1,4 +1,4 @@
-//! The convex things that bodies are made of.
+//! Elements: the convex parts of bodies.
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Triangle};
@@ -10,7 +10,7 @@ pub enum Element {
     Primitive { primitive: Primitive, pose: Pose },
 }
 
-/// Which element of a body, in the orders of its trees: solids before triangles before planes before grains.
+/// Reference to an element of a body, in the order of its trees: solids before triangles before planes before grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ElementNumber {
     kind: u32,
@@ -21,7 +21,7 @@ impl ElementNumber {
     const SOLID: u32 = 0;
     const TRIANGLE: u32 = 1;
     const PLANE: u32 = 2;
-    /// Of the first set; the others follow.
+    /// Index in the first set; the others follow.
     const GRAIN: u32 = 3;
 
     #[inline]
@@ -39,7 +39,7 @@ impl ElementNumber {
         Self { kind: Self::PLANE, index }
     }
 
-    /// Of one of the body's sets of grains.
+    /// Element of one of the body's sets of grains.
     #[inline]
     pub const fn of_grain(set: u32, index: u32) -> Self {
         Self { kind: Self::GRAIN + set, index }
@@ -50,7 +50,7 @@ impl ElementNumber {
         self.kind == Self::TRIANGLE
     }
 
-    /// Among those of its kind.
+    /// Index among the elements of its kind.
     #[inline]
     pub const fn index(self) -> u32 {
         self.index

@@ -1,4 +1,4 @@
-//! The least distance of two convex elements: closed form where there is one, GJK otherwise.
+//! Distance of two convex elements: closed formulas where there are some, GJK otherwise.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Vector};
@@ -8,7 +8,7 @@ use super::core::{Core, Faces, RoundedCore};
 use super::element::Element;
 use super::gjk::{self, ACCURACY, CorePair, Nearest};
 
-/// How far two things are apart (m), and where they are nearest. Touching things have distance 0.
+/// Distance (m) of two elements or bodies, and their nearest points. If they touch, the distance is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Separation {
     pub distance: f64,
@@ -52,8 +52,8 @@ pub fn element_separation(a: &Element, b: &Element, pose_ab: &Pose) -> Separatio
         .expect("nothing is beyond infinity")
 }
 
-/// Distance and nearest points of two elements, unless they are proven farther apart than `limit` (m): the cores' distance
-/// less both radii, and the nearest points moved out to the surfaces. What is found does not depend on the limit.
+/// Distance and nearest points of two elements, unless they are proven farther apart than `limit` (m): the cores' distance minus both
+/// radii, and the nearest points moved out to the surfaces. The result does not depend on the limit.
 #[inline]
 pub(super) fn separation_within(
     a: &RoundedCore,
@@ -67,8 +67,8 @@ pub(super) fn separation_within(
     Some(separation_at(a, b, points))
 }
 
-/// As [`separation_within`], where it only matters whether they touch or are proven farther apart than `limit` (m): a first look at
-/// nearly nearest points often tells. What else is found may be any points that are so near.
+/// As [`separation_within`], where it only matters whether they touch or are proven farther apart than `limit` (m): approximately nearest
+/// points often suffice. The returned points may then be any points with that distance.
 #[inline]
 pub(super) fn touching_within(
     a: &RoundedCore,
@@ -104,7 +104,7 @@ fn separation_at(a: &RoundedCore, b: &RoundedCore, [p, q]: PointPair) -> Separat
     Separation { distance: apart - radii, witness_points: [p + out * a.radius, q - out * b.radius] }
 }
 
-/// The gap (m) between two elements along a unit direction (frame of a), less what rounding may have added.
+/// The gap (m) between two elements along a unit direction (frame of a), minus the possible rounding error.
 #[inline]
 pub(super) fn gap_along(a: &RoundedCore, b: &RoundedCore, pose_ab: &MatrixPose, n: &Vector) -> f64 {
     let pose_b = pose_ab.compose(&b.pose);
@@ -149,8 +149,8 @@ fn closed_form(a: &Core, b: &Core, pose_ab: &MatrixPose) -> Option<PointPair> {
     })
 }
 
-/// A cylinder lies in the capsule around its axis, and where something is nearest beside it, both are equally near. Only
-/// what is nearest to an end or its rim is iterated for.
+/// A cylinder lies in the capsule around its axis. Where the nearest point is on the cylinder's side, both have the same distance. Only a
+/// nearest point on an end or its rim needs iteration.
 fn with_cylinders(pair: &CorePair, limit: f64) -> Option<Nearest> {
     let ((axis_a, radius_a), (axis_b, radius_b)) = (pair.a.capsule(), pair.b.capsule());
     let radii = radius_a + radius_b;
@@ -173,16 +173,16 @@ fn with_cylinders(pair: &CorePair, limit: f64) -> Option<Nearest> {
     gjk::nearest_points(pair, start, limit)
 }
 
-/// What the search found, if its proof reaches that far. Within about 1e-6 m of contact the direction between nearest points
-/// is rough, and the proof may fall short: of flat cores all faces are compared then, and of others the shortfall counts
-/// as nearness.
+/// The result of the search, if its proof is sufficient. Within about 1e-6 m of contact the direction between nearest points is inexact,
+/// and the proof may be insufficient. Then all faces of flat cores are compared; for others, the missing amount is subtracted from the
+/// distance.
 fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
     let Nearest { points: [p, q], proven } = *found;
     let apart = nalgebra::distance(&p, &q);
     if apart - proven <= CONTACT_DISTANCE || apart == 0.0 {
         return [p, q];
     }
-    // a point inside has no distance, however far the faces are
+    // a point inside has no distance, whatever the distance of the faces
     if pair.a.depth(&q).is_some() {
         return [q, q];
     }
@@ -197,7 +197,7 @@ fn settled(pair: &CorePair, found: &Nearest) -> PointPair {
         .map_or_else(|| drawn_together([p, q], proven.greater(0.0) / apart), of_faces)
 }
 
-/// Two points that are as far apart as a share of their distance; each goes half the way.
+/// Two points moved towards each other by equal amounts, until their distance is the given fraction of the original one.
 fn drawn_together([p, q]: PointPair, share: f64) -> PointPair {
     let aside = (q - p) * (0.5 - 0.5 * share);
     [p + aside, q - aside]

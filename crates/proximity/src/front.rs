@@ -1,17 +1,17 @@
-//! The elements of two bodies that may be nearest in all poses near one: found once, looked at again while the bodies move
-//! little (Ehmann & Lin 2001 call such a set a front).
+//! Front: the pairs of elements of two bodies that may be nearest in all poses near one. They are found once, and updated while the
+//! bodies move little (Ehmann & Lin 2001 call such a set a front).
 //!
 //! # The bounds
 //!
-//! At the pose where they were listed, each pair has a unit direction n (frame of b) along which a gap of at least g is
-//! between its elements. Later every point x of a has moved, in the frame of b, by u(x) = u(c) + ΔR (x − c) for any point c
-//! of a, and ΔR, the difference of two rotations, stretches nothing by more than its Frobenius norm over √2 (both its
-//! singular values that are not zero are 2 sin θ/2). With r the farthest that the pair's element of a is from c,
+//! At the pose where they were listed, each pair has a unit direction n (frame of b) along which its elements have a gap of at least g.
+//! Later every point x of a has moved, in the frame of b, by u(x) = u(c) + ΔR (x − c) for any point c of a. ΔR, the difference of two
+//! rotations, stretches no vector by more than its Frobenius norm over √2 (both its singular values that are not zero are 2 sin θ/2).
+//! With r the largest distance of the pair's element of a from c,
 //!
 //! > d ≥ g − n·u(c) − |ΔR| r.
 //!
-//! The common motion of all pairs so cancels between them: their order changes only by what they turn. What is not listed is
-//! granted the motion of a whole body.
+//! The common motion of all pairs thus cancels between them: their order changes only by the rotation. For pairs that are not listed, the
+//! motion of the whole body is assumed.
 
 mod bounds;
 mod collector;
@@ -34,10 +34,10 @@ use bounds::Bounds;
 use collector::collect;
 use eight_pairs::EightPairs;
 
-/// The nearest pairs that are kept; more would cost as much as a search.
+/// Maximum number of pairs; more would cost as much as a search.
 const MOST: usize = 512;
 
-/// Two elements, and a number (m) that their distance was not below.
+/// Two elements, and a lower bound (m) on their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Listed {
     lower: f32,
@@ -48,9 +48,9 @@ struct Listed {
 /// Pairs of elements of two bodies.
 #[derive(Clone, Debug, Default)]
 pub struct Front {
-    /// Where b was in the frame of a when pairs were listed; `None` while nothing is known.
+    /// Pose of b in the frame of a at which the pairs were listed; `None` if there is no front.
     listed_at: Option<MatrixPose>,
-    /// Elements that are not listed were farther apart than this (m) there.
+    /// Elements that are not listed were farther apart than this (m) at that pose.
     beyond: f64,
     with_solids: Group,
     of_triangles: Group,
@@ -64,14 +64,14 @@ struct Group {
 }
 
 impl Front {
-    /// Whether there is anything in it.
+    /// True if it holds any pair.
     #[must_use]
     #[inline]
     pub fn is_collected(&self) -> bool {
         self.listed_at.is_some()
     }
 
-    /// Forgets everything.
+    /// Removes everything.
     #[inline]
     pub fn clear(&mut self) {
         self.listed_at = None;
@@ -79,9 +79,9 @@ impl Front {
         self.of_triangles.listed.clear();
     }
 
-    /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are
-    /// many. `nearest` is what a search found there. Bodies with solid meshes, planes, points or voxels have no front, and there is
-    /// none if it costs more than `most` ([`Work::cost`](crate::Work::cost)).
+    /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are many.
+    /// `nearest` is the result of a search at that pose. Bodies with solid meshes, planes, points or voxels have no front. There is no
+    /// front either if it would cost more than `most` ([`Work::cost`](crate::Work::cost)).
     #[inline]
     pub fn collect(
         &mut self,
@@ -109,8 +109,8 @@ impl Front {
         self.of_triangles.renew(bodies, pose_ab, near_a, scratch.level());
     }
 
-    /// The distance of the bodies at another pose, as a search would find it: `Some(None)` if it is proven larger than
-    /// `limit` (m). `None` where the front does not suffice, or they touch.
+    /// The distance of the bodies at another pose, with the same result as a search: `Some(None)` if it is proven larger than `limit`
+    /// (m). `None` where the front does not suffice, or the bodies touch.
     #[must_use]
     pub fn distance(
         &mut self,
@@ -131,7 +131,7 @@ impl Front {
         let look = Look { bodies, pose_ab, level };
         let of_solids = self.with_solids.bounds.move_to(pose_ab, level);
         let of_triangles = self.of_triangles.bounds.move_to(pose_ab, level);
-        // the nearest of all before others, which then mostly are beyond it
+        // the nearest pair of all first: the others then mostly exceed its distance
         let solids_first = of_solids.lower < of_triangles.lower;
         let mut unclear = [0; 2];
         if solids_first {
@@ -158,7 +158,7 @@ impl Front {
 }
 
 impl Group {
-    /// Bounds all pairs anew, from a point of a where it is about nearest.
+    /// Recomputes the bounds of all pairs, from a point of a near the nearest elements.
     fn renew(
         &mut self,
         bodies: (&CollisionBody, &CollisionBody),
@@ -170,7 +170,7 @@ impl Group {
     }
 }
 
-/// What is looked at anew.
+/// The update of a front at a new pose.
 struct Look<'l> {
     bodies: (&'l CollisionBody, &'l CollisionBody),
     pose_ab: &'l MatrixPose,
@@ -178,13 +178,13 @@ struct Look<'l> {
 }
 
 impl Look<'_> {
-    /// Measures the pair with the least bound, and then all that still may be nearer; tells how many these were.
+    /// Measures the pair with the least bound, and then all that may still be nearer; returns the number of these.
     fn at_solids(&self, group: &Group, first: usize, incumbent: &mut Incumbent) -> usize {
         let Some(first) = group.listed.get(first) else { return 0 };
         self.measure(first, incumbent);
         let mut unclear = 0;
         for (pair, bound) in group.listed.iter().zip(group.bounds.now().iter().flatten()) {
-            // what is no number proves nothing
+            // NaN proves nothing
             if *bound <= incumbent.threshold() || bound.is_nan() {
                 unclear += 1;
                 self.measure(pair, incumbent);
@@ -201,7 +201,7 @@ impl Look<'_> {
         }
     }
 
-    /// As [`Self::at_solids`]; those that may be nearer are screened eight at a time before.
+    /// As [`Self::at_solids`], after an f32 test of those that may be nearer, eight at a time.
     fn at_triangles(
         &self,
         group: &Group,
@@ -221,7 +221,7 @@ impl Look<'_> {
     }
 }
 
-/// Screens the pairs of triangles that may be nearer, eight at a time; tells how many these are.
+/// Tests the pairs of triangles that may be nearer in f32, eight at a time; returns their number.
 #[inline(always)]
 fn screen_unclear<S: Simd>(
     simd: S,

@@ -1,8 +1,8 @@
-//! The least distance of two convex cores by their support points (Gilbert, Johnson & Keerthi 1988, *A fast procedure for
-//! computing the distance between complex objects in three-dimensional space*).
+//! GJK: the least distance of two convex cores by their support points (Gilbert, Johnson & Keerthi 1988, *A fast procedure for computing
+//! the distance between complex objects in three-dimensional space*).
 //!
-//! Every direction that is tried gives a plane pair, whose gap is a lower bound, and every simplex a pair of points, whose
-//! distance is an upper bound. The search ends when they meet, or as soon as the lower bound leaves the limit.
+//! Every tested direction gives two supporting planes, whose gap is a lower bound. Every simplex gives two points, whose distance is an
+//! upper bound. The search ends when the bounds meet, or as soon as the lower bound exceeds the limit.
 
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
@@ -13,19 +13,19 @@ use super::core::Core;
 /// Accuracy (m) at which the search ends: a tenth of the contact distance.
 pub(super) const ACCURACY: f64 = 1e-10;
 
-/// Rounding granted to a gap between supporting planes, relative to the coordinates that enter.
+/// Rounding error allowed for a gap between supporting planes, relative to the coordinates used.
 const ROUNDING: f64 = 1e-14;
 
 const MOST_STEPS: usize = 100;
 
-/// Steps that may bring nothing: a nearest point that is exact to a rounding is off by the root of that across, where the
-/// lower bound feels it.
+/// Number of steps without progress before the search ends. A nearest point with an error of one rounding in distance may be off sideways
+/// by the square root of that error, which affects the lower bound.
 const MOST_IDLE_STEPS: u32 = 8;
 
-/// What a step may lose by rounding, as a share of the distance.
+/// Loss of a step by rounding, as a fraction of the distance.
 const IDLE: f64 = 1.0 + 1e-14;
 
-/// Cosine beyond which the normal of a simplex counts as the direction to its nearest point.
+/// Cosine above which the normal of a simplex counts as the direction to its nearest point.
 const ALIGNED: f64 = 0.999;
 
 /// Two cores, the second posed in the frame of the first.
@@ -36,41 +36,41 @@ pub(super) struct CorePair<'c> {
     pub pose_ab: &'c MatrixPose,
 }
 
-/// Two points of cores, and a number that their distance certainly is not below.
+/// Two points of the cores, and a lower bound on the distance of the cores.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     pub points: PointPair,
     pub proven: f64,
 }
 
-/// A point of a, and it less a point of b.
+/// A vertex of the Minkowski difference: a point of a, and this point minus a point of b.
 #[derive(Clone, Copy, Debug)]
 struct Vertex {
     on_a: Vector,
     difference: Vector,
 }
 
-/// Up to four vertices, of whose convex hull the point nearest to the origin is looked for.
+/// Simplex of up to four vertices; its point nearest to the origin is searched.
 struct Simplex {
     vertices: [Vertex; 4],
     count: usize,
 }
 
 impl CorePair<'_> {
-    /// The point of b nearest to a point, both in the frame of a.
+    /// The point of b nearest to a given point, both in the frame of a.
     #[inline]
     pub fn nearest_on_b(&self, p: &Point) -> Point {
         self.pose_ab * self.b.nearest_point(&self.in_b(p))
     }
 
-    /// A point in the frame of b.
+    /// Transforms a point to the frame of b.
     #[inline]
     pub fn in_b(&self, p: &Point) -> Point {
         let MatrixPose { rotation, translation } = self.pose_ab;
         Point::from(rotation.tr_mul(&(p.coords - translation)))
     }
 
-    /// Points of both that are about the nearest: one projected on the other, and back.
+    /// Approximately nearest points of both cores: one is projected on the other, and back.
     #[inline]
     pub fn nearly_nearest(&self, start: &Point) -> PointPair {
         let q = self.nearest_on_b(&self.a.nearest_point(start));
@@ -78,7 +78,7 @@ impl CorePair<'_> {
         [p, self.nearest_on_b(&p)]
     }
 
-    /// Whether the formula for the nearest points costs more than a first look.
+    /// True if the closed formula for the nearest points costs more than a first approximation.
     #[inline]
     pub fn has_slow_formula(&self) -> bool {
         matches!(
@@ -87,7 +87,7 @@ impl CorePair<'_> {
         )
     }
 
-    /// The vertex farthest along a direction: of a along it, of b against it.
+    /// The support vertex of a direction: of a along it, of b against it.
     fn support(&self, n: &Vector) -> Vertex {
         let on_a = self.a.support(n).coords;
         let MatrixPose { rotation, translation } = self.pose_ab;
@@ -97,14 +97,14 @@ impl CorePair<'_> {
 }
 
 impl Nearest {
-    /// Of points found by a formula.
+    /// Result for points from a closed formula.
     #[inline]
     pub fn exactly(points: PointPair) -> Self {
         Self { points, proven: nalgebra::distance(&points[0], &points[1]) }
     }
 }
 
-/// Whether the direction between two points of the cores proves them farther apart than `limit` (m).
+/// True if the direction between two points of the cores proves them farther apart than `limit` (m).
 #[inline]
 pub(super) fn are_beyond(pair: &CorePair, [p, q]: PointPair, limit: f64) -> bool {
     let Some(outward) = (q - p).try_normalize(CONTACT_DISTANCE) else { return false };
@@ -112,9 +112,9 @@ pub(super) fn are_beyond(pair: &CorePair, [p, q]: PointPair, limit: f64) -> bool
     -outward.dot(&vertex.difference) - vertex.rounding() > limit
 }
 
-/// Nearest points, from any two points of the cores on; `None` once the distance is proven larger than `limit` (m).
+/// Nearest points, starting from any two points of the cores; `None` once the distance is proven larger than `limit` (m).
 ///
-/// What is found does not depend on the limit.
+/// The result does not depend on the limit.
 pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> Option<Nearest> {
     let mut points = start;
     let mut between = start[0] - start[1];
@@ -156,7 +156,7 @@ pub(super) fn nearest_points(pair: &CorePair, start: PointPair, limit: f64) -> O
 }
 
 impl Vertex {
-    /// How far (m) a gap may be off by rounding.
+    /// Rounding error (m) of a gap.
     fn rounding(&self) -> f64 {
         ROUNDING * (self.on_a.abs().sum() + self.difference.abs().sum())
     }
@@ -176,7 +176,7 @@ impl Simplex {
         self.count += 1;
     }
 
-    /// Leaves out the vertices without weight.
+    /// Removes the vertices without weight.
     fn retain(&mut self, weights: &[f64; 4]) {
         let mut kept = 0;
         for (i, weight) in weights.iter().enumerate().take(self.count) {
@@ -193,8 +193,8 @@ impl Simplex {
         terms.sum()
     }
 
-    /// The direction to look in, about `n`. Near contact the nearest point tells little of where it is, but the normal of the
-    /// face that it lies in does.
+    /// The search direction, about `n`. Near contact the nearest point alone determines the direction badly; the normal of the face that
+    /// it lies in is used instead.
     fn outward(&self, n: &Vector) -> Vector {
         if self.count == 3 {
             let [p, q, r] = [0, 1, 2].map(|i| self.vertices[i].difference);
@@ -207,8 +207,8 @@ impl Simplex {
         *n
     }
 
-    /// Weights of the point of the simplex nearest to the origin: the best over all faces that have it inside. The newest
-    /// vertex is one of every such face, or the simplex before would have had a nearer point.
+    /// Weights of the simplex's point nearest to the origin: the best over all faces that contain their nearest point. The newest vertex
+    /// belongs to every such face, or the previous simplex would have had a nearer point.
     fn nearest_to_origin(&self) -> [f64; 4] {
         let newest = self.count - 1;
         let corner = self.vertices[newest].difference;
@@ -245,15 +245,15 @@ struct Best {
 }
 
 impl Best {
-    /// Takes the point at weights along edges from a corner, if it lies inside their face and is nearer.
+    /// Uses the point with these weights along edges from a corner, if it lies inside their face and is nearer.
     fn offer<const N: usize>(&mut self, corner: &Vector, newest: usize, along: [(usize, Vector, f64); N]) {
         let rest = 1.0 - along.iter().map(|(.., w)| w).sum::<f64>();
-        // no number is no weight
+        // NaN is not a valid weight
         if !(rest > 0.0 && along.iter().all(|(.., w)| *w > 0.0)) {
             return;
         }
         let point = along.iter().fold(*corner, |point, (_, edge, w)| point + edge * *w);
-        // of equal ones the larger face: it has what points on its edges have, and a better direction
+        // if equal, the larger face: it includes the points on its edges, and gives a better direction
         if point.norm_squared() <= self.squared * IDLE {
             self.squared = point.norm_squared();
             self.weights = [0.0; 4];

@@ -1,4 +1,4 @@
-//! Where points or cubes of two bodies meet: a cloud is hardly ever carried into another, so this is short rather than fast.
+//! Narrow phase between grains (points or cubes) of two bodies. Two clouds are rarely compared, so this code is short rather than fast.
 
 use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
@@ -9,9 +9,9 @@ use super::surface_surface::triangle_slack;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{GrainLeaf, Visitor};
 
-/// Looks for the nearest of two sets of grains.
+/// Finds the nearest of two sets of grains.
 pub(super) struct GrainGrains<'s, 'w, B: BoundingVolume> {
-    /// Of the other body.
+    /// Grains of the other body.
     pub others: &'s Grains<B>,
     pub search: GrainSearch<'s, 'w, B>,
 }

@@ -1,4 +1,4 @@
-//! A triangle against eight points or cubes, in f32.
+//! Distance bounds of a triangle to eight points or cubes (grains), in f32.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::prelude::*;
@@ -6,18 +6,18 @@ use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
 use crate::bvh::GrainLeaf;
 
-/// A triangle in the frame of the grains' tree, with what tests need of it. Its own numbers may be rough: whatever direction
-/// they lead to, the gap along it is a lower bound.
+/// A triangle in the frame of the grains' tree, with the values used by the tests. Its values may be inexact: the gap along any resulting
+/// direction is a lower bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OneTriangle {
     corners: [[f32; 3]; 3],
-    /// Each from the corner of its number to the next.
+    /// Edges, each from the corner with its index to the next one.
     edges: [[f32; 3]; 3],
-    /// One over the squares of their lengths.
+    /// Inverse squares of the edges' lengths.
     over_squared: [f32; 3],
     normal: [f32; 3],
     over_normal_squared: f32,
-    /// In the plane, square to each edge and inward.
+    /// Vectors in the plane, normal to each edge and inward.
     inward: [[f32; 3]; 3],
     /// 1-norms of all edges.
     size: f32,
@@ -48,9 +48,8 @@ impl OneTriangle {
         }
     }
 
-    /// Numbers never larger than the distances (m) of the grains, from the box around the triangle; and, unless these are
-    /// all beyond `limit`, along the direction in which the triangle is nearest to each centre. Coordinates may be off by
-    /// `slack`.
+    /// Lower bounds on the distances (m) of the grains, from the box around the triangle; and, unless these all exceed `limit`, along the
+    /// direction in which the triangle is nearest to each centre. Coordinates may have an error of `slack`.
     #[inline(always)]
     pub fn lower_bounds<S: Simd>(&self, simd: S, grains: &GrainLeaf, limit: f32, slack: f32) -> f32x8<S> {
         let centre = Vectors::load(simd, &grains.centre);
@@ -77,8 +76,8 @@ impl OneTriangle {
         from_box.max(along - rounding)
     }
 
-    /// About from the nearest point of the triangle to each centre, given those from its corners (Ericson, *Real-Time
-    /// Collision Detection*, 5.1.5).
+    /// Approximate vectors from the nearest point of the triangle to each centre, from those of its corners to the centre (Ericson,
+    /// *Real-Time Collision Detection*, 5.1.5).
     #[inline(always)]
     fn away<S: Simd>(&self, simd: S, w: &[Vectors<S>; 3]) -> Vectors<S> {
         let (zero, unit) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
@@ -97,14 +96,14 @@ impl OneTriangle {
             .simd_ge(zero);
         let height = w[0].along(&self.normal) * self.over_normal_squared;
         let from_face = Vectors::splat(simd, &self.normal).scaled(height);
-        // a sliver's normal is noise, and no nearer than its edges
+        // a sliver's normal is noise, and the face is no nearer than its edges
         let nearer = from_face.dot(from_face).simd_lt(squared);
         from_face.or(inside & nearer, nearest)
     }
 }
 
-/// For each of eight grains a number never larger than its distance (m) from another one, whose centre is placed in their
-/// frame: those of the balls around them.
+/// For each of eight grains a lower bound on its distance (m) from another grain, whose centre is placed in their frame: the distance of
+/// the balls around them.
 #[inline(always)]
 pub(super) fn from_grain<S: Simd>(
     simd: S,
@@ -119,7 +118,7 @@ pub(super) fn from_grain<S: Simd>(
     apart - half * DIAGONAL - (apart + half) * (16.0 * f32::EPSILON) - 4.0 * slack
 }
 
-/// The lane of `mask` with the least number.
+/// The lane of `mask` with the smallest number.
 #[inline]
 pub(super) fn nearest(numbers: &[f32; LANES], mask: u64) -> usize {
     let lanes = (0..LANES).filter(|lane| mask & (1 << lane) != 0);

@@ -1,4 +1,4 @@
-//! Clouds of points and sets of voxels: very many small solids, in f64 where their maker left them, and the tree over them.
+//! Grains: clouds of points and sets of voxels, stored unchanged in f64, with a tree over them.
 
 use std::sync::Arc;
 
@@ -12,19 +12,19 @@ use super::incumbent::Incumbent;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Grain, GrainLeaf, Tree};
 
-/// Points or cubes of one frame, each with a ball of one radius around it.
+/// Points or cubes of one frame, each with a ball of a common radius around it.
 #[derive(Clone, Debug)]
 pub(super) struct Grains<B: BoundingVolume> {
-    /// Without the balls.
+    /// Tree of the grains without the balls.
     pub tree: Tree<B, GrainLeaf>,
-    /// The frame of the grains in that of the body.
+    /// Pose of the grains' frame in the body.
     pub pose_bg: MatrixPose,
-    /// Of the balls (m).
+    /// Radius of the balls (m).
     pub radius: f64,
-    /// Among the sets of grains of the body.
+    /// Index among the sets of grains of the body.
     pub set: u32,
     source: Source,
-    /// In which the leaves hold them.
+    /// Order of the grains in the leaves.
     order: Vec<u32>,
 }
 
@@ -51,7 +51,7 @@ impl<B: BoundingVolume> Grains<B> {
         Self { tree, pose_bg: pose.into(), radius: 0.0, set, source, order }
     }
 
-    /// Number `index` in the order of the leaves, as its maker has it.
+    /// Grain `index` in the order of the leaves, as it was given.
     fn grain(&self, index: u32) -> Grain {
         let number = self.order[index as usize] as usize;
         match &self.source {
@@ -63,13 +63,13 @@ impl<B: BoundingVolume> Grains<B> {
         }
     }
 
-    /// Where number `index` has its centre, in the frame of the body.
+    /// Centre of grain `index`, in the frame of the body.
     #[inline]
     pub fn centre(&self, index: u32) -> Point {
         &self.pose_bg * Point::from(self.grain(index).centre.map(f64::from))
     }
 
-    /// Number `index` in the order of the leaves.
+    /// Grain `index` in the order of the leaves.
     #[inline]
     pub fn core(&self, index: u32) -> RoundedCore {
         let half_edge = f64::from(self.grain(index).half_edge);
@@ -85,7 +85,7 @@ impl<B: BoundingVolume> Grains<B> {
         }
     }
 
-    /// A sphere around all of it: its centre and radius (m), in the frame of the body.
+    /// A sphere around all grains: its centre and radius (m), in the frame of the body.
     #[inline]
     pub fn ball(&self) -> (Point, f64) {
         let anchor = self.tree.anchor();
@@ -114,13 +114,13 @@ impl<B: BoundingVolume> Grains<B> {
     }
 }
 
-/// Grains of one body, and what of the other body is found near them. The tree of grains is the second in a descent.
+/// Grains of one body, and the elements of the other body found near them. The tree of grains is the second in a traversal.
 pub(super) struct GrainSearch<'s, 'w, B: BoundingVolume> {
     pub grains: &'s Grains<B>,
-    /// Whether the grains belong to body a.
+    /// True if the grains belong to body a.
     pub grains_are_a: bool,
     pub pose_ab: &'s MatrixPose,
-    /// The other tree in that of the grains.
+    /// Pose of the other tree in that of the grains.
     pub relative: &'s Relative,
     /// Of the balls around what the trees hold (m).
     pub radius: f64,
@@ -128,13 +128,13 @@ pub(super) struct GrainSearch<'s, 'w, B: BoundingVolume> {
 }
 
 impl<B: BoundingVolume> GrainSearch<'_, '_, B> {
-    /// Trees farther apart than this (m) no longer matter.
+    /// Trees farther apart than this (m) are skipped.
     #[inline]
     pub fn threshold(&self) -> f32 {
         widened(self.incumbent.threshold(), self.radius)
     }
 
-    /// The direction of the best separation, in the frame of the grains' tree; not longer than one.
+    /// The direction of the best separation, in the frame of the grains' tree; length at most one.
     #[allow(clippy::cast_possible_truncation)] // bounds hold for any direction
     #[inline]
     pub fn direction(&self) -> [f32; 3] {
@@ -160,7 +160,7 @@ impl<B: BoundingVolume> GrainSearch<'_, '_, B> {
     }
 }
 
-/// A threshold for what has balls of some radius (m) around it; rounded up.
+/// A threshold for elements with balls of a given radius (m) around them; rounded up.
 #[allow(clippy::cast_possible_truncation)] // rounded up right after
 #[inline]
 pub(super) fn widened(threshold: f32, radius: f64) -> f32 {

@@ -1,4 +1,4 @@
-//! The best answer so far, and what could still better it.
+//! The best result of a search so far, and the limit for better ones.
 
 use std::time::Instant;
 
@@ -10,30 +10,30 @@ use super::element_pair::Separation;
 use super::search::Goal;
 use super::work::Work;
 
-/// Volume tests between two looks at the clock.
+/// Number of volume tests between two reads of the clock.
 const TESTS_A_LOOK: u64 = 256;
 
-/// What a search has found, and what it still looks for.
+/// The best result of a search, and its remaining goal.
 #[derive(Debug)]
 pub(super) struct Incumbent<'w> {
     goal: Goal,
     pub best: Option<Separation>,
-    /// The numbers of the elements that the best is about, where it matters which of equal ones is told.
+    /// Indices of the elements of the best result, where the choice among equally near ones matters.
     pub numbers: Option<(ElementNumber, ElementNumber)>,
-    /// The count of volume tests at which to look at the clock.
+    /// Number of volume tests at which the clock is read next.
     next_look: u64,
     pub work: &'w mut Work,
 }
 
 impl<'w> Incumbent<'w> {
-    /// What touches is within any limit.
+    /// Touching elements are within any limit.
     #[inline]
     pub fn new(goal: Goal, work: &'w mut Work) -> Self {
         let goal = Goal { limit: goal.limit.greater(CONTACT_DISTANCE), ..goal };
         Self { goal, best: None, numbers: None, next_look: work.volume_tests, work }
     }
 
-    /// Nothing beyond this (m) matters any more; negative infinity once nothing does.
+    /// Elements farther apart than this (m) no longer matter; negative infinity once none do.
     #[inline]
     pub fn bound(&self) -> f64 {
         match self.best {
@@ -44,13 +44,13 @@ impl<'w> Incumbent<'w> {
         }
     }
 
-    /// Lets nothing farther than `limit` (m) matter any more.
+    /// Reduces the limit to `limit` (m).
     #[inline]
     pub fn lower_limit(&mut self, limit: f64) {
         self.goal.limit = self.goal.limit.lesser(limit).greater(CONTACT_DISTANCE);
     }
 
-    /// [`Self::bound`], rounded up unless nothing matters any more.
+    /// [`Self::bound`], rounded up unless it is negative infinity.
     #[allow(clippy::cast_possible_truncation)] // rounded up right after
     #[inline]
     pub fn threshold(&self) -> f32 {
@@ -68,7 +68,7 @@ impl<'w> Incumbent<'w> {
         self.bound() == f64::NEG_INFINITY
     }
 
-    /// Takes `found` if it is nearer than the best so far, or the first within the limit.
+    /// Keeps `found` if it is nearer than the best so far, or the first within the limit.
     #[inline]
     pub fn offer(&mut self, found: Separation) {
         if self.is_bettered_by(&found) {
@@ -77,8 +77,8 @@ impl<'w> Incumbent<'w> {
         }
     }
 
-    /// As [`Self::offer`] of two elements; of equally near ones those with the smaller numbers are taken, so that the answer
-    /// does not depend on the order in which they are met.
+    /// As [`Self::offer`] for two elements; of equally near ones those with the smaller indices are kept, so that the result does not
+    /// depend on the order in which they are visited.
     #[inline]
     pub fn offer_numbered(&mut self, found: Separation, numbers: (ElementNumber, ElementNumber)) {
         let tied = self.best.is_some_and(|best| found.distance == best.distance);
@@ -88,7 +88,7 @@ impl<'w> Incumbent<'w> {
         }
     }
 
-    /// Takes a common point that is of no elements.
+    /// Keeps a common point that belongs to no elements.
     #[inline]
     pub fn touch_at(&mut self, point: Point) {
         (self.best, self.numbers) = (Some(Separation::touching_at(point)), None);
@@ -101,7 +101,7 @@ impl<'w> Incumbent<'w> {
         }
     }
 
-    /// Whether anything within the limit will do.
+    /// True if any result within the limit suffices.
     #[inline]
     pub fn seeks_any(&self) -> bool {
         self.goal.enough >= self.goal.limit

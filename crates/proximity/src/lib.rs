@@ -1,21 +1,21 @@
-//! Questions between two posed bodies.
+//! Proximity queries on two posed bodies: collision, distance and penetration depth.
 //!
-//! | question | function | answer |
+//! | query | function | result |
 //! |---|---|---|
 //! | do they touch? | [`collide`] | a common point, or proof that they are apart |
 //! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
-//! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | numbers that it is certainly between |
+//! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | lower and upper bounds |
 //! | how deep are two solids in each other? | [`signed_distance`], [`deepest_overlap`] | least translation that separates, negative |
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
 //!
 //! Bodies touch when their distance is at most [`CONTACT_DISTANCE`](clearance_geometry::constants::CONTACT_DISTANCE). A mesh is a
-//! surface; a body made with [`CollisionBody::with_solid_meshes`] also counts what lies inside its closed meshes.
-//! `pose_ab` is the pose of body b in the frame of body a; witness points are in the frame of a, first on a. After the
-//! door (finite poses) queries are total: no error, no panic.
+//! surface; a body built by [`CollisionBody::with_solid_meshes`] also includes the inside of its closed meshes. `pose_ab` is the pose of
+//! body b in the frame of body a; witness points are in the frame of a, first on a. For valid input (finite poses) queries never fail: no
+//! error, no panic.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bounding_volume;

@@ -1,6 +1,6 @@
-//! How deep convex cores are in each other, by EPA between two convex cores: the only file that names parry.
+//! Penetration depth of convex cores by EPA, from the parry crate; this is the only file that uses parry.
 //!
-//! parry works on support functions; ours are exact ([`Core::support`]). Only the f64 build is used: in f32 parry's
+//! parry works on support functions; those of this crate are exact ([`Core::support`]). Only the f64 build is used: in f32, parry's
 //! absolute thresholds report meshes 5 mm apart as colliding.
 
 use clearance_geometry::PointPair;

@@ -1,4 +1,4 @@
-//! How deep two solid primitives are in each other.
+//! Penetration depth of two solid primitives.
 
 use clearance_geometry::Primitive;
 use clearance_geometry::constants::CONTACT_DISTANCE;
@@ -10,11 +10,11 @@ use super::element::Element;
 use super::element_pair::{Separation, core_nearest_points, separation_within};
 use super::narrow_phase;
 
-/// Signed distance (m) of two solid primitives, b posed in the frame of a: as [`distance`](super::distance) when apart;
-/// when they overlap, minus the least translation that separates them, with the witness points deepest in each other.
+/// Signed distance (m) of two solid primitives, b posed in the frame of a: as [`distance`](super::distance) when apart; when they
+/// overlap, minus the least translation that separates them, with the witness points deepest in each other.
 ///
-/// Exact where one is a sphere or the cores of capsules are apart; elsewhere by EPA, within about 1e-6 of the size of
-/// the solids. Two capsules whose axes cross answer the sum of their radii.
+/// Exact if one is a sphere, or if the cores of capsules are apart; otherwise by EPA, within about 1e-6 of the size of the solids. For
+/// two capsules whose axes cross, the depth is the sum of their radii.
 #[must_use]
 #[allow(clippy::missing_panics_doc)] // nothing is beyond infinity
 #[inline]
@@ -25,8 +25,8 @@ pub fn signed_distance(a: &Primitive, b: &Primitive, pose_ab: &Pose) -> Separati
     signed_distance_of_cores(&core_of(a, Pose::identity()), &core_of(b, *pose_ab), pose_ab)
 }
 
-/// Where solids of two bodies are deepest in each other: as [`signed_distance`] of the primitives for which it is least. `None` where no
-/// primitives touch; of meshes nobody knows how deep they are.
+/// Deepest overlap of the solids of two bodies: [`signed_distance`] of the pair of primitives for which it is least. `None` where no
+/// primitives touch; the depth of meshes is not defined.
 #[must_use]
 #[inline]
 pub fn deepest_overlap(
@@ -53,7 +53,7 @@ pub fn deepest_overlap(
     deepest
 }
 
-/// Of cores in a frame of their own each, b posed in the frame of a.
+/// Signed distance of cores, each in its own frame, b posed in the frame of a.
 fn signed_distance_of_cores(a: &RoundedCore, b: &RoundedCore, pose_ab: &Pose) -> Separation {
     let [p, q] = core_nearest_points(&a.core, &b.core, &pose_ab.into(), f64::INFINITY)
         .expect("nothing is beyond infinity");
@@ -67,7 +67,7 @@ fn signed_distance_of_cores(a: &RoundedCore, b: &RoundedCore, pose_ab: &Pose) ->
     moved_out(a, b, [p, q], out, -depth)
 }
 
-/// The direction in which cores without common volume come apart soonest: normal to both, where they are segments.
+/// The direction of the shortest separation of cores without common volume: normal to both, if they are segments.
 fn normal_of_crossing(a: &Core, b: &Core, pose_ab: &Pose) -> Vector {
     let axis_b = pose_ab * Vector::z();
     match (a, b) {
@@ -79,7 +79,7 @@ fn normal_of_crossing(a: &Core, b: &Core, pose_ab: &Pose) -> Vector {
     .unwrap_or_else(Vector::x)
 }
 
-/// Surfaces lie a radius out from the cores, a along `out` and b against it.
+/// Surface points, a radius outward from the core points: for a along `out`, for b against it.
 fn moved_out(a: &RoundedCore, b: &RoundedCore, [p, q]: [Point; 2], out: Vector, apart: f64) -> Separation {
     Separation {
         distance: apart - a.radius - b.radius,

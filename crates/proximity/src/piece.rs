@@ -1,4 +1,4 @@
-//! A large body in pieces, each with a volume around it, so that a broad phase can tell which of them are near.
+//! Splits a large body into pieces with bounding volumes, so that a broad phase can find the pieces that are near.
 
 use std::collections::BinaryHeap;
 
@@ -13,31 +13,31 @@ use crate::bvh::{NodeRef, Tree};
 /// A part of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Piece {
-    /// All of it.
+    /// The whole body.
     Whole,
     /// All of its solids.
     Solids,
-    /// What hangs on a node of the tree over its triangles.
+    /// A subtree of the tree over its triangles.
     Surface(NodeRef),
-    /// The same of one of its clouds or sets of voxels.
+    /// A subtree of one of its clouds or sets of voxels.
     Grains { set: u32, node: NodeRef },
 }
 
-/// Where all of a piece is, in the frame of the body.
+/// Bounding volume of a piece, in the frame of the body.
 #[derive(Clone, Copy, Debug)]
 pub enum PieceVolume {
-    /// Within a distance (m) of a segment.
+    /// Capsule: all points within a distance (m) of a segment.
     Capsule { ends: [Point; 2], radius: f64 },
-    /// In a box; axes are columns.
+    /// Oriented box; the axes are columns.
     Box { centre: Point, axes: RotationMatrix, half_extents: Vector },
 }
 
-/// Leaves that a piece should have at least.
+/// Minimum number of leaves of a piece.
 const LEAVES: usize = 4;
 
 impl CollisionBody {
-    /// The body in not many more than `most` pieces. Nothing, if it cannot be told apart: planes have no end, and solid meshes have
-    /// an inside.
+    /// Splits the body into not many more than `most` pieces. Empty if it cannot be split: planes are infinite, and solid meshes have an
+    /// inside.
     #[must_use]
     #[inline]
     pub fn pieces(&self, most: usize) -> Vec<(Piece, PieceVolume)> {
@@ -83,26 +83,26 @@ fn around(RoundedCore { core, pose, radius }: &RoundedCore) -> PieceVolume {
     PieceVolume::Box { centre, axes: pose.rotation, half_extents: half_extents.add_scalar(*radius) }
 }
 
-/// The box of a node, `radius` (m) wider, of a tree that is placed in its body.
+/// The box of a node, enlarged by `radius` (m), of a tree that is placed in its body.
 fn box_of<L>(tree: &Tree<Obb, L>, node: NodeRef, pose_bt: &MatrixPose, radius: f64) -> PieceVolume {
     let (volume, axes) = tree.volume(node);
     let axes = RotationMatrix::from_fn(|i, k| f64::from(axes.0[k][i]));
     let centre = tree.anchor() + axes * Vector::from(volume.centre.map(f64::from));
-    // axes are rounded, so that they are neither quite square nor quite of length one
+    // axes are rounded, so they are neither exactly orthogonal nor exactly of length one
     let farther = radius + VOLUME_SLACK * tree.reach();
     let half_extents = Vector::from(volume.half_extents.map(f64::from)).add_scalar(farther);
     PieceVolume::Box { centre: pose_bt * centre, axes: pose_bt.rotation * axes, half_extents }
 }
 
-/// A node and how large it is.
+/// A node, with its size.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Sized {
-    /// Bits of a number that is not negative are ordered as it is.
+    /// The bits of non-negative floats have the same order as the floats.
     size: u32,
     node: NodeRef,
 }
 
-/// Nodes that hold all of a tree between them: the largest are opened until there are `most` or a few more.
+/// Nodes that together contain a whole tree: the largest are opened until there are `most` or a few more.
 fn cut<L>(tree: &Tree<Obb, L>, most: usize) -> impl Iterator<Item = NodeRef> + use<L> {
     let sized = |node| {
         let [x, y, z] = tree.volume(node).0.half_extents;

@@ -1,5 +1,5 @@
-//! Planes against all that bodies are made of. A plane has no volume around it and no tree: each is brought to the trees of the
-//! other body, whose volumes lie between two numbers along its normal.
+//! Queries of planes against all kinds of elements. A plane has no bounding volume and no tree: each plane is tested against the trees of
+//! the other body, whose volumes have a range along its normal.
 
 use clearance_geometry::constants::{CONTACT_DISTANCE, FIT_SLACK};
 use clearance_geometry::math::{Extremes, MatrixPose, Pose, UnitVector};
@@ -18,11 +18,11 @@ use super::surface::Surface;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{GrainLeaf, PlaneVisitor, TreePlane, TriangleLeaf};
 
-/// Sine of an angle that counts as none: rounding turns normals by less, and planes a metre apart that are farther from
-/// parallel meet within 10¹⁴ m.
+/// Sine of an angle that counts as zero: normals have a smaller rounding error, and planes a metre apart with a larger angle meet within
+/// 10¹⁴ m.
 const PARALLEL: f64 = 1e-14;
 
-/// Looks for what is nearest to planes of either body.
+/// Finds the elements nearest to planes of either body.
 #[inline]
 pub(super) fn planes<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
@@ -47,7 +47,7 @@ pub(super) fn planes<B: BoundingVolume>(
     }
 }
 
-/// A number (m) never larger than the distance of planes of either body from anything of the other.
+/// Lower bound on the distance (m) of planes of either body from anything of the other body.
 #[inline]
 pub(super) fn planes_bound<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
@@ -63,19 +63,19 @@ pub(super) fn planes_bound<B: BoundingVolume>(
     if a.has_planes() { least(&a.planes, b, &pose_ab.inverse()) } else { least(&b.planes, a, pose_ab) }
 }
 
-/// The same of a plane and what a sphere holds, in one frame.
+/// As above, for a plane and the content of a sphere, in one frame.
 fn sphere_bound(plane: &Plane, sphere: &BoundingSphere) -> f64 {
     let entered = sphere.centre.coords.abs().sum() + plane.offset.abs() + sphere.radius;
     plane.height(&sphere.centre).abs() - sphere.radius - FIT_SLACK * entered
 }
 
-/// A plane of a frame that is placed at `pose`, seen from outside.
+/// Transforms a plane from a frame placed at `pose` to the parent frame.
 fn placed(plane: &Plane, pose: &MatrixPose) -> Plane {
     let normal = pose.rotation * plane.normal.into_inner();
     Plane { offset: plane.offset + normal.dot(&pose.translation), normal: UnitVector::new_unchecked(normal) }
 }
 
-/// One plane, and what is found near it.
+/// One plane, and the elements found near it.
 struct PlaneSearch<'s, 'w> {
     /// In the frame of the other body.
     plane: Plane,
@@ -87,7 +87,7 @@ struct PlaneSearch<'s, 'w> {
 }
 
 impl PlaneSearch<'_, '_> {
-    /// Looks at all of the other body.
+    /// Searches the whole other body.
     fn all_of<B: BoundingVolume>(&mut self, body: &CollisionBody<B>, descent: &mut Descent) {
         self.incumbent.work.volume_tests += 1;
         if body.bounded().is_none_or(|sphere| sphere_bound(&self.plane, sphere) > self.incumbent.bound()) {
@@ -109,7 +109,7 @@ impl PlaneSearch<'_, '_> {
             descent.run_to_plane(&surface.tree, &plane, visitor, 0.0);
         }
         for grains in &body.grains {
-            // seen from the frame of the grains
+            // transformed from the frame of the grains
             let Plane { normal, offset } = placed(&self.plane, &grains.pose_bg.inverse());
             let plane = TreePlane::new(&normal, offset, &grains.tree);
             let visitor = &mut OfElements { search: self, elements: grains, radius: grains.radius };
@@ -183,7 +183,7 @@ impl<L, E: Elements<L>> PlaneVisitor<L> for OfElements<'_, '_, '_, E> {
     }
 }
 
-/// How far a convex element is from a plane of its body's frame; the witness points are on the element and on the plane.
+/// Distance of a convex element from a plane of its body's frame; the witness points are on the element and on the plane.
 fn separation(element: &RoundedCore, plane: &Plane) -> Separation {
     let Plane { normal, .. } = plane;
     let along = element.pose.rotation.tr_mul(normal);
@@ -203,7 +203,7 @@ fn separation(element: &RoundedCore, plane: &Plane) -> Separation {
     Separation { distance, witness_points: [on_element, on_plane] }
 }
 
-/// Planes meet somewhere, unless they are parallel.
+/// Two planes meet, unless they are parallel.
 fn between_planes(a: &Plane, b: &Plane) -> Separation {
     let on_a = a.foot();
     let height = b.height(&on_a);

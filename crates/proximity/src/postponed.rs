@@ -1,5 +1,5 @@
-//! The least distance of several pairs of bodies: all are looked at in single precision first, and exact arithmetic comes last, for
-//! what may still be the nearest of all then.
+//! The least distance over several pairs of bodies: all are bounded in single precision first; only candidates that may still be the
+//! nearest of all are then measured exactly.
 
 use clearance_geometry::math::{Extremes, MatrixPose};
 
@@ -12,10 +12,10 @@ use super::search::{Goal, Pieces, search_pieces};
 use super::surface_surface::separation_of_triangles;
 use crate::bounding_volume::Obb;
 
-/// Something of two bodies that may be the nearest.
+/// A candidate for the nearest elements of two bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct Postponed {
-    /// Their distance there (m) is not less than this.
+    /// Lower bound (m) on its distance.
     pub lower: f64,
     what: What,
 }
@@ -26,12 +26,12 @@ enum What {
     Triangles(u32, u32),
 }
 
-/// The numbers of two elements that were found, by which it is decided which of equally near ones is told.
+/// The indices of two measured elements; they decide which of equally near pairs is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ElementPair(ElementNumber, ElementNumber);
 
-/// Looks at a and at some pieces of b, or at all of it, and gives all that may be nearest and not farther apart than `limit` (m) to
-/// `postpone`. Returns a number (m) that their distance certainly does not exceed; infinity, if that is not known.
+/// Searches a and some pieces of b, or all of b, and passes all candidates not farther apart than `limit` (m) to `postpone`. Returns an
+/// upper bound (m) on the distance; infinity, if there is none.
 #[inline]
 pub fn nearest_in_doubt(
     a: &CollisionBody,
@@ -59,7 +59,7 @@ pub fn nearest_in_doubt(
 }
 
 impl Postponed {
-    /// The exact distance, and what is that far apart, of the bodies that this is about.
+    /// The exact distance of the candidate and its elements, for the bodies that it belongs to.
     #[inline]
     pub fn measured(
         &self,

@@ -1,5 +1,5 @@
-//! Some vertices of a surface, spread over all of it: whether one of them is in a convex solid is seen at a glance, and often one
-//! is where the two touch.
+//! Sample vertices of a surface, spread over all of it. Testing whether one of them is in a convex solid is cheap, and often one is where
+//! the two touch.
 
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::simd::{LANES, Simd, Vectors};
@@ -7,20 +7,20 @@ use clearance_geometry::simd::{LANES, Simd, Vectors};
 use super::solid::SolidLeaf;
 use crate::bounding_volume::{Axes, Relative};
 
-/// Vertices at most.
+/// Maximum number of samples.
 const MOST: usize = 64;
 
-/// Vertices of a surface.
+/// Sample vertices of a surface.
 #[derive(Clone, Debug)]
 pub(super) struct Samples {
-    /// Eight by eight, from the anchor of the surface's tree; lanes beyond the last repeat it.
+    /// Groups of eight, relative to the anchor of the surface's tree; unused lanes repeat the last vertex.
     eights: Vec<[[f32; LANES]; 3]>,
-    /// Their numbers.
+    /// Vertex indices.
     vertices: Vec<u32>,
 }
 
 impl Samples {
-    /// Of the vertices that faces have.
+    /// Samples of the vertices that belong to faces.
     #[inline]
     pub fn new(anchor: &Point, vertices: &[Point], faces: &[[u32; 3]]) -> Self {
         let spread = spread(vertices, &corners_of(vertices.len(), faces));
@@ -34,8 +34,8 @@ impl Samples {
         size_of_val(&self.eights[..]) + size_of_val(&self.vertices[..])
     }
 
-    /// The vertex that is deepest in the box around a solid, but for rounding, if one is in it; `relative` places the solid's tree in
-    /// the surface's.
+    /// The sample deepest in the box around a solid, up to rounding, if one is in it; `relative` places the solid's tree in the
+    /// surface's.
     #[inline(always)]
     pub fn innermost<S: Simd>(&self, simd: S, solid: &SolidLeaf, relative: &Relative) -> Option<u32> {
         // the vertices in the frame of the solid
@@ -53,7 +53,7 @@ impl Samples {
     }
 }
 
-/// The numbers of the vertices that faces have, each once.
+/// The indices of the vertices that belong to faces, each once.
 fn corners_of(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     let mut is_corner = vec![false; vertex_count];
     for &corner in faces.as_flattened() {
@@ -62,7 +62,7 @@ fn corners_of(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     (0..).zip(is_corner).filter_map(|(vertex, is_corner)| is_corner.then_some(vertex)).collect()
 }
 
-/// One vertex after the other that is farthest from those before it (Gonzalez 1985, *Clustering to minimize the maximum
+/// Farthest-point sampling: each vertex is the farthest from those before it (Gonzalez 1985, *Clustering to minimize the maximum
 /// intercluster distance*).
 fn spread(vertices: &[Point], corners: &[u32]) -> Vec<u32> {
     let mut gaps = vec![f64::INFINITY; corners.len()];
@@ -99,7 +99,7 @@ mod tests {
     use clearance_geometry::simd::dispatch;
     use clearance_geometry::testing::{Random, levels};
 
-    /// Points on a ball of 1 m, and some more at one place, of which the last is of no face.
+    /// Points on a ball of 1 m, and some more at one place; the last of these belongs to no face.
     fn ball(random: &mut Random, count: u32) -> (Vec<Point>, Vec<[u32; 3]>) {
         let mut vertices: Vec<Point> =
             (0..3 * count).map(|_| Point::from(random.direction().into_inner())).collect();

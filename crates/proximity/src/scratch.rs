@@ -1,4 +1,4 @@
-//! What a query changes, owned by its caller.
+//! Scratch memory of queries, owned by the caller.
 
 use clearance_geometry::simd::{Level, baseline};
 
@@ -6,7 +6,8 @@ use super::Work;
 use super::surface_surface::Candidates;
 use crate::bvh::{Entry, NodeRef};
 
-/// Memory of one thread's queries: once warm they allocate nothing. Between queries only the counters mean anything.
+/// Scratch memory of one thread's queries: after the first queries they allocate nothing. Between queries only the counters are
+/// meaningful.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// What all queries so far have cost.
@@ -18,7 +19,7 @@ pub struct Scratch {
 }
 
 impl Default for Scratch {
-    /// Uses the best instructions of this machine.
+    /// Uses the best SIMD instructions of this machine.
     fn default() -> Self {
         Self {
             work: Work::default(),
@@ -37,7 +38,7 @@ impl Scratch {
         self.level
     }
 
-    /// Uses no instructions but those of every machine of this kind. Answers are the same, bit by bit.
+    /// Uses only the baseline instructions of this architecture. Results are the same, bit by bit.
     #[must_use]
     #[inline]
     pub fn portable() -> Self {

@@ -1,4 +1,4 @@
-//! One search through all pairs of parts of two bodies.
+//! Search through all pairs of elements of two bodies.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};
@@ -23,22 +23,22 @@ use super::surface_surface::SurfaceSurface;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Entry, NodeRef, PlaneVisitor, Tree, TreePlane, Visitor, descend_from, descend_to_plane};
 
-/// What is looked for.
+/// Goal of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
-    /// Nothing farther than this (m) matters.
+    /// Elements farther apart than this (m) do not matter.
     pub limit: f64,
-    /// Whether something is known to be that near: tolerances count from there then, before anything is found.
+    /// True if something this near is already known: tolerances then apply to this limit, even before anything is found.
     pub is_reached: bool,
-    /// Nothing nearer than this (m) is looked for.
+    /// The search ends at a distance of at most this (m).
     pub enough: f64,
     pub effort: Effort,
-    /// Whether triangles that may be nearest are left among the candidates, for others to measure.
+    /// True if triangles that may be nearest are left among the candidates, to be measured by the caller.
     pub postpones: bool,
 }
 
 impl Goal {
-    /// The least distance, however large.
+    /// Finds the least distance, however large.
     pub const EXACT: Self = Self {
         limit: f64::INFINITY,
         is_reached: false,
@@ -53,11 +53,11 @@ impl Goal {
         postpones: false,
     };
 
-    /// Anything that touches.
+    /// Finds anything that touches.
     pub const CONTACT: Self = Self { limit: CONTACT_DISTANCE, enough: CONTACT_DISTANCE, ..Self::EXACT };
 }
 
-/// What of the second body is looked at.
+/// The part of the second body that is searched.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Pieces<'p> {
     All,
@@ -72,7 +72,7 @@ impl Pieces<'_> {
         }
     }
 
-    /// Where to begin in the tree over triangles.
+    /// Start nodes in the tree over triangles.
     fn of_surface(self, root: NodeRef, starts: &mut Vec<NodeRef>) {
         self.starts(root, starts, |piece| match piece {
             Piece::Surface(node) => Some(node),
@@ -80,7 +80,7 @@ impl Pieces<'_> {
         });
     }
 
-    /// Where to begin in the tree over a set of grains.
+    /// Start nodes in the tree over a set of grains.
     fn of_grains(self, of: u32, root: NodeRef, starts: &mut Vec<NodeRef>) {
         self.starts(root, starts, |piece| match piece {
             Piece::Grains { set, node } if set == of => Some(node),
@@ -97,18 +97,18 @@ impl Pieces<'_> {
     }
 }
 
-/// What was found.
+/// Result of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    /// The nearest within the limit that was seen.
+    /// The nearest pair found within the limit.
     pub best: Option<Separation>,
-    /// Of which elements that is, where it matters.
+    /// Its elements, where they matter.
     pub numbers: Option<(ElementNumber, ElementNumber)>,
-    /// Nothing that was not looked at is nearer than this (m); infinite when everything was.
+    /// Lower bound (m) on the distances of everything not searched; infinite if everything was searched.
     pub unseen: f64,
 }
 
-/// Looks at all pairs of parts of two bodies that matter for `goal`. With `SEPARATE` only contact matters.
+/// Searches all pairs of elements of two bodies that matter for `goal`. With `SEPARATE` only contact matters.
 #[inline]
 pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     bodies: (&CollisionBody<B>, &CollisionBody<B>),
@@ -119,7 +119,7 @@ pub(super) fn search<B: BoundingVolume, const SEPARATE: bool>(
     search_pieces::<B, SEPARATE>(bodies, Pieces::All, pose_ab, goal, scratch)
 }
 
-/// As [`search`], of a and some pieces of b.
+/// As [`search`], for a and some pieces of b.
 pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
     pieces: Pieces,
@@ -133,7 +133,7 @@ pub(super) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     };
     let Scratch { work, stack, starts, candidates, level } = scratch;
     candidates.begin(None);
-    // spheres cost a tenth of what it takes to begin
+    // the test of bounding spheres costs a tenth of the start of a search
     if a.sphere_bound(b, pose_ab) > goal.limit.greater(CONTACT_DISTANCE) {
         work.volume_tests += 1;
         return Found { best: None, numbers: None, unseen: f64::INFINITY };
@@ -184,7 +184,7 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
     if let (Some(a), Some(b)) = (&a.solids, solids_of_b) {
         let visitor = &mut SolidSolid::<SEPARATE> { pose_ab, incumbent };
         match (a.leaves(), b.leaves()) {
-            // a first look costs as little as trees do
+            // a first approximation is no more expensive than the trees
             ([a], [b]) if SEPARATE => visitor.meet(&a.content, &b.content),
             _ => descent.run((a, b), &a.relative(b, pose_ab), visitor),
         }
@@ -206,7 +206,7 @@ fn solids<B: BoundingVolume, const SEPARATE: bool>(
     }
 }
 
-/// Looks at all grains of either body.
+/// Searches all grains of either body.
 fn grains<B: BoundingVolume>(
     (a, b): (&CollisionBody<B>, &CollisionBody<B>),
     pieces: Pieces,
@@ -237,8 +237,7 @@ fn grains<B: BoundingVolume>(
     }
 }
 
-/// Looks at grains, where the descent is to begin, against the surface and the solids of another body, in whose frame they are
-/// at `pose_og`.
+/// Searches grains, from the start nodes, against the surface and the solids of another body, in whose frame they are at `pose_og`.
 fn grains_of<B: BoundingVolume>(
     (grains, grains_are_a): (&Grains<B>, bool),
     other: &CollisionBody<B>,
@@ -260,11 +259,11 @@ fn grains_of<B: BoundingVolume>(
     }
 }
 
-/// The traversal with its scratch memory.
+/// The traversal of two trees, with its scratch memory.
 pub(super) struct Descent<'s> {
     level: Level,
     stack: &'s mut Vec<Entry>,
-    /// Where to begin in the second tree.
+    /// Start nodes in the second tree.
     starts: &'s mut Vec<NodeRef>,
     unseen: f64,
 }
@@ -277,7 +276,7 @@ impl<'s> Descent<'s> {
 }
 
 impl Descent<'_> {
-    /// Looks at all of both trees.
+    /// Searches all of both trees.
     fn run<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
         &mut self,
         trees: (&Tree<B, LA>, &Tree<B, LB>),
@@ -293,8 +292,8 @@ impl Descent<'_> {
         self.starts.push(node);
     }
 
-    /// Looks at the first tree, and at the second from where it is to begin. Balls around what trees hold take a `radius` (m) off
-    /// distances.
+    /// Searches the whole first tree, and the second from its start nodes. Balls around the trees' elements reduce distances by `radius`
+    /// (m).
     fn run_from_starts<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
         &mut self,
         trees: (&Tree<B, LA>, &Tree<B, LB>),
@@ -310,7 +309,7 @@ impl Descent<'_> {
         self.note_unseen(radius);
     }
 
-    /// Brings the leaves of a tree that may be near to a plane to a visitor.
+    /// Passes the leaves of a tree that may be near a plane to a visitor.
     #[inline]
     pub fn run_to_plane<B: BoundingVolume, L, V: PlaneVisitor<L>>(
         &mut self,
@@ -327,7 +326,7 @@ impl Descent<'_> {
         self.note_unseen(radius);
     }
 
-    /// What an interrupted search has left may be as near as its volumes, less the balls around what they hold.
+    /// Lower bound on what an interrupted search left: the distance of the volumes, minus the balls around their elements.
     fn note_unseen(&mut self, radius: f64) {
         for left in self.stack.iter() {
             self.unseen = self.unseen.lesser((f64::from(left.lower) - radius).greater(0.0));

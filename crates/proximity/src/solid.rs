@@ -1,4 +1,4 @@
-//! Leaves that hold one solid primitive.
+//! Tree leaves that hold one solid primitive.
 
 use clearance_geometry::Primitive;
 use clearance_geometry::math::{Point, Pose, RotationMatrix};
@@ -15,20 +15,20 @@ pub(super) struct Solid {
     pub pose: Pose,
 }
 
-/// A solid, and the same in f32.
+/// A solid, and its bounding volume in f32.
 #[derive(Clone, Debug)]
 pub(super) struct SolidLeaf {
     pub core: RoundedCore,
-    /// In the order of the tree.
+    /// Index in the order of the tree.
     pub number: u32,
-    /// Its axes, in the frame of the tree.
+    /// Axes of the solid, in the frame of the tree.
     pub axes: Axes,
-    /// The centre, from the anchor of the tree.
+    /// The centre, relative to the anchor of the tree.
     pub centre: [f32; 3],
     pub hull: Hull,
 }
 
-/// Around a solid, in f32, rounded outward: a box, swept by a disc square to its z axis, swept by a ball.
+/// Bounding volume of a solid, in f32, rounded outward: a box, swept by a disc normal to its z axis, swept by a ball.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hull {
     pub half_extents: [f32; 3],
@@ -37,7 +37,7 @@ pub(super) struct Hull {
 }
 
 impl Hull {
-    /// Of a box around it.
+    /// The volume of a box.
     #[inline(always)]
     pub fn half_extents_around(&self) -> [f32; 3] {
         let ([x, y, z], across) = (self.half_extents, self.disc + self.ball);

@@ -1,4 +1,4 @@
-//! Where solid primitives meet points or cubes.
+//! Narrow phase between solid primitives and grains (points or cubes).
 
 use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
@@ -11,7 +11,7 @@ use super::surface_surface::triangle_slack;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{GrainLeaf, Visitor};
 
-/// Looks for the solid nearest to grains.
+/// Finds the solid nearest to grains.
 pub(super) struct SolidGrains<'s, 'w, B: BoundingVolume>(pub GrainSearch<'s, 'w, B>);
 
 impl<B: BoundingVolume> Visitor<SolidLeaf, GrainLeaf> for SolidGrains<'_, '_, B> {

@@ -1,4 +1,4 @@
-//! A solid against the eight triangles or grains of a leaf, in f32.
+//! Distance bounds of a solid to the eight triangles or grains of a leaf, in f32.
 
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{Simd, Vectors, f32x8};
@@ -7,9 +7,9 @@ use super::solid::{Hull, SolidLeaf};
 use crate::bounding_volume::{Axes, Relative};
 use crate::bvh::{GrainLeaf, TriangleLeaf};
 
-/// Numbers never larger than the distances (m) of the triangles of `leaf` from the solid; `relative` places the solid's
-/// tree in the leaf's. From the boxes around the triangles, across the triangles' planes, and along a `direction`
-/// (not longer than one) in which something near was found.
+/// Lower bounds on the distances (m) of the triangles of `leaf` from the solid; `relative` places the solid's tree in the leaf's.
+/// Computed from the boxes around the triangles, along the triangles' normals, and along a `direction` (length at most one) in which near
+/// elements were found.
 #[inline(always)]
 pub(super) fn lower_bounds<S: Simd>(
     simd: S,
@@ -31,12 +31,12 @@ pub(super) fn lower_bounds<S: Simd>(
     let (e, f) = (q.minus(p), r.minus(q));
     let n = e.cross(f);
     let over = n.dot(p).abs() - hull.shadow(simd, n);
-    // the normal may be off by the slack times the edges, at a lever of the corner and the box
+    // the normal has an error of the slack times the edges, with the corner and the box as lever
     let lever = p.one_norm() + hull.size();
     let rounding = (n.one_norm() + (e.one_norm() + f.one_norm()) * lever * 2.0) * (2.0 * slack);
     let length = n.dot(n).max(f32x8::splat(simd, 1e-30)).sqrt();
     let across_plane = (over - rounding) / length;
-    // the solid spans its shadow either way from its centre
+    // the solid's projection extends to either side of its centre
     let along = own.along_a(direction);
     let shadow = hull.shadow(simd, Vectors::splat(simd, &along));
     let (a, b, c) = (p.along(&along), q.along(&along), r.along(&along));
@@ -44,7 +44,7 @@ pub(super) fn lower_bounds<S: Simd>(
     from_boxes.max(across_plane).max(beyond) - 4.0 * slack
 }
 
-/// As [`lower_bounds`] for the grains of a leaf, the balls around these left out; `relative` places their tree in the solid's.
+/// As [`lower_bounds`] for the grains of a leaf, without the balls around them; `relative` places their tree in the solid's.
 #[inline(always)]
 pub(super) fn bounds_of_grains<S: Simd>(
     simd: S,
@@ -67,7 +67,7 @@ pub(super) fn bounds_of_grains<S: Simd>(
 }
 
 impl Hull {
-    /// How far the solid reaches along n from its centre, times |n|.
+    /// Extent of the solid along n from its centre, times |n|.
     #[inline(always)]
     fn shadow<S: Simd>(&self, simd: S, n: Vectors<S>) -> f32x8<S> {
         let n = n.abs();
@@ -84,7 +84,7 @@ impl Hull {
         (aside * aside + gap.z * gap.z).sqrt() - self.ball
     }
 
-    /// 1-norm of the box around it, at most.
+    /// Upper bound on the 1-norm of the box around it.
     fn size(&self) -> f32 {
         self.half_extents.iter().sum::<f32>() + 3.0 * (self.disc + self.ball)
     }

@@ -1,4 +1,4 @@
-//! Where two solid primitives meet.
+//! Narrow phase between solid primitives.
 
 use clearance_geometry::math::MatrixPose;
 use clearance_geometry::simd::Simd;
@@ -9,7 +9,7 @@ use super::incumbent::Incumbent;
 use super::solid::SolidLeaf;
 use crate::bvh::Visitor;
 
-/// Looks for the nearest solids of two bodies; with `SEPARATE` only for any that touch.
+/// Finds the nearest solids of two bodies; with `SEPARATE` only any that touch.
 pub(super) struct SolidSolid<'s, 'w, const SEPARATE: bool> {
     pub pose_ab: &'s MatrixPose,
     pub incumbent: &'s mut Incumbent<'w>,

@@ -8,7 +8,7 @@ use super::samples::Samples;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{Tree, TriangleLeaf};
 
-/// Triangles in the order of their tree's leaves, corners shared.
+/// Triangles in the order of their tree's leaves, with shared corners.
 #[derive(Clone, Debug)]
 pub(super) struct Surface<B: BoundingVolume> {
     pub tree: Tree<B, TriangleLeaf>,
@@ -31,7 +31,7 @@ impl<B: BoundingVolume> Surface<B> {
         Some(Self { tree, samples, vertices, faces })
     }
 
-    /// Number `index` in the order of the leaves.
+    /// Triangle `index` in the order of the leaves.
     #[inline]
     pub fn triangle(&self, index: u32) -> Triangle {
         let [a, b, c] = self.faces[index as usize];

@@ -1,4 +1,4 @@
-//! Where leaves of a surface meet points or cubes.
+//! Narrow phase between leaves of a surface and grains (points or cubes).
 
 use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
@@ -11,7 +11,7 @@ use super::triangle_lanes::MovedTriangles;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{GrainLeaf, TriangleLeaf, Visitor};
 
-/// Looks for the triangle of a surface nearest to grains.
+/// Finds the triangle of a surface nearest to grains.
 pub(super) struct SurfaceGrains<'s, 'w, B: BoundingVolume> {
     pub surface: &'s Surface<B>,
     pub search: GrainSearch<'s, 'w, B>,
@@ -60,7 +60,7 @@ impl<B: BoundingVolume> Visitor<TriangleLeaf, GrainLeaf> for SurfaceGrains<'_, '
             let lower = triangle.lower_bounds(simd, grains, limit, slack);
             let mut near = not_beyond(lower, limit) & grains.mask();
             let lower: [f32; LANES] = lower.into();
-            // the nearest first, so that few are tested
+            // the nearest first, so that few are tested exactly
             while near != 0 {
                 let grain = nearest(&lower, near);
                 near &= !(1 << grain);

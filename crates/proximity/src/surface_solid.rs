@@ -1,4 +1,4 @@
-//! Where a solid primitive meets leaves of a surface.
+//! Narrow phase between a solid primitive and the leaves of a surface.
 
 use clearance_geometry::math::{MatrixPose, Vector};
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, not_beyond};
@@ -15,22 +15,22 @@ use super::surface_surface::triangle_slack;
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{Leaf, Tree, TriangleLeaf, Visitor};
 
-/// Solids that are looked at one by one.
+/// Largest number of solids that are tested one by one.
 const FEW_SOLIDS: usize = 4;
 
-/// Looks for the triangle of a surface nearest to a solid; with `SEPARATE` only for any that touches.
+/// Finds the triangle of a surface nearest to a solid; with `SEPARATE` only any that touches.
 pub(super) struct SurfaceSolid<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
     pub surface: &'s Surface<B>,
-    /// Whether the solid belongs to body a, and the surface to b.
+    /// True if the solid belongs to body a, and the surface to b.
     pub solid_is_a: bool,
     pub pose_ab: &'s MatrixPose,
-    /// The solid's tree in the surface's.
+    /// Pose of the solid's tree in the surface's.
     pub relative: &'s Relative,
     pub incumbent: &'s mut Incumbent<'w>,
 }
 
 impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> {
-    /// The direction of the best separation, in the frame of the surface's tree; not longer than one.
+    /// The direction of the best separation, in the frame of the surface's tree; its length is at most one.
     #[allow(clippy::cast_possible_truncation)] // bounds hold for any direction
     fn direction(&self) -> [f32; 3] {
         let Some(best) = &self.incumbent.best else { return [0.0; 3] };
@@ -41,7 +41,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolid<'_, '_, B, SEPARATE> 
         [along.x as f32 * shorter, along.y as f32 * shorter, along.z as f32 * shorter]
     }
 
-    /// Looks at a few vertices of the surface where any contact is enough: often one of them is in a solid where they touch.
+    /// Tests a few vertices of the surface if any contact suffices: where the bodies touch, one of them is often inside a solid.
     #[inline]
     pub fn glance(&mut self, level: Level, solids: &Tree<B, SolidLeaf>) {
         if !self.incumbent.seeks_any() || solids.leaves().len() > FEW_SOLIDS {
@@ -109,7 +109,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
         let lower = solid_lanes::lower_bounds(simd, solid, leaf, self.relative, &self.direction(), slack);
         let mut near = not_beyond(lower, self.incumbent.threshold()) & leaf.mask();
         let lower: [f32; LANES] = lower.into();
-        // the nearest first, so that few are tested
+        // the nearest first, so that few are tested exactly
         while near != 0 {
             let lane = nearest(&lower, near);
             near &= !(1 << lane);

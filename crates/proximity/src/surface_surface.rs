@@ -1,4 +1,4 @@
-//! Where leaves of two surfaces meet.
+//! Narrow phase between leaves of two surfaces.
 
 use clearance_geometry::Triangle;
 use clearance_geometry::constants::{CONTACT_DISTANCE, TRIANGLE_SHARE};
@@ -14,36 +14,36 @@ use super::triangle_lanes::{DistanceLanes, LaneTriangles, MovedTriangles};
 use crate::bounding_volume::{BoundingVolume, Relative};
 use crate::bvh::{TriangleLeaf, Visitor};
 
-/// Looks for the nearest triangles of two surfaces; with `SEPARATE` only for any that touch.
+/// Finds the nearest triangles of two surfaces; with `SEPARATE` only any that touch.
 ///
-/// Distances are first bounded in f32. Triangles that may be the nearest are kept until the bound is as low as it gets, and
-/// those that still may be are measured in f64.
+/// Distances are first bounded in f32. Triangles that may be the nearest are kept as candidates until the bound no longer improves; the
+/// remaining candidates are then measured in f64.
 pub(super) struct SurfaceSurface<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
     pub a: &'s Surface<B>,
     pub b: &'s Surface<B>,
     pub pose_ab: &'s MatrixPose,
-    /// Of the trees.
+    /// Relative pose of the trees.
     pub relative: &'s Relative,
     pub incumbent: &'s mut Incumbent<'w>,
     pub candidates: &'s mut Candidates,
 }
 
-/// Pairs of triangles that may be the nearest.
+/// Candidates: pairs of triangles that may be the nearest.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Candidates {
-    /// Some triangles are no farther apart than this (m).
+    /// Upper bound (m) on the least distance of triangles.
     upper: f32,
-    /// In which they were found that far apart, in the frame of b's tree; not longer than one.
+    /// The direction of the pair with this distance, in the frame of b's tree; length at most one.
     direction: [f32; 3],
-    /// A lower bound of their distance (m), the number of one of a and one of b.
+    /// Lower bound on the distance (m), and the indices of a triangle of a and one of b.
     pairs: Vec<(f32, u32, u32)>,
 }
 
 impl Candidates {
-    /// So many are kept before they are measured.
+    /// Number of candidates that are kept before they are measured.
     const MOST: usize = 32;
 
-    /// Forgets all; where distances matter, things are probably nearest in the direction in which the trees lie.
+    /// Removes all candidates. If distances matter, the search direction starts as that between the trees.
     #[inline]
     pub fn begin(&mut self, trees: Option<&Relative>) {
         self.upper = f32::INFINITY;
@@ -51,13 +51,13 @@ impl Candidates {
         self.pairs.clear();
     }
 
-    /// The distance (m) that some triangles certainly do not exceed; infinity, if there are none.
+    /// Upper bound (m) on the least distance of the candidates; infinity if there are none.
     #[inline]
     pub fn upper(&self) -> f64 {
         f64::from(self.upper)
     }
 
-    /// All that are kept, each with a lower bound of its distance (m).
+    /// All candidates, each with a lower bound on its distance (m).
     #[inline]
     pub fn drain(&mut self) -> impl Iterator<Item = (f64, u32, u32)> {
         self.pairs.drain(..).map(|(lower, i, j)| (f64::from(lower), i, j))
@@ -91,8 +91,8 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         self.incumbent.offer_numbered(found, numbers);
     }
 
-    /// Bounds the distances of eight pairs of triangles, of which the lanes of `mask` count, and keeps those that may be the
-    /// nearest; `numbers` tells which triangles are in a lane. Gives lower bounds (m).
+    /// Bounds the distances of eight pairs of triangles, selected by `mask`, and keeps those that may be the nearest; `numbers` gives the
+    /// indices of the triangles in a lane. Returns lower bounds (m).
     #[inline(always)]
     pub fn screen<S: Simd>(
         &mut self,
@@ -121,7 +121,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         distances.lower
     }
 
-    /// Keeps a pair that may be the nearest; measures it at once if it may touch.
+    /// Keeps a candidate; measures it at once if it may touch.
     fn keep(&mut self, lower: f32, i: u32, j: u32) {
         if lower <= 0.0 || lower.is_nan() {
             return self.measure(i, j);
@@ -132,7 +132,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         self.candidates.pairs.push((lower, i, j));
     }
 
-    /// Forgets what can no longer be the nearest; if that is too little, what may still be is measured.
+    /// Removes pairs that can no longer be the nearest; if this frees too little space, the remaining candidates are measured.
     #[cold]
     fn make_room(&mut self) {
         let threshold = self.threshold();
@@ -142,13 +142,13 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurface<'_, '_, B, SEPARATE
         }
     }
 
-    /// Leaves what may be the nearest to others; what is looked at after it has to be as near.
+    /// Leaves the candidates to the caller; later pairs must be as near.
     #[inline]
     pub fn postpone_candidates(&mut self) {
         self.incumbent.lower_limit(self.candidates.upper());
     }
 
-    /// Measures what may still be the nearest.
+    /// Measures the remaining candidates.
     #[inline]
     pub fn measure_candidates(&mut self) {
         for k in 0..self.candidates.pairs.len() {
@@ -236,7 +236,7 @@ fn triangles<B: BoundingVolume>(
     (a.triangle(i), Triangle { a: pose_ab * p, b: pose_ab * q, c: pose_ab * r })
 }
 
-/// In the direction of v, but not longer than one.
+/// The vector v, scaled to a length of at most one.
 #[inline]
 pub(super) fn shortened(v: [f32; 3]) -> [f32; 3] {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
@@ -244,7 +244,7 @@ pub(super) fn shortened(v: [f32; 3]) -> [f32; 3] {
     v.map(|c| c * scale)
 }
 
-/// How far f32 coordinates of triangles may be off (m), and what counts as contact.
+/// Error (m) of f32 coordinates of triangles, plus the contact distance.
 #[allow(clippy::cast_possible_truncation)] // rounded up
 #[inline]
 pub(super) fn triangle_slack(relative: &Relative) -> f32 {

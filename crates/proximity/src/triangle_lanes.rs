@@ -1,7 +1,7 @@
-//! Triangles in lanes, in f32: eight pairs at once, what is certainly apart, and certainly how far.
+//! Triangles in SIMD lanes, in f32: tests of eight pairs at once, with guaranteed separation and distance bounds.
 //!
-//! Coordinates are off by at most `slack` (m); every test grants that error to both triangles, scaled by the edges that
-//! enter it and never by their product, which vanishes for slivers. What passes is decided in f64.
+//! Coordinates have an error of at most `slack` (m). Every test allows for this error in both triangles, scaled by the edges that it
+//! uses, and never by their product, which vanishes for slivers. Pairs that are not excluded are decided in f64.
 
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8, not_beyond};
@@ -10,7 +10,7 @@ use super::surface_surface::shortened;
 use crate::bounding_volume::Relative;
 use crate::bvh::TriangleLeaf;
 
-/// A bit for every lane.
+/// Bit mask of the lanes.
 const ALL: u64 = (1 << LANES) - 1;
 
 /// The corners of eight triangles of a, in the frame of b's tree.
@@ -21,7 +21,7 @@ pub(super) struct MovedTriangles {
 }
 
 impl MovedTriangles {
-    /// The triangles, and a bit for each whose box is not farther than `margin` from a box with corners `low` and `high`.
+    /// The triangles, and a bit mask of those whose box is not farther than `margin` from a box with corners `low` and `high`.
     #[inline(always)]
     pub fn new<S: Simd>(
         simd: S,
@@ -41,7 +41,7 @@ impl MovedTriangles {
         (Self { corners: [p.store(), q.store(), s.store()] }, near)
     }
 
-    /// A bit for each that is not farther than `margin` from all of eight along a direction not longer than one.
+    /// Bit mask of the triangles that are not farther than `margin` from all eight others along a direction of length at most one.
     #[inline(always)]
     pub fn near_along<S: Simd>(
         &self,
@@ -77,18 +77,18 @@ impl MovedTriangles {
     }
 }
 
-/// From where to where triangles reach along a direction.
+/// Range of the triangles' coordinates along a direction.
 #[inline(always)]
 fn span<S: Simd>([p, q, r]: [Vectors<S>; 3], direction: &[f32; 3]) -> [f32x8<S>; 2] {
     let (p, q, r) = (p.along(direction), q.along(direction), r.along(direction));
     [p.min(q).min(r), p.max(q).max(r)]
 }
 
-/// A triangle in every lane, with what tests need of it.
+/// A triangle in every lane, with the values used by the tests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LaneTriangles<S: Simd> {
     corners: [Vectors<S>; 3],
-    /// Each from the corner of its number to the next.
+    /// Edges, each from the corner with its index to the next one.
     edges: [Vectors<S>; 3],
     normal: Vectors<S>,
     /// 1-norm of the normal.
@@ -105,13 +105,13 @@ impl<S: Simd> LaneTriangles<S> {
         Self::load(simd, &leaf.corners)
     }
 
-    /// From components by corner, coordinate and lane.
+    /// Loads components, ordered by corner, coordinate and lane.
     #[inline(always)]
     pub fn load(simd: S, [p, q, r]: &[[[f32; LANES]; 3]; 3]) -> Self {
         Self::new(Vectors::load(simd, p), Vectors::load(simd, q), Vectors::load(simd, r))
     }
 
-    /// As [`Self::load`], brought from the frame of one tree into that of another.
+    /// As [`Self::load`], transformed from the frame of one tree to another's.
     #[inline(always)]
     pub fn placed(simd: S, [p, q, s]: &[[[f32; LANES]; 3]; 3], relative: &Relative) -> Self {
         let (r, t) = (&relative.r, &relative.t);
@@ -137,14 +137,14 @@ impl<S: Simd> LaneTriangles<S> {
         }
     }
 
-    /// A bit for each lane whose triangles may touch.
+    /// Bit mask of the lanes whose triangles may touch.
     #[inline(always)]
     pub fn may_touch(&self, simd: S, other: &Self, slack: f32) -> u64 {
         let near = not_beyond(self.box_gaps(other).largest(), 2.0 * slack) & ALL;
         if near == 0 {
             return 0;
         }
-        // boxes that touch: no two corners are farther apart than this
+        // if boxes touch, no two corners are farther apart than this
         let span = self.size + other.size + 8.0 * slack;
         let across = self.plane_gap(simd, other, span, slack).max(other.plane_gap(simd, self, span, slack));
         let near = near & not_beyond(across, 0.0);
@@ -160,8 +160,8 @@ impl<S: Simd> LaneTriangles<S> {
         self.low.minus(other.high).max(other.low.minus(self.high))
     }
 
-    /// How far the other triangle is from this one's plane, less what rounding may do, in units of the normal's length.
-    /// No corners are farther apart than `span`.
+    /// Distance of the other triangle from this one's plane, minus the rounding error, in units of the normal's length. No corners are
+    /// farther apart than `span`.
     #[inline(always)]
     fn plane_gap(&self, simd: S, other: &Self, span: f32x8<S>, slack: f32) -> f32x8<S> {
         let h0 = self.normal.dot(other.corners[0].minus(self.corners[0]));
@@ -171,7 +171,7 @@ impl<S: Simd> LaneTriangles<S> {
         over - (self.area + self.size * span) * (2.0 * slack)
     }
 
-    /// The largest gap along the nine axes normal to an edge of each, less what rounding may do.
+    /// The largest gap along the nine axes normal to an edge of each, minus the rounding error.
     #[inline(always)]
     fn edge_gap(&self, simd: S, other: &Self, span: f32x8<S>, slack: f32) -> f32x8<S> {
         let mut gap = f32x8::splat(simd, f32::NEG_INFINITY);
@@ -183,7 +183,7 @@ impl<S: Simd> LaneTriangles<S> {
         gap
     }
 
-    /// Along the axis normal to two edges both ends of each project alike, so each triangle spans from there to its
+    /// Along the axis normal to two edges, both ends of each edge project to the same value, so each triangle extends from there to its
     /// opposite corner.
     #[inline(always)]
     fn gap_across_edges(
@@ -205,7 +205,7 @@ impl<S: Simd> LaneTriangles<S> {
         apart - (axis.one_norm() + span * (self.size + other.size)) * (2.0 * slack)
     }
 
-    /// Numbers (m) never smaller than the distances of any of it from a point.
+    /// Upper bounds (m) on the distances of the triangle's points from a point.
     #[inline(always)]
     pub fn farthest_from(&self, simd: S, point: &[f32; 3], slack: f32) -> f32x8<S> {
         let point = Vectors::splat(simd, point);
@@ -214,8 +214,8 @@ impl<S: Simd> LaneTriangles<S> {
         farthest + farthest * (16.0 * f32::EPSILON) + 8.0 * slack
     }
 
-    /// Numbers (m) never larger than the distances: across boxes, and along a `direction` not longer than one in which
-    /// something near was found.
+    /// Lower bounds (m) on the distances: from the boxes, and along a `direction` of length at most one in which near elements were
+    /// found.
     #[inline(always)]
     pub fn coarse_bounds(&self, simd: S, other: &Self, direction: &[f32; 3], slack: f32) -> f32x8<S> {
         let across_boxes = self.box_gaps(other).max(Vectors::splat(simd, &[0.0; 3])).norm();
@@ -224,10 +224,10 @@ impl<S: Simd> LaneTriangles<S> {
         across_boxes.max(low - to).max(from - high) - 4.0 * slack
     }
 
-    /// Bounds (m) of the distances: never larger, and never smaller; where triangles cross, the upper one is not tight.
+    /// Lower and upper bounds (m) on the distances; where triangles cross, the upper one is not tight.
     ///
-    /// Nearly nearest points are found over edges and edges, corners and faces (Larsen et al. 1999, 4.2). Whatever rounding
-    /// did to them, they are points of the triangles, and the gap along the direction between them is a lower bound.
+    /// Approximately nearest points are computed over edges and edges, corners and faces (Larsen et al. 1999, 4.2). Whatever their
+    /// rounding errors, they are points of the triangles, and the gap along the direction between them is a lower bound.
     #[inline(always)]
     pub fn bounds(&self, simd: S, other: &Self, slack: f32) -> DistanceLanes<S> {
         let zero = f32x8::splat(simd, 0.0);
@@ -266,7 +266,7 @@ impl<S: Simd> LaneTriangles<S> {
         let squares =
             |[d, e, f]: &[Vectors<S>; 3]| [d.dot(*d).max(tiny), e.dot(*e).max(tiny), f.dot(*f).max(tiny)];
         let (squares_d, squares_f) = (squares(&self.edges), squares(&other.edges));
-        // what is divided by is divided by once
+        // each divisor is inverted only once
         let over = |[a, b, c]: [f32x8<S>; 3]| [unit / a, unit / b, unit / c];
         let (over_d, over_f) = (over(squares_d), over(squares_f));
         for i in 0..3 {
@@ -283,10 +283,10 @@ impl<S: Simd> LaneTriangles<S> {
         }
     }
 
-    /// Nearest points of the other's corners that lie over this one's face.
+    /// Nearest points for the other's corners that lie above or below this face.
     ///
-    /// The normal of a sliver is noise in f32, so how far a corner is from the face is measured to a mean of the face's
-    /// corners, which lies in it whatever the weights are; the normal is only the direction for a lower bound.
+    /// The normal of a sliver is noise in f32. So the distance of a corner from the face is measured to a weighted mean of the face's
+    /// corners, which lies in the face for any weights. The normal is only used as the direction of a lower bound.
     #[inline(always)]
     fn corners_and_face(&self, simd: S, other: &Self, nearest: &mut Nearest<S>) {
         let (zero, least) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1e-30));
@@ -300,26 +300,26 @@ impl<S: Simd> LaneTriangles<S> {
             let whole = of_p + of_q + of_r;
             let share = f32x8::splat(simd, 1.0) / whole.max(least);
             let mean = u.scaled(of_p * share).plus(v.scaled(of_q * share)).plus(w.scaled(of_r * share));
-            // weights that nearly underflow are no longer in proportion
+            // weights that nearly underflow are no longer proportional
             let over = of_r.min(of_p).min(of_q).min(whole - least).simd_gt(zero);
             nearest.offer_where(over, mean.dot(mean), n);
         }
     }
 }
 
-/// What is certain about the distances (m) of pairs of triangles.
+/// Bounds on the distances (m) of pairs of triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceLanes<S: Simd> {
     pub lower: f32x8<S>,
     pub upper: f32x8<S>,
     /// The direction along which the lower bound holds, from one to the other, of length one up to rounding.
     pub towards: Vectors<S>,
-    /// From a point of one to a point of the other, or back, nearly the nearest ones.
+    /// From a point of one to a point of the other, or back; they are approximately the nearest.
     between: Vectors<S>,
 }
 
 impl<S: Simd> DistanceLanes<S> {
-    /// The direction between the points of a lane, not longer than one.
+    /// The direction between the points of a lane, of length at most one.
     #[inline]
     pub fn direction(&self, lane: usize) -> [f32; 3] {
         let [x, y, z] = self.between.store();
@@ -330,7 +330,7 @@ impl<S: Simd> DistanceLanes<S> {
 /// The shortest distances found so far from a point of one triangle to a point of the other.
 struct Nearest<S: Simd> {
     squared: f32x8<S>,
-    /// Along the line between the points, one way or the other, of any length.
+    /// Direction of the line between the points, of either sign and any length.
     between: Vectors<S>,
 }
 

@@ -1,4 +1,4 @@
-//! The boxes of a body's hierarchies at one level, for eyes: no question needs them.
+//! The boxes of a body's hierarchies at one level, for visualisation only.
 
 use clearance_geometry::math::{Pose, Rotation, RotationMatrix, Vector};
 
@@ -14,8 +14,8 @@ pub struct BodyVolume {
 }
 
 impl CollisionBody {
-    /// The boxes so many steps below the roots of the hierarchies, and those of leaves that lie higher: together they hold
-    /// the body but for its planes.
+    /// The boxes at a given depth below the roots of the hierarchies, and the boxes of leaves nearer to the root: together they contain
+    /// the body except its planes.
     #[must_use]
     #[inline]
     pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {

@@ -1,4 +1,4 @@
-//! Do two bodies come within a margin of each other?
+//! Margin query: do two bodies come within a margin of each other?
 
 use std::time::Instant;
 
@@ -50,8 +50,8 @@ pub fn pieces_within_margin(
     search_pieces::<Obb, false>((a, b), pieces, &pose_ab.into(), goal, scratch).best
 }
 
-/// As [`within_margin`], for a limited time: something found within `margin` is `upper`; without it the bodies are farther
-/// apart, proven, unless `interrupted`.
+/// As [`within_margin`], for a limited time. If something within `margin` was found, it is `upper`; otherwise the bodies are proven
+/// farther apart, unless `interrupted`.
 #[must_use]
 #[inline]
 pub fn margin_bounds<B: BoundingVolume>(

@@ -1,4 +1,4 @@
-//! What a query cost, in tests rather than in seconds.
+//! Cost of queries, in numbers of tests rather than in seconds.
 
 /// Counters of elementary tests: they guard speed without timing noise (Gottschalk, Lin & Manocha 1996:
 /// `T = N_bv * C_bv + N_p * C_p`).
@@ -6,14 +6,14 @@
 pub struct Work {
     /// Tests of two bounding volumes.
     pub volume_tests: u64,
-    /// Pairs of triangles, or of one and a primitive, a point or a cube, that were looked at eight at a time in f32.
+    /// Pairs tested eight at a time in f32: two triangles, or a triangle and a primitive, a point or a cube.
     pub screened_pairs: u64,
     /// Tests in f64 of two elements: triangles, convex primitives, planes, points or cubes.
     pub primitive_tests: u64,
 }
 
 impl Work {
-    /// What all of it costs, in volume tests: a test in f64 costs some six of them, one in f32 hardly more than one.
+    /// Total cost in units of volume tests: a test in f64 costs about six of them, one in f32 hardly more than one.
     #[must_use]
     #[inline]
     pub fn cost(&self) -> u64 {

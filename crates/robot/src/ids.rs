@@ -1,4 +1,4 @@
-//! Numbers that stand for names inside the program; text names live only at the edges.
+//! Indices that identify links and joints inside the library; names are used only in input and output.
 
 /// A link of one [`RobotModel`](super::RobotModel): its index in the URDF's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,4 +1,4 @@
-//! Mesh files that were not found: one fault for each package, not one for each mesh.
+//! Missing mesh files: one error per package, instead of one per mesh.
 
 use std::collections::BTreeMap;
 
@@ -13,16 +13,16 @@ pub(super) struct MissingMeshes(BTreeMap<String, MissingPackage>);
 
 #[derive(Debug)]
 struct MissingPackage {
-    /// Where the first of its meshes is named.
+    /// Location where the first of its meshes is named.
     place: Place,
     uri: String,
     error: String,
-    /// How many collisions name one of its meshes.
+    /// Number of collisions that name one of its meshes.
     count: usize,
 }
 
 impl MissingMeshes {
-    /// Takes note of a mesh; whether it is missing from a package.
+    /// Records a mesh; returns true if it is missing from a package.
     pub fn note(&mut self, collision: &urdf_rs::Collision, error: &MeshFileError, place: &Place) -> bool {
         let (MeshFileError::NotFound { .. }, urdf_rs::Geometry::Mesh { filename, .. }) =
             (error, &collision.geometry)
@@ -49,7 +49,7 @@ impl MissingMeshes {
                 more => format!(" (and {more} more like it)"),
             };
             let message = if files.has_package(&name) {
-                // which file of it is missing matters
+                // the name of the missing file matters
                 error + &more
             } else {
                 let name = shortened(&name);

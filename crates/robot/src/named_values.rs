@@ -1,5 +1,5 @@
-//! Values given by joint name, as values of the robot's positions. A value of a mimic joint moves the joint that it mimics (its leader),
-//! or has to agree with it.
+//! Conversion of values given by joint name to values of the robot's positions. A value of a mimic joint moves the joint that it mimics
+//! (its leader), or must agree with the leader's value.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,7 +9,7 @@ use super::joint::{JointKind, Mimic};
 use super::name_length::check_name_length;
 use super::{Configuration, ConfigurationError, JointId, RobotModel};
 
-/// How far (rad, m) a mimic joint may be given from where its leader takes it: what rounding in files and messages makes.
+/// Tolerance (rad, m) for a mimic joint's value relative to its leader's; allows for rounding in files and messages.
 pub const MIMIC_TOLERANCE: f64 = 1e-6;
 
 /// Joint names of one robot, resolved once for any number of rows of values.
@@ -17,12 +17,12 @@ pub const MIMIC_TOLERANCE: f64 = 1e-6;
 pub struct NamedJoints<'r> {
     robot: &'r RobotModel,
     count: usize,
-    /// By position: where its value comes from.
+    /// By position: the source of its value.
     sources: Vec<Option<Source>>,
     followers: Vec<Follower>,
 }
 
-/// Where the value of a position comes from.
+/// Source of a position's value.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     /// The value with this index.
@@ -38,11 +38,11 @@ struct Follower {
     mimic: Mimic,
     /// The index of its value.
     value: usize,
-    /// The position of its leader; none where that is fixed, at 0.
+    /// The position of its leader; none if the leader is fixed, at 0.
     position: Option<usize>,
 }
 
-/// A mimic joint is given a value that its leader does not give it.
+/// Error: the value of a mimic joint disagrees with its leader.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MimicContradiction {
     pub joint: String,
@@ -51,9 +51,9 @@ pub struct MimicContradiction {
     pub given: f64,
     pub leader: String,
     pub of_leader: f64,
-    /// The value that the leader gives the joint.
+    /// The value that follows from the leader.
     pub expected: f64,
-    /// The named mimic joint, with its value, that the leader's value comes from; none where that of the leader is given itself.
+    /// The named mimic joint, with its value, that determines the leader's value; none if the leader's value is given directly.
     pub from: Option<(String, f64)>,
 }
 
@@ -74,7 +74,7 @@ impl RobotModel {
     /// Resolves joint names.
     ///
     /// # Errors
-    /// When a name is unknown, fixed or given twice.
+    /// If a name is unknown, fixed or given twice.
     pub fn named_joints<'n>(
         &self,
         names: impl IntoIterator<Item = &'n str>,
@@ -102,7 +102,7 @@ impl RobotModel {
         Ok(named)
     }
 
-    /// The mimic joint of a name that is no free position.
+    /// The mimic joint with a name that is not a free position.
     fn follower(&self, name: &str, value: usize) -> Result<Follower, ConfigurationError> {
         check_name_length(name).map_err(ConfigurationError::LongName)?;
         let joint = self.joint_by_name(name).ok_or_else(|| ConfigurationError::UnknownJoint {
@@ -124,8 +124,8 @@ impl RobotModel {
 }
 
 impl NamedJoints<'_> {
-    /// Leaders that are not named move by their named mimic joints. Of several, the one with the largest multiplier tells most exactly where
-    /// the leader is; the others have to agree.
+    /// Leaders that are not named are moved by their named mimic joints. Of several, the one with the largest multiplier determines the
+    /// leader most accurately; the others must agree.
     fn find_leaders(&mut self) {
         for (i, follower) in self.followers.iter().enumerate() {
             let Some(position) = follower.position else { continue };
@@ -143,16 +143,16 @@ impl NamedJoints<'_> {
         }
     }
 
-    /// Whether the names decide this position.
+    /// True if the names determine this position.
     #[must_use]
     pub fn decides(&self, position: usize) -> bool {
         self.sources[position].is_some()
     }
 
-    /// The configuration with these positions (rad, m), one for each name; joints that are not named stay as in `rest`.
+    /// The configuration with these positions (rad, m), one for each name; other joints keep their positions of `rest`.
     ///
     /// # Errors
-    /// When a mimic joint is not where its leader takes it, and as for [`RobotModel::configuration`].
+    /// If a mimic joint disagrees with its leader, and as for [`RobotModel::configuration`].
     pub fn configuration(
         &self,
         rest: &Configuration,
@@ -185,11 +185,11 @@ impl NamedJoints<'_> {
         Ok(q)
     }
 
-    /// Velocities or accelerations of the positions that the names decide, where `what` is `velocity` or `acceleration`. `scale` (s, s²) is
-    /// what makes a distance of one: mimic joints may differ by so little that it makes no more than [`MIMIC_TOLERANCE`].
+    /// Velocities or accelerations of the positions that the names determine, where `what` is `velocity` or `acceleration`. `scale` (s,
+    /// s²) converts a difference to a distance: for mimic joints this distance may be at most [`MIMIC_TOLERANCE`].
     ///
     /// # Errors
-    /// When a mimic joint's is not what its leader's makes it, or numbers are not finite.
+    /// If the value of a mimic joint disagrees with its leader's, or numbers are not finite.
     pub fn rates(
         &self,
         what: &'static str,
@@ -214,11 +214,11 @@ impl NamedJoints<'_> {
         Ok(rates)
     }
 
-    /// Tolerances (rad, m) of all positions, zero for those that the names do not decide. A mimic joint's counts for its leader; where a
-    /// position gets several, the largest counts, which includes the others.
+    /// Tolerances (rad, m) of all positions, zero for positions that the names do not determine. A mimic joint's tolerance applies to its
+    /// leader. If a position gets several, the largest applies, which includes the others.
     ///
     /// # Errors
-    /// When one is negative or not finite, or a mimic joint has one that never moves.
+    /// If a tolerance is negative or not finite, or belongs to a mimic joint that never moves.
     pub fn tolerances(&self, values: &[f64]) -> Result<Vec<f64>, ConfigurationError> {
         self.check_count(values)?;
         let mut tolerances = vec![0.0; self.sources.len()];
@@ -242,7 +242,7 @@ impl NamedJoints<'_> {
             let position = moving.ok_or(ConfigurationError::ToleranceOfStanding { joint, value })?;
             let multiplier = follower.mimic.multiplier.abs();
             let mut of_leader = value / multiplier;
-            // rounding makes it no smaller
+            // rounding must not make it smaller
             if of_leader * multiplier < value {
                 of_leader = of_leader.next_up();
             }
@@ -256,7 +256,7 @@ impl NamedJoints<'_> {
         if given == expected { Ok(()) } else { Err(ConfigurationError::WrongCount { given, expected }) }
     }
 
-    /// Refuses a mimic joint whose leader makes its value another one than it is given.
+    /// Rejects the value of a mimic joint that disagrees with its leader.
     fn check_agreement(
         &self,
         what: &'static str,
@@ -266,7 +266,7 @@ impl NamedJoints<'_> {
         scale: f64,
     ) -> Result<(), ConfigurationError> {
         let given = values[follower.value];
-        // what overflows agrees with nothing
+        // an overflowed value agrees with nothing
         if (given - expected).abs() * scale <= MIMIC_TOLERANCE {
             return Ok(());
         }

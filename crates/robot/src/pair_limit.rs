@@ -1,15 +1,15 @@
-//! Limit on pairs of links that may collide: checkers keep something for each pair.
+//! Limit on the number of link pairs that may collide: checkers store data per pair.
 
 use std::collections::HashMap;
 
 use super::model::Link;
 use super::{Fault, Place};
 
-/// Most pairs of links with geometry that move against each other: those of 3000 links.
+/// Maximum number of pairs of links with geometry that move relative to each other: the pairs of 3000 links.
 const MOST_PAIRS: usize = 5_000_000;
 
 /// # Errors
-/// When the links make more pairs than a checker keeps.
+/// If the links form more pairs than a checker can store.
 pub(super) fn check(links: &[Link]) -> Result<(), Fault> {
     let mut of_body = HashMap::<_, usize>::new();
     for link in links.iter().filter(|link| !link.collisions.is_empty()) {
@@ -34,7 +34,7 @@ pub(super) fn check(links: &[Link]) -> Result<(), Fault> {
 mod tests {
     use crate::{MeshFiles, RobotModel};
 
-    /// `count` links on a base, all of them moving or none.
+    /// `count` links on a base, all moving or all fixed.
     fn star(count: usize, joint: &str) -> String {
         let geometry = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
         let links = (0..count)

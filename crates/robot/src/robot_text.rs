@@ -1,4 +1,4 @@
-//! A robot from its texts and files.
+//! Loads a robot from its texts and files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use super::mesh_files::MeshFiles;
 use super::model::{ModelError, RobotModel};
 use super::{Fault, Place, srdf, urdf, urdf_validation};
 
-/// The texts that describe a robot; names are those of the files they came from, for messages.
+/// The texts that describe a robot; names are the names of their files, for messages.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RobotText<'t> {
     pub urdf: &'t str,
@@ -21,7 +21,7 @@ impl RobotModel {
     /// A robot without SRDF.
     ///
     /// # Errors
-    /// Every fault found in the URDF and its meshes, with line, link and joint.
+    /// Every error found in the URDF and its meshes, with line, link and joint.
     pub fn from_urdf(text: &str, files: &MeshFiles) -> Result<Self, ModelError> {
         let text = RobotText { urdf: text, ..RobotText::default() };
         Self::from_text(&text, files)
@@ -30,7 +30,7 @@ impl RobotModel {
     /// A robot from its texts.
     ///
     /// # Errors
-    /// Every fault found in the URDF and its meshes, or, when these have none, in the SRDF.
+    /// Every error found in the URDF and its meshes, or, if these have none, in the SRDF.
     pub fn from_text(text: &RobotText, files: &MeshFiles) -> Result<Self, ModelError> {
         let sound = urdf_validation::check(text.urdf, text.urdf_name)?;
         let robot = urdf_rs::read_from_string(&sound.text).map_err(|e| {
@@ -46,8 +46,8 @@ impl RobotModel {
         Ok(model)
     }
 
-    /// A robot from files. Packages are looked for in `package_paths`, then beside the URDF and its parents, then where
-    /// the ROS environment says; no other folder's files are opened.
+    /// A robot from files. Packages are searched in `package_paths`, then beside the URDF and in its parents, then in the ROS
+    /// environment; files of other folders are never opened.
     ///
     /// # Errors
     /// As [`Self::from_text`], and when a file cannot be read.
@@ -64,7 +64,7 @@ impl RobotModel {
         Self::load_with(urdf_path, srdf_path, &files)
     }
 
-    /// Loads a robot from files, whose meshes are looked up as `files` says.
+    /// Loads a robot from files; meshes are looked up by `files`.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -107,7 +107,7 @@ mod tests {
           endloop\nendfacet\nendsolid",
     )];
 
-    /// A root with one joint of each kind hanging on it, and a finger that follows the slide.
+    /// A root with one child joint of each kind, and a finger that mimics the prismatic joint.
     const ALL_KINDS: &str = "<robot name='r'><link name='root'/>
         <link name='turn'><collision><geometry><mesh filename='package://p/t.stl'/></geometry></collision></link>
         <link name='slide'><collision><geometry><mesh filename='package://p/t.stl'/></geometry></collision></link>
@@ -148,7 +148,7 @@ mod tests {
             ]
         );
         assert_eq!(model.degrees_of_freedom(), 11);
-        // the middle of limits that exclude zero, and no turn at all
+        // the middle of limits that exclude zero, and the identity rotation
         let q = model.default_configuration();
         assert_eq!(q.positions(), [0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
     }

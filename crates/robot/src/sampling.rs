@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::{Configuration, JointKind, RobotModel};
 
 impl RobotModel {
-    /// A configuration that is uniform over the joint limits. Joints without limits take half a turn or half a metre to either
-    /// side; planar and floating joints stay where they are by default.
+    /// A configuration that is uniform over the joint limits. Joints without limits use half a turn or half a metre to either side;
+    /// planar and floating joints keep their default positions.
     #[must_use]
     pub fn random_configuration(&self, random: &mut fastrand::Rng) -> Configuration {
         let mut positions = self.default_configuration().positions().to_vec();
@@ -21,7 +21,7 @@ impl RobotModel {
             };
             positions[first] = low + (high - low) * random.f64();
         }
-        // a follower that would be too far to compute with leaves the robot at its default
+        // if a mimic joint exceeds the largest allowed position, the robot keeps its default configuration
         self.configuration(&positions).unwrap_or_else(|_| self.default_configuration())
     }
 }

@@ -1,23 +1,23 @@
-//! The tree that links and joints form.
+//! The kinematic tree of links and joints.
 
 use std::collections::{HashMap, VecDeque};
 
 use super::joint::{Joint, JointKind};
 use super::{JointId, LinkId};
 
-/// Who hangs on whom, and which links move as one.
+/// Parents of links, and links that move as one.
 #[derive(Debug)]
 pub(super) struct Tree {
     pub root: LinkId,
-    /// Joints so ordered that a parent link comes before its children.
+    /// Joints in topological order: parent links come before their children.
     pub topological_order: Vec<JointId>,
     /// By link; `None` for the root.
     pub parent_joint: Vec<Option<JointId>>,
-    /// By link: the topmost link that it is fixed to.
+    /// By link: the topmost link that it is connected to by fixed joints.
     pub rigid_body: Vec<LinkId>,
 }
 
-/// Why links and joints form no tree.
+/// Reason why links and joints do not form a tree.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum TreeError {
     NoLinks,
@@ -50,7 +50,7 @@ impl Tree {
                 frontier.push_back(joint.child);
             }
         }
-        // a joint that was never reached hangs on a circle
+        // a joint that was never reached is below a cycle
         match children.values().flatten().next() {
             None => Ok(Self { root, topological_order, parent_joint, rigid_body }),
             Some(id) => {
@@ -76,7 +76,7 @@ fn root(parent_joint: &[Option<JointId>], joints: &[Joint]) -> Result<LinkId, Tr
     }
 }
 
-/// The circle that one meets going up from `start`, parents before children.
+/// The cycle found by going up from `start`, parents before children.
 fn cycle_above(start: LinkId, parent_joint: &[Option<JointId>], joints: &[Joint]) -> Vec<LinkId> {
     let mut path = Vec::new();
     let mut place_on_path = HashMap::new();
@@ -145,7 +145,7 @@ mod tests {
         );
         let circle = [joint(0, 1, true), joint(1, 0, true)];
         assert_eq!(Tree::new(2, &circle).unwrap_err(), TreeError::Cycle(vec![LinkId(1), LinkId(0)]));
-        // a root, a circle, and a link that hangs on the circle
+        // a root, a cycle, and a link below the cycle
         let beside = [joint(1, 2, true), joint(2, 1, true), joint(2, 3, true)];
         let Err(TreeError::Cycle(mut links)) = Tree::new(4, &beside) else {
             panic!("a circle beside the root was not found");

@@ -3,11 +3,11 @@
 use super::{ConfigurationError, JointKind, RobotModel};
 
 impl RobotModel {
-    /// Tolerances (rad, m) of all positions with which every movable joint may be off by `value`, mimic joints included: a leader gets as
-    /// much as the slowest of its mimic joints needs.
+    /// Tolerances (rad, m) of all positions that allow every movable joint a deviation of `value`, mimic joints included: a leader gets
+    /// the tolerance that the slowest of its mimic joints needs.
     ///
     /// # Errors
-    /// When `value` is negative or not finite, or some movable joint can have no tolerance.
+    /// If `value` is negative or not finite, or some movable joint cannot have a tolerance.
     pub fn uniform_tolerances(&self, value: f64) -> Result<Vec<f64>, ConfigurationError> {
         if value == 0.0 {
             return Ok(vec![0.0; self.position_names().len()]);
@@ -115,7 +115,7 @@ mod tests {
             let robot = robot(&[lead.clone(), other].concat());
             let why = robot.uniform_tolerances(0.01).unwrap_err().to_string();
             assert!(why.contains(words) && why.contains("lead"), "{why}");
-            // exactly followed by all
+            // followed exactly by all
             assert!(robot.uniform_tolerances(0.0).unwrap().iter().all(|tolerance| *tolerance == 0.0));
         }
         for bad in [-0.1, f64::NAN, f64::INFINITY] {

@@ -1,10 +1,10 @@
-//! Odd but usable input, said out loud.
+//! Warnings about unusual but usable input.
 
 use clearance_files::readable_text::on_one_line;
 
 use super::Place;
 
-/// Something in a URDF, SRDF or mesh that was accepted and should be looked at.
+/// A warning about content of a URDF, SRDF or mesh that was accepted and should be checked by the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     pub place: Place,

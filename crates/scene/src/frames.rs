@@ -55,8 +55,8 @@ impl<'c> SceneContext<'c> {
             .ok_or_else(|| format!("link '{name}' moves, and no fresh joint state tells where it is"))
     }
 
-    /// Pose of a frame in the root frame, looked up in the order of MoveIt's `getFrameTransform`: the planning frame, links, attached objects
-    /// and their subframes, objects and their subframes, `tf`, fixed frames. An empty name is the root frame.
+    /// Pose of a frame in the root frame, searched in the order of MoveIt's `getFrameTransform`: the planning frame, links, attached
+    /// objects and their subframes, objects and their subframes, `tf`, fixed frames. An empty name is the root frame.
     ///
     /// # Errors
     /// If the frame is unknown, or its pose is not known at present.

@@ -1,4 +1,4 @@
-//! Are two bodies proven to be at least so far apart?
+//! Separation test: are two bodies proven to be at least a given distance apart?
 
 use clearance_geometry::Plane;
 use clearance_geometry::math::{Extremes, MatrixPose, UnitVector, Vector};
@@ -7,18 +7,19 @@ use super::body::{Body, Content, Node};
 use super::direction;
 use super::element::{gap, gap_of_supports};
 
-/// Most steps of the search for a direction between two nodes: if it takes longer, their children are easier.
+/// Maximum number of steps of the search for a direction between two nodes: beyond it, their children are tested instead.
 const MOST_STEPS: usize = 30;
 
-/// The question, and how far the answer has come.
+/// State of a separation test.
 pub(super) struct Apart<'b> {
     a: &'b Body,
     b: &'b Body,
     pose_ab: MatrixPose,
-    /// Components' amounts of the rotation.
+    /// Absolute values of the rotation's components.
     spread: clearance_geometry::math::RotationMatrix,
     target: f64,
-    /// Unit direction along which elements were apart last, in the frame of a and in that of b; and their components' amounts.
+    /// Unit direction along which elements were last found apart, in the frame of a and in the frame of b; and the absolute values of its
+    /// components.
     n: [Vector; 2],
     n_abs: [Vector; 2],
     pub element_tests: u64,
@@ -37,12 +38,12 @@ impl<'b> Apart<'b> {
         apart
     }
 
-    /// Whether all elements and planes are proven at least the target apart.
+    /// True if all elements and planes are proven at least the target apart.
     pub fn prove(&mut self) -> bool {
         self.planes() && (self.a.root().is_none() || self.b.root().is_none() || self.nodes(0, 0))
     }
 
-    /// The same of planes; of two planes nothing is proven.
+    /// As above, for planes; nothing is proven for two planes.
     fn planes(&self) -> bool {
         let Self { a, b, target, .. } = *self;
         let pose_ba = self.pose_ab.inverse();
@@ -73,18 +74,18 @@ impl<'b> Apart<'b> {
             (Content::Children([l, r]), _) if x.radius >= y.radius => [(l, j), (r, j)],
             (_, Content::Children([l, r])) => [(i, l), (i, r)],
         };
-        // the nearer first: it finds the direction that serves for the rest
+        // the nearer first: its direction often separates the rest, too
         let between = |(i, j): (usize, usize)| self.between(self.a.node(i), self.b.node(j)).norm_squared();
         let first = usize::from(between(pairs[1]) < between(pairs[0]));
         [first, 1 - first].iter().all(|k| self.nodes(pairs[*k].0, pairs[*k].1))
     }
 
-    /// From one centre to the other, in the frame of a.
+    /// Vector from one centre to the other, in the frame of a.
     fn between(&self, x: &Node, y: &Node) -> Vector {
         &self.pose_ab * y.centre - x.centre
     }
 
-    /// Whether the balls, or the boxes along the last direction or along their own axes, are the target apart.
+    /// True if the balls, or the boxes along the last direction or along their own axes, are the target apart.
     fn volumes_apart(&self, x: &Node, y: &Node) -> bool {
         let between = self.between(x, y);
         let reach = x.radius + y.radius + self.target;
@@ -104,7 +105,7 @@ impl<'b> Apart<'b> {
         }
     }
 
-    /// Whether some direction separates all below one node from all below the other.
+    /// True if some direction separates all elements below one node from all below the other.
     fn hulls_apart(&mut self, i: usize, j: usize) -> bool {
         let found = direction::steps(|n| self.look(i, j, n), self.n[0], 0.0, self.target, MOST_STEPS);
         let Some(n) = found.filter(|n| self.look(i, j, n).0 >= self.target) else { return false };
@@ -112,7 +113,7 @@ impl<'b> Apart<'b> {
         true
     }
 
-    /// How far apart all below two nodes is along a unit direction, and the way between the foremost points.
+    /// Separation of all elements below two nodes along a unit direction, and the vector between the foremost points.
     fn look(&self, i: usize, j: usize, n: &Vector) -> (f64, Vector) {
         let n_b = self.pose_ab.rotation.tr_mul(n);
         let (reach_a, e) = self.a.support(i, n);
@@ -136,7 +137,7 @@ impl<'b> Apart<'b> {
     }
 }
 
-/// A plane of a frame at `pose`, seen from outside.
+/// Transforms a plane from a frame at `pose` to the parent frame.
 fn placed(plane: &Plane, pose: &MatrixPose) -> Plane {
     let normal = pose.rotation * plane.normal.into_inner();
     Plane { offset: plane.offset + normal.dot(&pose.translation), normal: UnitVector::new_unchecked(normal) }

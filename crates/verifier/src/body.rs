@@ -1,4 +1,4 @@
-//! A body: its elements with a binary tree of boxes around them, and its planes.
+//! Body of the verifier: its elements in a binary tree of boxes, and its planes.
 
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{Plane, Primitive, Shape};
@@ -19,7 +19,7 @@ pub(super) struct Body {
     pub interior: Option<Interior>,
 }
 
-/// A box along the body's axes, and a ball with the same centre; both hold all elements below.
+/// A box along the body's axes, and a ball with the same centre; both contain all elements below the node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub centre: Point,
@@ -35,7 +35,7 @@ pub(super) enum Content {
 }
 
 impl Body {
-    /// A body of shapes at their poses; there must be one.
+    /// A body of shapes at their poses; there must be at least one shape.
     pub fn new(shapes: &[(Pose, &Shape)], solid_meshes: bool) -> Self {
         let (mut elements, mut planes) = (Vec::new(), Vec::new());
         for (pose, shape) in shapes {
@@ -87,7 +87,7 @@ impl Body {
         &self.elements
     }
 
-    /// Corners of the box around all elements; where there are none, the point of a plane nearest to the origin.
+    /// Corners of the box around all elements; without elements, the point of a plane nearest to the origin.
     pub fn box_corners(&self) -> [Point; 8] {
         let Some(Node { centre, half, .. }) = self.root() else {
             return [self.planes.first().map_or_else(Point::origin, Plane::foot); 8];
@@ -120,7 +120,7 @@ impl Body {
                     tops.swap(0, 1);
                 }
                 for (child, top) in tops {
-                    // a bound that is no number leaves nothing out
+                    // a NaN bound excludes nothing
                     let beyond = top <= best.0;
                     if !beyond {
                         self.climb(child, (n, n_abs), best);
@@ -130,7 +130,7 @@ impl Body {
         }
     }
 
-    /// Whether all elements are on either side of a plane, at least `target` (m) from it.
+    /// True if all elements are on one side of a plane, at least `target` (m) from it.
     pub fn is_clear_of(&self, plane: &Plane, target: f64) -> bool {
         let n = plane.normal.into_inner();
         let is_unit = (n.norm_squared() - 1.0).abs() <= 1e-14;
@@ -160,8 +160,8 @@ impl Body {
         }
     }
 
-    /// The largest value of a convex, never negative function that changes by no more than `slope` a metre, or more. Only what may
-    /// hold it is looked at.
+    /// Upper bound on a convex, non-negative function over the body, where the function changes by at most `slope` per metre. Only nodes
+    /// that may contain its maximum are searched.
     pub fn greatest(&self, slope: f64, function: impl Fn(&Point) -> f64) -> f64 {
         let mut greatest = 0.0;
         let most = |node: &Node| function(&node.centre) + slope * node.radius;
@@ -194,8 +194,8 @@ struct Builder<'b> {
 }
 
 impl Builder<'_> {
-    /// Adds the tree over some elements and tells where its root is. Halves are as even as can be, so it is as deep as the count has
-    /// bits.
+    /// Adds the tree over some elements and returns its root. Halves are as equal as possible, so the depth is the number of bits of the
+    /// count.
     fn build(&mut self, order: &mut [usize]) -> usize {
         let index = self.nodes.len();
         self.nodes.push(self.around(order));
@@ -220,13 +220,13 @@ impl Builder<'_> {
             .expect("a body has elements");
         let centre = nalgebra::center(&low, &high);
         let far = |e: &usize| self.elements[*e].greatest(1.0, |p| nalgebra::distance(p, &centre));
-        // the ball around the box may be smaller than one around corners of what is round
+        // the ball around the box may be smaller than a ball around corners of round elements
         let half = (high - low) * 0.5;
         let radius = order.iter().map(far).fold(0.0, f64::greater).lesser(half.norm());
         Node { centre, half, radius, content: Content::Children([0; 2]) }
     }
 
-    /// The axis along which the middles of elements spread most.
+    /// The axis along which the centres of elements spread most.
     fn widest(&self, order: &[usize]) -> usize {
         let middles = order.iter().map(|e| nalgebra::center(&self.bounds[*e][0], &self.bounds[*e][1]));
         let range = middles

@@ -1,4 +1,4 @@
-//! By how much the distance of a pair may shrink within an interval: `docs/derivations/motion-bound.md`.
+//! Upper bound on the decrease of a pair's distance within an interval: `docs/derivations/motion-bound.md`.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
 
@@ -6,28 +6,28 @@ use super::body::Body;
 use super::interval_midpoint::{Line, Placed};
 use super::segment_kinematics::Rate;
 
-/// Steps between the lowest common ancestor of a pair and one of the two, the ancestor's first, and what the body reaches from the line
-/// of each; of a body that has no end, what the other reaches.
+/// Steps between the lowest common ancestor of a pair and one of the two, the ancestor's first, and the body's largest distance from the
+/// line of each; for an infinite body, the other body's distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side<'m> {
     pub path: &'m [usize],
     pub reach: &'m [f64],
 }
 
-/// Numbers (m, rad, a unit of t) beyond this prove nothing: products of several might overflow.
+/// Larger numbers (m, rad, per unit of t) prove nothing: products of several might overflow.
 const LARGEST: f64 = 1e12;
 
-/// What one side's steps do to its body, seen from the ancestor.
+/// Motion of one side's body by its steps, relative to the ancestor.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
-    /// The most that any point moves (m).
+    /// Maximum motion of any point (m).
     most: f64,
-    /// The most that it moves beyond what velocities at the middle make of it (m).
+    /// Maximum deviation (m) of any point from the motion at the velocities of the middle.
     beyond: f64,
     twist: Twist,
 }
 
-/// Velocities of a rigid motion, a unit of t: `angular × p + linear` at p.
+/// Velocities of a rigid motion, per unit of t: `angular × p + linear` at p.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twist {
     angular: Vector,
@@ -39,7 +39,7 @@ impl Twist {
         (self.angular.cross(&p.coords) + self.linear).norm()
     }
 
-    /// The largest speed of a body that rides on it; `exact` looks at the body, otherwise at its box.
+    /// Maximum speed of a body that moves with it; `exact` uses the body, otherwise its box is used.
     fn most(&self, body: &Body, placed: &Placed, exact: bool) -> f64 {
         if !body.planes().is_empty() {
             return f64::INFINITY;
@@ -57,7 +57,7 @@ impl Twist {
 }
 
 impl Side<'_> {
-    /// Whether all numbers are such that sums and products of them are numbers.
+    /// True if all numbers are so small that their sums and products do not overflow.
     fn is_sound(&self, lines: &[Line], rates: &[Rate]) -> bool {
         self.path.iter().all(|step| {
             let (line, rate) = (&lines[*step], &rates[*step]);
@@ -108,12 +108,12 @@ pub(super) struct Approach<'m> {
 }
 
 impl Approach<'_> {
-    /// The most that the distance loses (m) within `half_width` of the middle; `exact` looks at the bodies, otherwise at their boxes.
+    /// Maximum decrease (m) of the distance within `half_width` of the middle; `exact` uses the bodies, otherwise their boxes are used.
     pub fn bound(&self, lines: &[Line], rates: &[Rate], half_width: f64, exact: bool) -> f64 {
         if !self.sides.iter().all(|side| side.is_sound(lines, rates)) {
             return f64::INFINITY;
         }
-        // of two that have no end nothing is claimed
+        // nothing is claimed for two infinite bodies
         if self.bodies.iter().all(|body| !body.planes().is_empty()) {
             return f64::INFINITY;
         }

@@ -1,4 +1,4 @@
-//! Whether the intervals of a segment's proofs leave no gap.
+//! Checks that the intervals of a segment's proofs have no gap.
 
 use clearance_geometry::math::Extremes;
 use clearance_motion::Proof;
@@ -6,7 +6,7 @@ use clearance_motion::Proof;
 use super::Refusal;
 use super::subjects::Pair;
 
-/// Refuses proofs that are malformed, and pairs of which some part of the segment has no proof. Comparisons are exact.
+/// Rejects malformed proofs, and pairs for which some part of the segment has no proof. Comparisons are exact.
 pub(super) fn check(segment: usize, proofs: &[Proof], pairs: &[Pair]) -> Result<(), Refusal> {
     for (proof, p) in proofs.iter().enumerate() {
         well_formed(segment, proof, p, pairs)?;
@@ -36,7 +36,7 @@ fn well_formed(segment: usize, proof: usize, p: &Proof, pairs: &[Pair]) -> Resul
     let Some(of) = pairs.get(pair) else {
         return Err(Refusal::PairNumber { segment, proof, pair });
     };
-    // comparisons with what is no number are false
+    // comparisons with NaN are false
     if !(0.0 <= from && from < to && to <= 1.0) {
         return Err(Refusal::Interval { segment, proof, from, to });
     }

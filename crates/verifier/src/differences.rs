@@ -7,7 +7,7 @@ use clearance_motion::{BodyPart, CertificateParts, JointPart, shown};
 
 use super::subjects::Pair;
 
-/// Most differences that a message lists.
+/// Maximum number of differences listed in a message.
 const MOST_LISTED: usize = 8;
 
 /// Differences, the first few of which are listed by name.
@@ -56,7 +56,7 @@ impl Differences {
         self.add_bodies("attached object", &given.attached_objects, &expected.attached_objects);
     }
 
-    /// Pairs of bodies that only one of the two lists.
+    /// Pairs of bodies that only one of the two contains.
     pub(super) fn add_pairs(&mut self, given: &[[String; 2]], expected: &[Pair]) {
         let there: HashSet<&[String; 2]> = given.iter().collect();
         let here: HashSet<&[String; 2]> = expected.iter().map(|pair| &pair.names).collect();

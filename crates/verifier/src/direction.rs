@@ -1,11 +1,11 @@
-//! Looks for a direction along which two convex elements are apart. Nothing here has to be right: [`gap`] judges what is found.
+//! Searches for a direction along which two convex elements are apart. This code need not be correct: [`gap`] evaluates its result.
 
 use clearance_geometry::Triangle;
 use clearance_geometry::math::{MatrixPose, Point, Pose, Vector};
 
 use super::element::{Element, gap};
 
-/// Most steps of the search; round things take some twenty.
+/// Maximum number of search steps; round elements need about twenty.
 const MOST_STEPS: usize = 200;
 
 /// A unit direction, in the frame of `a`, along which the elements are `target` (m) apart or more, if one is found.

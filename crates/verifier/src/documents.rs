@@ -1,4 +1,4 @@
-//! Whether a certificate is about this robot, this world and one connected motion.
+//! Checks that a certificate belongs to this robot, this world and one connected motion.
 
 use std::collections::HashSet;
 
@@ -19,7 +19,7 @@ pub(super) struct Subject {
     pub pairs: Vec<Pair>,
 }
 
-/// Refuses what is about something else.
+/// Rejects certificates of something else.
 pub(super) fn check(certificate: &Certificate, robot: &RobotModel, subject: &Subject) -> Result<(), Refusal> {
     if !certificate.has_known_format() {
         return Err(Refusal::Format(shown(&certificate.format)));
@@ -43,7 +43,7 @@ pub(super) fn check(certificate: &Certificate, robot: &RobotModel, subject: &Sub
     if certificate.segments.is_empty() { Err(Refusal::NoSegments) } else { Ok(()) }
 }
 
-/// Rejects another robot or another world. The hashes decide; the parts say what differs, and may not say anything else.
+/// Rejects another robot or another world. The hashes decide; the parts only describe the differences, and must not contradict the hashes.
 fn check_subject(certificate: &Certificate, subject: &Subject) -> Result<(), Refusal> {
     let (mut models, mut worlds) = (Differences::default(), Differences::default());
     if let Some(parts) = &certificate.parts {
@@ -98,7 +98,7 @@ fn check_pairs(given: &[[String; 2]], expected: &[Pair]) -> Result<(), Refusal> 
     Err(Refusal::PairOrder { place, given: name(given.get(place)), expected })
 }
 
-/// Refuses a segment whose ends are no configurations.
+/// Rejects a segment whose ends are no valid configurations.
 pub(super) fn check_ends(
     segment: usize,
     course: &SegmentKinematics,

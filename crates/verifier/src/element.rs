@@ -1,5 +1,5 @@
-//! The convex things that bodies are made of, and all that is believed about them: how far they reach in a direction, and corners
-//! whose hull holds them.
+//! Elements: the convex parts of bodies. Everything trusted about them is here: their extent in a direction, and corners whose hull
+//! contains them.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ pub(super) enum Element {
     Cone(Box<Cone>),
 }
 
-/// A primitive as a sum: a centre, up to three segments through it, a disc, and a ball. What it has not is zero.
+/// A primitive as a Minkowski sum: a centre, up to three segments through it, a disc, and a ball. Missing parts are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
     centre: Point,
@@ -116,7 +116,7 @@ impl Element {
         }
     }
 
-    /// Radius of the ball that is added to all the rest.
+    /// Radius of the ball in the sum.
     pub fn ball(&self) -> f64 {
         if let Self::Solid(solid) = self { solid.ball } else { 0.0 }
     }
@@ -169,7 +169,7 @@ fn corners(centre: &Point, halves: &[Vector; 3], disc: &[Vector; 2]) -> Vec<Poin
     corners.iter().flat_map(|c| polygon.iter().map(move |p| c + p)).collect()
 }
 
-/// How far two elements are apart at least, by the two planes square to `n`, a unit direction in the frame of `a`. Negative if the
+/// Lower bound on the distance of two elements, from the two planes normal to `n`, a unit direction in the frame of `a`. Negative if the
 /// planes do not lie between them.
 pub(super) fn gap(a: &Element, b: &Element, pose_ab: &MatrixPose, n: &Vector) -> f64 {
     let n_b = pose_ab.rotation.tr_mul(n);

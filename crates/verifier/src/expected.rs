@@ -1,8 +1,8 @@
-//! Whether a certificate is about the motion that was asked about.
+//! Compares a certificate with the expected motion.
 //!
-//! A certificate is easily mistaken for one of another motion with the same ends. What was meant is compared with what the
-//! document says, number by number. Numbers may differ by rounding, since another machine may have computed them; then what was
-//! meant is proven, too.
+//! A certificate is easily mistaken for one of another motion with the same ends. The expected motion is compared with the document,
+//! number by number. Numbers may differ by rounding, since another machine may have computed them; then the expected motion is proven,
+//! too.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,7 +11,7 @@ use clearance_motion::{Certificate, MotionSegment, MovingObstacle, SegmentText, 
 use super::differences::Differences;
 use super::{Refusal, Verifier};
 
-/// How much (rad, m, relative) numbers may differ that mean the same.
+/// Tolerance (rad, m, relative) within which numbers count as equal.
 const ROUNDING: f64 = 1e-9;
 
 /// Expected motion, tube, tolerance and obstacle motion of a certificate. Fields without a value accept anything.
@@ -19,9 +19,9 @@ const ROUNDING: f64 = 1e-9;
 pub struct Expected {
     /// The motion with its tolerances (tube) and moving obstacles.
     pub motion: Option<Trajectory>,
-    /// Obstacles may move as the certificate says, whatever `motion` says of them; they start where the world has them.
+    /// Obstacles may move as in the certificate, whatever `motion` contains for them; they start at their poses in the world.
     pub any_obstacle_motion: bool,
-    /// How far (rad, m) each position may be off in every segment; not needed with an expected `motion`, which has its own.
+    /// Tolerance (rad, m) of each position in every segment; not needed with an expected `motion`, which has its own.
     pub tube: Option<Vec<f64>>,
     /// The tolerance (m) with which it was made.
     pub tolerance: Option<f64>,
@@ -33,8 +33,8 @@ impl Expected {
         self.motion.is_some() && !self.any_obstacle_motion
     }
 
-    /// Rejects a certificate of something else. The motions that are left to be proven: none if the document's own is the
-    /// expected one to the last digit.
+    /// Rejects a certificate of something else. Returns the motions that remain to be proven: none if the document's own motion is
+    /// exactly the expected one.
     pub(super) fn check(
         &self,
         verifier: &Verifier,
@@ -65,7 +65,7 @@ impl Expected {
         Ok(segments.filter(|segments| segments.iter().zip(given).any(|(a, b)| a.text() != b.text())))
     }
 
-    /// The expected segments, or how many there are if that differs.
+    /// The expected segments, or an error if their number differs.
     fn segments(&self, motion: &Trajectory, given: &[MotionSegment]) -> Result<Vec<MotionSegment>, usize> {
         let expected = motion.segments();
         if expected.len() != given.len() {

@@ -1,4 +1,4 @@
-//! Whether anything of one body lies inside a closed mesh of another.
+//! Containment test: is any part of one body inside a closed mesh of another?
 //!
 //! Where surfaces are apart, each connected part of one is wholly inside or wholly outside the other: one point of each decides.
 //! Inside is where one of a mesh's closed surfaces winds around a point (van Oosterom & Strackee 1983 give a triangle's solid angle).
@@ -41,7 +41,7 @@ impl Interior {
         interior
     }
 
-    /// Whether a part of either lies in the other.
+    /// True if a part of either body lies in the other.
     pub fn overlap(&self, other: &Self, pose: &MatrixPose) -> bool {
         let back = pose.inverse();
         other.parts.iter().any(|p| self.holds(&(pose * *p)))
@@ -64,7 +64,7 @@ fn at(coordinates: &[f32; 3]) -> Point {
     Point::from(coordinates.map(f64::from))
 }
 
-/// How often a closed surface winds around a point.
+/// Winding number of a closed surface around a point.
 fn turns(vertices: &[Point], surface: &ClosedSurface, p: &Point) -> f64 {
     let angle = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| vertices[v as usize] - p);

@@ -1,4 +1,4 @@
-//! Where everything is at the middle of an interval.
+//! Poses of all bodies at the middle of an interval.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_robot::{LinkId, LinkPoses, RobotModel};
@@ -6,10 +6,10 @@ use clearance_robot::{LinkId, LinkPoses, RobotModel};
 use super::body::Body;
 use super::segment_kinematics::{Carrier, SegmentKinematics};
 
-/// The rounding (m) of kinematics and of distances, for every metre of the coordinates that enter and every radian.
+/// Rounding error (m) of kinematics and distances, per metre of the coordinates used and per radian.
 const ROUNDING: f64 = 1e-14;
 
-/// The robot and the obstacles at one t. What bodies reach is found when it is asked for, once.
+/// The robot and the obstacles at one t. Extents of bodies are computed once, at the first use.
 #[derive(Debug)]
 pub(super) struct IntervalMidpoint {
     pub t: f64,
@@ -34,7 +34,7 @@ pub(super) struct Line {
     pub turns: bool,
 }
 
-/// What moves a body.
+/// Carrier of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Ride {
     On(LinkId),
@@ -123,7 +123,7 @@ impl IntervalMidpoint {
         self.radians = angles.fold(0.0, f64::greater);
     }
 
-    /// Finds where a body is and what its box reaches, if that is not known yet: it rides on a link, or is an obstacle.
+    /// Computes a body's pose and the extent of its box at the first use: the body is carried by a link, or is an obstacle.
     /// `path` has the numbers of the steps that move it.
     pub fn place(
         &mut self,
@@ -148,7 +148,7 @@ impl IntervalMidpoint {
         });
     }
 
-    /// Finds what a placed body itself reaches, if that is not known yet.
+    /// Computes the extent of a placed body itself, at the first use.
     pub fn measure(&mut self, index: usize, body: &Body, path: &[usize]) {
         let Self { lines, bodies, .. } = self;
         let Some(placed) = &mut bodies[index] else { return };
@@ -166,7 +166,7 @@ impl IntervalMidpoint {
         &self.lines
     }
 
-    /// What f64 may be off by (m) in the distance of two placed bodies.
+    /// Rounding error (m) of f64 in the distance of two placed bodies.
     pub fn rounding(&self, bodies: [usize; 2]) -> f64 {
         let extent =
             |index: usize| self.placed(index).corners.iter().map(|p| p.coords.amax()).fold(0.0, f64::greater);

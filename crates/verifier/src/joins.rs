@@ -1,7 +1,7 @@
-//! Whether the segments of a certificate are one connected motion.
+//! Checks that the segments of a certificate are one connected motion.
 //!
-//! A segment has to start with the numbers with which the last one ended. Where it does not, because an end is the rounded sum of a
-//! polynomial or of an obstacle's way, the straight motion between the two is proven free here, with no help of the certificate.
+//! A segment must start with exactly the numbers with which the last one ended. If it does not, because an end is the rounded sum of a
+//! polynomial or of an obstacle's motion, the straight motion across the gap is proven free here, without the certificate.
 
 use clearance_motion::{Join, JoinError, MotionSegment, join};
 
@@ -9,7 +9,7 @@ use super::segment_kinematics::SegmentKinematics;
 use super::verifier::{Interval, Pass};
 use super::{Refusal, Verifier};
 
-/// A gap is proven in one piece, or in halves of halves, so often.
+/// A gap is proven in one piece, or in parts halved up to this number of times.
 const MOST_HALVINGS: u32 = 6;
 
 /// Rejects a segment that does not continue the last one.

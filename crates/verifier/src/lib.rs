@@ -1,24 +1,24 @@
-//! Checks certificates, and shares nothing with what makes them: the smallest code that has to be trusted.
+//! Verifier of certificates. It shares nothing with the checker that makes them: this is the smallest code that has to be trusted.
 //!
-//! A certificate claims that a robot can make a motion and hits nothing ([`Certificate`](clearance_motion::Certificate)). Nothing in
-//! it is believed. The kinematics here are the plain ones; there is no tree of volumes, no lane, no rounding to f32 of the
-//! engine's. What has to be right for an accepted certificate to be true:
+//! A certificate claims that a robot can make a motion without collision ([`Certificate`](clearance_motion::Certificate)). None of its
+//! claims is trusted. The kinematics here are the plain ones; there are no bounding volume trees of the engine, no SIMD lanes, and no
+//! rounding to f32. An accepted certificate is true if the following code is correct:
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `documents` | it is about this robot, world and motion; every pair is listed |
-//! | `joins` | segments follow each other exactly, or the gap between them is free; obstacles start where the world has them |
-//! | `expected`, `differences` | it is about the motion that was meant, and what differs if it is not |
+//! | `joins` | segments follow each other exactly, or the gap between them is free; obstacles start at their poses in the world |
+//! | `expected`, `differences` | it is about the expected motion, or the differences from it |
 //! | `coverage` | for every pair, intervals cover all of every segment |
-//! | `course`, `moment` | lines that joints turn about and slide along, and by how much, from the URDF's tree |
-//! | `bound` | how much nearer a pair can come within an interval (`docs/derivations/motion-bound.md`) |
-//! | `element` | how far a triangle or primitive reaches in a direction, and its corners |
-//! | `body`, `apart` | every two elements are proven apart, by boxes or by a direction along which they are |
-//! | `interior` | nothing lies inside a closed mesh, if these are solids |
+//! | `segment_kinematics`, `interval_midpoint` | axes of revolute and prismatic joints, and their motion, from the URDF's tree |
+//! | `bound` | maximum decrease of a pair's distance within an interval (`docs/derivations/motion-bound.md`) |
+//! | `element` | extent of a triangle or primitive in a direction, and its corners |
+//! | `body`, `apart` | all pairs of elements are proven apart, by boxes or by a separating direction |
+//! | `interior` | nothing lies inside a closed mesh, if meshes are solids |
 //!
-//! What finds the directions (`direction`) need not be right: a bad direction proves nothing, and the certificate is refused.
+//! The search for directions (`direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
 
-// minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod apart;

@@ -1,11 +1,11 @@
-//! What came of verifying a certificate.
+//! Results of verification.
 
 use clearance_geometry::ScaleError;
 use clearance_motion::CertificateError;
 
 use super::differences::Differences;
 
-/// A certificate was accepted: what it took.
+/// Statistics of an accepted certificate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verified {
     pub segments: usize,
@@ -28,12 +28,12 @@ impl Verified {
     }
 }
 
-/// The differing part, or the candidates where the document does not hold enough to tell.
+/// The differing part, or the candidates if the document does not contain enough to identify it.
 fn or(differences: &Differences, otherwise: &str) -> String {
     if differences.is_empty() { otherwise.to_owned() } else { differences.to_string() }
 }
 
-/// Why a certificate was not accepted: the first thing found wrong. Names of pairs are links and obstacles; lengths are metres.
+/// Reason why a certificate was rejected: the first error found. Names of pairs are links and obstacles; lengths are in metres.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     #[error("padding is given for link '{0}', which the robot has not")]

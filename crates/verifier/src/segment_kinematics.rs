@@ -1,4 +1,4 @@
-//! What turns and slides during a segment, and how.
+//! Kinematics of a segment: its rotations and translations, and their rates.
 
 use clearance_geometry::math::{Point, Vector};
 use clearance_motion::MotionSegment;
@@ -7,54 +7,54 @@ use clearance_scene::World;
 
 use super::Refusal;
 
-/// A segment as turns about lines and slides along them.
+/// A segment as steps: rotations about lines and translations along them.
 #[derive(Debug)]
 pub(super) struct SegmentKinematics {
     pub motion: MotionSegment,
-    /// Those of joints first, in the order of the tree; a planar joint has three, a floating one two.
+    /// Steps of joints first, in the order of the tree; a planar joint has three, a floating one two.
     pub steps: Vec<Step>,
-    /// By obstacle: its steps, or none if it stands.
+    /// By obstacle: its steps, or none if it does not move.
     obstacle_steps: Vec<Vec<usize>>,
-    /// By obstacle: which of the motion's moving obstacles it is.
+    /// By obstacle: its index among the motion's moving obstacles.
     pub mover_of: Vec<Option<usize>>,
 }
 
-/// One turn or slide.
+/// One rotation or translation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Step {
     pub carrier: Carrier,
     pub turns: bool,
-    /// Unit vector in the carrier's frame; zero for what does not move.
+    /// Unit vector in the carrier's frame; zero without motion.
     pub axis: Vector,
-    /// Angle (rad) or length (m) by t, the constant first.
+    /// Angle (rad) or length (m) as polynomial of t, the constant first.
     pub law: [f64; 6],
-    /// How far (rad, m) it may be off on the way.
+    /// Tolerance (rad, m) along the motion.
     pub tube: f64,
-    /// No number (rad, m) that its value is computed from is larger, before sums of them cancel.
+    /// Upper bound (rad, m) on the numbers that its value is computed from, before sums of them cancel.
     pub size: f64,
 }
 
-/// Whose frame an axis is in.
+/// Frame of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Carrier {
     /// The joint's frame in its parent; the line passes through the child's origin.
     Joint(JointId),
-    /// The root's frame; the line passes through a point that moves evenly.
+    /// The root's frame; the line passes through a point that moves at constant velocity.
     Obstacle { at: Point, linear: Vector },
 }
 
-/// What a step does within half an interval's width of its middle.
+/// Motion of a step within half an interval's width of its middle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Rate {
-    /// At the middle, a unit of t.
+    /// Velocity at the middle, per unit of t.
     pub velocity: f64,
-    /// The most that it differs from the middle.
+    /// Maximum deviation from the value at the middle.
     pub most: f64,
-    /// The most that it differs from what the velocity makes of it.
+    /// Maximum deviation from the motion at the velocity of the middle.
     pub bent: f64,
 }
 
-/// By link: numbers of the steps between it and the root, the root's first. The same for every segment.
+/// By link: indices of the steps between it and the root, the root's first. The same for every segment.
 pub(super) fn link_paths(robot: &RobotModel) -> Vec<Vec<usize>> {
     let mut paths = vec![Vec::new(); robot.links().len()];
     let mut next = 0;
@@ -111,14 +111,14 @@ impl SegmentKinematics {
         Ok(Self { motion, steps, obstacle_steps, mover_of })
     }
 
-    /// Numbers of the steps between an obstacle and the root.
+    /// Indices of the steps between an obstacle and the root.
     pub fn obstacle_path(&self, obstacle: usize) -> &[usize] {
         &self.obstacle_steps[obstacle]
     }
 }
 
 impl Step {
-    /// A turn or slide at even speed, given by axis and speed in one.
+    /// A rotation or translation at constant speed, given by the product of axis and speed.
     fn even(carrier: Carrier, turns: bool, speed: Vector) -> Self {
         let axis = speed.try_normalize(0.0).unwrap_or_else(Vector::zeros);
         let size = speed.norm();
@@ -191,7 +191,7 @@ impl<'r> Laws<'r> {
                 steps.push(step(true, normal.into_inner(), first + 2));
             }
             JointKind::Floating => {
-                // it goes straight and turns evenly: what it does until the middle tells it all, and that is never half a turn
+                // it translates and rotates at constant velocity: its motion until the middle determines it, and is never half a turn
                 let [start, middle] =
                     [0.0, 0.5].map(|t| joint.kind.motion(&self.motion.at(t).positions()[first..]));
                 let speed = |i: usize| self.polynomials[first + i][1];

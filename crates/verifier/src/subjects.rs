@@ -1,4 +1,4 @@
-//! What has to be proven: the bodies, and the pairs of them that must stay apart, with their paddings.
+//! Subject of a verification: the bodies, and the pairs of them that must stay apart, with their paddings.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
@@ -80,7 +80,8 @@ fn paddings(robot: &RobotModel, world: &World, settings: &Settings) -> Result<Ve
     links.chain(attached).chain(obstacles).collect()
 }
 
-/// Links, then attached objects, then obstacles, as large as they are to be; `None` for those without shapes and those that no pair names.
+/// Links, then attached objects, then obstacles, with their scale factors applied; `None` for bodies without shapes and bodies that no
+/// pair names.
 pub(super) fn bodies(
     robot: &RobotModel,
     world: &World,
@@ -117,7 +118,7 @@ pub(super) fn bodies(
         .collect()
 }
 
-/// The body of shapes that are larger by a factor.
+/// The body of shapes scaled by a factor.
 fn body(name: &str, scale: f64, shapes: &[(Pose, &Shape)], solid: bool) -> Result<Body, Refusal> {
     if scale == 1.0 {
         return Ok(Body::new(shapes, solid));

@@ -1,4 +1,4 @@
-//! True certificates are accepted, false ones are not, and what is believed is true of sampled points.
+//! Tests that true certificates are accepted, false ones are rejected, and the trusted bounds hold for sampled points.
 
 mod apart;
 mod bound;

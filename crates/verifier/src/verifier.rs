@@ -1,4 +1,4 @@
-//! Whether a certificate proves what it claims.
+//! Verifies that a certificate proves its claims.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -18,13 +18,13 @@ use super::interval_midpoint::{IntervalMidpoint, Ride};
 use super::segment_kinematics::{Rate, SegmentKinematics, link_paths};
 use super::{Expected, Refusal, Verified, coverage, joins, subjects};
 
-/// How far (m) distances may be below what is claimed: where the search for nearest points of round solids stops.
+/// Tolerance (m) by which distances may be below the claimed ones: the accuracy of the search for nearest points of round solids.
 const CLAIM_SLACK: f64 = 1e-9;
 
-/// What is added to a bound, in m and as a share of it (`docs/derivations/motion-bound.md`).
+/// Amount added to a bound, in m and as a fraction of it (`docs/derivations/motion-bound.md`).
 const BOUND_SLACK: f64 = 1e-9;
 
-/// The distance (m) in the middle of an interval with which a pair that comes nearer by `found` does not touch anywhere.
+/// The distance (m) in the middle of an interval at which a pair with an approach of at most `found` touches nowhere in it.
 fn keeping_apart(found: f64) -> f64 {
     found * (1.0 + BOUND_SLACK) + BOUND_SLACK.greater(CONTACT_DISTANCE)
 }
@@ -54,10 +54,10 @@ pub fn verify(
 }
 
 impl<'r> Verifier<'r> {
-    /// Decides what has to be proven. A scene's matrix, if given, decides the pairs instead of the SRDF.
+    /// Selects the pairs that have to be proven. A scene's matrix, if given, decides the pairs instead of the SRDF.
     ///
     /// # Errors
-    /// When paddings or scales make no sense for this robot.
+    /// If paddings or scales are invalid for this robot.
     pub fn new(
         robot: &'r RobotModel,
         world: &'r World,
@@ -75,12 +75,12 @@ impl<'r> Verifier<'r> {
         Ok(Self { robot, world, subject, bodies, carriers, paths })
     }
 
-    /// Accepts a certificate only if all that it claims is proven here again. Which motion it is about, the caller has to check.
+    /// Accepts a certificate only if all of its claims are proven here again. The caller must check which motion it belongs to.
     pub fn verify(&self, certificate: &Certificate) -> Result<Verified, Refusal> {
         self.verify_expected(certificate, &Expected::default())
     }
 
-    /// As [`Self::verify`], only for a certificate of what is expected.
+    /// As [`Self::verify`], but accepts only a certificate of the expected motion.
     pub fn verify_expected(
         &self,
         certificate: &Certificate,
@@ -94,7 +94,7 @@ impl<'r> Verifier<'r> {
         let given = (0..certificate.segments.len()).map(motions).collect::<Result<Vec<_>, _>>()?;
         let meant = expected.check(self, certificate, &given)?;
         let verified = self.prove(certificate, given, expected)?;
-        // numbers that differ by rounding are another motion still
+        // numbers that differ by rounding are nevertheless a different motion
         meant.map_or(Ok(()), |meant| self.prove(certificate, meant, expected).map(|_| ()))?;
         Ok(verified)
     }
@@ -127,7 +127,7 @@ impl<'r> Verifier<'r> {
     }
 }
 
-/// One segment under way.
+/// The segment that is being verified.
 pub(super) struct Pass<'p, 'r> {
     verifier: &'p Verifier<'r>,
     segment: usize,
@@ -175,7 +175,7 @@ impl<'p, 'r> Pass<'p, 'r> {
             let pair = proofs[proof].0;
             self.place(pair);
             self.proof(proof, &proofs[proof], interval)?;
-            // surfaces stay apart, so what is outside once is so throughout
+            // surfaces stay apart, so a body that is outside once is outside throughout
             if !std::mem::replace(&mut seen[pair], true) {
                 self.outside(pair)?;
             }
@@ -239,7 +239,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         Err(Refusal::Near { segment, proof, pair, at, lower })
     }
 
-    /// Whether a pair is proven apart in all of an interval, with nothing claimed beforehand.
+    /// True if a pair is proven free of contact in the whole interval, without a claimed bound.
     pub fn is_apart_throughout(&mut self, pair: usize, interval: Interval) -> bool {
         self.go_to(interval);
         self.place(pair);
@@ -256,7 +256,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         }
     }
 
-    /// By how much a pair that is placed may come nearer in the interval.
+    /// Maximum decrease of a placed pair's distance in the interval.
     pub fn bound(&mut self, pair: usize, interval: Interval, exact: bool) -> f64 {
         let both = self.bodies(pair);
         if exact {
@@ -268,7 +268,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         let shared = both[0].2.iter().zip(both[1].2).take_while(|(a, b)| a == b).count();
         let reach = |i: usize| {
             let (path, other) = (both[i].2, both[1 - i].1);
-            // what has no end is followed where the other body is
+            // for an infinite body, the motion is bounded at the other body
             match (both[i].1.planes().is_empty(), exact) {
                 (true, true) => Cow::from(placed[i].exact_reach.as_ref().unwrap_or(&placed[i].reach)),
                 (true, false) => Cow::from(&placed[i].reach),
@@ -282,7 +282,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         approach.bound(lines, &self.rates, interval.half_width, exact)
     }
 
-    /// Whether a pair that is placed is proven `target` (m) apart.
+    /// True if a placed pair is proven at least `target` (m) apart.
     pub fn apart(&mut self, pair: usize, target: f64) -> bool {
         let [(i, a, _), (j, b, _)] = self.bodies(pair);
         let pose_ab = self.moment.placed(i).pose_rb.relative(&self.moment.placed(j).pose_rb);
@@ -292,7 +292,7 @@ impl<'p, 'r> Pass<'p, 'r> {
         proven
     }
 
-    /// Refuses a pair of which one lies inside the other's closed mesh, where these are solids.
+    /// Rejects a pair of which one body lies inside the other's closed mesh, if meshes are solids.
     fn outside(&self, pair: usize) -> Result<(), Refusal> {
         let [(i, a, _), (j, b, _)] = self.bodies(pair);
         let (Some(a), Some(b)) = (&a.interior, &b.interior) else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! Output of `ros2 topic echo`: its extra lines are skipped, and lists that it cut are rejected, as are truncated files.
+//! Handles output of `ros2 topic echo`: its extra lines are skipped; shortened lists and truncated files are rejected.
 
 use std::borrow::Cow;
 
@@ -13,7 +13,7 @@ pub fn cut_in_words(document: &str) -> Option<String> {
     line_of_cut(document).map(of_list).or_else(|| cut_number(document))
 }
 
-/// The line, from 1, of the mark that `ros2 topic echo` puts where it leaves out the rest of a list.
+/// The line, from 1, of the mark by which `ros2 topic echo` replaces the rest of a list.
 fn line_of_cut(document: &str) -> Option<usize> {
     let is_item = |(at, mark): (usize, &str)| {
         let (before, after) = (&document[..at], &document[at + mark.len()..]);

@@ -1,4 +1,4 @@
-//! Messages of the YAML parser for somebody who has the text and not the program.
+//! Converts messages of the YAML parser to plain words, for users who have the text but not the program.
 
 use std::borrow::Cow;
 

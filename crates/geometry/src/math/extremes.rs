@@ -1,16 +1,16 @@
-//! The lesser and the greater of two numbers.
+//! Minimum and maximum of two floating-point numbers.
 //!
-//! `f32::min` and its kin are the compiler's own, and LLVM 22 (rustc 1.95) makes loops of them into vectors as it should not: where
-//! the processor can gather numbers, and it is known how many there are, it forgets those that do not fill a vector (boxes around
-//! eight capsules were boxes around five). Comparisons are left as they are. `clippy.toml` refuses the others.
+//! `f32::min` and similar functions are compiler intrinsics, and LLVM 22 (rustc 1.95) vectorises loops over them incorrectly. If the
+//! processor has gather instructions and the number of elements is known, elements that do not fill a vector are lost (boxes around eight
+//! capsules were boxes around five). Comparisons are not affected. `clippy.toml` forbids the other functions.
 
-/// Numbers of which one may be no number.
+/// Numbers, of which one may be NaN.
 pub trait Extremes: Copy {
-    /// The lesser of two, or the one that is a number.
+    /// The smaller of two numbers, or the one that is not NaN.
     #[must_use]
     fn lesser(self, other: Self) -> Self;
 
-    /// The greater of two, or the one that is a number.
+    /// The larger of two numbers, or the one that is not NaN.
     #[must_use]
     fn greater(self, other: Self) -> Self;
 }

@@ -1,8 +1,8 @@
-//! Eight numbers at a time: the only module that names the SIMD crate.
+//! SIMD arithmetic with eight lanes; the only module that uses the SIMD crate.
 //!
-//! Which instructions are used is decided at run time ([`Level::new`]). Every level gives the same bits: no operation
-//! here fuses, reorders or approximates. What is generic over [`Simd`] must be inlined into the dispatched function to be
-//! compiled for its level; closures and `array::map` are not always, hence plain functions and written-out components.
+//! The instruction set is selected at run time ([`Level::new`]). Every level gives bit-identical results: no operation here fuses,
+//! reorders or approximates. Code that is generic over [`Simd`] must be inlined into the dispatched function to be compiled for its
+//! level. Closures and `array::map` are not always inlined, hence plain functions and written-out components.
 
 mod real;
 mod single;
@@ -17,18 +17,18 @@ pub use vectors::Vectors;
 
 use prelude::*;
 
-/// Numbers in a vector.
+/// Number of lanes in a vector.
 pub const LANES: usize = 8;
 
-/// The lowest level of this kind of machine, which every one of them has.
+/// The baseline level, which every machine of this architecture supports.
 #[must_use]
 #[inline]
 pub fn baseline() -> Level {
     Level::baseline()
 }
 
-/// An expression compiled for AVX2 and for the baseline of the machine, run at the level that there is. AVX-512 gains little for
-/// vectors of eight f32, slows the scalar code between them, and has compilers that are not ready for it (`math/extremes.rs`).
+/// Evaluates an expression that is compiled for AVX2 and for the baseline, at the level of this machine. AVX-512 gains little for vectors
+/// of eight f32, slows the scalar code between them, and its compilers have errors (`math/extremes.rs`).
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:ident => $body:expr) => {{
@@ -49,7 +49,7 @@ macro_rules! dispatch {
 
 pub use crate::dispatch;
 
-/// A bit for each lane that is not proven to lie beyond `limit`; what is no number proves nothing.
+/// Bit mask of the lanes that are not proven to lie beyond `limit`; NaN proves nothing.
 #[inline(always)]
 pub fn not_beyond<S: Simd>(bounds: f32x8<S>, limit: f32) -> u64 {
     !bounds.simd_gt(limit).to_bitmask()

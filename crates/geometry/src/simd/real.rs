@@ -1,4 +1,4 @@
-//! One number, or eight in lanes: arithmetic that gives the same bits either way.
+//! A double-precision number, or eight in lanes: arithmetic with bit-identical results for both.
 //!
 //! Only operations that IEEE 754 rounds correctly are used, in one written order and never fused, so every
 //! instruction set and every lane agrees with the scalar to the last bit.
@@ -19,10 +19,10 @@ pub trait Real:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// What it takes to make one: nothing for a number, the SIMD level for lanes.
+    /// Value needed to create a number: nothing for a scalar, the SIMD level for lanes.
     type Token: Copy;
 
-    /// The same in single precision.
+    /// The corresponding type in single precision.
     type Single: super::Single;
 
     /// The same number in every lane.
@@ -40,11 +40,11 @@ pub trait Real:
     /// Whether every lane lies in `[-limit, limit]`; a NaN does not.
     fn all_within(self, limit: f64) -> bool;
 
-    /// The unit vector `(cos, sin)` turned by as many quarters as the lowest two mantissa bits of `self` say;
-    /// returned as `(sin, cos)`.
+    /// The unit vector `(cos, sin)` rotated by the number of quarter turns in the lowest two mantissa bits of `self`; returned as `(sin,
+    /// cos)`.
     fn quarter_turns(self, sin: Self, cos: Self) -> (Self, Self);
 
-    /// `(sin, cos)`, but the standard library's wherever `self` lies beyond `[-limit, limit]`.
+    /// `(sin, cos)`, but the standard library's if `self` lies beyond `[-limit, limit]`.
     fn exact_beyond(self, limit: f64, sin: Self, cos: Self) -> (Self, Self);
 }
 
@@ -57,7 +57,7 @@ const HALF_PI: [f64; 3] = [f64::from_bits(0x3ff9_21fb_5440_0000), f64::from_bits
     f64::from_bits(0x3ba3_198a_2e03_7073)
 }];
 
-/// Largest argument (rad) reduced here; beyond, the standard library reduces. 2²⁰ quarter turns would be 1.6e6.
+/// Largest argument (rad) reduced here; for larger ones the standard library is used. 2²⁰ quarter turns would be 1.6e6.
 const LARGEST_REDUCED: f64 = 1e5;
 
 /// Minimax polynomials on [-π/4, π/4] (fdlibm's `k_sin.c`, `k_cos.c`), highest power first: sin r = r + r³·S(r²),
@@ -96,7 +96,7 @@ pub fn sin_cos<T: Real>(x: T) -> (T, T) {
     if x.all_within(LARGEST_REDUCED) { (sin, cos) } else { x.exact_beyond(LARGEST_REDUCED, sin, cos) }
 }
 
-/// A polynomial of z, from z and z²: even and odd powers apart, two chains of operations of half the length at once (Estrin 1960).
+/// A polynomial of z, from z and z²: even and odd powers are computed separately, as two chains of half the length (Estrin 1960).
 #[inline(always)]
 fn polynomial<T: Real>(z: T, zz: T, c: [f64; 6]) -> T {
     let odd = (zz * c[0] + c[2]) * zz + c[4];
@@ -139,7 +139,7 @@ impl Real for f64 {
     #[inline(always)]
     fn quarter_turns(self, sin: Self, cos: Self) -> (Self, Self) {
         let quarters = self.to_bits();
-        // no branch: which quarter it is cannot be predicted
+        // no branch: the quarter cannot be predicted
         let swap = (sin.to_bits() ^ cos.to_bits()) & (quarters & 1).wrapping_neg();
         let negative = |quarters: u64| quarters >> 1 << SIGN;
         (
@@ -219,7 +219,7 @@ mod tests {
     use crate::simd::dispatch;
     use crate::testing::{Random, levels};
 
-    /// Arguments worth trying: all magnitudes, and the neighbourhoods of the quarter turns.
+    /// Test arguments: all magnitudes, and the neighbourhoods of the quarter turns.
     fn arguments(random: &mut Random, count: usize) -> Vec<f64> {
         let mut xs = vec![
             0.0,

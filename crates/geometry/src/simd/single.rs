@@ -1,4 +1,4 @@
-//! A number of single precision, or eight in lanes: one formula for both, to the same bits where all of them are numbers.
+//! A single-precision number, or eight in lanes: one formula for both, with bit-identical results unless one is NaN.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,7 +16,7 @@ pub trait Single:
     + Add<f32, Output = Self>
     + Mul<f32, Output = Self>
 {
-    /// What it takes to make one: nothing for a number, the SIMD level for lanes.
+    /// Value needed to create a number: nothing for a scalar, the SIMD level for lanes.
     type Token: Copy;
 
     /// The same number in every lane.
@@ -28,11 +28,11 @@ pub trait Single:
     #[must_use]
     fn sqrt(self) -> Self;
 
-    /// The greater of two; either, where one is no number.
+    /// The larger of two; either of them if one is NaN.
     #[must_use]
     fn greater(self, other: Self) -> Self;
 
-    /// The lesser of two; either, where one is no number.
+    /// The smaller of two; either of them if one is NaN.
     #[must_use]
     fn lesser(self, other: Self) -> Self;
 }

@@ -29,7 +29,7 @@ impl<S: Simd> Vectors<S> {
         Self { x: front[0].combine(back[0]), y: front[1].combine(back[1]), z: front[2].combine(back[2]) }
     }
 
-    /// Eight times the same.
+    /// The same vector in all eight lanes.
     #[inline(always)]
     pub fn splat(simd: S, v: &[f32; 3]) -> Self {
         Self { x: f32x8::splat(simd, v[0]), y: f32x8::splat(simd, v[1]), z: f32x8::splat(simd, v[2]) }

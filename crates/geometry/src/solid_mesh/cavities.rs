@@ -1,24 +1,25 @@
-//! Which closed shells wound inward are cavities.
+//! Detects closed shells wound inward that are cavities.
 
 use super::ClosedSurface;
 use crate::Triangle;
 use crate::math::{Extremes, Point, Vector};
 
-/// Shells are in contact where they are no farther apart than this share of the largest one's size: faces that some program wrote
-/// twice, the second time with other rounding, bound no cavity.
+/// Shells are in contact where their distance is at most this fraction of the largest shell's size: faces that a program wrote twice, the
+/// second time with different rounding, bound no cavity.
 const CONTACT: f64 = 1e-4;
 
-/// More shells than this are not compared with each other.
+/// Maximum number of shells that are compared with each other.
 const MOST_SHELLS: usize = 64;
 
-/// Steps of the search for contact, as a multiple of the faces: long slivers beside each other take more, since the boxes of all overlap.
+/// Maximum number of search steps for contact, as a multiple of the faces: adjacent long slivers need more, since all their boxes
+/// overlap.
 const MOST_STEPS: usize = 512;
 
-/// Steps that two triangles cost; two boxes cost one.
+/// Cost of a test of two triangles in steps; a test of two boxes costs one.
 const TRIANGLE_STEPS: usize = 8;
 
-/// Whether shells bound one solid with cavities as they are wound: no two are in contact, what is wound outward is in no other,
-/// and what is wound inward is wholly inside exactly one. False, too, where that takes too long to find out.
+/// True if shells with their winding bound one solid with cavities: no two are in contact, shells wound outward are in no other, and
+/// shells wound inward are wholly inside exactly one. Also false if the search takes too long.
 pub(super) fn are_cavities(vertices: &[Point], shells: &[ClosedSurface]) -> bool {
     if shells.len() > MOST_SHELLS {
         return false;
@@ -69,7 +70,7 @@ impl BoxTree {
         tree
     }
 
-    /// Halves are as even as can be: the tree is as deep as the count has bits.
+    /// Halves are as equal as possible: the depth of the tree is the number of bits of the count.
     fn build(&mut self, order: &mut [usize]) -> usize {
         let corners = || order.iter().flat_map(|i| self.triangles[*i].corners());
         let start = Point::from(Vector::repeat(f64::INFINITY));
@@ -88,7 +89,7 @@ impl BoxTree {
         number
     }
 
-    /// Whether some triangle of one comes within a distance (m) of some triangle of the other; `None` where that takes too many steps.
+    /// True if the triangles of two trees come within a distance (m); `None` if the search takes too many steps.
     fn is_near(&self, other: &Self, distance: f64, steps_left: &mut usize) -> Option<bool> {
         let mut open = vec![(0, 0)];
         while let Some((i, j)) = open.pop() {

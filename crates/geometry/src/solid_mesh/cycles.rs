@@ -1,20 +1,20 @@
-//! All closed surfaces that patches can make: a basis of the 2-cycles of the mesh, by Gauss-Jordan elimination in integers.
+//! All closed surfaces that patches can form: a basis of the 2-cycles of the mesh, by Gauss-Jordan elimination in integers.
 
 use std::collections::BTreeMap;
 
 use super::patches::Patches;
 
-/// A closed surface: patches, and how often each is in it, negative where it is turned over.
+/// A closed surface: its patches, and the multiplicity of each, negative if it is reversed.
 pub(super) type Cycle = Vec<(u32, i64)>;
 
-/// Steps of the elimination, as a multiple of patches and seams: a mesh that takes more is too tangled.
+/// Maximum number of elimination steps, as a multiple of patches and seams: a mesh that needs more is too complex.
 const MOST_STEPS: usize = 256;
 
-/// Faces in all closed surfaces together, as a multiple of the mesh's: more are too many to look at for every point.
+/// Maximum number of faces in all closed surfaces together, as a multiple of the mesh's: more are too expensive to test for every point.
 const MOST_REPEATED: u64 = 8;
 
-/// A basis: every closed surface made of patches is a combination of these. Of meshes too tangled for it, only the closed surfaces
-/// that are single patches are found; answers with whether it is one.
+/// A basis: every closed surface of patches is a combination of its elements. For meshes that are too complex, only the closed surfaces
+/// that are single patches are found; also returns whether the result is a basis.
 pub(super) fn basis(patches: &Patches) -> (Vec<Cycle>, bool) {
     let count = patches.faces.len();
     let open = patches.is_open.iter().map(|open| open.then(Sum::new));
@@ -50,21 +50,21 @@ type Sum = BTreeMap<u32, i64>;
 
 struct Elimination<'p> {
     patches: &'p Patches,
-    /// By patch: how often it has to be there, as a sum over free patches; `None` for a free one.
+    /// By patch: its multiplicity as a sum over free patches; `None` for a free one.
     solved: Vec<Option<Sum>>,
-    /// By free patch: solved ones whose sums may name it.
+    /// By free patch: solved ones whose sums may contain it.
     users: Vec<Vec<u32>>,
     steps_left: usize,
 }
 
 impl Elimination<'_> {
-    /// Takes in that patches cancel at a seam; `None` where that takes too much.
+    /// Adds the condition that patches cancel at a seam; `None` if that takes too long.
     fn add(&mut self, seam: &[(u32, i64)]) -> Option<()> {
         let sum = self.reduced(seam)?;
         if sum.is_empty() {
             return Some(());
         }
-        // small patches depend on large ones, so that few closed surfaces have the large ones
+        // small patches are expressed by large ones, so that few closed surfaces contain the large ones
         let size = |patch: u32| self.patches.faces[patch as usize].len();
         let usable = sum.iter().filter(|(_, times)| times.abs() == 1 || sum.len() == 1);
         let (_, pivot, times) = usable.map(|(patch, times)| (size(*patch), *patch, *times)).min()?;
@@ -87,7 +87,7 @@ impl Elimination<'_> {
         Some(sum)
     }
 
-    /// A free patch is solved by others.
+    /// Expresses a free patch by others.
     fn solve(&mut self, pivot: u32, value: &Sum) -> Option<()> {
         for user in std::mem::take(&mut self.users[pivot as usize]) {
             let Some(known) = &mut self.solved[user as usize] else { continue };
@@ -105,7 +105,7 @@ impl Elimination<'_> {
         Some(())
     }
 
-    /// Of each free patch, the closed surface that it is in and no other free patch.
+    /// For each free patch, the closed surface that contains it and no other free patch.
     fn cycles(&self) -> Vec<Cycle> {
         let mut place = vec![usize::MAX; self.solved.len()];
         let mut cycles: Vec<Cycle> = Vec::new();
@@ -122,7 +122,7 @@ impl Elimination<'_> {
     }
 }
 
-/// Adds to a sum of which nothing is zero; `None` where it takes more than 64 bits.
+/// Adds to a sum without zero terms; `None` on overflow of 64 bits.
 fn add_to(sum: &mut Sum, patch: u32, times: i64) -> Option<()> {
     let entry = sum.entry(patch).or_default();
     *entry = entry.checked_add(times)?;

@@ -1,14 +1,14 @@
-//! Which of many points are inside a mesh.
+//! Inside test of many points against a mesh.
 
 use crate::TriangleMesh;
 use crate::math::Point;
 
-/// Tests points one after the other. Points in one box that is clear of all faces share an answer, so that a cloud beside a mesh costs few
-/// winding numbers. The answers are those of [`TriangleMesh::encloses`].
+/// Tests points in sequence. Points in a common box that contains no face have the same result, so a cloud beside a mesh needs only few
+/// winding numbers. Results are those of [`TriangleMesh::encloses`].
 #[derive(Debug)]
 pub struct InsideTest<'m> {
     mesh: &'m TriangleMesh,
-    /// A box that is clear of faces, and whether it is inside.
+    /// A box that contains no face, and whether it is inside.
     clear: Option<([Point; 2], bool)>,
     cost: u64,
 }
@@ -22,7 +22,7 @@ impl TriangleMesh {
 }
 
 impl InsideTest<'_> {
-    /// Whether a point is inside the mesh as a solid.
+    /// True if a point is inside the mesh as a solid.
     pub fn encloses(&mut self, point: &Point) -> bool {
         let (solid, vertices) = (self.mesh.solid(), self.mesh.vertices());
         self.cost += 1;
@@ -39,7 +39,7 @@ impl InsideTest<'_> {
         is_inside
     }
 
-    /// Triangles and boxes looked at since this was asked last.
+    /// Number of triangles and boxes visited since the last call.
     pub fn take_cost(&mut self) -> u64 {
         std::mem::take(&mut self.cost)
     }

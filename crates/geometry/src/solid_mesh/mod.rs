@@ -1,13 +1,12 @@
 //! Solid of a triangle mesh: the volume inside its closed surfaces, whatever the winding of their faces.
 //!
-//! A point is inside a mesh where any closed surface made of its faces winds around it (winding number: Jacobson, Kavan &
-//! Sorkine-Hornung 2013). Faces count once and may be turned over for that. So whatever is inside by the winding that the file
-//! has, or by any other, is inside; a mesh whose faces are there in both windings, or whose shells are wound against each other, is
-//! as solid as one without faults. The only exception are cavities: shells wound inward, each wholly inside another and in contact
-//! with none.
+//! A point is inside a mesh if any closed surface made of its faces winds around it (winding number: Jacobson, Kavan & Sorkine-Hornung
+//! 2013). Faces count once, and may be reversed for this purpose. So a point that is inside by the winding of the file, or by any other,
+//! is inside. A mesh whose faces occur in both windings, or whose shells are wound against each other, is as solid as a mesh without
+//! errors. The only exception are cavities: shells wound inward, each wholly inside another and in contact with none.
 //!
-//! Assumption: a closed surface does not pass through itself so that it is inside out in one part and not in another where these
-//! overlap; there the winding number is 0.
+//! Assumption: a closed surface does not pass through itself such that it is inside out in one part and not in another, and these parts
+//! overlap; in the overlap the winding number is 0.
 
 mod cavities;
 mod cycles;
@@ -36,13 +35,13 @@ pub struct SolidMesh {
     remarks: SolidRemarks,
 }
 
-/// Triangles without a free edge, over the vertices of the mesh they are of.
+/// Triangles without a free edge, over the vertices of their mesh.
 #[derive(Clone, Debug)]
 pub struct ClosedSurface {
     triangles: Vec<[u32; 3]>,
     /// Smallest and largest corner of the box around them.
     bounds: [Point; 2],
-    /// Built when it is asked for first.
+    /// Built at the first use.
     tree: OnceLock<WindingTree>,
 }
 
@@ -72,7 +71,7 @@ impl SolidMesh {
         Self { surfaces, remarks }
     }
 
-    /// A point is inside where one of these winds around it.
+    /// Closed surfaces; a point is inside if one of them winds around it.
     #[must_use]
     pub fn surfaces(&self) -> &[ClosedSurface] {
         &self.surfaces
@@ -84,17 +83,17 @@ impl SolidMesh {
         &self.remarks
     }
 
-    /// Whether a point is inside; `vertices` are the mesh's. `cost` counts triangles and boxes that are looked at.
+    /// True if a point is inside; `vertices` are the mesh's. `cost` counts visited triangles and boxes.
     pub(super) fn contains(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> bool {
         self.surfaces.iter().any(|surface| surface.winding_number(vertices, point, cost).abs() > 0.5)
     }
 
-    /// Whether a box is certainly clear of all closed surfaces.
+    /// True if a box certainly contains no part of a closed surface.
     fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], cost: &mut u64) -> bool {
         self.surfaces.iter().all(|surface| surface.tree(vertices).is_clear(vertices, bounds, cost))
     }
 
-    /// Builds what tests of points need, so that the first costs no more than others.
+    /// Builds the data for point tests, so that the first costs no more than others.
     pub(super) fn prepare(&self, vertices: &[Point]) {
         for surface in &self.surfaces {
             surface.tree(vertices);
@@ -103,7 +102,7 @@ impl SolidMesh {
 }
 
 impl ClosedSurface {
-    /// The surface of a cycle; both are turned over where they are not wound outward.
+    /// The surface of a cycle; both are reversed if they are not wound outward.
     fn outward(vertices: &[Point], welded: &WeldedFaces, patches: &Patches, cycle: &mut Cycle) -> Self {
         let faces = |&(patch, times): &(u32, i64)| {
             let faces = patches.faces[patch as usize].iter();
@@ -132,7 +131,7 @@ impl ClosedSurface {
         Self { triangles, bounds, tree: OnceLock::new() }
     }
 
-    /// The same, turned over if asked.
+    /// The same surface, reversed if requested.
     fn wound(&self, turned: bool) -> Self {
         let mut triangles = self.triangles.clone();
         if turned {
@@ -161,7 +160,8 @@ impl ClosedSurface {
         &self.bounds
     }
 
-    /// Signed volume (m³) by the divergence theorem, with cones from a point of the surface: far from the origin as exact as near.
+    /// Signed volume (m³) by the divergence theorem, with cones from a point of the surface: the accuracy does not depend on the distance
+    /// from the origin.
     fn volume(&self, vertices: &[Point]) -> f64 {
         let apex = self.bounds[0];
         let six_times = |t: &[u32; 3]| {
@@ -175,7 +175,7 @@ impl ClosedSurface {
         self.tree.get_or_init(|| WindingTree::new(vertices, &self.triangles))
     }
 
-    /// How often the surface winds around a point: the sum of the triangles' solid angles over 4π.
+    /// Winding number of the surface around a point: the sum of the triangles' solid angles over 4π.
     fn winding_number(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> f64 {
         let [low, high] = &self.bounds;
         if (0..3).all(|i| (low[i]..=high[i]).contains(&point[i])) {
@@ -186,7 +186,7 @@ impl ClosedSurface {
     }
 }
 
-/// Half the solid angle that a triangle fills, by the vectors from a point to its corners (van Oosterom & Strackee 1983).
+/// Half the solid angle of a triangle, from the vectors from a point to its corners (van Oosterom & Strackee 1983).
 fn half_angle([a, b, c]: [Vector; 3]) -> f64 {
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;

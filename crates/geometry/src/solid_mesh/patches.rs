@@ -1,18 +1,19 @@
-//! Faces in patches: what hangs together by edges of exactly two faces, all wound alike.
+//! Patches: sets of faces connected by edges of exactly two faces, with consistent winding.
 
 use super::weld::WeldedFaces;
 
-/// Largest sets of faces that hang together by edges of two faces, and what they have in common at all other edges.
+/// Maximal sets of faces connected by edges of two faces, and their relations at all other edges.
 pub(super) struct Patches {
-    /// By patch: faces, and whether each is turned over against the mesh so that all of the patch are wound alike.
+    /// By patch: its faces, and for each whether it is reversed relative to the mesh so that the winding in the patch is consistent.
     pub faces: Vec<Vec<(u32, bool)>>,
-    /// How often and in which direction patches run along an edge of other than two faces: in a closed surface these cancel.
+    /// For each edge with other than two faces: how often, and in which direction, patches run along it. In a closed surface these
+    /// numbers cancel.
     pub seams: Vec<Vec<(u32, i64)>>,
-    /// By patch: whether it has a free edge, or only one side; then it is part of no closed surface.
+    /// By patch: true if it has a free edge, or only one side; then it is part of no closed surface.
     pub is_open: Vec<bool>,
 }
 
-/// An edge of a face, from the smaller corner to the larger or back.
+/// An edge of a face, from the smaller corner to the larger or in reverse.
 #[derive(Clone, Copy)]
 struct HalfEdge {
     /// The smaller corner in the upper half, the larger in the lower.
@@ -21,7 +22,7 @@ struct HalfEdge {
     is_forward: bool,
 }
 
-/// Of an edge of two faces: the other, and whether one has to be turned over.
+/// At an edge of two faces: the other face, and whether one of the two must be reversed.
 #[derive(Clone, Copy)]
 struct Neighbour {
     face: u32,
@@ -55,10 +56,10 @@ fn half_edges(corners: &[[u32; 3]]) -> Vec<HalfEdge> {
     halves
 }
 
-/// Walks over faces from neighbour to neighbour.
+/// Traversal of faces from neighbour to neighbour.
 struct Flood {
     neighbours: Vec<[Neighbour; 3]>,
-    /// By face: its patch and whether it is turned over.
+    /// By face: its patch, and whether it is reversed.
     places: Vec<(u32, bool)>,
     patches: Patches,
 }
@@ -127,7 +128,7 @@ impl Flood {
         self.patches.seams.sort_by_key(Vec::len);
     }
 
-    /// How often patches run along an edge more in one direction than in the other.
+    /// Net number of times that patches run along an edge in one direction.
     fn seam(&self, at_edge: &[HalfEdge]) -> Vec<(u32, i64)> {
         let along = at_edge.iter().map(|half| {
             let (patch, turned) = self.places[half.face as usize];
@@ -139,7 +140,7 @@ impl Flood {
             .chunk_by(|a, b| a.0 == b.0)
             .map(|of_one| (of_one[0].0, of_one.iter().map(|(_, n)| n).sum()));
         let mut seam: Vec<(u32, i64)> = sums.filter(|(_, sum)| *sum != 0).collect();
-        // the same condition, whichever way the edge is told
+        // the same condition for both directions of the edge
         if seam.first().is_some_and(|(_, sum)| *sum < 0) {
             for (_, sum) in &mut seam {
                 *sum = -*sum;

@@ -9,23 +9,23 @@ use super::weld::WeldedFaces;
 /// Repairs and open parts of a mesh, displayed as one line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SolidRemarks {
-    /// All faces of the mesh.
+    /// Number of faces of the mesh.
     faces: usize,
-    /// Faces that are there in both windings.
+    /// Number of faces that occur in both windings.
     double_sided: usize,
-    /// Faces with the corners of others, in either winding.
+    /// Number of faces with the same corners as others, in either winding.
     repeated: usize,
-    /// Faces wound against most of those that they hang together with.
+    /// Number of faces wound against most of the faces connected to them.
     flipped: usize,
-    /// Faces in no closed surface.
+    /// Number of faces that belong to no closed surface.
     open: usize,
-    /// Whether too many faces meet at edges to find all closed surfaces.
+    /// True if too many faces meet at edges to find all closed surfaces.
     pub(super) is_tangled: bool,
-    /// Closed shells.
+    /// Number of closed shells.
     shells: usize,
-    /// Shells wound against the largest, but no cavities.
+    /// Number of shells wound against the largest that are not cavities.
     pub(super) inward_shells: usize,
-    /// Shells wound against the largest that bound cavities.
+    /// Number of shells wound against the largest that bound cavities.
     pub(super) cavities: usize,
 }
 
@@ -49,25 +49,25 @@ impl SolidRemarks {
         remarks
     }
 
-    /// Whether there is nothing to say of the mesh.
+    /// True if there is no remark on the mesh.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         !self.is_open() && self.double_sided + self.flipped + self.inward_shells + self.cavities == 0
     }
 
-    /// Whether part of the mesh, or all of it, stays a surface.
+    /// True if part or all of the mesh stays a surface.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.open > 0 || self.shells == 0
     }
 
-    /// Whether every face is there once, in a closed surface, and wound like those around it.
+    /// True if every face occurs once, in a closed surface, with the winding of its neighbours.
     pub(super) fn is_faultless(&self) -> bool {
         !self.is_open() && self.repeated + self.flipped == 0
     }
 }
 
-/// How many faces keep their winding, and how many are turned over; what is there in both windings does not count.
+/// Numbers of faces that keep their winding, and that are reversed; faces in both windings do not count.
 fn wound(faces: &[(u32, bool)], welded: &WeldedFaces) -> [usize; 2] {
     let mut counts = [0; 2];
     for (_, turned) in faces.iter().filter(|(face, _)| !welded.is_double_sided[*face as usize]) {
@@ -76,14 +76,14 @@ fn wound(faces: &[(u32, bool)], welded: &WeldedFaces) -> [usize; 2] {
     counts
 }
 
-/// By closed surface, wound outward here: whether it is one patch that the mesh has wound the other way than its largest shell.
+/// By closed surface, here wound outward: true if it is one patch whose winding in the mesh is opposite to that of the largest shell.
 pub(super) fn wound_inward(
     welded: &WeldedFaces,
     patches: &Patches,
     cycles: &[Cycle],
     volumes: &[f64],
 ) -> Vec<bool> {
-    // more faces inward than outward, if that is known
+    // more faces inward than outward, if it is known
     let inward = |cycle: &Cycle| {
         let [(patch, times)] = cycle.as_slice() else { return None };
         let [kept, turned] = wound(&patches.faces[*patch as usize], welded);

@@ -1,4 +1,4 @@
-//! Solids are compared with winding numbers of the shapes they were made of, before these were spoiled.
+//! Compares solids with winding numbers of the original shapes, before these were damaged.
 
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)] // small numbers
 
@@ -8,7 +8,7 @@ use crate::TriangleMesh;
 use crate::math::{Point, Pose, Vector};
 use crate::testing::Random;
 
-/// Vertices and faces that are still changed.
+/// Vertices and faces that can be modified.
 #[derive(Clone, Default)]
 struct Draft {
     vertices: Vec<Point>,
@@ -28,7 +28,7 @@ impl Draft {
         Self::cuboid([-half; 3], [half; 3])
     }
 
-    /// A cuboid of which each face is divided: `levels` times in four.
+    /// A cuboid with each face subdivided: `levels` times into four.
     fn divided(mut self, levels: usize) -> Self {
         for _ in 0..levels {
             let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
@@ -77,7 +77,7 @@ impl Draft {
         self
     }
 
-    /// Each face with vertices of its own, as STL has them.
+    /// Each face with its own vertices, as in STL.
     fn unwelded(&self) -> Self {
         let vertices = self.faces.iter().flatten().map(|v| self.vertices[*v as usize]).collect();
         Self {
@@ -99,7 +99,7 @@ impl Draft {
     }
 }
 
-/// By brute force: how often faces wind around a point.
+/// Winding number of the faces around a point, by brute force.
 fn winding(draft: &Draft, p: &Point) -> f64 {
     let half_angle = |f: &[u32; 3]| {
         let [a, b, c] = f.map(|v| (draft.vertices[v as usize] - p).normalize());
@@ -119,7 +119,7 @@ fn a_cube_with_faces_in_both_windings_is_solid_and_that_is_said() {
         assert!(double.encloses(CENTRE) && !double.encloses([0.6, 0.0, 0.0]));
         assert_eq!(double.remarks(), "12 of 24 faces are there in both windings: each counts once");
     }
-    // some faces only, and one that is there three times
+    // only some faces twice, and one three times
     let mut some = cube.clone();
     some.faces.extend([[0, 2, 3], [0, 3, 2], [4, 7, 5]]);
     assert!(some.encloses(CENTRE));
@@ -133,7 +133,7 @@ fn the_other_side_may_have_other_triangles() {
     let mut double = cube.clone();
     double.faces.extend(quads.iter().flat_map(|[a, b, c, d]| [[*a, *d, *b], [*b, *d, *c]]));
     assert!(double.encloses(CENTRE) && !double.encloses([0.6, 0.0, 0.0]));
-    // or other rounding
+    // or with different rounding
     let mut noisy = cube.clone().inward();
     noisy.vertices.iter_mut().for_each(|p| *p *= 1.0 - 1e-7);
     let noisy = cube.and(&noisy);
@@ -152,7 +152,7 @@ fn flipped_faces_of_a_watertight_mesh_are_counted() {
     }
     assert!(ball.encloses(CENTRE));
     assert_eq!(ball.remarks(), "5 of 192 faces are wound the other way: they were turned over");
-    // all of them: it is known what is meant
+    // all of them: the intended solid is clear
     let inside_out = Draft::ball(0.5).inward();
     assert!(inside_out.encloses(CENTRE));
     assert_eq!(inside_out.remarks(), "");
@@ -220,7 +220,7 @@ fn only_a_shell_wholly_inside_and_wound_inward_is_a_cavity() {
     }
 }
 
-/// Two pyramids on a common ring of many corners, with faces that all reach the tips.
+/// Two pyramids on a common ring with many corners; all faces reach the tips.
 fn bicone(corners: u32, size: f64) -> Draft {
     let ring = (0..corners).map(|i| {
         let angle = std::f64::consts::TAU * f64::from(i) / f64::from(corners);
@@ -234,7 +234,7 @@ fn bicone(corners: u32, size: f64) -> Draft {
     Draft { vertices: ring.chain(tips).collect(), faces: faces.collect() }
 }
 
-/// The search for contact ends after so many steps, not after so much time.
+/// The search for contact is limited by a number of steps, not by time.
 #[test]
 fn shells_of_slivers_too_close_to_compare_are_solid_and_that_is_said() {
     let few = bicone(12, 1.0).and(&bicone(12, 0.5).inward());
@@ -245,7 +245,7 @@ fn shells_of_slivers_too_close_to_compare_are_solid_and_that_is_said() {
         many.remarks(),
         "1 of 2 closed shells are wound the other way and are no cavities: they are solid, too"
     );
-    // but what is not made of slivers is compared, also where the wall is thinner than edges are long
+    // but meshes without slivers are compared, also where the wall is thinner than the edges are long
     let fine = |radius: f64| {
         let mut ball = Draft::cube(1.0).divided(4);
         ball.vertices.iter_mut().for_each(|p| *p = Point::from(p.coords.normalize() * radius));
@@ -255,7 +255,7 @@ fn shells_of_slivers_too_close_to_compare_are_solid_and_that_is_said() {
     assert!(!hollow.encloses(CENTRE) && hollow.remarks().contains("are cavities"), "{}", hollow.remarks());
 }
 
-/// The tree of a surface makes no difference to what winds around a point, near the surface and far from it.
+/// The tree of a surface does not change winding numbers, near the surface and far from it.
 #[test]
 fn winding_numbers_are_those_of_brute_force() {
     let mut random = Random::new(7);
@@ -284,7 +284,7 @@ fn winding_numbers_are_those_of_brute_force() {
     assert!(inside > 500, "{inside}");
 }
 
-/// A cone over a boundary stands for faces only outside of their box: open surfaces show each of them.
+/// The cone over a boundary replaces faces only outside of their box: open surfaces would show any difference.
 #[test]
 fn winding_numbers_of_open_surfaces_are_those_of_brute_force() {
     let mut random = Random::new(9);
@@ -312,7 +312,7 @@ fn a_winding_number_costs_a_small_part_of_the_faces() {
     assert!(cost < ball.faces.len() as u64 / 10, "{cost} of {}", ball.faces.len());
 }
 
-/// Points asked one after the other, in whatever order, are inside where each by itself is; clusters cost next to nothing.
+/// Points tested in sequence, in any order, give the same results as each by itself; clusters cost almost nothing.
 #[test]
 fn points_that_share_an_answer_have_that_answer() {
     let mut random = Random::new(11);
@@ -373,7 +373,7 @@ fn what_is_open_is_a_surface_and_that_is_said() {
 
 #[test]
 fn a_mesh_that_is_too_tangled_is_reported() {
-    // points in a cloud joined at random, all faces between some of them
+    // random points joined by all faces between some of them
     let mut random = Random::new(5);
     let vertices = (0..40).map(|_| Point::from(random.vector(1.0))).collect();
     let mut tangle = Draft { vertices, faces: Vec::new() };
@@ -389,7 +389,7 @@ fn a_mesh_that_is_too_tangled_is_reported() {
     assert!(beside.remarks().starts_with(&format!("{words}: 9880 of 9892 faces")), "{}", beside.remarks());
 }
 
-/// Whatever was done to a union of closed shells, it encloses at least what the shells do, unless it is said that something is open.
+/// After any modification, a union of closed shells encloses at least the original shells, unless a part is reported as open.
 #[test]
 fn spoiled_meshes_enclose_what_their_shells_do() {
     let mut random = Random::new(2026);
@@ -412,7 +412,7 @@ fn spoiled_meshes_enclose_what_their_shells_do() {
             }
             let is_inside = around.iter().any(|w| w.abs() > 0.5);
             let (found, cavity) = (mesh.encloses(&p), remarks.to_string().contains("cavities: what"));
-            // as the faces are wound now: one reading of several
+            // by the present winding of the faces: one of several interpretations
             let as_wound = winding(&spoiled, &p).abs() > 0.5 && closed && remarks.is_empty();
             assert!(found || !as_wound, "round {round}: {p}");
             assert!(
@@ -433,7 +433,7 @@ fn random_shell(random: &mut Random) -> Draft {
         1 => Draft::cube(half).divided(1),
         _ => Draft::ball(half),
     };
-    // grids make shells share corners, edges and walls
+    // on a grid, shells share corners, edges and walls
     let by = match random.below(3) {
         0 => Vector::zeros(),
         1 => Vector::from_fn(|_, _| 0.4 * random.below(3) as f64 - 0.4),
@@ -442,7 +442,7 @@ fn random_shell(random: &mut Random) -> Draft {
     shell.shifted(by.into())
 }
 
-/// Does something to a mesh; tells whether it is closed as before.
+/// Modifies a mesh; returns true if it is as closed as before.
 fn spoil(draft: &mut Draft, random: &mut Random) -> bool {
     let mut closed = true;
     for _ in 0..random.below(4) {

@@ -1,19 +1,19 @@
-//! Vertices at equal positions joined, and each face once.
+//! Welding: joins vertices at equal positions, and keeps each face once.
 
 use crate::math::Point;
 
-/// The faces of a mesh that differ, over welded vertices.
+/// The distinct faces of a mesh, over welded vertices.
 pub(super) struct WeldedFaces {
-    /// Welded corners, as the face was wound where it came first; no two are equal.
+    /// Welded corners, with the winding of the first occurrence; no two are equal.
     pub corners: Vec<[u32; 3]>,
-    /// Whether a face is there in both windings.
+    /// True if a face occurs in both windings.
     pub is_double_sided: Vec<bool>,
-    /// Faces that are left out because others have the same corners.
+    /// Number of faces that are left out because others have the same corners.
     pub repeated: usize,
 }
 
 impl WeldedFaces {
-    /// Faces with two corners at one position have no edges that count, and are left out.
+    /// Faces with two corners at one position have no relevant edges, and are left out.
     pub fn new(vertices: &[Point], triangles: &[[u32; 3]]) -> Self {
         let names = welded(vertices);
         let mut keyed: Vec<([u32; 3], u32)> = (triangles.iter().zip(0..))
@@ -60,7 +60,7 @@ fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
     corners
 }
 
-/// Whether an even number of swaps sorts three different corners: the same for both means the same winding.
+/// True if an even number of swaps sorts three different corners: if it is equal for two faces, so is their winding.
 fn is_even([a, b, c]: [u32; 3]) -> bool {
     (a < b) ^ (b < c) ^ (a < c)
 }

@@ -1,18 +1,18 @@
 //! Winding numbers of a surface in a hierarchy (Jacobson, Kavan & Sorkine-Hornung 2013, section 4.3).
 //!
-//! Faces in a box that a point lies outside of wind around it as any other surface within the box does that has the same boundary: here a
-//! cone over it. A box of n faces costs about √n triangles then. Nothing is approximated.
+//! For a point outside of a box, the faces in the box have the same winding number as any other surface in the box with the same
+//! boundary: here a cone over the boundary. A box of n faces then costs about √n triangles. Nothing is approximated.
 
 use super::half_angle;
 use crate::math::{Point, Vector};
 
-/// Faces of a leaf at most.
+/// Maximum number of faces in a leaf.
 const LEAF_FACES: usize = 8;
 
-/// How far a point has to be outside of a box for its cone to count, as a share of the box's diagonal: rounding moves nothing then.
+/// Minimum distance of a point from a box for its cone to be used, as a fraction of the box's diagonal: rounding then has no effect.
 const MARGIN: f64 = 1e-3;
 
-/// Nodes that are looked at to find a box clear of faces, at most.
+/// Maximum number of nodes visited to find a box without faces.
 const CLEARANCE_NODES: u32 = 512;
 
 /// Faces of a surface in a binary tree of boxes.
@@ -30,14 +30,14 @@ pub(super) struct WindingTree {
 struct Node {
     low: Point,
     high: Point,
-    /// Its faces among all.
+    /// Range of its faces among all.
     faces: [usize; 2],
     second_child: Option<usize>,
-    /// Its boundary among all edges, where that is short.
+    /// Range of its boundary among all edges, if the boundary is short.
     cone: Option<[usize; 2]>,
 }
 
-/// A directed edge, and how often it is in a boundary: negative where it goes the other way.
+/// A directed edge, and its multiplicity in a boundary: negative in the other direction.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     ends: [u32; 2],
@@ -51,7 +51,8 @@ impl WindingTree {
         tree
     }
 
-    /// Halves are as even as can be: the tree is as deep as the count has bits. Answers with the boundary of the node's faces.
+    /// Halves are as equal as possible: the depth of the tree is the number of bits of the count. Returns the boundary of the node's
+    /// faces.
     fn build(&mut self, vertices: &[Point], [first, end]: [usize; 2]) -> Vec<Edge> {
         let faces = &mut self.triangles[first..end];
         let corners = || faces.iter().flatten().map(|v| vertices[*v as usize]);
@@ -81,7 +82,7 @@ impl WindingTree {
         boundary
     }
 
-    /// How often the surface winds around a point; `cost` counts triangles and boxes.
+    /// Winding number of the surface around a point; `cost` counts triangles and boxes.
     pub fn winding_number(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> f64 {
         self.half_angles(0, vertices, point, cost) / std::f64::consts::TAU
     }
@@ -104,7 +105,7 @@ impl WindingTree {
         faces.iter().map(|t| half_angle(t.map(|v| vertices[v as usize] - point))).sum()
     }
 
-    /// Whether a box is certainly clear of the surface.
+    /// True if a box certainly contains no part of the surface.
     pub fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], cost: &mut u64) -> bool {
         let mut nodes_left = CLEARANCE_NODES;
         let clear = self.is_clear_of(0, vertices, bounds, &mut nodes_left);
@@ -140,7 +141,7 @@ impl WindingTree {
 }
 
 impl Node {
-    /// Whether a point is outside of the box by its margin.
+    /// True if a point is outside of the box by its margin.
     fn is_outside(&self, point: &Point) -> bool {
         let margin = MARGIN * (self.high - self.low).norm();
         (0..3).any(|i| point[i] < self.low[i] - margin || point[i] > self.high[i] + margin)
@@ -152,7 +153,7 @@ fn overlap(a: &[Point; 2], b: &[Point; 2]) -> bool {
     (0..3).all(|i| a[0][i] <= b[1][i] && b[0][i] <= a[1][i])
 }
 
-/// Of the triangles from one corner of a boundary to its edges.
+/// Half the solid angle of the triangles from one corner of a boundary to its edges.
 fn cone_half_angles(edges: &[Edge], vertices: &[Point], point: &Point) -> f64 {
     let Some(first) = edges.first() else { return 0.0 };
     let apex = first.ends[0];

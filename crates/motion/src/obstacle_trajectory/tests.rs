@@ -1,4 +1,4 @@
-//! Obstacles on the clock are where their twist or their poses have them, in every part of a trajectory.
+//! Tests that obstacles move by their twist or through their poses, in every part of a trajectory.
 
 use clearance_geometry::math::{Rotation, Vector};
 use clearance_geometry::{Primitive, Shape};
@@ -30,7 +30,7 @@ fn world() -> World {
     world
 }
 
-/// Straight, cubic and straight pieces from 0.5 s to 4 s; without times on request.
+/// Linear, cubic and linear segments from 0.5 s to 4 s; optionally without times.
 fn trajectory(timed: bool) -> Trajectory {
     let point = |q: [f64; 2], v: Option<[f64; 2]>, time: f64| TrajectoryPoint {
         positions: q.to_vec(),
@@ -49,7 +49,7 @@ fn trajectory(timed: bool) -> Trajectory {
     Trajectory::from_points(&robot, &joints, &points, &robot.default_configuration()).unwrap()
 }
 
-/// Every part's time, place of the robot and displacement of its obstacles at fractions of it.
+/// For every part: times, robot positions and displacements of obstacles, at fractions of it.
 fn samples(way: &Trajectory) -> impl Iterator<Item = (f64, usize, f64)> + '_ {
     (0..way.segments().len()).flat_map(move |segment| {
         [0.0, 0.1, 0.5, 0.9, 1.0].map(|t| (way.time(segment, t).unwrap(), segment, t))
@@ -159,7 +159,7 @@ fn what_is_no_way_is_refused() {
     let endless = ObstacleTrajectory::even("a", Point::origin(), [1e8; 3], [0.0; 3]);
     assert!(matches!(with(trajectory(true), endless), Err(TrajectoryError::Segment { segment: 1, .. })));
 
-    // from segment to segment an obstacle must not jump back to where the world has it
+    // from segment to segment an obstacle must not jump back to its pose in the world
     let even = ObstacleTrajectory::even("a", Point::origin(), [1.0; 3], [0.0; 3]);
     let mut jumping = with(trajectory(true), even).unwrap().segments().to_vec();
     jumping[1] = jumping[1].clone().with_obstacles(&world(), Vec::new()).unwrap();

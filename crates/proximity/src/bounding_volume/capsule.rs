@@ -44,7 +44,7 @@ impl BoundingVolume for Capsule {
         RotationMatrix::identity()
     }
 
-    /// Along the direction of largest spread, through the middle across it, as short as the radius allows.
+    /// The segment is along the direction of largest spread, through the middle across it, and as short as the radius allows.
     fn fit(points: &[Vector]) -> Self {
         let axes = principal_axes(points);
         let local: Vec<Vector> = points.iter().map(|p| axes.tr_mul(p)).collect();
@@ -118,10 +118,10 @@ impl BoundingVolume for Capsule {
     }
 }
 
-/// Numbers never larger than the distances of one segment from eight others.
+/// Lower bounds on the distances of one segment to eight others.
 ///
-/// Nearly nearest points are found with clamped parameters (Ericson, *Real-Time Collision Detection*, 5.1.9); whatever
-/// rounding did to them, the gap of the segments along the direction between those points is a lower bound.
+/// Approximately nearest points are found with clamped parameters (Ericson, *Real-Time Collision Detection*, 5.1.9). Whatever their
+/// rounding errors, the gap of the segments along the direction between these points is a lower bound.
 #[inline(always)]
 fn segment_bounds<S: Simd>(simd: S, one: &[[f32; 3]; 2], eight: [Vectors<S>; 2]) -> f32x8<S> {
     let (zero, unit) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));

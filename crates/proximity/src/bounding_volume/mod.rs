@@ -1,6 +1,6 @@
-//! Simple solids around parts of a surface, eight at a time.
+//! Bounding volumes of parts of a surface, tested eight at a time.
 //!
-//! | type | the literature's name |
+//! | type | name in the literature |
 //! |---|---|
 //! | [`Obb`] | oriented bounding box |
 //! | [`Aabb`] | axis-aligned bounding box |
@@ -8,11 +8,11 @@
 //! | [`Capsule`] | line swept sphere (LSS) |
 //! | [`Sphere`] | bounding sphere; as a swept sphere, a point swept sphere (PSS) |
 //!
-//! A new volume is one file here and one line in this table.
+//! To add a volume, add one file here and one line to this table.
 //!
-//! Volumes live in *frames* that share an origin, their tree's anchor, and differ by a rotation. They are fitted in f64,
-//! rounded outward to f32, and tested in f32 with eight of them in the lanes of a vector; [`Relative::slack`] is what
-//! rounding may do to a test.
+//! The *frames* of volumes have a common origin, their tree's anchor, and differ by a rotation. Volumes are fitted in f64, rounded
+//! outward to f32, and tested in f32 with eight of them in the lanes of a vector; [`Relative::slack`] is the possible rounding error of a
+//! test.
 
 mod aabb;
 mod capsule;
@@ -36,50 +36,50 @@ use clearance_geometry::math::{RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 
-/// A solid that is cheap to test and holds what it was fitted to.
+/// A bounding volume: cheap to test, and contains everything it was fitted to.
 pub trait BoundingVolume: Copy + Debug + Send + Sync + 'static {
-    /// The field's short name.
+    /// The usual abbreviation of its name.
     const NAME: &'static str;
 
     /// Eight volumes of one frame, structure of arrays.
     type Pack: Clone + Debug + Send + Sync;
 
-    /// Eight volumes of one frame as they look from another frame, to be taken one by one.
+    /// Eight volumes of one frame, transformed to another frame, to be tested one by one.
     type Seen: Copy;
 
-    /// Eight volumes of a frame, ready to be tested against one that is seen from there.
+    /// Eight volumes of a frame, prepared for tests against a volume transformed to that frame.
     type Facing<S: Simd>: Copy;
 
-    /// Axes of a frame that suits volumes around `points`, as columns.
+    /// Axes, as columns, of a suitable frame for volumes around `points`.
     fn axes(points: &[Vector]) -> RotationMatrix;
 
-    /// A volume that holds the convex hull of `points`, in the frame of their coordinates.
+    /// A volume that contains the convex hull of `points`, in the frame of their coordinates.
     fn fit(points: &[Vector]) -> Self;
 
-    /// Packs volumes; lanes beyond the last repeat it.
+    /// Packs volumes; unused lanes repeat the last one.
     fn pack(volumes: &[Self]) -> Self::Pack;
 
     /// The same volume in all lanes.
     fn splat(&self) -> Self::Pack;
 
-    /// The volumes of `pack`, whose frame is placed at `relative`, as seen from there.
+    /// The volumes of `pack`, transformed from their frame, which is placed at `relative`.
     fn seen<S: Simd>(simd: S, pack: &Self::Pack, relative: &Relative) -> Self::Seen;
 
     /// Prepares `pack` for volumes whose frame is placed at `relative` in its own.
     fn facing<S: Simd>(simd: S, pack: &Self::Pack, relative: &Relative) -> Self::Facing<S>;
 
-    /// For each volume seen a number never larger than its distance (m) from `other`; cheap rather than tight.
+    /// For each transformed volume a lower bound on its distance (m) to `other`; cheap rather than tight.
     fn coarse_bounds<S: Simd>(simd: S, seen: &Self::Seen, other: &Self, relative: &Relative) -> f32x8<S>;
 
-    /// For each volume of a pack, between which numbers (m) it lies along a direction of its frame.
+    /// For each volume of a pack, its range (m) along a direction of its frame.
     fn extents<S: Simd>(simd: S, _pack: &Self::Pack, _direction: &[f32; 3]) -> [f32x8<S>; 2] {
         [f32x8::splat(simd, f32::NEG_INFINITY), f32x8::splat(simd, f32::INFINITY)]
     }
 
-    /// For the volume seen in `lane` numbers never larger than its distances (m) from the eight that face it, but for
-    /// rounding of [`Relative::slack`]; negative numbers where they overlap, the more the deeper.
+    /// For the transformed volume in `lane`, lower bounds (m) on its distances to the eight prepared ones, up to the rounding of
+    /// [`Relative::slack`]; negative where they overlap, the more the deeper.
     ///
-    /// `SEPARATE` asks whether they are apart at all: then the number is as good as any once it is positive.
+    /// With `SEPARATE` only the sign is needed: any positive value is sufficient.
     fn bounds<S: Simd, const SEPARATE: bool>(
         simd: S,
         facing: &Self::Facing<S>,
@@ -89,7 +89,7 @@ pub trait BoundingVolume: Copy + Debug + Send + Sync + 'static {
     ) -> f32x8<S>;
 }
 
-/// One number of each volume in the lanes; lanes beyond the last repeat it.
+/// One number of each volume in the lanes; unused lanes repeat the last one.
 fn lanes<V>(volumes: &[V], number: impl Fn(&V) -> f32) -> [f32; LANES] {
     std::array::from_fn(|lane| number(&volumes[lane.min(volumes.len() - 1)]))
 }

@@ -22,7 +22,7 @@ pub struct ObbPack {
     half_extents: [[f32; LANES]; 3],
 }
 
-/// Eight boxes seen from another frame, b; their own is a.
+/// Eight boxes of a frame a, transformed to another frame, b.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub struct SeenObbs {
@@ -51,7 +51,7 @@ impl BoundingVolume for Obb {
     type Seen = SeenObbs;
     type Facing<S: Simd> = FacingObbs<S>;
 
-    /// The axes of the tree or the principal ones, whichever give the smaller box: machined parts lie along the former.
+    /// The axes of the tree or the principal ones, whichever give the smaller box: faces of machined parts are often along the former.
     fn axes(points: &[Vector]) -> RotationMatrix {
         let principal = principal_axes(points);
         let own = RotationMatrix::identity();
@@ -171,8 +171,8 @@ impl BoundingVolume for Obb {
     }
 }
 
-/// The largest gap along the nine axes normal to an edge of each box: one with half extents `own`, and eight at offsets
-/// `d` with half extents `h`. The axes are at most one long, hence so is the gap at most the distance.
+/// The largest gap along the nine axes normal to an edge of each box: one with half extents `own`, and eight at offsets `d` with half
+/// extents `h`. The axes have length at most one, hence the gap is at most the distance.
 #[inline(always)]
 fn edge_gaps<S: Simd>(d: Vectors<S>, h: Vectors<S>, own: &[f32; 3], relative: &Relative) -> f32x8<S> {
     let r = &relative.r;
@@ -203,7 +203,7 @@ fn edge_gap<S: Simd>(
     (d[1] * p - d[0] * q).abs() - h[0] * q.abs() - h[1] * p.abs() - reach_a
 }
 
-/// Half the surface (m²) of the box around points along some axes: what a line meets it by.
+/// Half the surface area (m²) of the box around points along some axes: proportional to the probability that a line hits it.
 fn area_along(axes: &RotationMatrix, points: &[Vector]) -> f64 {
     let mut lo = Vector::repeat(f64::INFINITY);
     let mut hi = Vector::repeat(f64::NEG_INFINITY);

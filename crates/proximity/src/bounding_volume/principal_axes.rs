@@ -1,4 +1,4 @@
-//! The directions in which points spread most.
+//! Principal axes: the directions in which points spread most.
 
 use clearance_geometry::math::{RotationMatrix, Vector};
 
@@ -24,7 +24,7 @@ pub fn principal_axes(points: &[Vector]) -> RotationMatrix {
     orthonormal(&eigen.eigenvectors.column(order[0]).into(), &eigen.eigenvectors.column(order[1]).into())
 }
 
-/// Axes along `first` and, as far as it is normal to that, `second`: orthonormal to rounding whatever comes in.
+/// Axes along `first` and, as far as it is normal to that, `second`: orthonormal up to rounding for any input.
 fn orthonormal(first: &Vector, second: &Vector) -> RotationMatrix {
     let x = first.normalize();
     let rest = second - x * x.dot(second);

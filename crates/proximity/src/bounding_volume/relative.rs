@@ -1,4 +1,4 @@
-//! How the frame of one node lies in the frame of another, in f32.
+//! Relative pose of two node frames, in f32.
 
 use clearance_geometry::constants::{PLACEMENT_SLACK, VOLUME_SLACK};
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix, Vector};
@@ -19,7 +19,7 @@ impl Axes {
         Self(std::array::from_fn(|k| std::array::from_fn(|i| round(axes[(i, k)]))))
     }
 
-    /// Coordinates along these very axes, rounded as they are.
+    /// Coordinates of a point along exactly these axes, with the rounding that they have.
     #[must_use]
     #[inline]
     pub fn along(&self, point: &Vector) -> Vector {
@@ -33,18 +33,18 @@ impl Axes {
 pub struct Relative {
     /// `r[i][j]` is the component of a's axis `j` along b's axis `i`.
     pub r: [[f32; 3]; 3],
-    /// a's anchor (m) in the frame of b.
+    /// Position of a's anchor (m) in the frame of b.
     pub t: [f32; 3],
-    /// How much (m) rounding can make a distance of two volumes look larger.
+    /// Amount (m) by which rounding can increase the computed distance of two volumes.
     pub slack: f32,
 }
 
 impl Relative {
-    /// The frames of two trees with anchors `anchor_a` and `anchor_b`, which reach that far (m) from them.
+    /// The frames of two trees with anchors `anchor_a` and `anchor_b`; the trees extend that far (m) from them.
     ///
-    /// Slack: entries of `r` and `t` after two f32 products of three terms each are off by less than 16 units of 2⁻²⁴,
-    /// a coordinate made from them by less than 32 units relative to the 1-norm of what entered; two such coordinates and
-    /// two sums of three extents make [`VOLUME_SLACK`], 64 units.
+    /// Slack: entries of `r` and `t` after two f32 products of three terms each have an error of less than 16 units of 2⁻²⁴. A coordinate
+    /// computed from them has an error of less than 32 units relative to the 1-norm of its inputs. Two such coordinates and two sums of
+    /// three extents give [`VOLUME_SLACK`], 64 units.
     #[must_use]
     #[inline]
     pub fn of_trees(
@@ -55,7 +55,7 @@ impl Relative {
         let rotation = pose_ab.rotation.transpose();
         let t = rotation * (anchor_a.coords - pose_ab.translation) - anchor_b.coords;
         let reach = t.abs().sum() + reach_a + reach_b;
-        // what f64 lost where anchors and poses nearly cancel
+        // rounding error of f64 where anchors and poses nearly cancel
         let entered =
             anchor_a.coords.abs().sum() + anchor_b.coords.abs().sum() + pose_ab.translation.abs().sum();
         Self {
@@ -65,7 +65,7 @@ impl Relative {
         }
     }
 
-    /// The frame of a node of a in the frame of a node of b, given the frames of the trees.
+    /// The frame of a node of a in the frame of a node of b, from the frames of the trees.
     #[inline(always)]
     #[must_use]
     pub fn of_nodes(&self, axes_a: &Axes, axes_b: &Axes) -> Self {
@@ -86,7 +86,7 @@ impl Relative {
         Self { r, t: [-t[0], -t[1], -t[2]], slack: self.slack }
     }
 
-    /// A point of a's frame in b's frame.
+    /// Transforms a point of a's frame to b's frame.
     #[inline(always)]
     #[must_use]
     pub fn point(&self, p: &[f32; 3]) -> [f32; 3] {
@@ -94,14 +94,14 @@ impl Relative {
         [x + self.t[0], y + self.t[1], z + self.t[2]]
     }
 
-    /// Where a's origin is along a direction of b's frame.
+    /// Coordinate of a's origin along a direction of b's frame.
     #[inline(always)]
     #[must_use]
     pub fn offset_along(&self, direction: &[f32; 3]) -> f32 {
         dot(&self.t, direction)
     }
 
-    /// A direction of b's frame along a's axes.
+    /// Components of a direction of b's frame along a's axes.
     #[inline(always)]
     #[must_use]
     pub fn along_a(&self, v: &[f32; 3]) -> [f32; 3] {
@@ -115,7 +115,7 @@ impl Relative {
 }
 
 impl Axes {
-    /// A direction of the tree's frame along these axes.
+    /// Components of a direction of the tree's frame along these axes.
     #[inline(always)]
     #[must_use]
     pub fn turned(&self, v: &[f32; 3]) -> [f32; 3] {

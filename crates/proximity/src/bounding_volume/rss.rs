@@ -1,7 +1,7 @@
 //! Rectangle swept spheres: all points within a radius of a rectangle (Larsen, Gottschalk, Lin & Manocha 1999).
 //!
-//! Rectangles are tested as boxes without thickness, by separating axes: a lower bound that is exact but for pairs of
-//! corners and edges that face each other askew.
+//! Rectangles are tested as boxes of zero thickness, by separating axes: the lower bound is exact, except for corners and edges that face
+//! each other at an angle.
 
 use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
@@ -10,10 +10,10 @@ use clearance_geometry::simd::{LANES, Simd, f32x8};
 use super::obb::{FacingObbs, ObbPack, SeenObbs};
 use super::{BoundingVolume, Obb, Relative, lanes, principal_axes, round, round_up};
 
-/// A rectangle across the third axis of its frame, and a radius around it.
+/// A rectangle normal to the third axis of its frame, and a radius around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rss {
-    /// A box without thickness.
+    /// A box of zero thickness.
     pub rectangle: Obb,
     pub radius: f32,
 }
@@ -99,7 +99,7 @@ impl BoundingVolume for Rss {
         lane: usize,
         relative: &Relative,
     ) -> f32x8<S> {
-        // a round edge is best faced across both edges, so the distance of the rectangles must be a good one here too
+        // a round edge is nearest in a direction diagonal to both edges, so the distance of the rectangles must be tight here, too
         let (faces, rectangles) = (&facing.rectangles, &seen.rectangles);
         let bound = Obb::bounds::<S, false>(simd, faces, rectangles, lane, relative);
         let bound = if SEPARATE {

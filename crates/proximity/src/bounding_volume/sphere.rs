@@ -98,7 +98,7 @@ impl BoundingVolume for Sphere {
     }
 }
 
-/// The centre of a sphere that grows from the two points far apart to hold one after the other.
+/// The centre of a sphere that starts from two distant points and grows to contain one point after the other.
 fn ritter(points: &[Vector]) -> Vector {
     let farthest = |from: Vector| {
         let nearer =

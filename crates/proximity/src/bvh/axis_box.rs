@@ -3,7 +3,7 @@
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::simd::LANES;
 
-/// A box along the axes (m), rounded outward; lower corner above the upper one: nothing.
+/// A box along the axes (m), rounded outward. If its lower corner is above the upper one, it is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisBox {
     pub lo: [f32; 3],
@@ -13,10 +13,10 @@ pub struct AxisBox {
 impl AxisBox {
     pub const EMPTY: Self = Self { lo: [f32::INFINITY; 3], hi: [f32::NEG_INFINITY; 3] };
 
-    /// Everything.
+    /// The unbounded box.
     pub const ALL: Self = Self { lo: [f32::NEG_INFINITY; 3], hi: [f32::INFINITY; 3] };
 
-    /// The box around points that reach `radius` (m) farther. What is no number makes it unbounded.
+    /// The box around points, enlarged by `radius` (m). NaN makes it unbounded.
     #[must_use]
     #[inline]
     pub fn around(points: impl IntoIterator<Item = Point>, radius: f64) -> Self {
@@ -46,7 +46,7 @@ impl AxisBox {
         }
     }
 
-    /// The box that reaches `by` (m, not negative) farther on all sides.
+    /// The box enlarged by `by` (m, not negative) on all sides.
     #[must_use]
     #[inline]
     pub fn grown(&self, by: f64) -> Self {
@@ -102,7 +102,7 @@ impl EightBoxes {
     }
 }
 
-/// The nearest f32 that is not above; negative infinity for what is no number.
+/// The nearest f32 that is not larger; negative infinity for NaN.
 #[allow(clippy::cast_possible_truncation)] // rounded down right after
 fn down(x: f64) -> f32 {
     let nearest = x as f32;

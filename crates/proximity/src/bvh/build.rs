@@ -1,4 +1,4 @@
-//! Top-down construction: three cuts make the eight parts of a node.
+//! Top-down construction of a tree: three levels of splits make the eight children of a node.
 
 use clearance_geometry::math::{Extremes, Point, RotationMatrix, Vector};
 use clearance_geometry::simd::LANES;
@@ -59,9 +59,9 @@ fn mean(points: &[Vector]) -> Vector {
 struct Builder<'i, B: BoundingVolume, L: Content> {
     items: &'i [L::Item],
     anchor: Point,
-    /// Of all items in turn, from the anchor.
+    /// Corners of all items in sequence, relative to the anchor.
     corners: Vec<Vector>,
-    /// Where each item's corners end, after a zero.
+    /// End of each item's corners, after a zero.
     ends: Vec<usize>,
     centres: Vec<Vector>,
     nodes: Vec<Node<B>>,
@@ -72,7 +72,7 @@ struct Builder<'i, B: BoundingVolume, L: Content> {
 }
 
 impl<B: BoundingVolume, L: Content> Builder<'_, B, L> {
-    /// Builds what holds `order`, which begins at `start` in the whole.
+    /// Builds the subtree of `order`, which begins at `start` in the whole.
     fn subtree(&mut self, order: &mut [u32], start: u32) -> NodeRef {
         if order.len() <= L::CAPACITY {
             return self.leaf(order, start);
@@ -130,7 +130,7 @@ impl<B: BoundingVolume, L: Content> Builder<'_, B, L> {
         }
     }
 
-    /// Sorts items into at most eight parts near to each other; gives where they end, after a zero.
+    /// Sorts items into at most eight groups of neighbours; returns the ends of the groups, after a zero.
     fn parts(&mut self, order: &mut [u32]) -> Vec<usize> {
         let mut ends = vec![0, order.len()];
         for _ in 0..3 {
@@ -146,8 +146,8 @@ impl<B: BoundingVolume, L: Content> Builder<'_, B, L> {
         ends
     }
 
-    /// Sorts what lies before the best cut to the front; tells how many that are: a multiple of what a leaf holds, so that
-    /// leaves are full.
+    /// Moves the items before the best split to the front; returns their number: a multiple of the leaf capacity, so that leaves are
+    /// full.
     fn split(&mut self, order: &mut [u32]) -> Option<usize> {
         if order.len() <= L::CAPACITY {
             return None;

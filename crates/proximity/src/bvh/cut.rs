@@ -1,14 +1,15 @@
-//! Where to cut items in two: where the boxes around both parts are met least, for what they hold.
+//! Splits items in two, by the surface area heuristic.
 //!
-//! The surface area heuristic (Goldsmith & Salmon 1987, *Automatic creation of object hierarchies for ray tracing*; Wald
-//! 2007, *On fast construction of SAH-based bounding volume hierarchies*, for the bins), along the principal axes.
+//! The heuristic minimises the expected number of visits of the boxes around both parts (Goldsmith & Salmon 1987, *Automatic creation of
+//! object hierarchies for ray tracing*; Wald 2007, *On fast construction of SAH-based bounding volume hierarchies*, for the bins), along
+//! the principal axes.
 
 use clearance_geometry::math::{Extremes, Vector};
 
-/// Cuts that are compared along an axis, and one.
+/// Number of splits compared along an axis, plus one.
 const BINS: usize = 32;
 
-/// Neither part has fewer than one in so many, so that trees stay flat.
+/// Each part has at least one item in this many, so that trees stay flat.
 const LEAST_SHARE: usize = 8;
 
 /// An item along the axes: its centre and the box around it.
@@ -19,7 +20,7 @@ pub(super) struct Extent {
     pub hi: Vector,
 }
 
-/// The axis to cut across, and how many items come before the cut: a multiple of `capacity`.
+/// The axis to split along, and the number of items before the split: a multiple of `capacity`.
 #[inline]
 pub(super) fn best_cut(items: &[Extent], capacity: usize) -> (usize, usize) {
     let mut best = (f64::INFINITY, 0, items.len() / 2);
@@ -33,7 +34,7 @@ pub(super) fn best_cut(items: &[Extent], capacity: usize) -> (usize, usize) {
     (axis, whole.clamp(capacity, (items.len() - 1) / capacity * capacity))
 }
 
-/// What lies between two cuts.
+/// Items between two splits.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     count: usize,
@@ -52,7 +53,7 @@ impl Part {
         self.hi = self.hi.sup(hi);
     }
 
-    /// Half the surface of the box, for each of the leaves that it takes.
+    /// Half the surface area of the box, times the number of leaves that it needs.
     #[allow(clippy::cast_precision_loss)] // counts of leaves
     fn cost(&self, capacity: usize) -> f64 {
         let d = self.hi - self.lo;
@@ -60,11 +61,11 @@ impl Part {
     }
 }
 
-/// Items by where their centres are along an axis.
+/// Bins of items, by their centres along an axis.
 struct Bins([Part; BINS]);
 
 impl Bins {
-    /// `None` where all centres are in one place.
+    /// `None` if all centres coincide.
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn new(items: &[Extent], axis: usize) -> Option<Self> {
         let place = |item: &Extent| item.centre[axis];
@@ -82,7 +83,7 @@ impl Bins {
         Some(Self(bins))
     }
 
-    /// Takes the best cut, if it is better than the best so far: its cost, axis, and count before it.
+    /// Keeps the best split, if it is better than the best so far: its cost, axis, and number of items before it.
     fn compare(&self, axis: usize, count: usize, capacity: usize, best: &mut (f64, usize, usize)) {
         let mut after = [0.0; BINS];
         let mut part = Part::nothing();

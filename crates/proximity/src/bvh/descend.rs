@@ -1,4 +1,4 @@
-//! The one traversal: two trees at once, both opened at every step, what may be nearest first.
+//! Simultaneous traversal of two trees: opens both at every step, nearest pairs first.
 
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, f32x8, not_beyond};
@@ -6,7 +6,7 @@ use clearance_geometry::simd::{LANES, Simd, f32x8, not_beyond};
 use super::tree::{NodeRef, Tree};
 use crate::bounding_volume::{Axes, BoundingVolume, Relative};
 
-/// Two subtrees, and a number never larger than their distance (m); negative where their volumes overlap.
+/// Two subtrees, with a lower bound on their distance (m); negative where their volumes overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     pub lower: f32,
@@ -14,16 +14,16 @@ pub struct Entry {
     pub b: NodeRef,
 }
 
-/// A question: what it still cares for, and what it does where two leaves meet.
+/// Visitor of the traversal: its search limit, and its action for two leaves.
 pub trait Visitor<LA, LB> {
-    /// Whether volumes only have to be told apart; else their distance counts.
+    /// True if only the separation of volumes matters; otherwise their distance is used.
     const SEPARATE: bool;
 
-    /// Subtrees farther apart than this (m) no longer matter. Negative infinity ends the search.
+    /// Subtrees farther apart than this (m) are skipped. Negative infinity ends the search.
     fn threshold(&self) -> f32;
 
-    /// A direction (frame of b's tree, not longer than one) in which something near was found, along which volumes are
-    /// probably apart, too; zeros if there is none.
+    /// A direction (frame of b's tree, length at most one) in which near elements were found, and along which other volumes are probably
+    /// separated, too; zeros if there is none.
     fn direction(&self) -> [f32; 3] {
         [0.0; 3]
     }
@@ -32,13 +32,13 @@ pub trait Visitor<LA, LB> {
 
     fn leaves<S: Simd>(&mut self, simd: S, a: &LA, b: &LB);
 
-    /// Whether to stop here although something is left.
+    /// True if the search is to stop although subtrees are left.
     fn interrupted(&mut self) -> bool;
 }
 
-/// Brings all leaves that matter to the visitor. `relative` places the trees; `stack` is scratch.
+/// Passes all relevant pairs of leaves to the visitor. `relative` places the trees; `stack` is scratch memory.
 ///
-/// An interrupted search leaves on the stack what it has not looked at.
+/// An interrupted search leaves the remaining subtrees on the stack.
 #[inline(always)]
 pub fn descend<S, B, LA, LB, V>(
     simd: S,
@@ -54,7 +54,7 @@ pub fn descend<S, B, LA, LB, V>(
     descend_from(simd, (a, b), &[b.root()], relative, stack, visitor);
 }
 
-/// As [`descend`], of what hangs on some nodes of the second tree.
+/// As [`descend`], for the subtrees of some nodes of the second tree.
 #[inline(always)]
 pub fn descend_from<S, B, LA, LB, V>(
     simd: S,
@@ -109,7 +109,7 @@ pub fn descend_from<S, B, LA, LB, V>(
     }
 }
 
-/// Swaps the nearest to the end: whether anything touches depends little on the order of the rest.
+/// Swaps the nearest to the end; for contact tests the order of the others matters little.
 #[inline(always)]
 fn nearest_to_top(entries: &mut [Entry]) {
     let Some(last) = entries.len().checked_sub(1) else { return };
@@ -122,7 +122,7 @@ fn nearest_to_top(entries: &mut [Entry]) {
     entries.swap(nearest, last);
 }
 
-/// Sorts by insertion, the nearest last: entries are few.
+/// Insertion sort, the nearest last: there are few entries.
 #[inline(always)]
 pub(super) fn sort(entries: &mut [Entry]) {
     for i in 1..entries.len() {
@@ -136,7 +136,7 @@ pub(super) fn sort(entries: &mut [Entry]) {
     }
 }
 
-/// A number never larger than the distance (m) of a whole tree and what hangs on a node of another.
+/// Lower bound on the distance (m) between a whole tree and a subtree of another tree.
 #[inline(always)]
 fn root_bound<S, B, LA, LB, V>(
     simd: S,
@@ -222,7 +222,7 @@ fn open_one<S, B, LA, LB, LV, LW, V>(
     each_lane(bounds, near, |j, bound| push(bound - relative.slack, node.children[j]));
 }
 
-/// Where volumes lie along the visitor's direction.
+/// Ranges of the volumes along the visitor's direction.
 #[derive(Clone, Copy)]
 struct Along<S: Simd> {
     /// None while there is no direction.
@@ -255,7 +255,7 @@ impl<S: Simd> Along<S> {
         }
     }
 
-    /// Bounds of a volume of a against eight of b, or their gaps along the direction where these are larger.
+    /// Lower bounds for a volume of a against eight of b, or their gaps along the direction where these are larger.
     #[inline(always)]
     fn and(&self, lane: usize, bounds: f32x8<S>) -> f32x8<S> {
         let Some([low, high]) = &self.of_a else { return bounds };

@@ -1,7 +1,7 @@
-//! A tree that changes: numbered items with boxes, eight to a node, put in, moved and taken out in place.
+//! Dynamic bounding box tree: numbered items with boxes, eight per node, inserted, moved and removed in place.
 //!
-//! What is put in goes where it makes boxes grow least (Catto 2019, *Dynamic bounding volume hierarchies*); after as many changes
-//! as there are items the tree is built anew.
+//! An item is inserted where boxes grow least (Catto 2019, *Dynamic bounding volume hierarchies*). After as many changes as there are
+//! items, the tree is rebuilt.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::prelude::*;
@@ -9,10 +9,10 @@ use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, low_byte, ma
 
 use super::axis_box::{AxisBox, EightBoxes};
 
-/// So few of eight boxes are compared one by one with those of a node.
+/// Up to this number of the eight boxes, each is compared with a node's boxes individually.
 const FEW_BOXES: u32 = 3;
 
-/// Changes after which even a small tree is not yet built anew.
+/// Minimum number of changes before a rebuild, also for a small tree.
 const FEW_CHANGES: usize = 64;
 
 /// Items with boxes.
@@ -21,22 +21,22 @@ pub struct DynamicTree {
     /// The root is node 0, if there is one.
     nodes: Vec<Node>,
     unused: Vec<u32>,
-    /// By item.
+    /// By item: its place in the tree.
     seats: Vec<Option<Seat>>,
     count: usize,
     changes: usize,
 }
 
-/// Eight boxes, and what is in them.
+/// Eight boxes, and their content.
 #[derive(Clone, Debug)]
 struct Node {
     boxes: EightBoxes,
     children: [Child; LANES],
-    /// Where it is a child.
+    /// The node and lane of which it is a child.
     seat: Option<Seat>,
 }
 
-/// What a box is around.
+/// Content of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Child {
     Nothing,
@@ -80,7 +80,7 @@ impl DynamicTree {
         (!self.is_empty()).then_some(0)
     }
 
-    /// Puts an item in, or gives it another box.
+    /// Inserts an item, or changes its box.
     #[inline]
     pub fn set(&mut self, item: u32, bounds: AxisBox) {
         self.make_room(item);
@@ -98,7 +98,7 @@ impl DynamicTree {
         self.note_change();
     }
 
-    /// Takes an item out, if it is in.
+    /// Removes an item, if it is in the tree.
     #[inline]
     pub fn remove(&mut self, item: u32) {
         let Some(seat) = self.seats.get_mut(item as usize).and_then(Option::take) else { return };
@@ -107,7 +107,7 @@ impl DynamicTree {
         self.note_change();
     }
 
-    /// The boxes of a node, and what is in them.
+    /// The boxes of a node, and their content.
     #[inline]
     #[must_use]
     pub fn node(&self, node: u32) -> (&EightBoxes, &[Child; LANES]) {
@@ -115,7 +115,7 @@ impl DynamicTree {
         (boxes, children)
     }
 
-    /// Appends the items whose boxes overlap one to `found`; returns how many boxes were tested. `stack` is scratch.
+    /// Appends the items whose boxes overlap a box to `found`; returns the number of boxes tested. `stack` is scratch memory.
     #[inline]
     pub fn overlapping(
         &self,
@@ -127,7 +127,7 @@ impl DynamicTree {
         dispatch!(level, simd => self.find_overlapping(simd, with, stack, found))
     }
 
-    /// As [`Self::overlapping`], for a caller that is compiled for its level.
+    /// As [`Self::overlapping`], for a caller compiled for its SIMD level.
     #[inline(always)]
     pub fn find_overlapping<S: Simd>(
         &self,
@@ -156,8 +156,8 @@ impl DynamicTree {
         tested
     }
 
-    /// As [`Self::find_overlapping`] of those of eight boxes whose bits are set in `among`: items, each with a bit for every
-    /// box that it overlaps.
+    /// As [`Self::find_overlapping`], for those of eight boxes whose bits are set in `among`: each found item has a bit mask of the boxes
+    /// that it overlaps.
     #[inline(always)]
     pub fn find_overlapping_any<S: Simd>(
         &self,
@@ -251,7 +251,7 @@ impl DynamicTree {
         u32::try_from(self.nodes.len() - 1).expect("there are fewer nodes than items")
     }
 
-    /// Where boxes grow least.
+    /// Finds the place where boxes grow least.
     fn insert(&mut self, item: u32, bounds: AxisBox) {
         if self.nodes.is_empty() {
             self.new_node(None);
@@ -288,7 +288,7 @@ impl DynamicTree {
         self.refit(seat.node);
     }
 
-    /// Empties a lane, and takes away nodes that are left with nothing.
+    /// Clears a lane, and removes nodes that become empty.
     fn clear(&mut self, mut seat: Seat) {
         loop {
             let node = &mut self.nodes[seat.node as usize];
@@ -304,7 +304,7 @@ impl DynamicTree {
         }
     }
 
-    /// Makes the boxes above a node fit.
+    /// Updates the boxes above a node.
     fn refit(&mut self, mut number: u32) {
         while let Some(seat) = self.nodes[number as usize].seat {
             let bounds = self.nodes[number as usize].boxes.union();
@@ -318,7 +318,7 @@ impl DynamicTree {
     }
 }
 
-/// Divides items among so many lanes by halves, or into groups where a node and those below it have room for them.
+/// Divides items among lanes by halves, or into groups if a node and its descendants have room for them.
 fn divide<'i>(items: &'i mut [(u32, AxisBox)], lanes: usize, parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
     match items.len() {
         0 => {}
@@ -333,7 +333,7 @@ fn divide<'i>(items: &'i mut [(u32, AxisBox)], lanes: usize, parts: &mut Vec<&'i
     }
 }
 
-/// Divides items into eight groups: those are joined first whose box will be visited least, of eight items at most unless no two
+/// Divides items into eight groups: joins those groups first whose box will be visited least, up to eight items per group unless no two
 /// others are left.
 fn group<'i>(items: &'i mut [(u32, AxisBox)], parts: &mut Vec<&'i mut [(u32, AxisBox)]>) {
     let mut groups: Vec<Group> = (0..).zip(&*items).map(|(i, item)| Group::of(i, item.1)).collect();
@@ -355,11 +355,11 @@ fn group<'i>(items: &'i mut [(u32, AxisBox)], parts: &mut Vec<&'i mut [(u32, Axi
     }
 }
 
-/// Items that will have a node of their own, or one that will not.
+/// A group of items that becomes a node, or a single item that does not.
 struct Group {
     members: Vec<usize>,
     bounds: AxisBox,
-    /// How often its node is visited, if it has one.
+    /// Expected visits of its node, if it has one.
     cost: f32,
 }
 
@@ -374,15 +374,15 @@ impl Group {
         self.cost = self.bounds.girth();
     }
 
-    /// Whether two are too many for a node, and how much oftener nodes are visited once they are one (Goldsmith and Salmon 1987, by
-    /// girth instead of area).
+    /// Whether two groups are too large for one node, and the increase of node visits if they are joined (Goldsmith and Salmon 1987, by
+    /// sum of edges instead of area).
     fn cost_with(&self, other: &Self) -> (bool, f32) {
         let too_many = self.members.len() + other.members.len() > LANES;
         (too_many, self.bounds.union(&other.bounds).girth() - self.cost - other.cost)
     }
 }
 
-/// Sorts so many with the smallest coordinates to the front, along the axis on which centres differ most.
+/// Moves the given number of items with the smallest coordinates to the front, along the axis on which centres differ most.
 fn split(items: &mut [(u32, AxisBox)], first: usize) {
     let centres = || items.iter().map(|(_, bounds)| bounds.doubled_centre());
     let lo = centres().fold([f32::INFINITY; 3], |lo, c| std::array::from_fn(|i| lo[i].lesser(c[i])));
@@ -392,7 +392,7 @@ fn split(items: &mut [(u32, AxisBox)], first: usize) {
     items.select_nth_unstable_by(first, |p, q| key(p).total_cmp(&key(q)).then(p.0.cmp(&q.0)));
 }
 
-/// Eight rows of eight bits as columns (Warren 2012, *Hacker's Delight*, section 7-3).
+/// Transposes a matrix of eight by eight bits (Warren 2012, *Hacker's Delight*, section 7-3).
 #[inline(always)]
 fn transposed(mut bits: u64) -> u64 {
     for (mask, shift) in
@@ -434,7 +434,7 @@ impl Node {
             .unwrap_or(0)
     }
 
-    /// The lanes whose boxes overlap another.
+    /// Mask of the lanes whose boxes overlap a box.
     #[inline(always)]
     fn overlaps<S: Simd>(&self, simd: S, with: &AxisBox) -> u8 {
         let apart = self.boxes.beyond(simd, 0, with)
@@ -443,7 +443,7 @@ impl Node {
         low_byte(!apart.to_bitmask())
     }
 
-    /// For each lane a bit for each of the `asked` boxes that overlaps its own, and the lanes that have any.
+    /// For each lane a bit mask of the `asked` boxes that overlap its box, and the mask of lanes with any overlap.
     #[inline(always)]
     fn overlaps_any<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
         if asked.count_ones() > FEW_BOXES {
@@ -460,7 +460,7 @@ impl Node {
         (transposed(by_box).to_le_bytes(), any)
     }
 
-    /// The same, where many boxes are asked: lane by lane.
+    /// As above, for many boxes: lane by lane.
     #[inline(always)]
     fn overlaps_many<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
         let (mut near, mut any) = ([0; LANES], 0);
@@ -475,7 +475,7 @@ impl Node {
 }
 
 impl EightBoxes {
-    /// The lanes whose boxes lie beyond another along one axis.
+    /// Mask of the lanes whose boxes lie beyond a box along one axis.
     #[inline(always)]
     fn beyond<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
         let Self { lo, hi } = self;

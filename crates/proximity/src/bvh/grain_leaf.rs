@@ -1,16 +1,16 @@
-//! Eight points or cubes or fewer, in f32.
+//! Leaf with up to eight points or cubes (grains), in f32.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_geometry::simd::LANES;
 
-/// A cube along the axes of its tree, or a point: a cube without edges.
+/// A cube along the axes of its tree, or a point, which is a cube of size zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grain {
     pub centre: [f32; 3],
     pub half_edge: f32,
 }
 
-/// Grains by their centres, structure of arrays, from the anchor of their tree. Lanes beyond the last grain repeat it.
+/// Grains by their centres, as structure of arrays, relative to the anchor of their tree. Unused lanes repeat the last grain.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub struct GrainLeaf {
@@ -20,7 +20,7 @@ pub struct GrainLeaf {
     /// The box around them.
     pub low: [f32; 3],
     pub high: [f32; 3],
-    /// The first grain's number in the order of the tree; the others follow.
+    /// Index of the first grain in the order of the tree; the others follow.
     pub first: u32,
     pub count: u32,
 }
@@ -50,7 +50,7 @@ impl GrainLeaf {
         }
     }
 
-    /// A bit for each grain.
+    /// Bit mask of the grains.
     #[inline(always)]
     #[must_use]
     pub fn mask(&self) -> u64 {

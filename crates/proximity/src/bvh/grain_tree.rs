@@ -1,8 +1,8 @@
-//! Trees of very many points or cubes, built in little time: halves of equal count across the widest axis, all frames along
-//! the axes of the tree.
+//! Trees of very many points or cubes (grains), built quickly: halves of equal count across the widest axis; all frames are along the
+//! axes of the tree.
 //!
-//! Surfaces deserve a careful tree, since they are asked about for as long as a robot lives. A cloud lives for as long as
-//! its camera takes for the next.
+//! Surfaces get a more carefully built tree, since they are queried during the whole life of a robot. A cloud is replaced at the next
+//! camera image.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_geometry::simd::LANES;
@@ -34,7 +34,7 @@ impl<B: BoundingVolume> Tree<B, GrainLeaf> {
     }
 }
 
-/// A grain, and its number among those that were given.
+/// A grain, with its index in the input.
 #[derive(Clone, Copy)]
 struct Seed {
     grain: Grain,
@@ -68,12 +68,12 @@ struct Builder<B: BoundingVolume> {
     anchor: Point,
     nodes: Vec<Node<B>>,
     leaves: Vec<Leaf<B, GrainLeaf>>,
-    /// How far (m, 1-norm) anything so far is from the anchor.
+    /// Largest distance (m, 1-norm) from the anchor so far.
     reach: f64,
 }
 
 impl<B: BoundingVolume> Builder<B> {
-    /// Builds what holds some grains, which begin at `start` in the whole; tells the corners of the box around them.
+    /// Builds the subtree of some grains, which begin at `start` in the whole; returns the corners of the box around them.
     fn subtree(&mut self, seeds: &mut [Seed], start: u32) -> (NodeRef, [Vector; 2]) {
         if seeds.len() <= LANES {
             return self.leaf(seeds, start);
@@ -135,7 +135,7 @@ fn around<B: BoundingVolume>([low, high]: &[Vector; 2]) -> B {
     B::fit(&corners)
 }
 
-/// Sorts grains into at most eight parts near to each other; gives where they end, after a zero.
+/// Sorts grains into at most eight groups of neighbours; returns the ends of the groups, after a zero.
 fn parts(seeds: &mut [Seed]) -> Vec<usize> {
     let mut ends = vec![0, seeds.len()];
     for _ in 0..3 {
@@ -152,8 +152,7 @@ fn parts(seeds: &mut [Seed]) -> Vec<usize> {
     ends
 }
 
-/// Sorts the lower half along the widest axis to the front; tells how many that are: a multiple of what a leaf holds, so that
-/// leaves are full.
+/// Moves the lower half along the widest axis to the front; returns its size: a multiple of the leaf capacity, so that leaves are full.
 fn split(seeds: &mut [Seed]) -> Option<usize> {
     if seeds.len() <= LANES {
         return None;

@@ -1,8 +1,8 @@
 //! Wide trees of bounding volumes: eight children to a node, eight primitives to a leaf.
 //!
-//! Every node has a frame of its own, a rotation about the tree's anchor, in which the volumes of its children are
-//! packed. One traversal ([`descend`]) serves all volumes and all questions of two trees, another ([`descend_to_plane`])
-//! those of a tree and a plane. What comes and goes has a tree of its own ([`DynamicTree`]).
+//! Every node has its own frame, a rotation about the tree's anchor, in which the volumes of its children are packed. One traversal
+//! ([`descend`]) serves all volumes and all queries of two trees, another ([`descend_to_plane`]) serves queries of a tree and a plane.
+//! Items that are added and removed often are in a tree of another type ([`DynamicTree`]).
 
 mod axis_box;
 mod build;

@@ -1,4 +1,4 @@
-//! A tree against a plane: every volume lies between two numbers along its normal.
+//! Traversal of a tree against a plane: every volume has a range along the plane's normal.
 
 use clearance_geometry::constants::{PLACEMENT_SLACK, VOLUME_SLACK};
 use clearance_geometry::math::Vector;
@@ -14,7 +14,7 @@ use crate::bounding_volume::BoundingVolume;
 pub struct TreePlane {
     normal: [f32; 3],
     offset: f32,
-    /// How much (m) rounding can make a distance look larger, derived as for
+    /// Amount (m) by which rounding can increase the computed distance, derived as for
     /// [`Relative::of_trees`](crate::bounding_volume::Relative::of_trees).
     slack: f32,
 }
@@ -37,21 +37,20 @@ impl TreePlane {
     }
 }
 
-/// A question to a tree and a plane.
+/// Visitor of a tree and a plane.
 pub trait PlaneVisitor<L> {
-    /// Subtrees farther from the plane than this (m) no longer matter. Negative infinity ends the search.
+    /// Subtrees farther from the plane than this (m) are skipped. Negative infinity ends the search.
     fn threshold(&self) -> f32;
 
     fn volume_tests(&mut self, count: u32);
 
     fn leaf(&mut self, leaf: &L);
 
-    /// Whether to stop here although something is left.
+    /// True if the search is to stop although subtrees are left.
     fn interrupted(&mut self) -> bool;
 }
 
-/// Brings all leaves that matter to the visitor, the nearer first. An interrupted search leaves on the stack, as a, what it has
-/// not looked at.
+/// Passes all relevant leaves to the visitor, the nearer first. An interrupted search leaves the remaining subtrees on the stack, as a.
 #[inline(always)]
 pub fn descend_to_plane<S: Simd, B: BoundingVolume, L, V: PlaneVisitor<L>>(
     simd: S,

@@ -1,4 +1,4 @@
-//! What a tree is made of.
+//! Data structure of a tree: nodes and leaves.
 
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix};
 use clearance_geometry::simd::LANES;
@@ -10,49 +10,49 @@ use crate::bounding_volume::{Axes, BoundingVolume, Relative};
 pub struct Tree<B: BoundingVolume, L> {
     /// The origin of all frames of the tree, in the frame of the body.
     pub(super) anchor: Point,
-    /// How far (m, 1-norm) anything in the tree is from the anchor.
+    /// Largest distance (m, 1-norm) of anything in the tree from the anchor.
     pub(super) reach: f64,
     pub(super) root: NodeRef,
     pub(super) nodes: Vec<Node<B>>,
     pub(super) leaves: Vec<Leaf<B, L>>,
 }
 
-/// What leaves hold: a few items that are tested together.
+/// Content of leaves: a few items that are tested together.
 pub trait Content: Sized {
-    /// What a tree is built over.
+    /// Items that a tree is built over.
     type Item;
 
-    /// Most items in a leaf.
+    /// Maximum number of items in a leaf.
     const CAPACITY: usize;
 
-    /// Appends points whose convex hull holds the item.
+    /// Appends points whose convex hull contains the item.
     fn corners(item: &Self::Item, corners: &mut Vec<Point>);
 
-    /// Axes, as columns, of a frame that suits a leaf with these items; `None` if its volume may choose.
+    /// Axes, as columns, of a suitable frame for a leaf with these items; `None` to let the type of volume choose.
     fn axes(items: &[&Self::Item]) -> Option<RotationMatrix>;
 
-    /// A leaf with some items of a tree with this anchor; `first` is the first one's number in the order of the tree, and
-    /// the others follow.
+    /// A leaf with some items of a tree with this anchor; `first` is the first item's index in the order of the tree, and the others
+    /// follow.
     fn new(anchor: &Point, first: u32, items: &[&Self::Item]) -> Self;
 }
 
-/// Eight children or fewer.
+/// A node with up to eight children.
 #[derive(Clone, Debug)]
 pub struct Node<B: BoundingVolume> {
     pub axes: Axes,
-    /// Around all children, in this node's frame.
+    /// Volume around all children, in this node's frame.
     pub volume: B,
-    /// Around each child, in this node's frame.
+    /// Volume around each child, in this node's frame.
     pub pack: B::Pack,
     pub children: [NodeRef; LANES],
     pub child_count: u32,
 }
 
-/// What the tree is about.
+/// The items of the leaf.
 #[derive(Clone, Debug)]
 pub struct Leaf<B, L> {
     pub axes: Axes,
-    /// Around the content, in this leaf's frame.
+    /// Volume around the content, in this leaf's frame.
     pub volume: B,
     pub content: L,
 }
@@ -106,7 +106,7 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     }
 
     /// # Panics
-    /// When it is a leaf.
+    /// If it is a leaf.
     #[inline(always)]
     #[must_use]
     pub fn node(&self, node: NodeRef) -> &Node<B> {
@@ -114,7 +114,7 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     }
 
     /// # Panics
-    /// When it is no leaf.
+    /// If it is not a leaf.
     #[inline(always)]
     #[must_use]
     pub fn leaf(&self, leaf: NodeRef) -> &Leaf<B, L> {
@@ -133,7 +133,7 @@ impl<B: BoundingVolume, L> Tree<B, L> {
         &self.leaves
     }
 
-    /// What lies so many steps below the root, and leaves that lie higher: together they hold all that the tree does.
+    /// The nodes at a given depth below the root, and the leaves nearer to the root: together they contain the whole tree.
     #[must_use]
     #[inline]
     pub fn at_level(&self, level: usize) -> Vec<NodeRef> {
@@ -154,7 +154,7 @@ impl<B: BoundingVolume, L> Tree<B, L> {
         found
     }
 
-    /// The volume around all that lies below, and the frame it is in.
+    /// The volume around a subtree, and its frame.
     #[inline(always)]
     #[must_use]
     pub fn volume(&self, of: NodeRef) -> (&B, &Axes) {

@@ -1,12 +1,12 @@
-//! Eight triangles or fewer, in f32.
+//! Leaf with up to eight triangles, in f32.
 
 use clearance_geometry::math::{Extremes, Point, RotationMatrix};
 use clearance_geometry::simd::LANES;
 
 use super::tree::Content;
 
-/// Triangles of a surface by their corners, structure of arrays, from the anchor of their tree. Lanes beyond the last
-/// triangle repeat it.
+/// Triangles of a surface by their corners, as structure of arrays, relative to the anchor of their tree. Unused lanes repeat the last
+/// triangle.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub struct TriangleLeaf {
@@ -15,7 +15,7 @@ pub struct TriangleLeaf {
     /// The box around the triangles, along the axes of the tree.
     pub low: [f32; 3],
     pub high: [f32; 3],
-    /// The first triangle's number in the order of the tree; the others follow.
+    /// Index of the first triangle in the order of the tree; the others follow.
     pub first: u32,
     pub count: u32,
 }
@@ -54,7 +54,7 @@ impl Content for TriangleLeaf {
 }
 
 impl TriangleLeaf {
-    /// A bit for each triangle.
+    /// Bit mask of the triangles.
     #[inline(always)]
     #[must_use]
     pub fn mask(&self) -> u64 {

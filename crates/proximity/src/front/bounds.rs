@@ -1,4 +1,4 @@
-//! Lower bounds of the distances of listed pairs, that follow the bodies.
+//! Lower bounds on the distances of listed pairs, updated as the bodies move.
 
 use clearance_geometry::math::{MatrixPose, Point, Vector};
 use clearance_geometry::simd::prelude::*;
@@ -12,41 +12,41 @@ use crate::core::RoundedCore;
 use crate::element_pair::{gap_along, separation_within};
 use crate::surface_surface::triangle_slack;
 
-/// When so many pairs may be nearest, new bounds are worth their price.
+/// Number of pairs that may be nearest from which on new bounds are worth their cost.
 const UNCLEAR: usize = 8 * LANES;
 
-/// Rounding granted, relative to what enters: 16 units in the last place.
+/// Rounding error allowed, relative to the inputs: 16 units in the last place.
 const F32_ROUNDING: f32 = 16.0 / 16_777_216.0;
 
-/// The same in f64, and in entries of rotations.
+/// Rounding error allowed in f64, and in entries of rotations.
 const F64_ROUNDING: f64 = 1e-13;
 
-/// A distance (m) beyond all others that takes part in arithmetic.
+/// A distance (m) beyond all others, but usable in arithmetic.
 const FAR: f32 = 1e30;
 
-/// Of pairs, at one pose and how they change.
+/// Bounds of pairs at one pose, with their rates of change.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bounds {
-    /// Where b was in the frame of a when the gaps were true.
+    /// Pose of b in the frame of a at which the gaps were computed.
     at: Option<MatrixPose>,
     /// The point c, in the frame of a.
     centre: Point,
     eights: Vec<Eight>,
-    /// At the last pose.
+    /// Lower bounds at the last pose.
     now: Vec<[f32; LANES]>,
-    /// How many were unclear when the gaps were new.
+    /// Number of pairs that could be nearest when the gaps were computed.
     usual: Option<usize>,
 }
 
-/// Of eight pairs.
+/// Bounds of eight pairs.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(super) struct Eight {
-    /// Directions from a to b, in the frame of b, not longer than one.
+    /// Directions from a to b, in the frame of b, of length at most one.
     pub n: [[f32; LANES]; 3],
-    /// Along them.
+    /// Gaps along these directions.
     pub gap: [f32; LANES],
-    /// How far (m) the element of a is from the centre at most.
+    /// Maximum distance (m) of the element of a from the centre.
     pub reach: [f32; LANES],
 }
 
@@ -58,13 +58,13 @@ pub(super) struct Least {
 }
 
 impl Bounds {
-    /// Numbers never larger than the distances (m) at the last pose.
+    /// Lower bounds on the distances (m) at the last pose.
     #[inline]
     pub fn now(&self) -> &[[f32; LANES]] {
         &self.now
     }
 
-    /// Follows b to another pose.
+    /// Updates the bounds for another pose of b.
     #[allow(clippy::cast_possible_truncation)] // granted, or rounded up
     #[inline]
     pub fn move_to(&mut self, pose_ab: &MatrixPose, level: Level) -> Least {
@@ -82,13 +82,13 @@ impl Bounds {
         dispatch!(level, simd => follow(simd, &self.eights, &motion, &mut self.now))
     }
 
-    /// Whether more pairs than usual are unclear, so that new bounds would help.
+    /// True if more pairs than usual could be nearest, so that new bounds would help.
     #[inline]
     pub fn are_worn(&mut self, unclear: usize) -> bool {
         unclear > UNCLEAR.max(2 * *self.usual.get_or_insert(unclear))
     }
 
-    /// Bounds of all pairs anew, `centre` being a point of a where it is about nearest.
+    /// Recomputes the bounds of all pairs; `centre` is a point of a near the nearest elements.
     #[inline]
     pub fn renew(
         &mut self,
@@ -110,16 +110,16 @@ impl Bounds {
     }
 }
 
-/// How a moved, as seen from b.
+/// Motion of a relative to b.
 struct Motion {
-    /// Of the centre, in the frame of b (m).
+    /// Translation of the centre, in the frame of b (m).
     shift: [f32; 3],
-    /// The most that a metre turned by (m).
+    /// Maximum displacement (m) by the rotation, per metre from the centre.
     turn: f32,
     rounding: f32,
 }
 
-/// Bounds where b is now, and the least of them.
+/// Computes the bounds at b's present pose, and the least of them.
 #[inline(always)]
 fn follow<S: Simd>(simd: S, eights: &[Eight], motion: &Motion, now: &mut [[f32; LANES]]) -> Least {
     let mut least = Least { lower: f32::INFINITY, index: 0 };
@@ -140,7 +140,7 @@ fn follow<S: Simd>(simd: S, eights: &[Eight], motion: &Motion, now: &mut [[f32; 
 }
 
 impl Eight {
-    /// For lanes without a pair: farther away than anything is.
+    /// Value for lanes without a pair: farther away than any other.
     const NOTHING: Self = Self { n: [[0.0; LANES]; 3], gap: [FAR; LANES], reach: [0.0; LANES] };
 
     fn take_gaps(

@@ -1,4 +1,4 @@
-//! Listing the elements of two bodies that are near.
+//! Collects the near elements of two bodies.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Vector};
 use clearance_geometry::simd::{LANES, Simd, dispatch, not_beyond};
@@ -18,8 +18,8 @@ use crate::surface_surface::triangle_slack;
 use crate::triangle_lanes::{LaneTriangles, MovedTriangles};
 use crate::work::Work;
 
-/// Lists all pairs of elements that may be within `beyond` (m), or the nearest of these; what is not listed is farther apart
-/// than is answered. `None` if that would cost more than `most`. `direction` (frame of a) is the one in which the nearest are apart.
+/// Lists all pairs of elements that may be within `beyond` (m), or the nearest of these. Returns a lower bound on the distances of pairs
+/// that are not listed; `None` if the search would cost more than `most`. `direction` (frame of a) separates the nearest elements.
 pub(super) fn collect(
     (a, b): (&CollisionBody, &CollisionBody),
     pose_ab: &MatrixPose,
@@ -68,12 +68,12 @@ fn shortened(n: &Vector) -> [f32; 3] {
     [n.x as f32, n.y as f32, n.z as f32]
 }
 
-/// The pairs listed so far, and how near others have to be.
+/// The pairs listed so far, and the limit for further ones.
 struct Near<'n> {
     beyond: f32,
     pose_ab: &'n MatrixPose,
     work: &'n mut Work,
-    /// What the work may come to.
+    /// Limit on the work.
     most: u64,
     listed: &'n mut Vec<Listed>,
 }
@@ -83,7 +83,7 @@ impl Near<'_> {
         self.work.cost() > self.most
     }
 
-    /// Lets the farthest go, if there are too many: what is then not listed is not nearer than those.
+    /// Removes the farthest pairs, if there are too many: the limit is then the distance of the nearest removed one.
     fn keep_nearest(&mut self, most: usize) {
         if self.listed.len() > most {
             let (_, farthest, _) = self.listed.select_nth_unstable_by(most, Listed::by_distance);
@@ -171,7 +171,7 @@ impl Visitor<SolidLeaf, TriangleLeaf> for SolidsAndSurface<'_, '_> {
 struct Surfaces<'c, 'n> {
     near: &'c mut Near<'n>,
     relative: &'c Relative,
-    /// In which the nearest are apart, in the frame of b's tree; not longer than one.
+    /// Direction of the nearest separation, in the frame of b's tree; length at most one.
     direction: [f32; 3],
 }
 

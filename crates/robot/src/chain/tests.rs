@@ -56,7 +56,7 @@ pub(super) fn random_positions(random: &mut Random, joints: &[ChainJoint], count
     q
 }
 
-/// Poses of all links, straightforwardly.
+/// Poses of all links, by a simple reference computation.
 fn reference(joints: &[ChainJoint], links: usize, q: &[f64]) -> Vec<Pose> {
     let mut poses = vec![Pose::identity(); links];
     for joint in joints {
@@ -135,7 +135,7 @@ fn eight_states_equal_each_alone_to_the_bit() {
         for level in levels() {
             let lanes = dispatch!(level, simd => in_lanes(simd, &chain, &states));
             for (state, lane) in states.iter().zip(lanes) {
-                // debug text tells all bits, and 0 from -0
+                // debug text shows all bits, and distinguishes 0 from -0
                 let text = format!("{:?}", frames(&chain, state));
                 assert_eq!(text, format!("{lane:?}"), "{level:?}");
                 let mut alone = vec![PlacedFrame::IDENTITY; chain.body_count()];
@@ -235,7 +235,7 @@ fn bodies_never_leave_their_territories() {
     assert_eq!(slides.sliding_positions().collect::<Vec<_>>(), [0]);
 }
 
-/// All ways of a chain are one, and those of a comb no more than its teeth are deep.
+/// All paths of a serial chain are stored as one, and the stored paths of a comb are no longer than its teeth are deep.
 #[test]
 fn ways_of_long_chains_are_stored_once() {
     let chain_of = |parents: &[usize]| {

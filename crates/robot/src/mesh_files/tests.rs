@@ -102,7 +102,7 @@ fn nothing_outside_is_opened() {
     }
     assert!(message(&files, "package://p/../../out/secret.stl").contains("climbs"));
     assert!(message(&MeshFiles::default(), "a.stl").contains("no folder"));
-    // the same, allowed
+    // the same, in an allowed folder
     let inside = folder.path().join("in/p/a.stl").display().to_string();
     assert!(opens(&files, &inside) && opens(&files, &format!("file://{inside}")));
     assert!(opens(&files.with_package_path(folder.path().join("out")), "../out/secret.stl"));
@@ -154,7 +154,7 @@ fn linked_folders_are_followed_and_parents_are_resolved_by_name() {
     std::os::unix::fs::symlink(at("out/meshes"), at("in/p/meshes")).unwrap();
     let files = MeshFiles::under(at("in"));
     assert!(opens(&files, "package://p/meshes/a.stl"));
-    // by name this is in/p/own.stl, whatever the link leads to
+    // resolved by name this is in/p/own.stl, wherever the link leads
     assert!(opens(&files, "p/meshes/../own.stl"));
     assert!(message(&files, "p/meshes/../secret.stl").contains("not found"));
     assert!(message(&files, "p/meshes/../../../out/secret.stl").contains("outside"));
@@ -254,7 +254,7 @@ fn scale_and_mirror() {
     let files = MeshFiles::under(folder.path());
     let mirrored = files.load("t.stl", Vector::new(1.0, -2.0, 1.0)).unwrap().mesh;
     assert_eq!(mirrored.bounds().0, clearance_geometry::math::Point::new(0.0, -2.0, 0.0));
-    // winding turned with the mirror: the face still looks up
+    // winding reversed by the mirroring: the face still points up
     assert!(mirrored.triangle(0).normal().z > 0.0);
     let large = files.load("t.stl", Vector::from_element(1e5)).unwrap();
     assert_eq!(large.remarks.len(), 2, "{:?}", large.remarks);
@@ -376,7 +376,7 @@ fn a_missing_package_is_one_line_that_names_it() {
     let two = message(&["arm", "gripper", "arm"]);
     assert_eq!(two.lines().count(), 2, "{two}");
     assert!(two.contains("'arm'") && two.contains("'gripper'"), "{two}");
-    // a package that is there lacks a file
+    // an existing package lacks a file
     let file = message(&["there", "there"]);
     assert!(
         file.contains("mesh 'package://there/meshes/m0.stl' was not found") && file.contains("1 more"),

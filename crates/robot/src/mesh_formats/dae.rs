@@ -1,11 +1,11 @@
-//! COLLADA: the triangles that the scene shows, in metres.
+//! Reader of COLLADA: the triangles in the scene, in metres.
 //!
-//! Read straight from the XML tree. The crate `dae-parser` insists on the whole schema (it refuses a file without a
-//! creation date, for one), trusts counts when it allocates, and keeps 32-bit floats; what a surface needs of COLLADA
-//! is less than the checks that would have to stand before it.
+//! Reads the XML tree directly. The crate `dae-parser` requires the whole schema (for example, it rejects a file without a creation
+//! date), trusts counts when it allocates, and stores 32-bit floats. Reading the surfaces needs less code than the checks that would have
+//! to precede that crate.
 //!
-//! The file's unit and the transforms of its nodes are applied. Its `up_axis` is not: RViz and `MoveIt` show the axes as
-//! they stand in the file, and a checker that turned them would check another robot than the one shown.
+//! The file's unit and the transforms of its nodes are applied. Its `up_axis` is not: RViz and `MoveIt` use the axes as in the file, and
+//! a checker that rotated them would check another robot than the displayed one.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -30,11 +30,11 @@ mod skin;
 
 use elements_by_id::ElementsById;
 
-/// Most text (bytes) that is read, references counted: elements may be referenced over and over.
+/// Maximum length (bytes) of text that is read, references included: elements may be referenced repeatedly.
 const MOST_TEXT: usize = 256 << 20;
 
 /// # Errors
-/// When the file is no COLLADA, contradicts itself, or shows no triangles; with the line.
+/// If the file is not COLLADA, is contradictory, or contains no triangles; with the line.
 pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     let mut warnings = Vec::new();
     let expected = Expected { file: None, language: "a COLLADA file", root: "COLLADA" };
@@ -45,11 +45,11 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     Ok(read)
 }
 
-/// A COLLADA document and what has been gathered from it.
+/// A COLLADA document and the data read from it so far.
 struct Collada<'d> {
     xml: &'d Xml<'d>,
     ids: ElementsById<'d>,
-    /// Of the geometries that have been read, in their own coordinates.
+    /// Geometries read so far, in their own coordinates.
     surfaces: HashMap<NodeId, Rc<MeshBuilder>>,
     shown: MeshBuilder,
     triangulator: Triangulator,
@@ -169,7 +169,7 @@ impl<'d> Collada<'d> {
         Ok(text)
     }
 
-    /// A transform that keeps parallel lines parallel.
+    /// An affine transform.
     fn affine(&self, node: Node<'d, 'd>) -> Result<Matrix4<f64>, String> {
         let matrix = Matrix4::from_row_slice(&self.numbers::<16>(node)?);
         if matrix.row(3) != Matrix4::identity().row(3) {

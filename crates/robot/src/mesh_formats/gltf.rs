@@ -1,13 +1,11 @@
-//! glTF 2.0, as text (`.gltf`) and binary (`.glb`): the triangles that the scene shows, in metres.
+//! Reader of glTF 2.0, as text (`.gltf`) and binary (`.glb`): the triangles in the scene, in metres.
 //!
-//! Positions, faces and the transforms of nodes alone are read. Skins and morph targets are not applied: such a mesh is
-//! taken as its positions stand (for a skin, the bind pose), which is told. Axes are taken as they stand in the file,
-//! though +Y is up in glTF: `MoveIt` does so (`geometric_shapes`), and RViz up to Kilted; newer ones turn +Y to +Z
-//! (ros2/rviz pull request 1482). That is told, too.
+//! Only positions, faces and the transforms of nodes are read. Skins and morph targets are not applied: such a mesh is used with its
+//! stored positions (for a skin, the bind pose), with a remark. Axes are used as in the file, although +Y is up in glTF: `MoveIt` does so
+//! (`geometric_shapes`), and RViz up to Kilted; newer versions turn +Y to +Z (ros2/rviz pull request 1482). This also causes a remark.
 //!
-//! The document is read with `serde_json`: the crate `gltf` panics on indices out of range unless it validates, its
-//! validation refuses all files that require an extension it does not know, and its iterators over accessors panic on
-//! strides and sparse elements that lie.
+//! The document is read with `serde_json`. The crate `gltf` panics on indices out of range unless it validates; its validation rejects
+//! all files that require an unknown extension; and its iterators over accessors panic on wrong strides and sparse elements.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -32,19 +30,19 @@ use glb::Glb;
 
 pub(super) use glb::MAGIC;
 
-/// Most nodes that are visited, instances counted, and levels of them: more is a loop.
+/// Maximum number of visited nodes, instances included, and of their levels: more is a loop.
 const MOST_NODES: usize = 100_000;
 const MOST_LEVELS: usize = 100;
 
-/// Most elements that are looked at, of all instances together: the corners of as many triangles as are read, and as many
-/// again. A primitive costs as much as a few elements, though it has none.
+/// Maximum number of visited elements in all instances: the corners of the maximum number of triangles, times two. A primitive counts as
+/// a few elements, even if it has none.
 const MOST_ELEMENTS: usize = 6 * MOST_TRIANGLES;
 const PRIMITIVE_COST: usize = 16;
 
-/// Memory (bytes) of a value of the JSON at most, by its commas and brackets.
+/// Maximum memory (bytes) of a JSON value, per comma or bracket.
 const VALUE_BYTES: usize = 512;
 
-/// Required extensions that leave positions and faces as they are; more begin with one of the prefixes.
+/// Required extensions that do not change positions and faces; others start with one of the prefixes.
 const HARMLESS: [&str; 6] = [
     "KHR_mesh_quantization",
     "KHR_lights_punctual",
@@ -56,7 +54,7 @@ const HARMLESS: [&str; 6] = [
 const HARMLESS_PREFIXES: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_"];
 
 /// # Errors
-/// When the file is cut, contradicts itself, needs an extension that is not read, or shows no triangles.
+/// If the file is truncated, is contradictory, needs an unsupported extension, or contains no triangles.
 pub(super) fn read_text(text: &[u8], parts: Parts) -> Result<ReadMesh, String> {
     read(text, None, parts)
 }
@@ -87,7 +85,7 @@ fn read(json: &[u8], buffer: Option<&[u8]>, parts: Parts) -> Result<ReadMesh, St
     surface.read().map_err(|reason| bad(&reason))
 }
 
-/// Values of a JSON at most; strings, which may hold buffers, count as one.
+/// Maximum number of JSON values; strings, which may hold buffers, count as one.
 fn values(json: &[u8]) -> usize {
     let (mut count, mut in_string, mut is_escaped) = (0, false, false);
     for &byte in json {
@@ -114,7 +112,7 @@ fn check_version(document: &Document) -> Result<(), String> {
     let is_harmless = |name: &String| {
         HARMLESS.contains(&name.as_str()) || HARMLESS_PREFIXES.iter().any(|prefix| name.starts_with(prefix))
     };
-    // what compresses is told where it is used, with what to do
+    // compression extensions are reported where they are used, with instructions
     let is_told_later = |name: &String| name.contains("draco") || name.contains("meshopt");
     let unknown = document.extensions_required.iter().find(|name| !is_harmless(name) && !is_told_later(name));
     match unknown {
@@ -130,14 +128,14 @@ enum Use {
     Indices,
 }
 
-/// The triangles as they are gathered.
+/// The triangles collected so far.
 struct Surface<'d> {
     document: &'d Document,
     buffers: Buffers<'d>,
     builder: MeshBuilder,
-    /// Positions and indices that have been checked, by their accessor; those with elements that stand elsewhere take time.
+    /// Validated positions and indices, by accessor; cached, since sparse ones take time.
     accessors: HashMap<(Use, usize), Rc<Elements>>,
-    /// Looked at so far.
+    /// Number of elements visited so far.
     elements: usize,
     tally: Tally,
 }
@@ -197,7 +195,7 @@ impl Surface<'_> {
         Ok(shown)
     }
 
-    /// The nodes of the scene that is shown; without any scene, all that are nobody's child.
+    /// The nodes of the scene to read; without any scene, all nodes that are no children.
     fn roots(&self) -> Result<Vec<usize>, String> {
         let Document { scene, scenes, nodes, .. } = self.document;
         if scenes.is_empty() && scene.is_none() {
@@ -257,7 +255,7 @@ impl Surface<'_> {
         Ok(elements)
     }
 
-    /// Counts elements that are looked at.
+    /// Counts visited elements.
     fn charge(&mut self, elements: usize) -> Result<(), String> {
         self.elements = self.elements.saturating_add(elements);
         if self.elements > MOST_ELEMENTS {
@@ -299,7 +297,7 @@ impl Surface<'_> {
         Ok(())
     }
 
-    /// The number that a vertex has in the mesh; it is added when it is met first.
+    /// The index of a vertex in the mesh; it is added at its first use.
     fn vertex(
         &mut self,
         vertex: usize,
@@ -320,8 +318,7 @@ impl Surface<'_> {
     }
 }
 
-/// Places of the corners of triangle `i`: of a list, of a strip, whose every second triangle is wound the other way, or of
-/// a fan.
+/// Indices of the corners of triangle `i`: of a list, of a strip, in which every second triangle has the opposite winding, or of a fan.
 fn places(mode: u32, i: usize) -> [usize; 3] {
     match mode {
         5 if i % 2 == 1 => [i + 1, i, i + 2],
@@ -331,7 +328,7 @@ fn places(mode: u32, i: usize) -> [usize; 3] {
     }
 }
 
-/// From a node's coordinates to those of its parent.
+/// Transform from a node's coordinates to its parent's.
 fn transform(node: &Node) -> Result<Matrix4<f64>, String> {
     let numbers = [
         node.matrix.as_ref().map(<[f64; 16]>::as_slice),

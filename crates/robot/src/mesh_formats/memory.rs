@@ -1,6 +1,6 @@
-//! Estimated memory of meshes, checked before it is allocated: an allocation that fails ends the process.
+//! Memory estimates of meshes, checked before allocation: a failed allocation would end the process.
 
-/// Memory (bytes) of one triangle and one vertex from reading a file until its hierarchies are built, as measured at most.
+/// Largest measured memory (bytes) of one triangle and one vertex, from reading a file to the finished hierarchies.
 const TRIANGLE: usize = 500;
 const VERTEX: usize = 200;
 
@@ -12,14 +12,14 @@ pub fn of_mesh(vertices: usize, triangles: usize) -> usize {
     (vertices.saturating_mul(VERTEX)).saturating_add(triangles.saturating_mul(TRIANGLE))
 }
 
-/// Whether so many bytes can be had now. They are not kept: what the system grants without having it is not found out.
+/// Checks whether this number of bytes can be allocated now. They are not kept, and overcommitted memory is not detected.
 ///
 /// # Errors
-/// A clause that says how much is needed.
+/// A clause with the required amount.
 pub fn check(bytes: usize) -> Result<(), String> {
     let mut room = Vec::<u8>::new();
     let granted = room.try_reserve_exact(bytes);
-    // an allocation without use would be optimized away, and with it the check
+    // an unused allocation would be optimized away, and the check with it
     std::hint::black_box(room.as_ptr());
     granted.map_err(|_| format!("need about {} MiB of memory, more than is available", bytes >> 20))
 }

@@ -1,4 +1,4 @@
-//! Vertices and triangles as the reader of a mesh file gathers them, bounded in number and in memory.
+//! Vertices and triangles collected by a mesh reader, with limits on number and memory.
 
 use clearance_geometry::TriangleMesh;
 use clearance_geometry::math::Point;
@@ -6,7 +6,7 @@ use nalgebra::Matrix4;
 
 use super::memory;
 
-/// Most triangles of a file, instances counted: a file of nested instances can ask for any number.
+/// Maximum number of triangles of a file, instances included: a file of nested instances can produce any number.
 pub(super) const MOST_TRIANGLES: usize = 20_000_000;
 
 #[derive(Debug, Default)]
@@ -18,10 +18,10 @@ pub(super) struct MeshBuilder {
 }
 
 impl MeshBuilder {
-    /// Checks that so many more vertices and triangles may be added and have memory. Call this before adding any.
+    /// Checks that this number of additional vertices and triangles is allowed and fits in memory. Call this before adding any.
     ///
     /// # Errors
-    /// When they are too many.
+    /// If there are too many.
     pub fn reserve(&mut self, vertices: usize, triangles: usize) -> Result<(), String> {
         let vertices = self.vertices.len().saturating_add(vertices);
         let triangles = self.triangles.len().saturating_add(triangles);
@@ -42,10 +42,10 @@ impl MeshBuilder {
         Ok(())
     }
 
-    /// Adds a triangle by the places of its corners in the vertices.
+    /// Adds a triangle by the indices of its corners.
     ///
     /// # Errors
-    /// When it is one too many.
+    /// If the number of triangles exceeds the limit.
     pub fn push(&mut self, corners: [usize; 3]) -> Result<(), String> {
         self.reserve(0, 1)?;
         // `reserve` keeps the number of vertices below this
@@ -53,11 +53,11 @@ impl MeshBuilder {
         Ok(())
     }
 
-    /// Adds an instance of another surface, moved. Where the motion mirrors, the winding is turned, so that outward faces
-    /// stay outward.
+    /// Adds a transformed instance of another surface. If the transform mirrors, the winding is reversed, so that outward faces stay
+    /// outward.
     ///
     /// # Errors
-    /// When it has too many vertices or triangles.
+    /// If there are too many vertices or triangles.
     pub fn append(&mut self, other: &Self, moved: &Matrix4<f64>) -> Result<(), String> {
         self.reserve(other.vertices.len(), other.triangles.len())?;
         let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);

@@ -1,4 +1,4 @@
-//! Mesh files to triangles. A format is recognised by what the file holds; its name only breaks ties.
+//! Mesh file readers. A format is recognised by the content of the file; the name only decides ambiguous cases.
 
 mod dae;
 mod gltf;
@@ -13,7 +13,7 @@ mod tally;
 use clearance_files::ply_format::is_ply;
 use clearance_geometry::TriangleMesh;
 
-/// A mesh in the file's own units (metres for COLLADA, which knows its unit), and what was odd.
+/// A mesh in the file's own units (metres for COLLADA, which contains its unit), with remarks.
 #[derive(Debug)]
 pub(super) struct ReadMesh {
     pub mesh: TriangleMesh,
@@ -26,10 +26,10 @@ impl From<TriangleMesh> for ReadMesh {
     }
 }
 
-/// Reads a file that a mesh file names as a part of itself, by that name.
+/// Reads a file that a mesh file references by name.
 pub(super) type Parts<'f> = &'f mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
-/// Memory of a text that is read, as multiples of its size.
+/// Memory of a parsed text, as a multiple of its size.
 const COPIES: usize = 3;
 
 const FORMATS: &str = "STL, OBJ, DAE, PLY, glTF and GLB";
@@ -48,7 +48,7 @@ enum Format {
 /// Reads a mesh file; `extension` is in lower case.
 ///
 /// # Errors
-/// Why the file holds no mesh, without quoting what it holds instead.
+/// The reason why the file contains no mesh, without quotes of its content.
 pub(super) fn read(bytes: Vec<u8>, extension: &str, parts: Parts) -> Result<ReadMesh, String> {
     let format = recognise(&bytes, extension)?;
     memory::check(bytes.len().saturating_mul(COPIES))

@@ -1,8 +1,8 @@
-//! Wavefront OBJ, through `tobj`.
+//! Reader of Wavefront OBJ, through `tobj`.
 //!
-//! Only positions and faces make a surface. `tobj` sees these alone: normals, texture coordinates, colours, groups and
-//! material files are left out before it looks, and with them everything that it could refuse, fetch or stumble over.
-//! Polygons are triangulated here, since `tobj` makes a fan of every one, concave or not.
+//! Only positions and faces define a surface, and only these are passed to `tobj`. Normals, texture coordinates, colours, groups and
+//! material files are removed first, and with them everything that it could reject, fetch or fail on. Polygons are triangulated here,
+//! since `tobj` makes a fan of every one, concave or not.
 
 use std::io::{BufRead, Read};
 
@@ -14,7 +14,7 @@ use super::polygon::Triangulator;
 use super::tally::{TOO_FEW_CORNERS, Tally};
 use crate::numbers::decimal;
 
-/// Statements that OBJ knows and that have no part in the surface.
+/// Valid OBJ statements that do not affect the surface.
 const OTHER_STATEMENTS: [&str; 31] = [
     "vt",
     "vn",
@@ -49,7 +49,7 @@ const OTHER_STATEMENTS: [&str; 31] = [
     "trace_obj",
 ];
 
-/// Statements without surface, each with what is counted.
+/// Statements without surface, each with the name of its count.
 const WITHOUT_SURFACE: [(&str, &str); 5] = [
     ("l", "lines (l) are skipped"),
     ("p", "points (p) are skipped"),
@@ -58,7 +58,7 @@ const WITHOUT_SURFACE: [(&str, &str); 5] = [
     ("cdc", "curves (cdc) are skipped"),
 ];
 
-/// Statements that would add a surface which is not read, each with what to do.
+/// Statements that would add an unsupported surface, each with instructions.
 const NOT_READ: [(&str, &str); 6] = [
     ("surf", "free-form surfaces are not read; save the surface as polygons"),
     ("bzp", "Bezier patches are not read; save the surface as polygons"),
@@ -69,7 +69,7 @@ const NOT_READ: [(&str, &str); 6] = [
 ];
 
 /// # Errors
-/// When a vertex or face is not written as OBJ asks, with its line; when there is no face.
+/// If a vertex or face has wrong syntax, with its line; if there is no face.
 pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     let surface = Surface::new(text)?;
     MeshBuilder::default().reserve(surface.vertices, surface.triangles)?;
@@ -98,7 +98,7 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
         built.vertices.extend(positions);
         append_faces(&model.mesh, first, &mut built, (&mut triangulator, &mut tally))?;
     }
-    // tobj keeps only the vertices that faces name
+    // tobj keeps only the vertices that faces refer to
     if let (Some(line), true) = (surface.unreadable.first(), built.vertices.iter().any(|v| v.x.is_nan())) {
         return Err(format!(
             "bad OBJ: a face names a vertex that cannot be read; the first such is at line {line}"
@@ -111,17 +111,17 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
     Ok(ReadMesh { mesh, remarks: surface.remarks().into_iter().chain(tally.remarks()).collect() })
 }
 
-/// The statements that make the surface, line for line as in the file; other lines are empty.
+/// The statements that define the surface, on the same lines as in the file; other lines are empty.
 #[derive(Default)]
 struct Surface {
     text: String,
-    /// Lines of vertices that cannot be read; they count, but no face may name them.
+    /// Lines of vertices that cannot be read; they have an index, but no face may refer to them.
     unreadable: Vec<usize>,
-    /// Lines that OBJ does not know.
+    /// Lines that are not valid OBJ.
     unknown: Vec<usize>,
     skipped: Tally,
     vertices: usize,
-    /// Upper bound of the number of triangles.
+    /// Upper bound on the number of triangles.
     triangles: usize,
 }
 
@@ -156,7 +156,7 @@ impl Surface {
         let Some(word) = words.next() else { return Ok(()) };
         match word {
             "v" => self.add_position(words, number),
-            // fo is the form that f had once
+            // fo is an obsolete form of f
             "f" | "fo" => self.add_corners(words),
             _ => {
                 if let Some((_, what)) = WITHOUT_SURFACE.iter().find(|(name, _)| *name == word) {
@@ -171,7 +171,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Statements of geometry in upper case are none, but a vertex or face too few would be another surface.
+    /// Geometry statements in upper case are invalid, but ignoring a vertex or face would change the surface.
     fn add_unknown(&mut self, word: &str, number: usize) -> Result<(), String> {
         let lower = word.to_ascii_lowercase();
         if lower != word && (is_geometry(&lower) || NOT_READ.iter().any(|(name, _)| *name == lower)) {
@@ -196,14 +196,14 @@ impl Surface {
         self.text.push_str(&words.join(" "));
     }
 
-    /// `1/2/3` names position 1, texture coordinate 2, normal 3.
+    /// `1/2/3` refers to position 1, texture coordinate 2, normal 3.
     fn add_corners<'t>(&mut self, words: impl Iterator<Item = &'t str>) {
         self.text.push('f');
         let mut corners = 0_usize;
         for corner in words {
             corners += 1;
             let position = corner.split('/').next().unwrap_or_default();
-            // an empty position would vanish and change the polygon: let tobj refuse it
+            // an empty position would be ignored and change the polygon: tobj rejects it
             let position = if position.is_empty() { "?" } else { position };
             self.text.push(' ');
             self.text.push_str(position);
@@ -238,7 +238,7 @@ fn without_comment(line: &str) -> (&str, bool) {
     }
 }
 
-/// Whether a line's statement is part of the geometry.
+/// True if a line's statement is part of the geometry.
 fn is_geometry(line: &str) -> bool {
     let word = line.split_whitespace().next().unwrap_or_default();
     let is_named = |list: &[(&str, &str)]| list.iter().any(|(name, _)| *name == word);
@@ -252,7 +252,7 @@ fn append_faces(
     built: &mut MeshBuilder,
     (triangulator, tally): (&mut Triangulator, &mut Tally),
 ) -> Result<(), String> {
-    // tobj leaves the arities out when all are 3
+    // tobj leaves the arities empty when all are 3
     let arities: Vec<usize> = if mesh.face_arities.is_empty() {
         vec![3; mesh.indices.len() / 3]
     } else {
@@ -278,7 +278,7 @@ fn append_faces(
     Ok(())
 }
 
-/// A reader that knows how many lines were taken from it, since `tobj` names no line in its errors.
+/// A reader that counts the lines read from it, since `tobj` gives no line in its errors.
 struct CountedLines<'t> {
     rest: &'t [u8],
     count: usize,

@@ -1,6 +1,6 @@
-//! PLY: vertices with x, y and z, and faces or triangle strips that index them. Other properties, such as colours and
-//! normals, are left out; so are other elements, with a remark, unless they index vertices. Coordinates are metres, as RViz
-//! takes them.
+//! Reader of PLY meshes: vertices with x, y and z, and faces or triangle strips that index them. Other properties, such as colours and
+//! normals, are ignored. Other elements are ignored with a remark; elements that index vertices are an error. Coordinates are in metres,
+//! as in RViz.
 
 use clearance_files::ply_format::words::quoted;
 use clearance_files::ply_format::{Element, Numbers, PlyError, PlyFile, Property};
@@ -11,25 +11,25 @@ use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder};
 use super::polygon::Triangulator;
 use super::tally::{TOO_FEW_CORNERS, Tally};
 
-/// Names of elements that are surfaces, in lower case and without a plural's s; of these, face and tristrips are read.
+/// Names of elements that are surfaces, in lower case and without plural s; of these, face and tristrips are read.
 const SURFACES: [&str; 8] =
     ["face", "tristrip", "trifan", "triangle", "quad", "polygon", "patch", "range_grid"];
 
-/// Most indices of faces, and of strips: three for each triangle, and as many again.
+/// Maximum number of indices of faces and strips: three per triangle, times two.
 const MOST_INDICES: usize = 6 * MOST_TRIANGLES;
 
-/// Lists of vertex numbers, one behind the other; -1 in a strip begins another one.
+/// Lists of vertex indices in sequence; -1 in a strip starts a new strip.
 #[derive(Default)]
 struct Lists {
     indices: Vec<i32>,
-    /// Where each list ends in `indices`.
+    /// End of each list in `indices`.
     ends: Vec<usize>,
-    /// Lists of fewer than three indices, which are left out.
+    /// Number of lists of fewer than three indices, which are skipped.
     short: usize,
 }
 
 /// # Errors
-/// When the file is cut, contradicts itself, or has no faces.
+/// If the file is truncated, is contradictory, or has no faces.
 pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
     let PlyFile { elements, mut numbers } = PlyFile::open(bytes).map_err(bad)?;
     let (mut vertices, mut faces, mut strips) = (None, Lists::default(), Lists::default());
@@ -76,7 +76,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
     Ok(ReadMesh { mesh, remarks })
 }
 
-/// The remark on an element that is not read, if it has any record.
+/// The remark on an element that is ignored, if it has any record.
 fn skipped(element: &Element) -> Result<Option<String>, String> {
     let Element { name, count, properties } = element;
     if *count == 0 {
@@ -150,12 +150,12 @@ impl Lists {
             return Err(PlyError(format!("the file names more than {MOST_INDICES} vertices")));
         }
         let no_memory = |_| PlyError("there is no memory for its indices".to_owned());
-        // a list may claim any length: what is there of it decides
+        // a list may declare any length: only the available data counts
         self.indices.try_reserve(length.min(1 << 20)).map_err(no_memory)?;
         self.ends.try_reserve(1).map_err(no_memory)
     }
 
-    /// Ends a list of so many indices, which are the last; a short one is left out and counted.
+    /// Ends a list of this number of indices, the last ones; a short list is skipped and counted.
     fn end_list(&mut self, length: usize) {
         if length < 3 {
             self.short += 1;
@@ -171,7 +171,7 @@ impl Lists {
     }
 }
 
-/// -1 and below are no vertices, but an end in strips.
+/// -1 and below are no vertices, but end a strip.
 #[allow(clippy::cast_possible_truncation)] // checked to be a whole number of 32 bits
 fn index(number: f64) -> Result<i32, PlyError> {
     let is_whole = number.fract() == 0.0 && number.abs() <= f64::from(i32::MAX);
@@ -197,7 +197,7 @@ fn append_polygon(
     Ok(())
 }
 
-/// Every second triangle of a strip is wound the other way.
+/// Every second triangle of a strip has the opposite winding.
 fn append_strip(corners: &[usize], surface: &mut MeshBuilder) -> Result<(), String> {
     for (i, t) in corners.windows(3).enumerate() {
         surface.push(if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })?;

@@ -1,12 +1,12 @@
-//! Polygons to triangles.
+//! Triangulation of polygons.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
 
-/// Most comparisons of an ear with a corner in one file, a second or two: ear clipping takes quadratic time, and cubic time
-/// at worst.
+/// Maximum number of comparisons of an ear with a corner in one file, which take a second or two: ear clipping takes quadratic time, and
+/// cubic time in the worst case.
 const MOST_COMPARISONS: usize = 2_000_000_000;
 
-/// Triangulates the polygons of one file, with a bound on the time that all of them take together.
+/// Triangulates the polygons of one file, with a limit on their total time.
 #[derive(Debug)]
 pub(super) struct Triangulator {
     comparisons_left: usize,
@@ -19,15 +19,15 @@ impl Default for Triangulator {
 }
 
 impl Triangulator {
-    /// The corners as triangles, by their place in `corners`: a fan when the polygon is convex, ear clipping when it is not
-    /// (Meisters 1975), so that no triangle leaves the polygon. `n` corners give `n - 2` triangles: none is left out, though
-    /// it has no area, since corners that lie in a line after projection need not do so in space.
+    /// The triangles of a polygon, as indices into `corners`: a fan if the polygon is convex, otherwise ear clipping (Meisters 1975), so
+    /// that no triangle leaves the polygon. `n` corners give `n - 2` triangles. Triangles without area are kept, too, since corners that
+    /// are collinear after projection need not be collinear in space.
     ///
-    /// A polygon that is not flat is judged by its projection along Newell's normal; one that crosses itself has no
-    /// triangulation, and what remains of it when no ear is left becomes a fan.
+    /// A polygon that is not flat is projected along Newell's normal. A polygon that crosses itself has no triangulation; if no ear is
+    /// left, the rest becomes a fan.
     ///
     /// # Errors
-    /// When there are fewer than three corners, or the polygons of the file take too long.
+    /// If there are fewer than three corners, or the polygons of the file take too long.
     pub fn triangulate(&mut self, corners: &[Point]) -> Result<Vec<[usize; 3]>, &'static str> {
         match corners.len() {
             0..3 => Err("a polygon has fewer than three corners"),
@@ -51,7 +51,7 @@ impl Triangulator {
         let mut start = 0;
         while order.len() > 3 {
             let n = order.len();
-            // search on from the last ear, so that ears are cut all round and not as slivers at one corner
+            // continue from the last ear, so that ears are cut all round and not as slivers at one corner
             let mut ear = None;
             for i in (0..n).map(|i| (start + i) % n) {
                 if self.is_ear(&places, i)? {
@@ -69,7 +69,7 @@ impl Triangulator {
         Ok(triangles)
     }
 
-    /// Whether corner `i` of what is left can be cut off: it does not turn back, and no other corner is in its triangle.
+    /// True if corner `i` of the remaining polygon can be cut off: it is convex, and no other corner is in its triangle.
     fn is_ear(&mut self, places: &[[f64; 2]], i: usize) -> Result<bool, &'static str> {
         let n = places.len();
         let [a, b, c] = [places[(i + n - 1) % n], places[i], places[(i + 1) % n]];
@@ -94,8 +94,7 @@ fn fan(order: &[usize]) -> impl Iterator<Item = [usize; 3]> {
     order.windows(2).skip(1).map(|pair| [order[0], pair[0], pair[1]])
 }
 
-/// The corners in the plane of the two axes that Newell's normal is farthest from, so turned that they go round
-/// counter-clockwise.
+/// The corners projected to the plane of the two coordinate axes farthest from Newell's normal, in counter-clockwise order.
 fn projected(corners: &[Point]) -> Vec<[f64; 2]> {
     let normal: Vector = corners
         .iter()
@@ -115,7 +114,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Whether a fan around the first corner covers the polygon once: no fan triangle and no corner turns back.
+/// True if a fan around the first corner covers the polygon once: no triangle of the fan and no corner is reversed.
 fn is_convex(flat: &[[f64; 2]]) -> bool {
     let n = flat.len();
     (1..n - 1).all(|i| turn(flat[0], flat[i], flat[i + 1]) >= 0.0)
@@ -132,7 +131,7 @@ mod tests {
         Triangulator::default().triangulate(corners)
     }
 
-    /// A star with as many rays.
+    /// A star with this number of rays.
     fn star(rays: u32) -> Vec<Point> {
         let corner = |i: u32| {
             let (sin, cos) = (f64::from(i) / f64::from(rays) * std::f64::consts::PI).sin_cos();
@@ -151,7 +150,7 @@ mod tests {
         assert!((area(&corners, &triangles) - expected).abs() < 1e-9);
     }
 
-    /// The bound counts for all polygons together, and convex ones cost nothing.
+    /// The limit applies to all polygons together, and convex ones cost nothing.
     #[test]
     fn the_polygons_of_a_file_share_one_bound() {
         let mut few = Triangulator { comparisons_left: 2000 };

@@ -1,7 +1,7 @@
-//! STL, binary and ASCII, through `stl_io`.
+//! Reader of STL, binary and ASCII, through `stl_io`.
 //!
-//! `stl_io` tells the two apart by a leading `solid `, reads one solid of an ASCII file and knows only lower case. Both
-//! kinds are therefore brought into the form it reads faithfully before it sees them.
+//! `stl_io` recognises ASCII files by a leading `solid `, reads only the first solid of such a file, and requires lower case. Both kinds
+//! are therefore converted first to a form that it reads correctly.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -16,13 +16,12 @@ use crate::numbers::shortened;
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-/// Whether the file has exactly the length that its triangle count asks for: then it is binary, whatever its header
-/// says.
+/// True if the file has exactly the length that follows from its triangle count: then it is binary, whatever its header.
 pub(super) fn has_binary_length(bytes: &[u8]) -> bool {
     triangle_count(bytes).is_some_and(|count| count > 0 && expected_length(count) == bytes.len())
 }
 
-/// Whether a text that begins with `solid` goes on as an ASCII STL does.
+/// True if a text that begins with `solid` continues like an ASCII STL.
 pub(super) fn looks_ascii(bytes: &[u8]) -> bool {
     let head = bytes[..bytes.len().min(4096)].to_ascii_lowercase();
     let has = |word: &[u8]| head.windows(word.len()).any(|w| w == word);
@@ -39,14 +38,14 @@ fn expected_length(count: usize) -> usize {
 }
 
 /// # Errors
-/// When the length does not fit the triangle count: a cut file, or no STL at all.
+/// If the length does not match the triangle count: the file is truncated, or is not STL.
 pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     let Some(count) = triangle_count(&bytes) else {
         let (has, hint) = (bytes.len(), text_hint(&bytes));
         return Err(format!("{has} bytes are too few for an STL, which has a header of {HEADER}{hint}"));
     };
     let expected = expected_length(count);
-    // a few bytes of padding are met in the wild; a whole triangle is none
+    // real files may end in a few bytes of padding, but not in a whole additional triangle
     if bytes.len() < expected || bytes.len() >= expected + TRIANGLE {
         let hint = text_hint(&bytes);
         if !hint.is_empty() {
@@ -60,7 +59,7 @@ pub(super) fn read_binary(mut bytes: Vec<u8>) -> Result<ReadMesh, String> {
     // a closed surface has half as many vertices as triangles
     MeshBuilder::default().reserve(count / 2, count)?;
     let surplus = bytes.len() - expected;
-    // a header that begins with "solid " would pass for ASCII
+    // a header that begins with "solid " would be taken for ASCII
     bytes[..80].fill(0);
     let mut read = indexed(&bytes)?;
     if surplus > 0 {
@@ -82,7 +81,7 @@ fn text_hint(bytes: &[u8]) -> &'static str {
 }
 
 /// # Errors
-/// When a solid is not written as STL asks, with its line; all solids of the file count.
+/// If a solid has wrong syntax, with its line; all solids of the file are read.
 pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
     let mut solid = String::with_capacity(text.len());
     solid.push_str("solid all\n");
@@ -93,14 +92,14 @@ pub(super) fn read_ascii(text: &str) -> Result<ReadMesh, String> {
         solid.push('\n');
     });
     MeshBuilder::default().reserve(facets / 2, facets)?;
-    // without its end the file is cut
+    // a solid without its end means a truncated file
     if !open {
         solid.push_str("endsolid all\n");
     }
     indexed(solid.as_bytes()).map_err(|error| fault(text).unwrap_or(error))
 }
 
-/// The first statement that does not stand where STL has it, since `stl_io` names no line.
+/// The first misplaced statement, since `stl_io` reports no line.
 fn fault(text: &str) -> Option<String> {
     const FACET: [&str; 7] =
         ["facet", "outer loop", "vertex x y z", "vertex x y z", "vertex x y z", "endloop", "endfacet"];
@@ -127,15 +126,15 @@ fn fault(text: &str) -> Option<String> {
     fault.or_else(cut)
 }
 
-/// Calls `emit` with each statement but those that begin and end solids, and its line; whether a solid is left open.
+/// Calls `emit` with each statement, except the begin and end of solids, and its line; returns true if a solid is not closed.
 ///
-/// Statements become lower case, with their words one blank apart. They may stand on any line, and their ends be written in
-/// one word or two (`endloop`, `end loop`). Normals, which are not used, become zero, since degenerate facets are often
-/// published with the normal `nan nan nan`.
+/// Statements are converted to lower case, with one blank between words. They may be on any line, and their ends be written in one word
+/// or two (`endloop`, `end loop`). Normals, which are not used, are set to zero, since degenerate facets are often published with the
+/// normal `nan nan nan`.
 fn statements(text: &str, mut emit: impl FnMut(usize, &str)) -> bool {
     let mut open = false;
     let mut plain = String::new();
-    // lines end in CR alone in old files
+    // old files may end lines with CR alone
     let ends_in_cr = !text.contains('\n');
     for (line, number) in text.split('\n').zip(1..) {
         for (line, further) in line.split('\r').zip(0..) {
@@ -147,7 +146,7 @@ fn statements(text: &str, mut emit: impl FnMut(usize, &str)) -> bool {
                 let arguments = others.iter().position(|word| is_keyword(word)).unwrap_or(others.len());
                 rest = &others[arguments..];
                 match &*statement {
-                    // up to the next facet, the rest of the line is a name
+                    // the rest of the line, up to the next facet, is a name
                     "solid" | "endsolid" => {
                         let begins = |pair: &[&str]| pair == ["facet", "normal"];
                         let facet = others.windows(2).position(begins);
@@ -155,7 +154,7 @@ fn statements(text: &str, mut emit: impl FnMut(usize, &str)) -> bool {
                         rest = facet.map_or(&[][..], |at| &others[at..]);
                     }
                     "facet" => emit(number, "facet normal 0 0 0"),
-                    // also what is no statement: stl_io rejects it
+                    // also text that is no statement: stl_io rejects it
                     other => {
                         plain.clear();
                         plain.push_str(other);
@@ -172,7 +171,7 @@ fn statements(text: &str, mut emit: impl FnMut(usize, &str)) -> bool {
     open
 }
 
-/// The word that begins a statement, `end loop` as `endloop`, and the words behind it.
+/// The word that begins a statement, `end loop` as `endloop`, and the words after it.
 fn first_statement<'w, 't>(words: &'w [&'t str]) -> Option<(Cow<'t, str>, &'w [&'t str])> {
     match *words {
         [] => None,

@@ -1,8 +1,8 @@
-//! Parts of a mesh file that are not read as they stand, counted for one remark of each kind.
+//! Counts of ignored or changed parts of a mesh file, for one remark per kind.
 
 use std::collections::BTreeMap;
 
-/// How often each thing was found, and the line of the first.
+/// Number of occurrences by kind, and the line of the first one.
 #[derive(Debug, Default)]
 pub(super) struct Tally(BTreeMap<&'static str, (usize, Option<u32>)>);
 
@@ -20,5 +20,5 @@ impl Tally {
     }
 }
 
-/// Polygons that are points and lines.
+/// Degenerate polygons: points and lines.
 pub(super) const TOO_FEW_CORNERS: &str = "polygons of fewer than three corners are skipped";

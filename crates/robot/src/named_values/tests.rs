@@ -25,7 +25,8 @@ fn robot(joints: &[Spec]) -> RobotModel {
     RobotModel::from_urdf(&(urdf + "</robot>"), &MeshFiles::default()).unwrap()
 }
 
-/// A free joint, one that goes twice as far the other way, one that mimics that one, and one that never moves.
+/// A free joint; a joint that mimics it at twice the distance in the other direction; a joint that mimics that one; and a joint that
+/// never moves.
 fn chain() -> RobotModel {
     robot(&[
         ("drive", None),
@@ -112,7 +113,7 @@ fn rates_of_mimic_joints_are_those_of_their_leaders() {
         "{error}"
     );
     assert!(rates(&["stands"], &[1.0], 1.0).unwrap_err().contains("'stands'"));
-    // over a long time, a small difference goes far
+    // over a long time, a small difference adds up
     let nearly = [3.0 + 5e-7, -1.5];
     assert!(
         rates(&["back", "drive"], &nearly, 1.0).is_ok() && rates(&["back", "drive"], &nearly, 10.0).is_err()
@@ -161,8 +162,8 @@ fn random_robots() -> impl Strategy<Value = Vec<Option<(usize, f64, f64)>>> {
 }
 
 proptest! {
-    /// Whichever joints are named with the values that they have, in whatever order: every one of them is there. A value that is off is
-    /// refused or moves the joint there.
+    /// Joints named with consistent values, in any order, all get these values. An inconsistent value is rejected, or moves the joint
+    /// there.
     #[test]
     fn every_value_that_is_given_is_where_its_joint_is(
         joints in random_robots(),

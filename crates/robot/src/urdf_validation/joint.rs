@@ -1,4 +1,4 @@
-//! Joints: type, links, axis, limits, mimic.
+//! Validation of joints: type, links, axis, limits, mimic.
 
 use std::collections::HashSet;
 
@@ -82,7 +82,7 @@ impl<'d> Validator<'d> {
         self.writer.element("axis", &[("xyz", xyz)]);
     }
 
-    /// Checks `<limit>` as urdfdom does; `true` when it bounds the joint.
+    /// Validates `<limit>` as urdfdom does; returns `true` if it limits the joint.
     fn check_limit(&mut self, joint: Node<'d, 'd>, element: &str, kind: &str) -> bool {
         const NAMES: [&str; 5] = ["lower", "upper", "effort", "velocity", "acceleration"];
         let Some(limit) = self.only_child(joint, "limit", element) else {
@@ -101,7 +101,7 @@ impl<'d> Validator<'d> {
         } else if !unbounded {
             self.check_bounds(limit, element, lower, upper);
         }
-        // urdf-rs insists on a velocity
+        // urdf-rs requires a velocity
         let attributes: Vec<(&str, &str)> = (NAMES.iter().zip(values))
             .filter_map(|(name, value)| value.and(Some((*name, limit.attribute(*name)?))))
             .chain(velocity.is_none().then_some(("velocity", "inf")))

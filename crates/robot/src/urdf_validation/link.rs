@@ -1,4 +1,4 @@
-//! Links: collisions and their shapes. Inertias are never read, and of visuals only whether there are any.
+//! Validation of links: collisions and their shapes. Inertias are never read; for visuals, only their existence is read.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::Rotation;
@@ -38,8 +38,7 @@ impl<'d> Validator<'d> {
         self.sound.links.push(notes);
     }
 
-    /// Checks `<origin>`; the rotation is given back when it is a quaternion, which `urdf-rs` would turn to angles and
-    /// round.
+    /// Validates `<origin>`. The rotation is returned if it is a quaternion, which `urdf-rs` would convert to angles and round.
     pub(super) fn check_origin(&mut self, node: Node<'d, 'd>, element: &str) -> Option<Rotation> {
         let origin = self.only_child(node, "origin", element)?;
         let xyz = origin.attribute("xyz").unwrap_or("0 0 0");
@@ -139,7 +138,7 @@ impl<'d> Validator<'d> {
         self.writer.element("mesh", &[("filename", filename), ("scale", scale)]);
     }
 
-    /// The text of a dimension, checked: `N` lengths, none negative.
+    /// The validated text of a dimension: `N` lengths, none negative.
     fn dimensions<const N: usize>(&mut self, shape: Node<'d, 'd>, element: &str, name: &str) -> &'d str {
         let what = format!("{} {name}", shape.tag_name().name());
         let Some(text) = shape.attribute(name) else {
@@ -159,7 +158,7 @@ impl<'d> Validator<'d> {
         text
     }
 
-    /// `N` lengths in metres that a model may have.
+    /// `N` lengths in metres, within the limits of a model.
     fn lengths<const N: usize>(
         &mut self,
         node: Node<'d, 'd>,
@@ -176,7 +175,7 @@ impl<'d> Validator<'d> {
         Some(values)
     }
 
-    /// `N` finite numbers, or a fault.
+    /// `N` finite numbers, or an error.
     pub(super) fn numbers<const N: usize>(
         &mut self,
         node: Node<'d, 'd>,

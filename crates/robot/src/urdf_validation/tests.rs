@@ -24,7 +24,7 @@ fn accepted(text: &str) -> RobotModel {
     RobotModel::from_urdf(text, &MeshFiles::default()).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-/// Asserts that the text is refused, with all words in the message.
+/// Asserts that the text is rejected, with all words in the message.
 fn refused(text: &str, words: &[&str]) {
     let message = match RobotModel::from_urdf(text, &MeshFiles::default()) {
         Ok(_) => panic!("accepted:\n{text}"),
@@ -202,7 +202,7 @@ fn joints_do_not_share_names_of_positions() {
             accepted(&text.replace(&format!("'{name}'"), "'f/other'"));
         }
     }
-    // a joint of one position is its position
+    // the position of a joint with one position has the joint's name
     accepted(&urdf("", "continuous", "").replace("'j'", "'j/x'"));
 }
 
@@ -346,7 +346,7 @@ fn limits_are_as_urdfdom_takes_them() {
     let still = warned(&urdf("", "revolute", "<limit effort='1' velocity='2'/>"), &["'j'", "limit"]);
     let limits = still.joints()[0].limits.unwrap();
     assert_eq!((limits.lower, limits.upper, limits.velocity), (0.0, 0.0, 2.0));
-    // URDF 1.2 changed the meaning of what is not said
+    // URDF 1.2 changed the meaning of missing elements
     let free = accepted(&urdf("", "revolute", "<limit effort='1' velocity='2'/>").replace("1.1", "1.2"));
     assert_eq!(free.joints()[0].limits, None);
     assert_eq!(accepted(&urdf("", "continuous", LIMIT)).joints()[0].limits, None);

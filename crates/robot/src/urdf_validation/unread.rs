@@ -1,8 +1,8 @@
-//! Warnings about elements and attributes that are not read: misspelt, misplaced, or of another XML namespace.
+//! Warnings about ignored elements and attributes: misspelt, misplaced, or of another XML namespace.
 //!
-//! URDF has no schema that forbids anything, and extensions of simulators stand everywhere in it. Next to links and joints, therefore, only
-//! names that are nearly right, or that hold something that would be read, get a warning. Inside of collisions and joints everything does
-//! that is no known extension.
+//! URDF has no schema that forbids anything, and extensions of simulators occur everywhere in it. Next to links and joints, therefore,
+//! only names that are almost right, or that contain elements that would be read, cause a warning. Inside collisions and joints every
+//! unknown name does, unless it is a known extension.
 
 use std::collections::BTreeMap;
 
@@ -14,17 +14,17 @@ use crate::numbers::shortened;
 use crate::similar_names::nearest;
 use crate::xml::{is_foreign, only_text};
 
-/// Most warnings of this kind; a text that is wrong throughout has thousands.
+/// Maximum number of warnings of this kind; a thoroughly wrong text has thousands.
 const MOST_WARNINGS: usize = 20;
 
-/// The names that an element may have in it.
+/// The names allowed inside an element.
 struct Vocabulary {
     tag: &'static str,
     attributes: &'static [&'static str],
     children: &'static [&'static str],
-    /// Elements and attributes that say nothing about collisions.
+    /// Elements and attributes that do not concern collisions.
     extensions: &'static [&'static str],
-    /// Whether unknown names are usual here.
+    /// True if unknown names are usual here.
     is_open: bool,
 }
 
@@ -125,15 +125,15 @@ const VOCABULARIES: [Vocabulary; 16] = [
 const ELEMENT: &str = "element";
 const ATTRIBUTE: &str = "attribute";
 
-/// Elements that stand for the content of another file.
+/// Elements that include the content of another file.
 const INCLUDES: [&str; 1] = ["include"];
 
-/// Names that are not read, each with the warning about its first place and the number of places.
+/// Ignored names, each with the warning about its first occurrence and the number of occurrences.
 #[derive(Default)]
 struct Unread(BTreeMap<(&'static str, &'static str, String), (Warning, usize)>);
 
 impl<'d> Validator<'d> {
-    /// Adds the warnings about names that are not read, in the order of their lines.
+    /// Adds the warnings about ignored names, ordered by line.
     pub(super) fn warn_of_unread(&mut self, root: Node<'d, 'd>) {
         let mut unread = Unread::default();
         self.find_unread(root, &VOCABULARIES[0], "", &mut unread);
@@ -156,7 +156,7 @@ impl<'d> Validator<'d> {
         }
     }
 
-    /// `label` says which link or joint `node` belongs to.
+    /// `label` names the link or joint that `node` belongs to.
     fn find_unread(&self, node: Node<'d, 'd>, vocabulary: &Vocabulary, label: &str, unread: &mut Unread) {
         let mut note = |kind: &'static str, name: &str, at: Node, message: String| {
             let key = (vocabulary.tag, kind, name.to_owned());
@@ -194,7 +194,7 @@ impl<'d> Validator<'d> {
 }
 
 impl Vocabulary {
-    /// Why an attribute is not read, if that deserves a warning.
+    /// The reason why an attribute is ignored, if that deserves a warning.
     fn why_attribute_is_unread(&self, name: &str, has_namespace: bool) -> Option<String> {
         let is_known = self.attributes.contains(&name);
         let (quoted, tag) = (shortened(name), self.tag);
@@ -220,7 +220,7 @@ impl Vocabulary {
         }
     }
 
-    /// Why an element that is no known child is not read, if that deserves a warning.
+    /// The reason why an unknown child element is ignored, if that deserves a warning.
     fn why_element_is_unread(&self, child: Node) -> Option<String> {
         let name = child.tag_name().name();
         let quoted = shortened(name);
@@ -264,7 +264,7 @@ impl Vocabulary {
         })
     }
 
-    /// Whether an element inside of an unknown one holds geometry, links or joints.
+    /// True if an element inside an unknown one holds geometry, links or joints.
     fn would_be_read(&self, node: &Node) -> bool {
         let name = node.tag_name().name();
         let is_visual = || node.ancestors().any(|a| matches!(a.tag_name().name(), "visual" | "inertial"));
@@ -273,6 +273,6 @@ impl Vocabulary {
 }
 
 fn vocabulary_of(tag: &str) -> Option<&'static Vocabulary> {
-    // robots are in nothing
+    // a robot is the outermost element
     VOCABULARIES[1..].iter().find(|vocabulary| vocabulary.tag == tag)
 }

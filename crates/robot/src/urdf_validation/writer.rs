@@ -1,4 +1,4 @@
-//! The sound text, as `urdf-rs` gets it.
+//! Writer of the validated text for `urdf-rs`.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What is true is accepted; whatever is altered is not.
+//! Tests that true certificates are accepted, and altered ones are rejected.
 
 use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Point, Pose, Vector};
@@ -344,7 +344,7 @@ fn it_holds_for_one_robot_one_world_and_one_set_of_rules() {
     assert!(matches!(refused(&robot, &world, &bad, None), Refusal::UnknownLink(_)));
 }
 
-/// Turns a true certificate into one about another motion, as a forger would: everything fits but the truth.
+/// Changes a true certificate to one of another motion, as a forger would: all its fields are consistent, but it is not true.
 fn forged(mut certificate: Certificate, segments: &[MotionSegment]) -> Certificate {
     for (proof, segment) in certificate.segments.iter_mut().zip(segments) {
         proof.motion = segment.text();
@@ -435,7 +435,7 @@ fn random_motions() {
         let verifier = Verifier::new(&robot, &world, &settings, None).unwrap();
         let segments = [motion];
         let Ok(certificate) = prove(&verifier, &settings, &segments) else { continue };
-        // its obstacles have moved already when it begins: only who expects that may believe it
+        // its obstacles have moved already when it begins: accepted only if that is expected
         let motion = Some(Trajectory::of_segments(segments.to_vec()).unwrap());
         verifier.verify_expected(&certificate, &Expected { motion, ..Expected::default() }).unwrap();
         let displaced =
@@ -456,7 +456,7 @@ fn random_motions() {
     assert!(accepted > 20, "{accepted}");
 }
 
-/// What is proven of links and objects as they are says nothing about larger ones.
+/// Proofs of links and objects at their original size do not apply to larger ones.
 #[test]
 fn larger_bodies_are_verified_as_large_as_they_are() {
     let (robot, world) = (two_link(), balls());

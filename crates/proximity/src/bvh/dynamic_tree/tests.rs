@@ -24,7 +24,7 @@ fn overlap(a: &AxisBox, b: &AxisBox) -> bool {
     (0..3).all(|i| a.lo[i] <= b.hi[i] && b.lo[i] <= a.hi[i])
 }
 
-/// All that a tree holds: every box is within those above it, and no item is lost or there twice.
+/// Checks the whole content of a tree: every box is within its ancestors' boxes, and every item occurs exactly once.
 fn assert_holds(tree: &DynamicTree, expected: &[Option<AxisBox>]) {
     let mut seen = vec![None; expected.len()];
     let mut stack: Vec<(u32, Option<AxisBox>)> = tree.nodes.first().map(|_| (0, None)).into_iter().collect();

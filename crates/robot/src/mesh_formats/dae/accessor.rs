@@ -1,4 +1,4 @@
-//! The positions of a COLLADA mesh: numbers of an array, as an accessor describes them.
+//! The positions of a COLLADA mesh, read from an array by an accessor.
 
 use clearance_geometry::math::Point;
 use roxmltree::Node;
@@ -6,7 +6,7 @@ use roxmltree::Node;
 use super::{Collada, children, decimal};
 
 impl<'d> Collada<'d> {
-    /// The positions that `<vertices>` point at.
+    /// The positions that `<vertices>` refers to.
     pub(super) fn positions(&self, vertices: Node<'d, 'd>) -> Result<Vec<Point>, String> {
         let is_position = |n: &Node| n.attribute("semantic") == Some("POSITION");
         let mut inputs = children(vertices, "input").filter(is_position);
@@ -47,8 +47,8 @@ impl<'d> Collada<'d> {
         Ok(positions)
     }
 
-    /// Places of x, y and z among the numbers of a position. Numbers whose `<param>` has no name are skipped, as the
-    /// specification asks; names other than X, Y and Z say nothing about the order.
+    /// Indices of x, y and z among the numbers of a position. Numbers whose `<param>` has no name are skipped, as the specification
+    /// requires; names other than X, Y and Z do not determine the order.
     fn coordinates(&self, accessor: Node<'d, 'd>) -> Result<[usize; 3], String> {
         let params: Vec<Node> = children(accessor, "param").collect();
         if params.is_empty() {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-/// All elements with an id. An id counts among elements of one kind: exporters give a node and its geometry the same one.
+/// All elements with an id. Ids are unique per kind only: exporters give a node and its geometry the same id.
 pub(super) struct ElementsById<'d>(HashMap<&'d str, Vec<Node<'d, 'd>>>);
 
 impl<'d> ElementsById<'d> {
@@ -13,7 +13,7 @@ impl<'d> ElementsById<'d> {
         for node in root.descendants() {
             if let Some(id) = node.attribute("id") {
                 let bearers = by_id.entry(id).or_default();
-                // the first of a kind counts, so that the list stays short
+                // only the first of a kind is stored, so that the list stays short
                 if bearers.iter().all(|other| other.tag_name().name() != node.tag_name().name()) {
                     bearers.push(node);
                 }

@@ -10,17 +10,17 @@ use crate::mesh_formats::memory;
 use crate::mesh_formats::mesh_builder::MeshBuilder;
 use crate::mesh_formats::tally::TOO_FEW_CORNERS;
 
-/// Polygons by the places of their corners in the positions.
+/// Polygons, as indices of their corners in the positions.
 type Polygons = Vec<Vec<usize>>;
 
-/// Memory (bytes) of indices and polygons by the bytes of their text, at most.
+/// Maximum memory (bytes) of indices and polygons per byte of their text.
 const INDEX_BYTES: usize = 32;
 
-/// Elements of a mesh that are no primitives.
+/// Elements of a mesh that are not primitives.
 const NO_PRIMITIVES: [&str; 4] = ["source", "vertices", "extra", "asset"];
 
 impl<'d> Collada<'d> {
-    /// The triangles of a geometry, in its own coordinates. They are read once, however often it is instanced.
+    /// The triangles of a geometry, in its own coordinates. They are read once, for any number of instances.
     pub(super) fn surface(&mut self, geometry: Node<'d, 'd>) -> Result<Rc<MeshBuilder>, String> {
         if let Some(known) = self.surfaces.get(&geometry.id()) {
             return Ok(Rc::clone(known));
@@ -30,7 +30,7 @@ impl<'d> Collada<'d> {
             if mesh.has_attribute("convex_hull_of") {
                 return Err(self.at(mesh, "convex_hull_of is not read; write the triangles of the hull"));
             }
-            // by <vertices> element: where its positions are in the surface
+            // by <vertices> element: the range of its positions in the surface
             let mut known = HashMap::new();
             for primitive in mesh.children().filter(Node::is_element) {
                 if let Some((vertices, polygons)) = self.polygons(primitive)? {
@@ -65,7 +65,7 @@ impl<'d> Collada<'d> {
         }
     }
 
-    /// Where the positions of a `<vertices>` begin in the surface, and how many there are.
+    /// First position of a `<vertices>` in the surface, and the number of positions.
     fn positions_once(
         &mut self,
         vertices: Node<'d, 'd>,
@@ -171,7 +171,7 @@ impl<'d> Collada<'d> {
         Ok(Some((self.referenced(input, "source", &["vertices"])?, polygons)))
     }
 
-    /// The numbers of each `<p>`. A polygon with holes (`<ph>`) is taken by its outline: filled, it hides no contact.
+    /// The numbers of each `<p>`. A polygon with holes (`<ph>`) is replaced by its outline: filled holes hide no contact.
     fn index_lists(&mut self, primitive: Node<'d, 'd>) -> Result<Vec<Vec<usize>>, String> {
         let mut lists = Vec::new();
         for part in primitive.children() {
@@ -222,7 +222,7 @@ impl<'d> Collada<'d> {
         }
     }
 
-    /// The attribute `count` binds nobody, but a wrong one is told.
+    /// The attribute `count` is not used, but a wrong value causes a remark.
     fn compare_count(&mut self, primitive: Node, there: usize) {
         let said = primitive.attribute("count").and_then(|c| c.trim().parse::<usize>().ok());
         if let Some(said) = said.filter(|&said| said != there) {
@@ -248,7 +248,7 @@ fn fan(list: &[usize]) -> Polygons {
     rest.windows(2).map(|pair| vec![first, pair[0], pair[1]]).collect()
 }
 
-/// Every second triangle of a strip is wound the other way.
+/// Every second triangle of a strip has the opposite winding.
 fn strip(list: &[usize]) -> Polygons {
     let turned = |(i, t): (usize, &[usize])| match i % 2 {
         0 => vec![t[0], t[1], t[2]],

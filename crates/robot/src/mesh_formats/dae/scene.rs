@@ -1,4 +1,4 @@
-//! Which geometries a COLLADA scene shows, and where.
+//! Geometries in a COLLADA scene, with their transforms.
 
 use std::collections::HashMap;
 
@@ -7,29 +7,29 @@ use roxmltree::Node;
 
 use super::{Collada, children};
 
-/// Nodes in nodes: more is a loop of `instance_node`.
+/// Maximum nesting depth of nodes: a deeper one is a loop of `instance_node`.
 const MOST_LEVELS: usize = 100;
 
-/// Most nodes that are visited, and most elements in them, instances counted.
+/// Maximum number of visited nodes, and of elements in them; instances count.
 const MOST_NODES: usize = 100_000;
 const MOST_PARTS: usize = 10_000_000;
 
-/// A geometry where the scene shows it.
+/// An instance of a geometry in the scene.
 pub(super) struct Shown<'d> {
     pub geometry: Node<'d, 'd>,
-    /// From the geometry's coordinates to the file's, in metres.
+    /// Transform from the geometry's coordinates to the file's, in metres.
     pub to_file: Matrix4<f64>,
 }
 
 impl<'d> Collada<'d> {
-    /// The geometries under the scene, with all node transforms; `base` comes last.
+    /// The geometries in the scene, with all node transforms; `base` is applied last.
     pub(super) fn shown_geometries(&mut self, base: Matrix4<f64>) -> Result<Vec<Shown<'d>>, String> {
         let mut shown = Vec::new();
         let mut pending: Vec<(Node, Matrix4<f64>, usize)> = self
             .visual_scene()?
             .map(|scene| children(scene, "node").map(|n| (n, base, 0)).collect())
             .unwrap_or_default();
-        // the stack gives back the last first; the file's order is easier to follow
+        // the stack returns the last element first; the file's order is easier to follow
         pending.reverse();
         let (mut visited, mut parts) = (0, 0);
         let mut bind_poses = HashMap::new();
@@ -71,7 +71,7 @@ impl<'d> Collada<'d> {
         Ok(shown)
     }
 
-    /// The scene that the file instances, or its only one.
+    /// The scene that the file instantiates, or its only one.
     fn visual_scene(&self) -> Result<Option<Node<'d, 'd>>, String> {
         let scene = self.only_child(self.xml.root(), "scene")?;
         let instance = scene.map(|s| self.only_child(s, "instance_visual_scene")).transpose()?.flatten();
@@ -84,7 +84,7 @@ impl<'d> Collada<'d> {
         Ok(only.filter(|_| scenes.next().is_none()))
     }
 
-    /// The product of a node's transform elements, in the order of the file: the last is applied to points first.
+    /// The product of a node's transform elements, in the order of the file: the last one is applied to points first.
     fn node_transform(&self, node: Node<'d, 'd>) -> Result<Matrix4<f64>, String> {
         let mut product = Matrix4::identity();
         for part in node.children().filter(Node::is_element) {

@@ -5,11 +5,11 @@ use roxmltree::Node;
 
 use super::{Collada, child};
 
-/// Controllers that deform what another controller makes: more is a loop.
+/// Maximum depth of controllers that deform the output of another controller: a deeper one is a loop.
 const MOST_CONTROLLERS: usize = 10;
 
 impl<'d> Collada<'d> {
-    /// The geometry that a `<controller>` deforms, and where it is before that: skins and morphs are not applied.
+    /// The geometry that a `<controller>` deforms, with its undeformed pose: skins and morphs are not applied.
     pub(super) fn bind_pose(
         &mut self,
         controller: Node<'d, 'd>,

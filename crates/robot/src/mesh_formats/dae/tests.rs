@@ -94,7 +94,7 @@ fn a_lying_count_is_told() {
     assert!(read.remarks[0].contains("1000000"), "{:?}", read.remarks);
 }
 
-/// Comments between the words of a text change nothing; an element there is an error.
+/// Comments between the words of a text change nothing; an element inside a text is an error.
 #[test]
 fn text_goes_on_behind_comments_instructions_and_sections() {
     let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
@@ -123,7 +123,7 @@ fn text_goes_on_behind_comments_instructions_and_sections() {
     assert!(stray.contains("text outside of <p>"), "{stray}");
 }
 
-/// Of what COLLADA allows once, a second one is an error, not left out.
+/// For elements that COLLADA allows once, a second one is an error, and is not ignored.
 #[test]
 fn what_may_stand_once_is_rejected_twice() {
     let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
@@ -193,7 +193,7 @@ fn params_name_the_coordinates() {
     }
 }
 
-/// Nothing of a primitive vanishes without a remark.
+/// No part of a primitive is ignored without a remark.
 #[test]
 fn primitives_without_indices_are_told() {
     for (primitive, words) in [
@@ -226,7 +226,7 @@ fn projective_matrices_are_rejected() {
     }
 }
 
-/// A geometry is read once, however often it is instanced, and what cannot be held is rejected before it is allocated.
+/// A geometry is read once, for any number of instances; a mesh that does not fit in memory is rejected before allocation.
 #[test]
 fn instances_without_number_end() {
     let good = file("", TRIANGLES, &NODE.repeat(1000));

@@ -1,4 +1,4 @@
-//! Elements of a glTF accessor, read one at a time from its buffer, so that nothing is allocated for what is not used.
+//! Elements of a glTF accessor, read one at a time from its buffer, without allocation for unused ones.
 
 use std::cmp::Ordering;
 
@@ -8,7 +8,7 @@ use super::document::{Accessor, Document, Sparse};
 /// Extensions of buffer views that store elements compressed.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// How a number is stored, by the constants of OpenGL.
+/// Storage type of a number, by the constants of OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
     I8,
@@ -19,7 +19,7 @@ enum Component {
     F32,
 }
 
-/// Elements one behind the other, `stride` bytes apart.
+/// Elements in sequence, `stride` bytes apart.
 #[derive(Debug)]
 struct Strided {
     buffer: usize,
@@ -40,7 +40,7 @@ pub struct Elements {
     sparse: Option<Replaced>,
 }
 
-/// Elements that stand elsewhere: their numbers, which increase, and their values.
+/// Sparse elements: their indices, in increasing order, and their values.
 #[derive(Debug)]
 struct Replaced {
     count: usize,
@@ -135,7 +135,7 @@ impl Elements {
                 let range = (accessor.byte_offset, count, width * component.size());
                 Some(Strided::open(document, view, range, buffers)?)
             }
-            // zeros take no bytes: the count has no other bound
+            // zeros take no bytes, so the count has no other limit
             None if count > buffers.total() => {
                 return Err(format!("says {count} elements, more than the buffers have bytes"));
             }
@@ -210,12 +210,12 @@ impl Elements {
 }
 
 impl Replaced {
-    /// The number of the element that is replaced by value `i`.
+    /// The index of the element that is replaced by value `i`.
     fn number(&self, buffers: &Buffers, i: usize) -> Option<usize> {
         whole(self.numbers.number(buffers, i, 0, self.kind, false)?)
     }
 
-    /// Where the value of element `index` stands, if it is replaced.
+    /// The location of the value of element `index`, if it is replaced.
     fn find(&self, buffers: &Buffers, index: usize) -> Option<(&Strided, usize)> {
         let (mut low, mut high) = (0, self.count);
         while low < high {

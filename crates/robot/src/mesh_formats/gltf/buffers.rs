@@ -10,13 +10,13 @@ use super::document::{Buffer, Document};
 use crate::mesh_formats::Parts;
 use crate::numbers::shortened;
 
-/// Programs write base64 with its padding or without.
+/// Programs write base64 with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Buffers that are read when they are first needed.
+/// Buffers, read at their first use.
 pub struct Buffers<'d> {
     described: &'d [Buffer],
     in_file: Option<&'d [u8]>,
@@ -33,7 +33,7 @@ impl<'d> Buffers<'d> {
     /// Reads a buffer, if that has not happened yet.
     ///
     /// # Errors
-    /// When there is no such buffer, or it cannot be read or is shorter than the document says.
+    /// If there is no such buffer, it cannot be read, or it is shorter than the document declares.
     pub fn load(&mut self, index: usize) -> Result<(), String> {
         let Some(buffer) = self.described.get(index) else {
             return Err(format!("names buffer {index}, but there are {}", self.described.len()));
@@ -59,7 +59,7 @@ impl<'d> Buffers<'d> {
         bytes.get(..says)?.get(offset..offset.checked_add(length)?)
     }
 
-    /// Bytes of all buffers by the document's word.
+    /// Total size (bytes) of all buffers as declared in the document.
     pub fn total(&self) -> usize {
         self.described.iter().fold(0, |sum: usize, buffer| sum.saturating_add(buffer.byte_length))
     }

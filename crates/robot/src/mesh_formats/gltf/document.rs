@@ -1,4 +1,4 @@
-//! Parts of a glTF document that make surfaces, named as in its JSON. Materials, textures, cameras and animations are skipped.
+//! Parts of a glTF document that define surfaces, named as in its JSON. Materials, textures, cameras and animations are skipped.
 
 use std::collections::BTreeMap;
 
@@ -90,7 +90,7 @@ pub struct Accessor {
     pub sparse: Option<Sparse>,
 }
 
-/// Elements that stand elsewhere than the others.
+/// Sparse elements, which replace some of the others.
 #[derive(Debug, Deserialize)]
 pub struct Sparse {
     pub count: usize,

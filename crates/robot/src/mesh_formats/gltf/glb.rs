@@ -17,7 +17,7 @@ pub struct Glb<'d> {
 
 impl<'d> Glb<'d> {
     /// # Errors
-    /// When the file is cut, of another version, or does not begin with its document.
+    /// If the file is truncated, has another version, or does not begin with its document.
     pub fn open(bytes: &'d [u8]) -> Result<Self, String> {
         let (Some(version), Some(length)) = (number(bytes, 4), number(bytes, 8)) else {
             return Err("bad GLB: the file ends in its header".to_owned());

@@ -321,7 +321,7 @@ fn sparse(count: usize, indices: &[u8]) -> Value {
     document
 }
 
-/// Replaced elements cost what they are, whether they are used or not, and are looked at once for all instances.
+/// Sparse elements count, whether they are used or not, and are checked once for all instances.
 #[test]
 fn replaced_elements_are_few_and_in_order() {
     let read = of(&sparse(3, &[0, 1, 3])).unwrap();
@@ -347,7 +347,7 @@ fn replaced_elements_are_few_and_in_order() {
     assert_eq!(of(&instances).unwrap().mesh.triangles().len(), 40_000);
 }
 
-/// Primitives without elements cost something, too.
+/// Primitives without elements count, too.
 #[test]
 fn instances_of_many_primitives_end() {
     let mut many = document();
@@ -381,7 +381,7 @@ proptest! {
             let _ = read_text(&bytes, &mut no_parts);
             let _ = read_binary(&bytes, &mut no_parts);
         }
-        // numbers that lie
+        // wrong numbers
         let mut parts: Vec<String> = Vec::new();
         let mut digits = String::new();
         for c in document().to_string().chars() {
