@@ -38,5 +38,6 @@ mod text_inputs;
 mod trajectories;
 mod triangles;
 mod truth;
+mod truth_scenes;
 mod world_files;
 mod worlds;

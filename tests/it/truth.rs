@@ -4,9 +4,8 @@ use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::{PointCloud, Primitive, Shape};
 use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::scene::AllowedCollisionMatrix;
 use clearance::scene::{BodyId, Settings};
-use clearance::scene::{Obstacle, SceneLoader, World};
+use clearance::scene::{Obstacle, World};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::path::Path;
@@ -16,7 +15,7 @@ use crate::cases::{numbers, pose, shape};
 use crate::tally::{Tally, json, shared_folder};
 
 /// How far (m) the distances of Coal, rounded to 1e-6 and with a GJK tolerance of 1e-6, may be from the truth.
-const COAL_ACCURACY: f64 = 1.6e-6;
+pub const COAL_ACCURACY: f64 = 1.6e-6;
 
 pub fn robot(robots: &Path, name: &str, use_srdf: bool) -> RobotModel {
     let list = json(&robots.join("robots.json"));
@@ -40,7 +39,7 @@ fn names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> (String, String) {
     (a, b)
 }
 
-fn pair_list(value: Option<&Value>) -> Vec<(String, String)> {
+pub fn pair_list(value: Option<&Value>) -> Vec<(String, String)> {
     let mut pairs: Vec<_> = (value.and_then(Value::as_array).into_iter().flatten())
         .map(|pair| {
             let mut names = [0, 1].map(|i| pair[i].as_str().unwrap().to_owned());
@@ -53,7 +52,7 @@ fn pair_list(value: Option<&Value>) -> Vec<(String, String)> {
     pairs
 }
 
-fn hits(checker: &CollisionChecker, pairs: &[(BodyId, BodyId)]) -> Vec<(String, String)> {
+pub fn hits(checker: &CollisionChecker, pairs: &[(BodyId, BodyId)]) -> Vec<(String, String)> {
     let mut found: Vec<_> = pairs.iter().map(|&(a, b)| names(checker, a, b)).collect();
     found.sort();
     found
@@ -180,157 +179,6 @@ fn links_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
     let mut scratch = clearance::query::Scratch::default();
     let hit = clearance::query::collide(&body(a), &body(b), &pose_ab, &mut scratch).is_some();
     if hit == case["expect"]["collide"].as_bool().unwrap() { vec![] } else { vec![format!("collide {hit}")] }
-}
-
-#[test]
-fn path_samples_of_the_scenes() {
-    let (Some(scenes), Some(robots)) = (shared_folder("scenes"), shared_folder("robots")) else { return };
-    let meshes = MeshFiles::under(&scenes);
-    let mut tally = Tally::new("scenes, path_samples");
-    for file in scene_files(&scenes) {
-        let scene = json(&file);
-        let robot = Arc::new(robot(&robots, scene["robot"].as_str().unwrap(), true));
-        for problem in scene["problems"].as_array().unwrap() {
-            scene_problem(&scene, problem, &robot, &meshes, &mut tally);
-        }
-    }
-    tally.finish(500);
-}
-
-fn scene_problem(
-    scene: &Value,
-    problem: &Value,
-    robot: &Arc<RobotModel>,
-    meshes: &MeshFiles,
-    tally: &mut Tally,
-) {
-    let checker = scene_checker(scene, problem, robot, meshes);
-    let mut workspace = checker.workspace();
-    for sample in problem["path_samples"].as_array().unwrap() {
-        let t = sample["t"].as_f64().unwrap();
-        let q = scene_configuration(problem, robot, t);
-        let case = format!("{} at {t}", problem["id"].as_str().unwrap());
-        tally.add(&case, &sample_disagreements(&checker, &q, sample, &mut workspace));
-    }
-}
-
-/// A robot among a problem's obstacles.
-pub fn scene_checker(
-    scene: &Value,
-    problem: &Value,
-    robot: &Arc<RobotModel>,
-    meshes: &MeshFiles,
-) -> CollisionChecker {
-    let list = |v: Option<&Value>| v.and_then(Value::as_array).cloned().unwrap_or_default();
-    let mut obstacles = list(scene.get("shared_obstacles"));
-    obstacles.extend(list(problem.get("obstacles")));
-    let world = world_of(&obstacles, meshes);
-    let mut allowed = AllowedCollisionMatrix::from_srdf(robot);
-    for pair in list(problem.get("allowed_pairs")) {
-        allowed.set(pair[0].as_str().unwrap(), pair[1].as_str().unwrap(), true);
-    }
-    CollisionChecker::with_matrix(robot.clone(), &world, Settings::default(), Some(&allowed)).unwrap()
-}
-
-/// Where a problem's straight line from start to goal is at t.
-pub fn scene_configuration(problem: &Value, robot: &RobotModel, t: f64) -> clearance::Configuration {
-    let others = named(&problem["other_joints"]);
-    let (start, goal) = (named(&problem["start"]), &problem["goal"]);
-    let between = start.iter().map(|&(j, s)| (j, s + t * (goal[j].as_f64().unwrap() - s)));
-    let own: Vec<_> = between.chain(others.into_iter().filter(|(j, _)| goal.get(j).is_none())).collect();
-    robot.configuration_from_names(own).unwrap()
-}
-
-/// The files of the shared scenes, in order.
-pub fn scene_files(scenes: &Path) -> Vec<std::path::PathBuf> {
-    let mut files: Vec<_> = std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().path()).collect();
-    files.retain(|f| f.extension().is_some_and(|e| e == "json"));
-    files.sort();
-    files
-}
-
-/// MoveIt's own file of a scene, read against the truth of the neutral one.
-#[test]
-fn native_scenes_agree_with_the_truth() {
-    let (Some(scenes), Some(robots)) = (shared_folder("scenes"), shared_folder("robots")) else { return };
-    let robot = Arc::new(robot(&robots, "panda", true));
-    let mut tally = Tally::new("scenes/native, path_samples");
-    for (file, native, id) in [
-        ("panda-box.json", "panda-box-scene0003.yaml", "box-0003"),
-        ("panda-cage.json", "panda-cage-scene0009.yaml", "cage-0009"),
-    ] {
-        let scene = json(&scenes.join(file));
-        let problems = scene["problems"].as_array().unwrap();
-        let problem = problems.iter().find(|p| p["id"] == id).unwrap();
-        let path = scenes.join("native").join(native);
-        let bytes = std::fs::read(&path).unwrap();
-        let mut read = SceneLoader::default();
-        read.read_file(&bytes, &path, None, &robot, &MeshFiles::default()).unwrap();
-        let names: Vec<_> = read.scene.world.obstacles().map(|o| o.name.clone()).collect();
-        let wanted = problem["obstacles"].as_array().unwrap();
-        assert!(wanted.iter().all(|o| names.contains(&o["name"].as_str().unwrap().to_owned())), "{names:?}");
-        // the truth is about the SRDF's pairs
-        let checker = CollisionChecker::new(robot.clone(), &read.scene.world, Settings::default()).unwrap();
-        let mut workspace = checker.workspace();
-        for sample in problem["path_samples"].as_array().unwrap() {
-            let t = sample["t"].as_f64().unwrap();
-            let q = scene_configuration(problem, &robot, t);
-            tally.add(
-                &format!("{native} at {t}"),
-                &sample_disagreements(&checker, &q, sample, &mut workspace),
-            );
-        }
-    }
-    tally.finish(18);
-}
-
-#[test]
-fn a_native_scene_text_has_the_shapes_it_says() {
-    let (Some(scenes), Some(robots)) = (shared_folder("scenes/native"), shared_folder("robots")) else {
-        return;
-    };
-    let robot = robot(&robots, "baxter", true);
-    let path = scenes.join("baxter_pillar.scene");
-    let mut read = SceneLoader::default();
-    read.read_file(&std::fs::read(&path).unwrap(), &path, None, &robot, &MeshFiles::default()).unwrap();
-    let pillar = read.scene.world.obstacle_by_name("pillar").unwrap();
-    let (pose, shape) = pillar.placed_shapes().next().unwrap();
-    assert!(matches!(shape, Shape::Primitive(p) if *p == Primitive::cuboid([0.2, 0.2, 1.0]).unwrap()));
-    assert_eq!(pose, Pose::translation(0.6, 0.15, 0.0));
-    assert_eq!((read.scene.world.len(), pillar.shapes.len()), (1, 1));
-}
-
-fn sample_disagreements(
-    checker: &CollisionChecker,
-    q: &clearance::Configuration,
-    sample: &Value,
-    workspace: &mut clearance::Workspace,
-) -> Vec<String> {
-    let mut wrong = vec![];
-    let report = checker.check(q, Question::Pairs, workspace);
-    let (world_hits, self_hits): (Vec<_>, Vec<_>) =
-        report.colliding_pairs.iter().partition(|(_, b)| matches!(b, BodyId::Obstacle(_)));
-    for (scope, found) in [("self", self_hits), ("world", world_hits)] {
-        let found = hits(checker, &found);
-        let wanted = pair_list(sample.get(format!("{scope}_hits")));
-        if found != wanted {
-            wrong.push(format!("{scope} hits {found:?} instead of {wanted:?}"));
-        }
-    }
-    // each scope's least distance: the far limit keeps every pair that matters
-    let wanted = ["self", "world"].map(|scope| sample[format!("{scope}_distance")].as_f64());
-    let limit = wanted.iter().flatten().fold(0.0, |m: f64, d| m.max(*d)) + 1e-4;
-    let near = checker.check(q, Question::PairDistances { limit }, workspace);
-    for (scope, wanted) in ["self", "world"].into_iter().zip(wanted) {
-        let Some(wanted) = wanted else { continue };
-        let of_scope =
-            near.pair_distances.iter().filter(|p| matches!(p.b, BodyId::Obstacle(_)) == (scope == "world"));
-        let found = of_scope.map(|p| p.distance).fold(f64::INFINITY, f64::min);
-        if (found - wanted).abs() > COAL_ACCURACY {
-            wrong.push(format!("{scope} distance {found} instead of {wanted}"));
-        }
-    }
-    wrong
 }
 
 /// A robot of the truth folder and its pairs in the truth's order.

@@ -42,6 +42,7 @@ mod link_volumes;
 mod loader;
 mod loader_inputs;
 mod log_rate_limiter;
+mod logged_meshes;
 pub mod logging;
 mod lost_messages;
 mod mailbox;

@@ -1,7 +1,6 @@
 //! Builds checkers from robot descriptions and scene messages, on a separate thread. Meanwhile, the monitor uses the previous model and
 //! world.
 
-use clearance_checker::SolidMeshRemark;
 use clearance_monitor::{Now, Revision};
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
 use clearance_scene::MeshModel;
@@ -9,13 +8,14 @@ use clearance_scene::{Scene, TransformTree};
 use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::checker_of_scene::{checker_of, solid_meshes, warnings_of};
 use super::link_volumes::LinkVolumes;
 use super::loader_inputs::{LoaderInputs, Pass, Places};
+use super::logged_meshes::LoggedMeshes;
 use super::mailbox;
 use super::monitor_loop::{Event, WorldUpdate};
 use super::order::Order;
@@ -41,7 +41,7 @@ pub struct Loader {
     mesh_files: MeshFiles,
     surroundings: Surroundings,
     mesh_model: MeshModel,
-    told_meshes: ToldMeshes,
+    logged_meshes: LoggedMeshes,
     /// Robot from the command line. It has priority over the topics.
     given: Option<RobotModel>,
     /// Prefixes of the robot's joint names and link names.
@@ -67,24 +67,6 @@ pub struct Loader {
     shown_level: Option<usize>,
 }
 
-/// Remarks on meshes that were already logged. Each one is logged once, and their number is limited.
-#[derive(Default)]
-struct ToldMeshes(HashSet<String>);
-
-impl ToldMeshes {
-    fn tell(&mut self, meshes: &[SolidMeshRemark]) {
-        const MOST: usize = 1000;
-        for text in meshes.iter().map(ToString::to_string) {
-            if self.0.len() < MOST && self.0.insert(text.clone()) {
-                log::warn!("{text}");
-                if self.0.len() == MOST {
-                    log::warn!("further remarks on solid meshes are not logged");
-                }
-            }
-        }
-    }
-}
-
 /// The parts that must be rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
@@ -101,7 +83,7 @@ impl Loader {
             mesh_files,
             surroundings,
             mesh_model,
-            told_meshes: ToldMeshes::default(),
+            logged_meshes: LoggedMeshes::default(),
             given: None,
             prefixes: Default::default(),
             description: None,
@@ -439,7 +421,7 @@ impl Loader {
         let known = before.as_ref().map(|before| &before.revision.checker);
         let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
         let meshes = solid_meshes(&checker);
-        self.told_meshes.tell(&meshes);
+        self.logged_meshes.log(&meshes);
         let mut warnings = self.keeper.warnings();
         warnings.extend(scene.names_without_effect(robot).into_iter().chain(warnings_of(&checker, &meshes)));
         let revision = Arc::new(Revision {

@@ -9,12 +9,14 @@
 //! The topic `~/recording` (`std_msgs/String`) has one `RecordStep` in JSON for each event that changed the node's inputs or
 //! outputs. The messages of a step are stored right before it. Files (robot, world, meshes) are attachments.
 
+mod difference;
 mod mcap_file;
 mod messages;
 mod recorder_handle;
 mod replay;
 mod save;
 mod step;
+mod step_messages;
 mod writer;
 
 #[cfg(test)]

@@ -5,31 +5,23 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use clearance_monitor::{Evaluation, JointStateHistory, JointStateInput, Monitor, Now, SourceId, Time};
+use clearance_monitor::{Evaluation, JointStateHistory, Monitor, Now, Time};
 use clearance_robot::{MeshFiles, MeshUse, RecordedMeshes, RobotModel};
 use clearance_scene::MeshModel;
-use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
-use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64, String as StringMessage};
 use serde_json::{Map, Value as Json};
 
-use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
+use super::difference::difference;
+use super::mcap_file::{Entry, ReadError, RecordingFile};
 use super::step::{
-    Clocks, CloudStep, Late, OrderStep, RecordStep, RecordedMonitorEvent, SceneDoor, parameters_from_json,
+    Clocks, CloudStep, Late, OrderStep, RecordStep, RecordedMonitorEvent, parameters_from_json,
 };
-use crate::cdr;
-use crate::clearance_msgs::CollisionState;
+use super::step_messages::{StepMessages, read_order};
 use crate::loader::{Loader, Surroundings};
 use crate::loader_inputs::{Pass, places_of};
-use crate::messages::{collision_state, joint_state_input};
 use crate::monitor_loop::{Event, WorldUpdate};
-use crate::order::Order;
 use crate::parameters::Parameters;
-use crate::scene::{
-    CloudMessage, attached_order, clear_octomap, note_transforms, object_order, octomap_order, scene_order,
-    unreadable_order, world_order,
-};
+use crate::scene::{CloudMessage, note_transforms};
 use crate::scene_keeper::SceneUpdateContext;
-use crate::scene_order::SceneOrder;
 
 /// The parts of a recording beside its messages: files, and the node's command line.
 #[derive(Debug)]
@@ -153,7 +145,7 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
             (RecordStep::Ended { .. }, _) => return Ok(outcome),
             (_, None) => return Err(file.refuse("does not begin with the start of a node")),
             (step, Some(run)) => {
-                let mut messages = Messages(messages.into_iter());
+                let mut messages = StepMessages::new(messages);
                 let time = itself.log_time;
                 let done = run.follow(step, &mut messages).map_err(|why| file.refuse(why))?;
                 match done {
@@ -187,7 +179,7 @@ struct Run {
 }
 
 /// Result of one step.
-enum Done {
+pub(super) enum Done {
     Nothing,
     Same(Late),
     Differs { field: String, recorded: String, replayed: String },
@@ -214,7 +206,7 @@ impl Run {
         })
     }
 
-    fn follow(&mut self, step: RecordStep, messages: &mut Messages) -> Result<Done, String> {
+    fn follow(&mut self, step: RecordStep, messages: &mut StepMessages) -> Result<Done, String> {
         match step {
             RecordStep::Pass { now, parameters, orders, clouds } => {
                 let pass = self.pass(now, &parameters, (orders, clouds), messages)?;
@@ -258,7 +250,7 @@ impl Run {
         now: Clocks,
         parameters: &Map<String, Json>,
         (orders, clouds): (Vec<OrderStep>, Vec<CloudStep>),
-        messages: &mut Messages,
+        messages: &mut StepMessages,
     ) -> Result<Pass, String> {
         let orders = orders.into_iter().map(|order| read_order(order, messages)).collect::<Result<_, _>>()?;
         let mut read = BTreeMap::new();
@@ -366,161 +358,12 @@ impl Run {
         &mut self,
         evaluation: Evaluation,
         late: Late,
-        messages: &mut Messages,
+        messages: &mut StepMessages,
     ) -> Result<Done, String> {
         let difference = difference(&evaluation, late, messages)?;
         self.joint_state_history.note(&evaluation);
         self.evaluation = Some(evaluation);
         Ok(difference.unwrap_or(Done::Same(late)))
-    }
-}
-
-/// Compares an answer with the recorded one; returns the first field that differs, if any.
-fn difference(evaluation: &Evaluation, late: Late, messages: &mut Messages) -> Result<Option<Done>, String> {
-    let differs = |field: &str, recorded: &Json, replayed: &Json| {
-        let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
-        (recorded != replayed).then(|| Done::Differs { field: field.to_owned(), recorded, replayed })
-    };
-    let raw = messages.raw("an answer")?;
-    let names = fields(&raw.schema);
-    let recorded = json(&state(&raw)?)?;
-    let replayed = json(&collision_state(evaluation))?;
-    for (field, replayed) in replayed.as_object().into_iter().flatten() {
-        // the computing time is not compared, nor are fields that the recording version did not have
-        if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
-            continue;
-        }
-        let is_older = !names.iter().any(|name| name == NEWEST_FIELD);
-        if is_older && field == "warnings" && warns_of_all(replayed, &recorded[field]) {
-            continue;
-        }
-        if let Some(difference) = differs(field, &recorded[field], replayed) {
-            return Ok(Some(difference));
-        }
-    }
-    let is_free: Bool = messages.next("is_free")?;
-    let distance: Float64 = messages.next("distance")?;
-    let number = |field: &str, was: f64, is: f64| {
-        let told = |number: f64| Json::from(number.to_string());
-        let is_same = was.to_bits() == is.to_bits() || (was.is_nan() && is.is_nan());
-        (!is_same).then(|| differs(field, &told(was), &told(is)))?
-    };
-    if let Some(difference) = differs("is_free", &is_free.data.into(), &evaluation.status.is_free().into()) {
-        return Ok(Some(difference));
-    }
-    if late != Late::Pairs
-        && let Some(difference) = number("distance", distance.data, evaluation.distance())
-    {
-        return Ok(Some(difference));
-    }
-    // recordings of older versions lack this message
-    if messages.is_empty() {
-        return Ok(None);
-    }
-    let speed_scale: Float64 = messages.next("speed_scale")?;
-    Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
-}
-
-/// A field that this version records. Versions without it have fewer warnings.
-const NEWEST_FIELD: &str = "time_to_contact_considers_obstacle_motion";
-
-/// Whether `list` contains every element of `other`.
-fn warns_of_all(list: &Json, other: &Json) -> bool {
-    let texts = |list: &Json| list.as_array().cloned().unwrap_or_default();
-    let list = texts(list);
-    texts(other).iter().all(|text| list.contains(text))
-}
-
-fn json(state: &CollisionState) -> Result<Json, String> {
-    serde_json::to_value(state).map_err(|error| error.to_string())
-}
-
-/// Decodes a recorded answer. Older versions lack the fields that were later added at the end.
-fn state(raw: &RawMessage) -> Result<CollisionState, String> {
-    const ROOM: usize = 4096;
-    if raw.kind != "clearance_msgs/msg/CollisionState" {
-        return Err(format!("{}: is a {}, no CollisionState", raw.topic, raw.kind));
-    }
-    let mut bytes = raw.data.clone();
-    bytes.extend([0; ROOM]);
-    cdr::decode(&bytes).map_err(|why| format!("{}: {why}", raw.topic))
-}
-
-/// Names of the fields that a message had when it was recorded.
-fn fields(schema: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(schema);
-    let own = text.split("\n====").next().unwrap_or_default();
-    let declarations = own.lines().filter_map(|line| line.split('#').next());
-    let names =
-        declarations.filter(|line| !line.contains('=')).filter_map(|line| line.split_whitespace().nth(1));
-    names.map(str::to_owned).collect()
-}
-
-fn source_id(hexadecimal: &str) -> Result<SourceId, String> {
-    let wrong = || "the publisher of a joint state is not 32 hexadecimal digits".to_owned();
-    let number = u128::from_str_radix(hexadecimal, 16).map_err(|_| wrong())?;
-    (hexadecimal.len() == 32).then(|| SourceId(number.to_be_bytes())).ok_or_else(wrong)
-}
-
-fn read_order(order: OrderStep, messages: &mut Messages) -> Result<Order, String> {
-    let text =
-        |messages: &mut Messages| messages.next::<StringMessage>("a description").map(|text| text.data);
-    Ok(match order {
-        OrderStep::Description => Order::Description(text(messages)?),
-        OrderStep::Semantic => Order::Semantic(text(messages)?),
-        OrderStep::Parameters => Order::Parameters,
-        OrderStep::Clouds => Order::Clouds,
-        OrderStep::Display => Order::Display,
-        OrderStep::Frames => Order::Frames,
-        OrderStep::ClearOctomap => Order::Scene(Box::new(clear_octomap())),
-        OrderStep::Unreadable { by } => Order::Scene(Box::new(unreadable_order(by))),
-        OrderStep::Scene { by, came, unknown_is_occupied, lost } => {
-            let order = read_scene_order(by, came, unknown_is_occupied, messages)?;
-            Order::Scene(Box::new(order.after(lost)))
-        }
-    })
-}
-
-fn read_scene_order(
-    by: SceneDoor,
-    came: Clocks,
-    unknown: bool,
-    messages: &mut Messages,
-) -> Result<SceneOrder, String> {
-    let (name, came) = (by.name(), came.into());
-    Ok(match by {
-        SceneDoor::CollisionObject => object_order(&messages.next(name)?),
-        SceneDoor::AttachedCollisionObject => attached_order(&messages.next(name)?),
-        SceneDoor::PlanningSceneWorld => world_order(messages.next(name)?, unknown, came),
-        SceneDoor::PlanningScene | SceneDoor::ApplyPlanningScene | SceneDoor::GetPlanningScene => {
-            scene_order(by, messages.next(name)?, unknown, came)
-        }
-        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => {
-            octomap_order(by, messages.next(name)?, unknown, came)
-        }
-    })
-}
-
-/// The messages of a step, in their order.
-struct Messages(std::vec::IntoIter<RawMessage>);
-
-impl Messages {
-    fn raw(&mut self, what: &str) -> Result<RawMessage, String> {
-        self.0.next().ok_or_else(|| format!("{what} is missing before a step"))
-    }
-
-    fn is_empty(&self) -> bool {
-        self.0.as_slice().is_empty()
-    }
-
-    fn joint_state(&mut self, source: &str) -> Result<JointStateInput, String> {
-        let message: JointState = self.next("a joint state")?;
-        Ok(joint_state_input(message, source_id(source)?))
-    }
-
-    fn next<M: serde::de::DeserializeOwned>(&mut self, what: &str) -> Result<M, String> {
-        let raw = self.raw(what)?;
-        cdr::decode(&raw.data).map_err(|why| format!("{} ({what}): {why}", raw.topic))
     }
 }
 
