@@ -204,7 +204,7 @@ pub fn message(data: &[u8]) {
 /// Messages of one input at most.
 const MOST_MESSAGES: usize = 8;
 
-/// What a browser sends to the live view.
+/// Bytes of one HTTP request to the live view.
 pub fn http_request(data: &[u8]) {
     let _ = respond_in_memory(data);
 }

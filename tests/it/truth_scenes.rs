@@ -7,7 +7,6 @@ use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::AllowedCollisionMatrix;
 use clearance::scene::SceneLoader;
 use clearance::scene::{BodyId, Settings};
-use rayon::prelude::*;
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;

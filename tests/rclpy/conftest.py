@@ -9,7 +9,7 @@ from contextlib import ExitStack
 import pytest
 
 from cell import Cell
-from cloud_cell import CloudCell
+from point_cloud_node import PointCloudNode
 from node_process import NodeProcess
 from peer import Peer
 from scene_client import SceneClient
@@ -88,7 +88,7 @@ def pytest_runtest_makereport():
 @pytest.fixture
 def start_cloud(peer, request):
     def start(**options):
-        cell = CloudCell(peer, **options)
+        cell = PointCloudNode(peer, **options)
         cell.__enter__()
         request.addfinalizer(lambda: cell.__exit__(None, None, None))
         return cell

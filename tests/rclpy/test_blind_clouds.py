@@ -11,14 +11,14 @@ from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
 
 from cell import PATIENCE
-from cloud_cell import ACCURACY, FOLDED, QOS, RADIUS, WALL, CloudCell, to_cloud
+from point_cloud_node import ACCURACY, FOLDED, QOS, RADIUS, WALL, PointCloudNode, to_cloud
 from clouds import cloud
 
 
 @pytest.fixture(scope="module")
 def shared(module_peer):
     """One node: every cloud replaces the one before."""
-    with CloudCell(module_peer) as cell:
+    with PointCloudNode(module_peer) as cell:
         yield cell
 
 
@@ -83,7 +83,7 @@ def is_blind(state):
 @pytest.fixture(scope="module")
 def cropping(module_peer):
     """One node with a crop box for all blind clouds."""
-    with CloudCell(module_peer, parameters=CROP) as cell:
+    with PointCloudNode(module_peer, parameters=CROP) as cell:
         yield cell
 
 

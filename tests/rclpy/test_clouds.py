@@ -13,14 +13,14 @@ from rclpy.duration import Duration
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import PointCloud2, PointField
 
-from cloud_cell import ACCURACY, FOLDED, QOS, RADIUS, STRETCHED, WALL, CloudCell, to_cloud
+from point_cloud_node import ACCURACY, FOLDED, QOS, RADIUS, STRETCHED, WALL, PointCloudNode, to_cloud
 from clouds import FLOAT32, FLOAT64, PLAIN, Layout, cloud
 
 
 @pytest.fixture(scope="module")
 def shared(module_peer):
     """One node: every cloud replaces the one before."""
-    with CloudCell(module_peer) as cell:
+    with PointCloudNode(module_peer) as cell:
         yield cell
 
 

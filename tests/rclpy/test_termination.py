@@ -280,7 +280,7 @@ def test_a_suspended_node_goes_on_or_says_why_it_ends(start, tmp_path, seconds):
     """A debugger, Ctrl-Z, a container that is paused."""
     cell = Load(start, tmp_path).described()
     os.kill(cell.node.process_id, signal.SIGSTOP)
-    time.sleep(seconds)
+    time.sleep(seconds)  # nothing is waited for: this is how long it is suspended
     os.kill(cell.node.process_id, signal.SIGCONT)
     moment = cell.peer.now()
 

@@ -238,7 +238,7 @@ fn lengths_fit(opcode: u8, body: &[u8]) -> Option<bool> {
     Some(true)
 }
 
-/// What is behind texts, each of which begins with its length.
+/// Remaining bytes after `count` texts, each of which begins with its length.
 fn after_texts(bytes: &[u8], count: usize) -> Option<&[u8]> {
     (0..count).try_fold(bytes, |bytes, _| {
         let (length, rest) = bytes.split_first_chunk()?;

@@ -1,4 +1,4 @@
-"""A robot cell whose node listens to point clouds.
+"""A node that subscribes to point clouds, beside the two-link robot.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0). Every point has a radius of 0.02.
 """
@@ -26,8 +26,8 @@ QOS = QoSProfile(depth=10)
 WALL = [(2.3, y / 10, z / 10) for y in range(-5, 6) for z in range(-5, 6)]
 
 
-class CloudCell(Cell):
-    """A cell whose node listens to the topic `points`."""
+class PointCloudNode(Cell):
+    """A node that subscribes to the topic `points`."""
 
     def __init__(self, peer, *arguments, parameters=None, **options):
         super().__init__(peer, *arguments, parameters=NEARBY | AGELESS | (parameters or {}), **options)
