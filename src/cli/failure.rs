@@ -18,6 +18,7 @@ pub enum Failure {
     /// Internal error: exit code 3.
     Internal(String),
     /// The process exceeded its memory limit: exit code 5.
+    #[cfg_attr(not(feature = "ros"), allow(dead_code, reason = "only the node has a memory limit"))]
     OutOfMemory(String),
 }
 
