@@ -167,30 +167,44 @@ fn a_planted_use_is_found() {
 
 /// The crates of this project that a manifest depends on.
 fn dependencies(manifest: &str) -> Vec<&str> {
-    let all = manifest.split("[dependencies]").nth(1).unwrap_or("").split("\n[").next().unwrap_or("");
-    all.lines().filter_map(|line| line.strip_prefix("clearance-")?.split(['.', ' ']).next()).collect()
+    let names = manifest.lines().filter_map(|line| line.strip_prefix("clearance-")?.split(['.', ' ']).next());
+    names.collect()
 }
 
-fn manifest(of: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates").join(of).join("Cargo.toml");
+/// The sections of a manifest about dependencies of the product, not of its tests.
+fn manifest(of: &Path) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(of).join("Cargo.toml");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    // what tests use is no dependency
-    text.split("[dev-dependencies]").next().unwrap_or("").to_owned()
+    product_dependencies(&text)
+}
+
+fn product_dependencies(manifest: &str) -> String {
+    let sections = manifest.split("\n[").filter(|section| {
+        let title = section.split(']').next().unwrap_or("");
+        title.ends_with("dependencies")
+            && !title.ends_with("dev-dependencies")
+            && !title.starts_with("workspace")
+    });
+    sections.collect::<Vec<_>>().join("\n[")
 }
 
 #[test]
 fn crates_depend_on_those_above_them_alone() {
+    let crates = Path::new("crates");
     for (name, allowed) in CRATES {
-        assert_eq!(dependencies(&manifest(name)), allowed, "{name}");
+        assert_eq!(dependencies(&manifest(&crates.join(name))), allowed, "{name}");
     }
     for (name, home) in HOME_CRATES {
-        let names = |line: &str| line.split([' ', '.']).next() == Some(name);
-        let lists = |(of, _): &&(&str, &[&str])| manifest(of).lines().any(names);
-        let found: Vec<_> = CRATES.iter().filter(lists).map(|(of, _)| *of).collect();
+        let lists = |of: &Path| {
+            manifest(of).lines().any(|line| {
+                line.split([' ', '.']).next() == Some(name) || line.contains(&format!("\"{name}\""))
+            })
+        };
+        let found: Vec<_> = CRATES.iter().map(|(of, _)| *of).filter(|of| lists(&crates.join(of))).collect();
         assert_eq!(found, [home], "{name}");
+        assert!(!lists(Path::new("")), "the root package names {name}");
     }
-    assert_eq!(
-        dependencies("[dependencies]\nclearance-robot.workspace = true\nlog = \"1\"\n[lints]\n"),
-        ["robot"]
-    );
+    let planted = "[package]\n[dependencies]\nclearance-robot.workspace = true\nlog = \"1\"\n[target.'cfg(unix)'.dependencies]\n\
+                   clearance-scene = \"1\"\n[dev-dependencies]\nclearance-ros = \"1\"\n[lints]\n";
+    assert_eq!(dependencies(&product_dependencies(planted)), ["robot", "scene"]);
 }

@@ -2,7 +2,7 @@
 
 import pytest
 from clearance_msgs.msg import CollisionState
-from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, PlanningScene
+from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld
 from octomap_msgs.msg import Octomap
 from rclpy.serialization import serialize_message
 
@@ -31,9 +31,14 @@ def octomap_named():
 
 
 SCENES = {
-    "collision_object": (CollisionObject, ball(NAME, 2.1), removal()),
+    "collision_object": (CollisionObject, ball(NAME, 2.1), full()),
     "attached_collision_object": (AttachedCollisionObject, attached("tip", ball(NAME, 0.5, frame="tip")), full()),
     "planning_scene": (PlanningScene, diff(ball(NAME, 2.1)), full()),
+    "planning_scene_world": (
+        PlanningSceneWorld,
+        PlanningSceneWorld(collision_objects=[ball(NAME, 2.1)]),
+        PlanningSceneWorld(collision_objects=[ball("far", 5.0)]),
+    ),
     "octomap_binary": (Octomap, octomap_named(), FAR.message()),
     "octomap_full": (Octomap, octomap_named(), FAR.message(binary=False)),
 }
@@ -51,7 +56,14 @@ def test_what_a_message_announced_that_cannot_be_decoded_is_missing(start, topic
     state = cell.states.wait_for(
         lambda state: state.status == CollisionState.UNKNOWN, "UNKNOWN for what is missing", begin
     )
-    assert state.reason_code == "rejected_obstacle"
-    assert topic in state.reason and "UTF-8" in state.reason
+    if topic.startswith("octomap"):
+        assert state.reason_code == "rejected_obstacle"
+    else:
+        assert state.reason_code == "lost_messages"
+        # removing all objects brings neither attached objects nor what is allowed
+        scene.publish(removal())
+        assert cell.state_now().reason_code == "lost_messages"
+    assert topic in state.reason
+    assert any("UTF-8" in text for text in (state.reason, *state.warnings))
     scene.publish(remedy, topic=topic if isinstance(remedy, Octomap) else None)
     cell.becomes(CollisionState.FREE, "FREE again", after=state)

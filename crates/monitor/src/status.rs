@@ -195,7 +195,7 @@ impl Reason {
                 | Self::NonFinite { .. }
                 | Self::Contradiction { .. }
                 | Self::MimicContradiction { .. }
-        )
+        ) || matches!(self, Self::Stale { also: Some(also), .. } if also.is_about_positions())
     }
 
     /// Whether the joint state may be correct, and only its time is not.

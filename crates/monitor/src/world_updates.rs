@@ -1,6 +1,6 @@
 //! Messages about the world that were received and are not in force yet.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use super::{Now, Reason};
@@ -9,11 +9,13 @@ use super::{Now, Reason};
 /// A robot at 1 m/s moves 0.1 m in this time.
 const LONGEST_LAG: Duration = Duration::from_millis(100);
 
-/// Times of reception (steady clock), in the order in which they were recorded. Since there are several topics, the oldest time
-/// need not be the first.
+/// Times of reception (steady clock).
 #[derive(Debug, Default)]
 pub(super) struct WorldUpdates {
+    /// In the order in which they were recorded. Since there are several topics, the oldest time need not be the first.
     received: VecDeque<Duration>,
+    /// How often each time is in `received`.
+    counts: BTreeMap<Duration, usize>,
     /// Number of messages that the next world contains.
     completing: usize,
 }
@@ -21,11 +23,14 @@ pub(super) struct WorldUpdates {
 impl WorldUpdates {
     pub fn note_received(&mut self, at: Duration) {
         self.received.push_back(at);
+        *self.counts.entry(at).or_default() += 1;
     }
 
     /// The last received message requires no change.
     pub fn note_withdrawn(&mut self) {
-        self.received.pop_back();
+        if let Some(at) = self.received.pop_back() {
+            self.remove(at);
+        }
     }
 
     /// The next world contains this number of further messages.
@@ -36,18 +41,33 @@ impl WorldUpdates {
     /// The next world is in force.
     pub fn complete(&mut self) {
         let count = std::mem::take(&mut self.completing).min(self.received.len());
-        self.received.drain(..count);
+        for at in self.received.drain(..count).collect::<Vec<_>>() {
+            self.remove(at);
+        }
+    }
+
+    fn remove(&mut self, at: Duration) {
+        if let Some(count) = self.counts.get_mut(&at) {
+            *count -= 1;
+            if *count == 0 {
+                self.counts.remove(&at);
+            }
+        }
+    }
+
+    fn oldest(&self) -> Option<Duration> {
+        self.counts.first_key_value().map(|(at, _)| *at)
     }
 
     /// The reason if a message has waited for too long.
     pub fn overdue(&self, now: Now) -> Option<Reason> {
-        let age = now.steady.saturating_sub(*self.received.iter().min()?);
+        let age = now.steady.saturating_sub(self.oldest()?);
         let waiting = self.received.len();
         (age >= LONGEST_LAG).then_some(Reason::WorldUpdate { waiting, age: age.as_secs_f64() })
     }
 
     /// Time at which that will be the case without further changes.
     pub fn due(&self) -> Option<Duration> {
-        self.received.iter().min()?.checked_add(LONGEST_LAG)
+        self.oldest()?.checked_add(LONGEST_LAG)
     }
 }

@@ -1,6 +1,6 @@
 //! Planar and floating joints given as transforms, as `sensor_msgs/MultiDOFJointState` does.
 
-use clearance_geometry::math::{Pose, Vector};
+use clearance_geometry::math::{Extremes, Pose, Vector};
 
 use super::{JointKind, RobotModel, VirtualJoint};
 
@@ -56,7 +56,9 @@ impl RobotModel {
                     Err(JointTransformError::OffPlane { joint: name(), off })
                 }
             },
-            _ if *pose_jc == Pose::identity() => Ok(()),
+            _ if pose_jc.translation.vector.norm().greater(pose_jc.rotation.angle()) <= PLANE_TOLERANCE => {
+                Ok(())
+            }
             _ => Err(JointTransformError::OtherKind { joint: name(), instead: "leave it out, or at zero" }),
         }
     }

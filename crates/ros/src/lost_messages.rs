@@ -30,16 +30,18 @@ impl LostMessages {
     pub fn heed(&mut self, update: &SceneUpdate) {
         match update {
             // such an update contains no attached objects, collision matrices or paddings
-            SceneUpdate::World(_) => drop(self.now.remove(SceneDoor::CollisionObject.name())),
+            SceneUpdate::World(_) => self.heed_world(),
             whole if whole.is_whole_of_robot() => self.now.clear(),
             // such an update does not change attached objects
-            SceneUpdate::Scene(scene) if !scene.is_diff => {
-                let of_world =
-                    [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
-                self.now.retain(|topic, _| !of_world.contains(topic));
-            }
+            SceneUpdate::Scene(scene) if !scene.is_diff => self.heed_world(),
             _ => {}
         }
+    }
+
+    /// All obstacles were replaced.
+    fn heed_world(&mut self) {
+        let of_world = [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
+        self.now.retain(|topic, _| !of_world.contains(topic));
     }
 
     /// The latest updates are now in use.

@@ -36,7 +36,7 @@ impl SceneRejection {
 
     /// The same rejection with the given gap.
     #[must_use]
-    pub fn leaving(self, gap: Gap) -> Self {
+    pub(crate) fn leaving(self, gap: Gap) -> Self {
         Self { gap: Some(gap), ..self }
     }
 

@@ -93,12 +93,18 @@ impl Scene {
         }
         let frames: Vec<_> =
             change.fixed_frames.iter().map(|frame| frame.seen_from_parent(context)).collect();
-        let mut first: HashMap<&str, (&str, Pose)> = HashMap::new();
+        let bare = |name: &'_ str| name.trim_start_matches('/').to_owned();
+        let mut first: HashMap<String, (String, Pose)> = HashMap::new();
+        let mut contradicted = HashSet::new();
+        for frame in &frames {
+            let given = (bare(&frame.parent), frame.pose_pf);
+            if *first.entry(bare(&frame.name)).or_insert_with(|| given.clone()) != given {
+                contradicted.insert(bare(&frame.name));
+            }
+        }
         for frame in &frames {
             self.forget_fixed_frame(&frame.name);
-            let given = (frame.parent.as_str(), frame.pose_pf);
-            let is_contradicted = *first.entry(&frame.name).or_insert(given) != given;
-            applied.note(if is_contradicted {
+            applied.note(if contradicted.contains(&bare(&frame.name)) {
                 Err(frame.rejection("it is given twice, at two places"))
             } else {
                 self.set_fixed_frame(frame, context)

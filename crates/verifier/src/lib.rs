@@ -1,4 +1,5 @@
-//! Verifier of certificates. It shares nothing with the checker that makes them: this is the smallest code that has to be trusted.
+//! Verifier of certificates. It shares no kinematics, bounds or queries with the checker that makes them: this is
+//! the smallest code that has to be trusted.
 //!
 //! A certificate claims that a robot can make a motion without collision ([`Certificate`](clearance_motion::Certificate)). None of its
 //! claims is trusted. The kinematics here are the plain ones; there are no bounding volume trees of the engine, no SIMD lanes, and no
@@ -6,6 +7,7 @@
 //!
 //! | file | content |
 //! |---|---|
+//! | `PairList` and `Settings` of clearance-scene | pairs that have to be apart, paddings and scales, as the checker uses them |
 //! | `documents` | it is about this robot, world and motion; every pair is listed |
 //! | `joins` | segments follow each other exactly, or the gap between them is free; obstacles start at their poses in the world |
 //! | `expected`, `differences` | it is about the expected motion, or the differences from it |

@@ -226,3 +226,14 @@ fn of_many_mimic_contradictions_one_is_told_and_the_rest_counted() {
     let reason = evaluation.status.reason().unwrap().to_string();
     assert!(reason.contains("'f0'") && reason.contains("4 more mimic joints"), "{reason}");
 }
+
+#[test]
+fn positions_that_contradicted_each_other_are_no_more_right_when_they_are_stale() {
+    let mut monitor = monitor();
+    assert_eq!(code(&monitor.on_joint_state(with_follower(0.0, 1.5), at(0.0))), "contradiction");
+    let stale = monitor.on_heartbeat(at(10.0));
+    assert_eq!(code(&stale), "stale");
+    assert!(stale.status.reason().unwrap().is_about_positions());
+    let silent = self::monitor().on_heartbeat(at(10.0));
+    assert!(!silent.status.reason().unwrap().is_about_positions());
+}

@@ -1,7 +1,7 @@
 //! Conversion of messages about the world to orders of the loader. Live messages and recorded messages use the same functions.
 
 use clearance_monitor::{Now, Observation, Time};
-use clearance_scene::{Extent, Gap, SceneRejection, SceneUpdate, Subject};
+use clearance_scene::{SceneRejection, SceneUpdate};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
 };
@@ -68,17 +68,18 @@ pub fn octomap_order(by: SceneDoor, message: Octomap, unknown_is_occupied: bool,
     }
 }
 
-/// Order for a message that cannot be decoded: a part of the announced scene is missing.
+/// Order for a message that cannot be decoded. It counts as lost, since it may have been about any part of the scene; an octomap is
+/// replaced by the next one.
 #[must_use]
 pub fn unreadable_order(by: SceneDoor) -> SceneOrder {
     const WHY: &str = "a message could not be decoded: is it of this type, and are its texts UTF-8?";
-    let announced = |subject| SceneRejection::new(WHY).leaving(Gap::new(subject, "", Extent::Shapes));
-    let rejection = match by {
-        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => SceneRejection::of_octomap(WHY),
-        SceneDoor::AttachedCollisionObject => announced(Subject::Attached),
-        _ => announced(Subject::Object),
-    };
-    SceneOrder::on(by.name()).refused(vec![rejection])
+    let order = SceneOrder::on(by.name());
+    match by {
+        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => {
+            order.refused(vec![SceneRejection::of_octomap(WHY)])
+        }
+        _ => order.refused(vec![SceneRejection::new(WHY)]).after(1),
+    }
 }
 
 /// Name of the service.

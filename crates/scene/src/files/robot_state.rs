@@ -82,8 +82,16 @@ impl Situation {
         let (mut placed, mut root) = (Vec::new(), None);
         for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
             let pose = transform.pose(name)?;
-            let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-            let virtual_joint = virtual_joints.find(|j| j.name == *name && j.child_link == robot.root());
+            let virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
+            let mut of_root = virtual_joints.filter(|joint| joint.child_link == robot.root());
+            // as in MoveIt, the first one places the root
+            let first = of_root.next();
+            let virtual_joint = first.filter(|joint| joint.name == *name);
+            if let (Some(first), None) = (first, virtual_joint)
+                && of_root.any(|other| other.name == *name)
+            {
+                return Err(format!("the root is placed by virtual joint '{}', not by '{name}'", first.name));
+            }
             let is_known = virtual_joint.is_some() || robot.joint_by_name(name).is_some();
             if is_known && !robot.is_model_frame(frame) {
                 let root = &robot.link(robot.root()).name;
@@ -118,6 +126,12 @@ impl Situation {
     ) -> Result<(), String> {
         let root = &robot.link(robot.root()).name;
         let parent = joint.parent_frame.clone();
+        if parent.trim_start_matches('/') == root && pose_pr != Pose::identity() {
+            return Err(format!(
+                "virtual joint '{}' places link '{root}' in a frame of the same name, but not at zero",
+                joint.name
+            ));
+        }
         let before = self.transforms.way(&parent, root).map_or(Pose::identity(), |way| way.pose());
         if before != pose_pr && !is_scene_empty {
             return Err(format!(

@@ -2,7 +2,10 @@
 
 mod text;
 
-use clearance_robot::{MeshFiles, RobotModel, quoted};
+use std::collections::HashMap;
+
+use clearance_geometry::math::Extremes;
+use clearance_robot::{MeshFiles, RobotModel};
 
 use super::loader::{SceneError, SceneLoader};
 use super::scene_file::SceneFile;
@@ -51,15 +54,15 @@ impl SceneLoader {
         let state = scene.robot_state.unwrap_or_default();
         let is_empty = self.scene.world.is_empty() && self.scene.fixed_frames.is_empty();
         self.situation.read_state(&state, robot, is_empty).map_err(fault)?;
-        if scene.robot_model_name.as_ref().is_some_and(|model| !model.is_empty() && model != robot.name()) {
-            let (of, robot) = (quoted(scene.robot_model_name.as_deref().unwrap_or_default()), robot.name());
-            self.warnings
-                .push(format!("{file}: robot_model_name: the scene is of {of}, the robot is '{robot}'"));
-        }
         let place = self.situation.place(robot);
         let context = place.context(robot);
         let mut reader = SceneFile { is_diff: scene.is_diff, ..self.file(file, &context) };
-        reader.read_settings(&scene.fixed_frame_transforms, (&scene.link_padding, &scene.link_scale))?;
+        let model = scene.robot_model_name.unwrap_or_default();
+        reader.read_settings(
+            &model,
+            &scene.fixed_frame_transforms,
+            (&scene.link_padding, &scene.link_scale),
+        )?;
         reader.read_matrix(scene.allowed_collision_matrix)?;
         for (i, attached) in state.attached_collision_objects.into_iter().enumerate() {
             reader.read_attached(attached, i, files)?;
@@ -83,6 +86,7 @@ impl SceneLoader {
 impl SceneFile<'_> {
     fn read_settings(
         &mut self,
+        robot_model_name: &str,
         frames: &[TransformStampedText],
         (padding, scale): (&[LinkPaddingText], &[LinkScaleText]),
     ) -> Result<(), SceneError> {
@@ -90,12 +94,38 @@ impl SceneFile<'_> {
         let change = SceneChange {
             is_diff: true,
             fixed_frames: fixed_frames.collect::<Result<_, _>>()?,
-            // MoveIt lists all links, most of them with neither: these entries do not override those of an earlier file
-            link_padding: sizes(padding.iter().map(|l| (&l.link_name, l.padding)), 0.0),
-            link_scale: sizes(scale.iter().map(|l| (&l.link_name, l.scale)), 1.0),
+            robot_model_name: robot_model_name.to_owned(),
+            link_padding: padding.iter().map(|l| (l.link_name.clone(), l.padding)).collect(),
+            link_scale: scale.iter().map(|l| (l.link_name.clone(), l.scale)).collect(),
             ..SceneChange::default()
         };
-        self.apply(&SceneUpdate::Scene(Box::new(change)))
+        let scene = &self.loader.scene;
+        let before = [scene.link_padding.clone(), scene.link_scale.clone()];
+        self.apply(&SceneUpdate::Scene(Box::new(change)))?;
+        self.keep_sizes(&before)
+    }
+
+    /// `MoveIt` lists all links, most of them with padding 0 and scale 1. Such an entry does not make a link smaller than an earlier file
+    /// made it; only a scene with `is_diff` changes other sizes.
+    fn keep_sizes(&mut self, [padding, scale]: &[HashMap<String, f64>; 2]) -> Result<(), SceneError> {
+        let scene = &mut self.loader.scene;
+        let fields = [
+            ("link_padding", padding, &mut scene.link_padding, 0.0),
+            ("link_scale", scale, &mut scene.link_scale, 1.0),
+        ];
+        for (field, before, now, usual) in fields {
+            for (link, earlier) in before {
+                let Some(size) = now.get_mut(link) else { continue };
+                if *size == usual {
+                    *size = size.greater(*earlier);
+                } else if size != earlier && !self.is_diff {
+                    let why =
+                        format!("{field} of '{link}' is {size:?}, but {earlier:?} in a file before this one");
+                    return Err(SceneError::of_file(self.name, why));
+                }
+            }
+        }
+        Ok(())
     }
 
     fn fixed_frame(&self, i: usize, text: &TransformStampedText) -> Result<FixedFrame, SceneError> {
@@ -151,11 +181,6 @@ impl SceneFile<'_> {
         let octomap = message.placed(place, self.loader.unknown_is_occupied);
         self.set_octomap(octomap.map_err(|why| fault(format!("octomap: {why}")))?)
     }
-}
-
-/// Sizes of links that differ from the default size.
-fn sizes<'t>(given: impl Iterator<Item = (&'t String, f64)>, usual: f64) -> Vec<(String, f64)> {
-    given.filter(|(_, size)| *size != usual).map(|(link, size)| (link.clone(), size)).collect()
 }
 
 fn says_nothing(scene: &SceneText) -> bool {

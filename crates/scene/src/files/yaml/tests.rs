@@ -1,5 +1,6 @@
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
+use clearance_robot::RobotText;
 use proptest::prelude::*;
 
 use super::*;
@@ -287,17 +288,105 @@ fn a_later_file_does_not_move_the_robot_away_from_what_was_placed() {
     assert!(error.to_string().contains("give the robot's state in the first file"), "{error}");
 }
 
+/// Padding and scale of `arm` after files that give these, one after the other.
+fn sizes_after(files: &[(bool, f64, f64)]) -> Result<(f64, f64), SceneError> {
+    let mut loader = SceneLoader::default();
+    for (is_diff, padding, scale) in files {
+        let text = format!(
+            "is_diff: {is_diff}\nlink_padding: [{{link_name: arm, padding: {padding}}}]\n\
+             link_scale: [{{link_name: arm, scale: {scale}}}]\nworld: {{}}"
+        );
+        loader.read_yaml(&text, "a.yaml", &robot(), &MeshFiles::default())?;
+    }
+    Ok((loader.scene.link_padding["arm"], loader.scene.link_scale["arm"]))
+}
+
 #[test]
-fn what_a_later_file_leaves_at_nothing_stays_as_the_first_one_gave_it() {
-    let files = MeshFiles::default();
-    let sizes = |padding: f64, scale: f64| {
+fn a_later_file_that_lists_a_link_with_neither_makes_it_no_smaller() {
+    for is_diff in [false, true] {
+        let after = |padding, scale| sizes_after(&[(false, padding, scale), (is_diff, 0.0, 1.0)]).unwrap();
+        assert_eq!(after(0.02, 1.5), (0.02, 1.5));
+        assert_eq!(after(0.0, 0.01), (0.0, 1.0));
+    }
+}
+
+#[test]
+fn sizes_that_differ_between_files_are_rejected_unless_the_later_one_is_a_difference() {
+    assert_eq!(sizes_after(&[(false, 0.02, 1.5), (false, 0.02, 1.5)]).unwrap(), (0.02, 1.5));
+    for (padding, scale, named) in
+        [(0.01, 1.5, "link_padding of 'arm' is 0.01"), (0.02, 2.0, "link_scale of 'arm' is 2.0")]
+    {
+        let error = sizes_after(&[(false, 0.02, 1.5), (false, padding, scale)]).unwrap_err().to_string();
+        assert!(error.contains(named) && error.contains("in a file before this one"), "{error}");
+        assert_eq!(sizes_after(&[(false, 0.02, 1.5), (true, padding, scale)]).unwrap(), (padding, scale));
+    }
+}
+
+#[test]
+fn entries_with_neither_are_checked_as_all_others() {
+    for (text, named) in [
+        ("link_scale: [{link_name: arm, scale: 0.01}, {link_name: arm, scale: 1.0}]", "given twice"),
+        ("link_padding: [{link_name: arm, padding: 0.05}, {link_name: arm, padding: 0.0}]", "given twice"),
+        ("link_scale: [{link_name: nowhere, scale: 1.0}]", "'nowhere'"),
+    ] {
+        let error = read(&format!("{text}\nworld: {{}}")).unwrap_err().to_string();
+        assert!(error.contains(named), "{error}");
+    }
+}
+
+#[test]
+fn fixed_frames_given_twice_at_two_places_are_rejected_in_any_order() {
+    let frame = |name: &str, x: f64| {
         format!(
-            "link_padding: [{{link_name: arm, padding: {padding}}}]\nlink_scale: [{{link_name: arm, scale: {scale}}}]\nworld: {{}}"
+            "{{header: {{frame_id: base}}, child_frame_id: {name}, transform: {{translation: [{x}, 0, 0]}}}}"
         )
     };
-    let mut loader = SceneLoader::from_yaml(&sizes(0.02, 1.5), "a.yaml", &robot(), &files).unwrap();
-    loader.read_yaml(&sizes(0.0, 1.0), "b.yaml", &robot(), &files).unwrap();
-    assert_eq!((loader.scene.link_padding["arm"], loader.scene.link_scale["arm"]), (0.02, 1.5));
+    let read_frames = |frames: &[(&str, f64)]| {
+        let frames: Vec<_> = frames.iter().map(|(name, x)| frame(name, *x)).collect();
+        read(&format!("fixed_frame_transforms: [{}]\nworld: {{}}", frames.join(", ")))
+    };
+    for frames in [
+        &[("f", 1.0), ("f", 2.0)][..],
+        &[("/f", 9.0), ("f", 2.0)],
+        &[("f", 2.0), ("/f", 9.0)],
+        &[("f", 1.0), ("f", 2.0), ("f", 1.0)],
+    ] {
+        let error = read_frames(frames).unwrap_err().to_string();
+        assert!(error.contains("at two places"), "{error}");
+    }
+    assert!(read_frames(&[("/f", 1.0), ("f", 1.0)]).is_ok());
+}
+
+#[test]
+fn only_the_first_virtual_joint_places_the_root_and_in_another_frame_than_its_own() {
+    let read = |virtual_joints: &[(&str, &str)], given: &str, y: f64| {
+        let joints: Vec<_> = (virtual_joints.iter())
+            .map(|(name, parent)| {
+                format!(
+                    "<virtual_joint name='{name}' type='floating' parent_frame='{parent}' child_link='base'/>"
+                )
+            })
+            .collect();
+        let srdf = format!("<robot name='r'>{}</robot>", joints.concat());
+        let text = RobotText {
+            urdf: "<robot name='r'><link name='base'/></robot>",
+            urdf_name: None,
+            srdf: Some(&srdf),
+            srdf_name: None,
+        };
+        let robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
+        let scene = format!(
+            "robot_state: {{multi_dof_joint_state: {{joint_names: [{given}], transforms: [{{translation: [0, {y}, 0]}}]}}}}\n\
+             world: {{}}"
+        );
+        SceneLoader::from_yaml(&scene, "a.yaml", &robot, &MeshFiles::default())
+    };
+    assert!(read(&[("s1", "w1"), ("s2", "w2")], "s1", 5.0).is_ok());
+    let error = read(&[("s1", "w1"), ("s2", "w2")], "s2", 5.0).unwrap_err().to_string();
+    assert!(error.contains("placed by virtual joint 's1', not by 's2'"), "{error}");
+    let error = read(&[("s", "base")], "s", 5.0).unwrap_err().to_string();
+    assert!(error.contains("frame of the same name"), "{error}");
+    assert!(read(&[("s", "base")], "s", 0.0).is_ok());
 }
 
 #[test]
