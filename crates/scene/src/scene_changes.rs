@@ -1,7 +1,7 @@
 //! Updates by whole scenes and by differences.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
