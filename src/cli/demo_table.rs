@@ -94,7 +94,7 @@ impl Table {
         Self(thread::spawn(move || {
             let hints = hints(domain);
             if std::io::stdout().is_terminal() {
-                let _quiet = HiddenControlKeys::on_terminal();
+                let _undisturbed = UndisturbedOutput::on_terminal();
                 draw(&latest, &ended, &hints);
             } else {
                 print_lines(&latest, &ended, &hints);
@@ -109,26 +109,28 @@ impl Table {
     }
 }
 
-/// Turns off the terminal's echo of control keys during its lifetime: `^C` at the end of a line would start a new line below the table.
-struct HiddenControlKeys {
+/// Terminal settings that keep the table whole on Ctrl-C, during its lifetime: control keys are not echoed, since `^C` at the end of a line
+/// would start a new line below the table, and do not discard output that the terminal has not shown yet.
+struct UndisturbedOutput {
     #[cfg(unix)]
     before: Option<nix::sys::termios::Termios>,
 }
 
 #[cfg(unix)]
-impl HiddenControlKeys {
+impl UndisturbedOutput {
     fn on_terminal() -> Self {
         use nix::sys::termios::{LocalFlags, tcgetattr};
         let before = tcgetattr(std::io::stdout()).ok();
         if let Some(before) = &before {
-            let mut quiet = before.clone();
-            quiet.local_flags.remove(LocalFlags::ECHOCTL);
-            Self::set(&quiet);
+            let mut undisturbed = before.clone();
+            undisturbed.local_flags.remove(LocalFlags::ECHOCTL);
+            undisturbed.local_flags.insert(LocalFlags::NOFLSH);
+            Self::set(&undisturbed);
         }
         Self { before }
     }
 
-    /// Only in the foreground: in the background, the change would stop the process (`SIGTTOU`). If the echo stays on, only the display
+    /// Only in the foreground: in the background, the change would stop the process (`SIGTTOU`). Without the change, only the display
     /// suffers.
     fn set(settings: &nix::sys::termios::Termios) {
         use nix::sys::termios::{SetArg, tcsetattr};
@@ -139,7 +141,7 @@ impl HiddenControlKeys {
 }
 
 #[cfg(unix)]
-impl Drop for HiddenControlKeys {
+impl Drop for UndisturbedOutput {
     fn drop(&mut self) {
         if let Some(before) = &self.before {
             Self::set(before);
@@ -148,7 +150,7 @@ impl Drop for HiddenControlKeys {
 }
 
 #[cfg(not(unix))]
-impl HiddenControlKeys {
+impl UndisturbedOutput {
     fn on_terminal() -> Self {
         Self {}
     }
