@@ -4,7 +4,7 @@ import functools
 import threading
 import time
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 
 import rclpy
@@ -52,6 +52,8 @@ for _name in [f"{act}_{part}" for act in ("create", "destroy") for part in PARTS
 class Peer:
     """Publishes, records and calls; whoever waits here waits for a condition."""
 
+    _alive = []  # all peers of this process
+
     def __init__(self, domain_id):
         self.domain_id = domain_id
         self.changed = threading.Condition()
@@ -66,6 +68,7 @@ class Peer:
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self.node.between_callbacks = self.between_callbacks
         self._thread.start()
+        Peer._alive.append(self)
 
     def _spin(self):
         try:
@@ -93,11 +96,33 @@ class Peer:
         self._leaving.set()
         self._thread.join()
         self.node.between_callbacks = lambda make: make()
-        self._executor.shutdown()
-        self.node.destroy_node()
-        rclpy.shutdown(context=self._context)
+        Peer._alive.remove(self)
+        with ExitStack() as paused:
+            # rclpy crashes now and then when a participant is destroyed while another one of the process waits
+            for other in Peer._alive:
+                paused.enter_context(other._paused())
+            self._executor.shutdown()
+            self.node.destroy_node()
+            rclpy.shutdown(context=self._context)
         if kind is None and not self._is_told:
             self._check()
+
+    @contextmanager
+    def _paused(self):
+        """The thread of the callbacks stands still meanwhile."""
+        stands, goes_on = threading.Event(), threading.Event()
+
+        def stand():
+            stands.set()
+            goes_on.wait()
+
+        self._executor.create_task(stand)
+        while self._thread.is_alive() and not stands.wait(0.05):
+            pass
+        try:
+            yield
+        finally:
+            goes_on.set()
 
     def now(self):
         return self.node.get_clock().now()

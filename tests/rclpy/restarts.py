@@ -6,20 +6,21 @@ from itertools import count
 
 from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckMotion
-from std_msgs.msg import String
 
 import two_link
+from another_participant import Describer, call_of_another_client
 from cell import STALE_AFTER, Cell
 from joint_state_source import Source
-from motions import Motions
-from peer import Peer
 
 JOINTS = {"joint1": (-0.5, 0.5), "joint2": (-0.5, 0.5)}  # free wherever they are
 RATE = 50.0  # [Hz]
 
 
 class Restarts:
-    """A node, a driver and a publisher of the description, each a participant of its own, and `peer`, which hears what is said."""
+    """A node, a driver and a publisher of the description, each a process of its own, and `peer`, which receives what they publish.
+
+    In one process, rclpy crashes now and then when a participant is destroyed while another one spins.
+    """
 
     def __init__(self, peer):
         self._peer = peer
@@ -31,7 +32,7 @@ class Restarts:
     def __enter__(self):
         with ExitStack() as stack:
             stack.enter_context(self._cell)
-            stack.callback(lambda: self._describer and self._describer.__exit__(None, None, None))
+            stack.callback(lambda: self._describer and self._describer.kill())
             stack.callback(lambda: self._source and self._source.kill())
             self._describe()
             self._drive()
@@ -64,16 +65,14 @@ class Restarts:
 
     def client(self):
         """Another one comes, asks, and goes."""
-        start = time.monotonic()
-        with Peer(self._peer.domain_id) as other:
-            answer = Motions(other, self._cell.node).check((0, 0), (0.1, 0))
-            assert answer.verdict == CheckMotion.Response.FREE, answer
-            return time.monotonic() - start
+        verdict, seconds = call_of_another_client(self._cell.node.path, self._peer.domain_id)
+        assert verdict == CheckMotion.Response.FREE, verdict
+        return seconds
 
     def description_publisher(self):
         """Another one comes with another robot, which has to come into force."""
         before = self._cell.state_now().model_revision
-        self._describer.__exit__(None, None, None)
+        self._describer.kill()
         start = time.monotonic()
         self._describe()
         self._free(self._peer.now(), lambda state: state.model_revision > before)
@@ -82,9 +81,9 @@ class Restarts:
     ALL = (joint_state_publisher, node, crashed_node, client, description_publisher)
 
     def _describe(self):
-        self._describer = Peer(self._peer.domain_id).__enter__()
         text = two_link.description_with_cube(next(self._cubes))
-        self._describer.latch(String(data=text), self._cell.node.relative("robot_description"))
+        topic = self._cell.node.relative("robot_description")
+        self._describer = Describer(topic, text, self._peer.domain_id)
 
     def _drive(self):
         self._source = Source(self._cell.node.relative("joint_states"), RATE, JOINTS, self._peer.domain_id)
