@@ -11,6 +11,7 @@ pub mod simd;
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
 pub mod testing;
 
+mod inside_test;
 mod mesh;
 mod plane;
 mod point_cloud;
@@ -20,12 +21,13 @@ mod solid_mesh;
 mod triangle;
 mod voxels;
 
+pub use inside_test::InsideTest;
 pub use mesh::{MeshError, TriangleMesh};
 pub use plane::{Plane, PlaneError};
 pub use point_cloud::{PointCloud, PointCloudError};
 pub use primitive::{Primitive, PrimitiveError};
 pub use shape::{ScaleError, Shape};
-pub use solid_mesh::{ClosedSurface, InsideTest, SolidMesh, SolidRemarks};
+pub use solid_mesh::{ClosedSurface, SolidMesh, SolidRemarks};
 pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };

@@ -1,7 +1,7 @@
 //! Planes: infinite surfaces of zero thickness.
 
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::{Extremes, Point, Pose, UnitVector, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Pose, UnitVector, Vector};
 
 /// All points p with `normal · p = offset` (m). It has two sides and no inside: an object wholly on either side does not touch it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +56,17 @@ impl Plane {
     pub fn transformed(&self, pose: &Pose) -> Self {
         let normal = pose.rotation * self.normal;
         Self { normal, offset: self.offset + normal.dot(&pose.translation.vector) }
+    }
+
+    /// As [`Self::transformed`], for a rotation as a matrix.
+    #[must_use]
+    #[inline]
+    pub fn placed(&self, pose: &MatrixPose) -> Self {
+        let normal = pose.rotation * self.normal.into_inner();
+        Self {
+            offset: self.offset + normal.dot(&pose.translation),
+            normal: UnitVector::new_unchecked(normal),
+        }
     }
 }
 

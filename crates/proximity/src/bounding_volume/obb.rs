@@ -5,7 +5,10 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
-use super::{BoundingVolume, Relative, lanes, principal_axes, round, round_up};
+use super::principal_axes::principal_axes;
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// A box along the axes of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

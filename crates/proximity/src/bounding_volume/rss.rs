@@ -7,8 +7,11 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 
-use super::obb::{FacingObbs, ObbPack, SeenObbs};
-use super::{BoundingVolume, Obb, Relative, lanes, principal_axes, round, round_up};
+use super::obb::{FacingObbs, Obb, ObbPack, SeenObbs};
+use super::principal_axes::principal_axes;
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// A rectangle normal to the third axis of its frame, and a radius around it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,9 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
-use super::{BoundingVolume, Relative, lanes, round, round_up};
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// All points within a radius of a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,8 @@
 //! Boxes along the axes of one common frame.
 
 use clearance_geometry::math::{Extremes, Point};
-use clearance_geometry::simd::LANES;
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{LANES, Simd, f32x8, mask32x8};
 
 /// A box along the axes (m), rounded outward. If its lower corner is above the upper one, it is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,6 +100,14 @@ impl EightBoxes {
     #[inline]
     pub fn union(&self) -> AxisBox {
         (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
+    }
+
+    /// Mask of the lanes whose boxes lie beyond a box along one axis.
+    #[inline(always)]
+    pub(super) fn beyond<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
+        let Self { lo, hi } = self;
+        let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
+        lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
     }
 }
 

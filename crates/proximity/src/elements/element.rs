@@ -1,0 +1,11 @@
+//! A triangle or primitive as users pass it.
+
+use clearance_geometry::math::Pose;
+use clearance_geometry::{Primitive, Triangle};
+
+/// A triangle of a surface, or a solid primitive, in the frame of its body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Element {
+    Triangle(Triangle),
+    Primitive { primitive: Primitive, pose: Pose },
+}
