@@ -1,6 +1,7 @@
 //! Geometry of shapes in their own frames: primitives, meshes, planes, point clouds and voxels.
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod constants;

@@ -10,8 +10,11 @@ use crate::math::{Extremes, Point, Pose, Vector};
 /// Three corners; it may be degenerate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
+    /// First corner.
     pub a: Point,
+    /// Second corner.
     pub b: Point,
+    /// Third corner.
     pub c: Point,
 }
 
@@ -25,16 +28,19 @@ const NARROW: f64 = 1e-6;
 pub type PointPair = [Point; 2];
 
 impl Triangle {
+    /// The three corners.
     #[must_use]
     pub fn corners(&self) -> [Point; 3] {
         [self.a, self.b, self.c]
     }
 
+    /// The three edges, each from its first to its second corner.
     #[must_use]
     pub fn edges(&self) -> [[Point; 2]; 3] {
         [[self.a, self.b], [self.b, self.c], [self.c, self.a]]
     }
 
+    /// The triangle of a frame placed at `pose`, in the parent frame.
     #[must_use]
     pub fn transformed(&self, pose: &Pose) -> Self {
         Self { a: pose * self.a, b: pose * self.b, c: pose * self.c }

@@ -16,6 +16,7 @@
 //! error, no panic.
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bounding_volume;

@@ -71,6 +71,7 @@ impl ClosedSurface {
         Self { triangles, bounds, tree: OnceLock::new() }
     }
 
+    /// Vertex indices of each triangle, wound outward.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles

@@ -13,7 +13,9 @@ use super::volume_trait::BoundingVolume;
 /// A box along the axes of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obb {
+    /// Centre along the axes of the frame (m).
     pub centre: [f32; 3],
+    /// Half extents along the axes of the frame (m).
     pub half_extents: [f32; 3],
 }
 

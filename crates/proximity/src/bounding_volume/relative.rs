@@ -10,6 +10,7 @@ use super::rounding::{round, round_up};
 pub struct Axes(pub [[f32; 3]; 3]);
 
 impl Axes {
+    /// The axes of the tree.
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
     /// From axes as columns.

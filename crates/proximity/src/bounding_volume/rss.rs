@@ -18,21 +18,25 @@ use super::volume_trait::BoundingVolume;
 pub struct Rss {
     /// A box of zero thickness.
     pub rectangle: Obb,
+    /// Radius (m).
     pub radius: f32,
 }
 
+/// Eight rectangle swept spheres of one frame.
 #[derive(Clone, Debug)]
 pub struct RssPack {
     rectangles: ObbPack,
     radius: [f32; LANES],
 }
 
+/// Eight rectangle swept spheres of a frame, transformed to another frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SeenRss {
     rectangles: SeenObbs,
     radius: [f32; LANES],
 }
 
+/// Eight rectangle swept spheres, prepared for tests.
 #[derive(Clone, Copy, Debug)]
 pub struct FacingRss<S: Simd> {
     rectangles: FacingObbs<S>,

@@ -39,8 +39,11 @@ struct Node {
 /// Content of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Child {
+    /// The lane is free.
     Nothing,
+    /// An item, by its number.
     Item(u32),
+    /// A node, by its number.
     Node(u32),
 }
 
@@ -77,6 +80,7 @@ impl DynamicTree {
         self.count
     }
 
+    /// True if there are no items.
     #[must_use]
     #[inline]
     pub fn is_empty(&self) -> bool {

@@ -74,6 +74,7 @@ impl NodeRef {
         Self(u32::try_from(index).expect("leaf count fits 31 bits") | Self::LEAF)
     }
 
+    /// True if it refers to a leaf.
     #[must_use]
     #[inline]
     pub fn is_leaf(self) -> bool {

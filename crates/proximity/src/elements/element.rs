@@ -6,6 +6,13 @@ use clearance_geometry::{Primitive, Triangle};
 /// A triangle of a surface, or a solid primitive, in the frame of its body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Element {
+    /// A triangle.
     Triangle(Triangle),
-    Primitive { primitive: Primitive, pose: Pose },
+    /// A solid primitive.
+    Primitive {
+        /// The primitive in its own frame.
+        primitive: Primitive,
+        /// Pose of the primitive in the frame of the body.
+        pose: Pose,
+    },
 }

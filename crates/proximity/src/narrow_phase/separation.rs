@@ -7,6 +7,7 @@ use clearance_geometry::math::{Point, Vector};
 /// Distance (m) of two elements or bodies, and their nearest points. If they touch, the distance is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Separation {
+    /// Distance (m); 0 if they touch.
     pub distance: f64,
     /// In the frame of the first body, first on it.
     pub witness_points: PointPair,
