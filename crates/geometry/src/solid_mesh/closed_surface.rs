@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::cycles::Cycle;
-use super::patches::Patches;
+use super::patches::{OrientedFace, PatchMultiple, Patches};
 use super::weld::WeldedFaces;
 use super::winding_tree::WindingTree;
 use crate::math::Point;
@@ -26,18 +26,18 @@ impl ClosedSurface {
         patches: &Patches,
         cycle: &mut Cycle,
     ) -> Self {
-        let faces = |&(patch, times): &(u32, i64)| {
+        let faces = |&PatchMultiple { patch, times }: &PatchMultiple| {
             let faces = patches.faces[patch as usize].iter();
-            faces.flat_map(move |&(face, turned)| {
+            faces.flat_map(move |&OrientedFace { face, is_reversed }| {
                 let [a, b, c] = welded.corners[face as usize];
-                let triangle = if turned == (times > 0) { [a, c, b] } else { [a, b, c] };
+                let triangle = if is_reversed == (times > 0) { [a, c, b] } else { [a, b, c] };
                 (0..times.unsigned_abs()).map(move |_| triangle)
             })
         };
         let mut surface = Self::around(vertices, cycle.iter().flat_map(faces).collect());
         if surface.volume(vertices) < 0.0 {
-            for (_, times) in cycle.iter_mut() {
-                *times = -*times;
+            for multiple in cycle.iter_mut() {
+                multiple.times = -multiple.times;
             }
             surface = surface.wound(true);
         }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::cycles::Cycle;
-use super::patches::Patches;
+use super::patches::{OrientedFace, PatchMultiple, Patches};
 use super::weld::WeldedFaces;
 
 /// Repairs and open parts of a mesh, displayed as one line.
@@ -38,7 +38,7 @@ impl SolidRemarks {
         is_tangled: bool,
     ) -> Self {
         let mut is_open = vec![true; patches.faces.len()];
-        for (patch, _) in cycles.iter().flatten() {
+        for PatchMultiple { patch, .. } in cycles.iter().flatten() {
             is_open[*patch as usize] = false;
         }
         let (shells, repeated) = (cycles.len(), welded.repeated);
@@ -84,10 +84,10 @@ impl SolidRemarks {
 }
 
 /// Numbers of faces that keep their winding, and that are reversed; faces in both windings do not count.
-fn wound(faces: &[(u32, bool)], welded: &WeldedFaces) -> [usize; 2] {
+fn wound(faces: &[OrientedFace], welded: &WeldedFaces) -> [usize; 2] {
     let mut counts = [0; 2];
-    for (_, turned) in faces.iter().filter(|(face, _)| !welded.is_double_sided[*face as usize]) {
-        counts[usize::from(*turned)] += 1;
+    for oriented in faces.iter().filter(|oriented| !welded.is_double_sided[oriented.face as usize]) {
+        counts[usize::from(oriented.is_reversed)] += 1;
     }
     counts
 }
@@ -101,7 +101,7 @@ pub(super) fn wound_inward(
 ) -> Vec<bool> {
     // more faces inward than outward, if it is known
     let inward = |cycle: &Cycle| {
-        let [(patch, times)] = cycle.as_slice() else { return None };
+        let [PatchMultiple { patch, times }] = cycle.as_slice() else { return None };
         let [kept, turned] = wound(&patches.faces[*patch as usize], welded);
         (kept != turned).then_some((turned > kept) == (*times > 0))
     };
