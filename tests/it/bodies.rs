@@ -1,9 +1,11 @@
 //! Bodies against bodies: the hierarchies against brute force over all elements, and the laws of the questions.
 
-use clearance::bounding_volume::{Aabb, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere};
+use clearance::bounding_volume::{
+    Aabb, AnchoredReach, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere,
+};
 use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
 use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Effort, Scratch};
+use clearance::query::{BodyPair, CollisionBody, Effort, Scratch};
 use clearance::query::{collide, distance, distance_bounds, signed_distance, within_margin};
 use clearance::simd::{Level, baseline};
 use fearless_simd::dispatch;
@@ -178,7 +180,8 @@ fn bound<B: BoundingVolume>(level: Level, s: &[Point], t: &[Point], pose_ab: &Po
     let (a, b) = (fit(&axes_a, &s), fit(&axes_b, &t));
     let reach = |points: &[Vector]| points.iter().map(|p| p.abs().sum()).fold(0.0, f64::max);
     let origin = Point::origin();
-    let trees = Relative::of_trees(&pose_ab.into(), (&origin, reach(&s)), (&origin, reach(&t)));
+    let tree = |points: &[Vector]| AnchoredReach { anchor: &origin, reach: reach(points) };
+    let trees = Relative::of_trees(&pose_ab.into(), tree(&s), tree(&t));
     let relative = trees.of_nodes(&axes_a, &axes_b);
     dispatch!(level, simd => {
         let seen = B::seen(simd, &a.splat(), &relative);
@@ -302,12 +305,13 @@ fn bounds_of_a_distance_hold() {
         let truth = least(&a, &b, &pose_ab);
         let mut scratch = Scratch::default();
         let rough = Effort { relative_tolerance: 0.25, absolute_tolerance: 0.01, ..Effort::default() };
-        let found = distance_bounds(&a, &b, &pose_ab, f64::INFINITY, &rough, &mut scratch);
+        let bodies = BodyPair { a: &a, b: &b, pose_ab: &(&pose_ab).into() };
+        let found = distance_bounds(bodies, f64::INFINITY, &rough, &mut scratch);
         let upper = found.upper.unwrap().distance;
         assert!(!found.interrupted && found.lower <= truth && truth <= upper);
         assert!(upper - found.lower <= (0.25 * upper).max(0.01) + 1e-12);
         let late = Effort { deadline: Some(std::time::Instant::now()), ..rough };
-        let found = distance_bounds(&a, &b, &pose_ab, f64::INFINITY, &late, &mut scratch);
+        let found = distance_bounds(bodies, f64::INFINITY, &late, &mut scratch);
         interrupted += usize::from(found.interrupted);
         assert!(found.lower <= truth && found.upper.is_none_or(|u| truth <= u.distance));
     }

@@ -4,7 +4,7 @@
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
-use clearance_proximity::{ElementPair, Piece, Postponed, Scratch, Separation};
+use clearance_proximity::{DistanceCandidate, ElementPair, Piece, Scratch, Separation};
 use clearance_robot::Chain;
 
 use super::fixed_nearest::FixedNearest;
@@ -39,7 +39,7 @@ pub(super) struct InDoubt {
     /// Number of candidates bounded before the one that found it.
     look: usize,
     index: usize,
-    what: Postponed,
+    what: DistanceCandidate,
 }
 
 /// A measured candidate, and its pair.
@@ -312,7 +312,7 @@ impl Least {
         let padding = pair.info.padding;
         // rounded up, so that of equally near ones none is left out
         let limit = (self.limit.lesser(self.upper) + padding).next_up();
-        let upper = pair.nearest_in_doubt(pieces, limit, scratch, |what| {
+        let upper = pair.distance_candidates(pieces, limit, scratch, |what| {
             let lower = (what.lower - padding).next_down().greater(0.0);
             in_doubt.push(InDoubt { lower, look: self.looks, index, what });
         });

@@ -13,7 +13,7 @@ mod tolerant;
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};
-use clearance_proximity::{Effort, Front, Scratch, Separation};
+use clearance_proximity::{Effort, Front, FrontLimits, Scratch, Separation};
 
 use super::pair::{Pair, Roughly};
 
@@ -142,7 +142,8 @@ impl Memory {
         let found = self.found.filter(|_| self.awaits_front && self.pose_ab == pair.pose_ab);
         let Some(found) = found else { return };
         let before = scratch.work.cost();
-        self.front.collect(pair.bodies, &pair.pose_ab, &found, (found.distance + FRONT, most), scratch);
+        let limits = FrontLimits { beyond: found.distance + FRONT, most_work: most };
+        self.front.collect(pair.posed_bodies(), &found, limits, scratch);
         self.collecting = scratch.work.cost() - before;
         (self.searching, self.served, self.awaits_front) = (0, 0, false);
     }
@@ -271,7 +272,7 @@ impl Pair<'_> {
         {
             return Ok((found.distance <= limit).then_some(found));
         }
-        if let Some(found) = known.front.distance(self.bodies, &self.pose_ab, limit, scratch) {
+        if let Some(found) = known.front.distance(self.posed_bodies(), limit, scratch) {
             known.renew(self, limit, found);
             known.served = known.served.saturating_add(1);
             return Ok(found);

@@ -4,7 +4,7 @@ use clearance_geometry::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use clearance_geometry::math::{Extremes, MatrixPose};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8};
-use clearance_proximity::bvh::{AxisBox, Child};
+use clearance_proximity::bvh::{AxisBox, Child, SelectedBoxes};
 use clearance_proximity::{Piece, Scratch, Work};
 use clearance_robot::{Configuration, Frame, Reach};
 use clearance_scene::ObstacleId;
@@ -221,7 +221,8 @@ impl CollisionChecker {
         let pieces = &self.obstacles.pieces;
         eight_found.clear();
         let boxes = capsules.axis_boxes(limit);
-        work.volume_tests += pieces.find_any(simd, (&boxes, among), is_as_expected, eight_stack, eight_found);
+        let selected = SelectedBoxes { boxes: &boxes, mask: among };
+        work.volume_tests += pieces.find_any(simd, selected, is_as_expected, eight_stack, eight_found);
         // which pieces are near is hard to predict: without a branch the next iteration starts before this one ends
         near_eight.resize(eight_found.len(), NearEight::NONE);
         let mut kept = 0;
@@ -329,7 +330,7 @@ impl CollisionChecker {
                 Near::Pair(self.world_pair(part, placed.place as usize))
             }
             Piece::Whole | Piece::Solids => Near::Pair(self.world_pair(part, placed.place as usize)),
-            Piece::Surface(_) | Piece::Grains { .. } => Near::Piece { part, piece },
+            Piece::Surface(_) | Piece::Cubes { .. } => Near::Piece { part, piece },
         };
         Some((f64::from(placed.lower_bound(capsule).greater(0.0)), near))
     }

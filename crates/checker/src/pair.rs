@@ -4,7 +4,8 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};
 use clearance_proximity as query;
 use clearance_proximity::{
-    CollisionBody, DistanceBounds, Effort, ElementPair, Piece, Postponed, Scratch, Separation,
+    BodyPair, CollisionBody, DistanceBounds, DistanceCandidate, Effort, ElementPair, Piece, Scratch,
+    Separation,
 };
 use clearance_scene::BodyId;
 
@@ -37,6 +38,11 @@ pub(super) struct Roughly {
 }
 
 impl Pair<'_> {
+    /// The bodies as input of proximity queries.
+    pub fn posed_bodies(&self) -> BodyPair<'_> {
+        BodyPair { a: self.bodies.0, b: self.bodies.1, pose_ab: &self.pose_ab }
+    }
+
     /// True if the padded bodies touch; otherwise they are proven apart.
     pub fn touches(&self, scratch: &mut Scratch) -> bool {
         let (a, b) = self.bodies;
@@ -45,30 +51,28 @@ impl Pair<'_> {
 
     /// As [`Self::touches`], for some pieces of b.
     pub fn pieces_touch(&self, pieces: &[Piece], scratch: &mut Scratch) -> bool {
-        let (a, b) = self.bodies;
-        query::pieces_within_margin(a, (b, pieces), self.pose_ab, self.info.padding, scratch).is_some()
+        query::pieces_within_margin(self.posed_bodies(), pieces, self.info.padding, scratch).is_some()
     }
 
     /// Passes the candidates for the nearest elements of a and b, or of some pieces of b, to `postpone`, to be measured later. Nothing is
     /// passed if they are proven farther apart than `limit` (m). Returns an upper bound (m) on the distance without padding.
-    pub fn nearest_in_doubt(
+    pub fn distance_candidates(
         &self,
         pieces: Option<&[Piece]>,
         limit: f64,
         scratch: &mut Scratch,
-        postpone: impl FnMut(Postponed),
+        postpone: impl FnMut(DistanceCandidate),
     ) -> f64 {
-        let (a, b) = self.bodies;
-        query::nearest_in_doubt(a, (b, pieces), &self.pose_ab, limit, scratch, postpone)
+        query::distance_candidates(self.posed_bodies(), pieces, limit, scratch, postpone)
     }
 
     /// Measures a postponed candidate of the pair.
     pub fn measured(
         &self,
-        postponed: &Postponed,
+        postponed: &DistanceCandidate,
         scratch: &mut Scratch,
     ) -> (Separation, Option<ElementPair>) {
-        postponed.measured(self.bodies, &self.pose_ab, scratch)
+        postponed.measured(self.posed_bodies(), scratch)
     }
 
     /// The distance without padding, unless it is proven larger than `limit`.
@@ -79,8 +83,7 @@ impl Pair<'_> {
 
     /// Bounds on the distance without padding, up to a limit, with the given search options.
     pub fn separation_bounds(&self, limit: f64, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
-        let (a, b) = self.bodies;
-        query::distance_bounds(a, b, self.pose_ab, limit, effort, scratch)
+        query::distance_bounds(self.posed_bodies(), limit, effort, scratch)
     }
 
     /// As [`Self::separation`], but within the tolerances once the state has cost too much.
@@ -105,7 +108,7 @@ impl Pair<'_> {
         scratch: &mut Scratch,
     ) -> Result<Option<Separation>, Roughly> {
         let DistanceBounds { lower, upper, .. } =
-            query::distance_bounds_below(self.bodies, &self.pose_ab, reached, effort, scratch);
+            query::distance_bounds_below(self.posed_bodies(), reached, effort, scratch);
         match upper {
             Some(upper) if lower < upper.distance => Err(Roughly { lower, upper }),
             None if lower < reached => Err(Roughly { lower: lower.lesser(near.distance), upper: *near }),
@@ -124,8 +127,7 @@ impl Pair<'_> {
 
     /// As [`Self::touches`], until a deadline.
     pub fn contact_bounds(&self, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
-        let (a, b) = self.bodies;
-        query::margin_bounds(a, b, self.pose_ab, self.info.padding, effort.deadline, scratch)
+        query::margin_bounds(self.posed_bodies(), self.info.padding, effort.deadline, scratch)
     }
 
     /// The pair with bounds on its padded distance.

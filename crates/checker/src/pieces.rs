@@ -2,7 +2,7 @@
 
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8};
 use clearance_proximity::Piece;
-use clearance_proximity::bvh::{AxisBox, Child, DynamicTree, EightBoxes};
+use clearance_proximity::bvh::{AxisBox, Child, DynamicTree, EightBoxes, SelectedBoxes};
 
 use super::reachable::Reachable;
 use super::root_volume::{RootCapsule, RootVolume};
@@ -152,17 +152,17 @@ impl Pieces {
     pub fn find_any<S: Simd>(
         &self,
         simd: S,
-        (with, among): (&EightBoxes, u8),
+        with: SelectedBoxes,
         is_as_expected: bool,
         stack: &mut Vec<(u32, u8)>,
         found: &mut Vec<(u32, u8)>,
     ) -> u64 {
-        found.extend(self.unbounded.iter().map(|piece| (*piece, among)));
-        let within = self.within.find_overlapping_any(simd, (with, among), stack, found);
+        found.extend(self.unbounded.iter().map(|piece| (*piece, with.mask)));
+        let within = self.within.find_overlapping_any(simd, with, stack, found);
         if is_as_expected {
             return within;
         }
-        within + self.find_any_beyond(simd.level(), (with, among), stack, found)
+        within + self.find_any_beyond(simd.level(), with, stack, found)
     }
 
     #[cold]
@@ -170,7 +170,7 @@ impl Pieces {
     fn find_any_beyond(
         &self,
         level: Level,
-        with: (&EightBoxes, u8),
+        with: SelectedBoxes,
         stack: &mut Vec<(u32, u8)>,
         found: &mut Vec<(u32, u8)>,
     ) -> u64 {

@@ -1,6 +1,7 @@
 //! Geometry of shapes in their own frames: primitives, meshes, planes, point clouds and voxels.
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod constants;
@@ -11,6 +12,7 @@ pub mod simd;
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
 pub mod testing;
 
+mod inside_test;
 mod mesh;
 mod plane;
 mod point_cloud;
@@ -20,12 +22,13 @@ mod solid_mesh;
 mod triangle;
 mod voxels;
 
+pub use inside_test::InsideTest;
 pub use mesh::{MeshError, TriangleMesh};
 pub use plane::{Plane, PlaneError};
 pub use point_cloud::{PointCloud, PointCloudError};
 pub use primitive::{Primitive, PrimitiveError};
 pub use shape::{ScaleError, Shape};
-pub use solid_mesh::{ClosedSurface, InsideTest, SolidMesh, SolidRemarks};
+pub use solid_mesh::{ClosedSurface, SolidMesh, SolidRemarks};
 pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };

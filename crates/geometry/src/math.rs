@@ -52,11 +52,14 @@ pub fn pose_from_xyz_rpy(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
 /// A pose with its rotation as a matrix: [`Pose`] is used in interfaces, this type in computations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatrixPose {
+    /// Axes of the frame as columns, in the parent frame.
     pub rotation: RotationMatrix,
+    /// Origin of the frame in the parent frame (m).
     pub translation: Vector,
 }
 
 impl MatrixPose {
+    /// The pose of a frame in itself.
     #[must_use]
     pub fn identity() -> Self {
         Self { rotation: RotationMatrix::identity(), translation: Vector::zeros() }
@@ -77,6 +80,7 @@ impl MatrixPose {
         Self { rotation, translation: self.rotation.tr_mul(&(other.translation - self.translation)) }
     }
 
+    /// `pose_ba` of `pose_ab`.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();

@@ -24,17 +24,32 @@ impl PartialEq for TriangleMesh {
 /// Reason why a list of vertices and faces is not a valid mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
+    /// There are no faces.
     #[error("the mesh has no triangles")]
     NoTriangles,
+    /// A face names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, but there are {vertices} vertices")]
-    IndexOutOfRange { triangle: usize, vertex: u32, vertices: usize },
+    IndexOutOfRange {
+        /// Index of the triangle.
+        triangle: usize,
+        /// Index of the vertex that does not exist.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A coordinate is not finite or larger than [`LARGEST_COORDINATE`].
     #[error("vertex {vertex} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m")]
-    BadVertex { vertex: usize },
+    BadVertex {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// There are more vertices than 32-bit indices can name.
     #[error("the mesh has {0} vertices, more than 32-bit indices can name")]
     TooManyVertices(usize),
 }
 
 impl TriangleMesh {
+    /// A mesh of vertices (m) and triangles of three vertex indices each; rejects invalid input.
     pub fn new(vertices: Vec<Point>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::NoTriangles);
@@ -56,11 +71,13 @@ impl TriangleMesh {
         }
     }
 
+    /// All vertices (m), used or not.
     #[must_use]
     pub fn vertices(&self) -> &[Point] {
         &self.vertices
     }
 
+    /// Vertex indices of each triangle.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles

@@ -1,22 +1,27 @@
 //! Planes: infinite surfaces of zero thickness.
 
 use crate::constants::LARGEST_COORDINATE;
-use crate::math::{Extremes, Point, Pose, UnitVector, Vector};
+use crate::math::{Extremes, MatrixPose, Point, Pose, UnitVector, Vector};
 
 /// All points p with `normal · p = offset` (m). It has two sides and no inside: an object wholly on either side does not touch it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
+    /// Direction across the plane, of length one.
     pub normal: UnitVector,
+    /// Signed distance (m) of the plane from the origin, along the normal.
     pub offset: f64,
 }
 
 /// Invalid coefficients of a plane.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlaneError {
+    /// A coefficient is not finite.
     #[error("plane coefficients {0:?} are not all finite")]
     NotFinite([f64; 4]),
+    /// The normal has no length.
     #[error("the first three plane coefficients {0:?} are all zero: give the plane's normal")]
     NoNormal([f64; 4]),
+    /// The plane is farther from the origin than [`LARGEST_COORDINATE`].
     #[error("plane coefficients {0:?} put the plane more than {LARGEST_COORDINATE} m away")]
     TooFar([f64; 4]),
 }
@@ -56,6 +61,17 @@ impl Plane {
     pub fn transformed(&self, pose: &Pose) -> Self {
         let normal = pose.rotation * self.normal;
         Self { normal, offset: self.offset + normal.dot(&pose.translation.vector) }
+    }
+
+    /// As [`Self::transformed`], for a rotation as a matrix.
+    #[must_use]
+    #[inline]
+    pub fn placed(&self, pose: &MatrixPose) -> Self {
+        let normal = pose.rotation * self.normal.into_inner();
+        Self {
+            offset: self.offset + normal.dot(&pose.translation),
+            normal: UnitVector::new_unchecked(normal),
+        }
     }
 }
 

@@ -13,12 +13,19 @@ pub struct PointCloud {
 /// Reason why a list of points is not a valid cloud.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PointCloudError {
+    /// There are no points.
     #[error("the cloud has no points")]
     NoPoints,
+    /// A coordinate is not finite or larger than [`LARGEST_COORDINATE`].
     #[error("point {point} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m")]
-    BadPoint { point: usize },
+    BadPoint {
+        /// Index of the point.
+        point: usize,
+    },
+    /// The radius is negative, not finite, or larger than [`LARGEST_COORDINATE`].
     #[error("the radius of points is {0}, but must be a finite number of metres, zero or more")]
     BadRadius(f64),
+    /// There are more points than 31 bits can number.
     #[error("the cloud has {0} points, more than 31 bits can number")]
     TooManyPoints(usize),
 }
@@ -41,6 +48,7 @@ impl PointCloud {
         }
     }
 
+    /// Centres of the balls (m).
     #[must_use]
     pub fn points(&self) -> &[[f32; 3]] {
         &self.points

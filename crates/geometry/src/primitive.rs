@@ -5,24 +5,35 @@ use crate::math::Point;
 /// A solid primitive, centred on its own origin; the axis of cylinders, cones and capsules is z. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Primitive {
+    /// All points within the half extents.
     Box {
+        /// Half of each edge (m).
         half_extents: [f64; 3],
     },
+    /// All points within a radius of the origin.
     Sphere {
+        /// Radius (m).
         radius: f64,
     },
+    /// All points within a radius of the axis, between two discs.
     Cylinder {
+        /// Radius (m).
         radius: f64,
+        /// Half of the length along the axis (m).
         half_length: f64,
     },
     /// The disc lies at `-half_length`, the apex at `half_length`.
     Cone {
+        /// Radius of the disc (m).
         radius: f64,
+        /// Half of the height (m).
         half_length: f64,
     },
     /// `half_length` does not include the two half spheres.
     Capsule {
+        /// Radius (m).
         radius: f64,
+        /// Half of the length of the segment (m).
         half_length: f64,
     },
 }
@@ -31,8 +42,11 @@ pub enum Primitive {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{shape} {dimension} is {value}, but must be a finite number of metres, zero or more")]
 pub struct PrimitiveError {
+    /// Name of the kind of shape.
     pub shape: &'static str,
+    /// Name of the dimension.
     pub dimension: &'static str,
+    /// Rejected value (m).
     pub value: f64,
 }
 
@@ -45,6 +59,7 @@ impl Primitive {
         Ok(Self::Box { half_extents: size.map(|s| 0.5 * s) })
     }
 
+    /// A sphere of this radius (m).
     pub fn sphere(radius: f64) -> Result<Self, PrimitiveError> {
         check("sphere", "radius", radius)?;
         Ok(Self::Sphere { radius })

@@ -8,20 +8,28 @@ use super::{MeshError, Plane, PointCloud, Primitive, PrimitiveError, TriangleMes
 /// surfaces.
 #[derive(Clone, Debug)]
 pub enum Shape {
+    /// Solid primitive.
     Primitive(Primitive),
+    /// Surface of triangles.
     Mesh(Arc<TriangleMesh>),
+    /// Infinite surface.
     Plane(Plane),
+    /// Solid balls around points.
     Points(Arc<PointCloud>),
+    /// Solid cubes.
     Voxels(Arc<Voxels>),
 }
 
 /// Reason why a shape cannot be scaled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScaleError {
+    /// The factor is not a finite number above zero.
     #[error("the scale is {0}, but must be a finite number above zero")]
     BadFactor(f64),
+    /// A dimension of the scaled primitive is invalid.
     #[error(transparent)]
     Primitive(#[from] PrimitiveError),
+    /// A vertex of the scaled mesh is invalid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }

@@ -10,8 +10,11 @@ use crate::math::{Extremes, Point, Pose, Vector};
 /// Three corners; it may be degenerate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
+    /// First corner.
     pub a: Point,
+    /// Second corner.
     pub b: Point,
+    /// Third corner.
     pub c: Point,
 }
 
@@ -25,16 +28,19 @@ const NARROW: f64 = 1e-6;
 pub type PointPair = [Point; 2];
 
 impl Triangle {
+    /// The three corners.
     #[must_use]
     pub fn corners(&self) -> [Point; 3] {
         [self.a, self.b, self.c]
     }
 
+    /// The three edges, each from its first to its second corner.
     #[must_use]
     pub fn edges(&self) -> [[Point; 2]; 3] {
         [[self.a, self.b], [self.b, self.c], [self.c, self.a]]
     }
 
+    /// The triangle of a frame placed at `pose`, in the parent frame.
     #[must_use]
     pub fn transformed(&self, pose: &Pose) -> Self {
         Self { a: pose * self.a, b: pose * self.b, c: pose * self.c }
@@ -59,7 +65,7 @@ impl Triangle {
         let apart = ours.plane_separates(other, 0.0) || theirs.plane_separates(self, 0.0);
         let crossing = if apart { None } else { self.crossing(other) };
         if crossing.is_none() {
-            return nearest_features((self, &ours), (other, &theirs));
+            return nearest_features(&ours, &theirs);
         }
         [self.common_point(other, crossing); 2]
     }
@@ -74,7 +80,7 @@ impl Triangle {
         }
         let crossing = self.crossing(other);
         let touching = crossing.is_some() || {
-            let [p, q] = nearest_features((self, &ours), (other, &theirs));
+            let [p, q] = nearest_features(&ours, &theirs);
             nalgebra::distance(&p, &q) <= CONTACT_DISTANCE
         };
         touching.then(|| self.common_point(other, crossing))
@@ -113,7 +119,7 @@ impl Triangle {
         let any = || pierced(self, other).or_else(|| pierced(other, self));
         crossing
             .and_then(|first| Some(first).filter(on_both).or_else(any))
-            .unwrap_or_else(|| nearest_features((self, &Face::of(self)), (other, &Face::of(other)))[0])
+            .unwrap_or_else(|| nearest_features(&Face::of(self), &Face::of(other))[0])
     }
 
     /// The heights of another triangle's corners over this one, up to a factor.
@@ -166,11 +172,8 @@ impl Triangle {
 
 /// Nearest points of two triangles over vertex–face and edge–edge pairs, until a pair is proven to be the nearest; correct unless they
 /// cross.
-fn nearest_features(
-    (first, our_face): (&Triangle, &Face),
-    (second, their_face): (&Triangle, &Face),
-) -> PointPair {
-    let (ours, theirs) = (first.corners(), second.corners());
+fn nearest_features(our_face: &Face, their_face: &Face) -> PointPair {
+    let (ours, theirs) = (our_face.corners(), their_face.corners());
     let mut nearest = NearestPair::default();
     for p in &ours {
         nearest.offer([*p, their_face.nearest_point(p)]);
@@ -219,6 +222,11 @@ impl Face {
             squares,
             normal,
         }
+    }
+
+    fn corners(&self) -> [Point; 3] {
+        let [[a, _], [b, _], [c, _]] = self.edges;
+        [a, b, c]
     }
 
     /// True if all of `other` lies more than `clear` (m) plus the rounding error on one side of the plane.

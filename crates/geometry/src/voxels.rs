@@ -13,26 +13,39 @@ pub struct Voxels {
 /// All points that are no farther than `half_edge` (m) from `centre` along each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cube {
+    /// Centre (m).
     pub centre: [f32; 3],
+    /// Half of the edge (m).
     pub half_edge: f32,
 }
 
 /// Reason why a list of cubes is not a valid set of voxels.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VoxelsError {
+    /// There are no cubes.
     #[error("there are no cubes")]
     NoCubes,
     #[error(
         "the centre of cube {cube} has a coordinate that is not finite or larger than {LARGEST_COORDINATE} m"
     )]
-    BadCentre { cube: usize },
+    /// A coordinate is not finite or larger than [`LARGEST_COORDINATE`].
+    BadCentre {
+        /// Index of the cube.
+        cube: usize,
+    },
+    /// The edge is negative, not finite, or larger than [`LARGEST_COORDINATE`].
     #[error("half the edge of cube {cube} is not a finite number of metres, zero or more")]
-    BadEdge { cube: usize },
+    BadEdge {
+        /// Index of the cube.
+        cube: usize,
+    },
+    /// There are more cubes than 31 bits can number.
     #[error("there are {0} cubes, more than 31 bits can number")]
     TooManyCubes(usize),
 }
 
 impl Voxels {
+    /// A set of cubes; rejects invalid input.
     pub fn new(cubes: Vec<Cube>) -> Result<Self, VoxelsError> {
         if cubes.is_empty() {
             return Err(VoxelsError::NoCubes);
@@ -50,6 +63,7 @@ impl Voxels {
         }
     }
 
+    /// All cubes, in the order given.
     #[must_use]
     pub fn cubes(&self) -> &[Cube] {
         &self.cubes

@@ -16,34 +16,24 @@
 mod bounds;
 mod collector;
 mod eight_pairs;
+mod limits;
+mod listed_pair;
 
-use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
+use clearance_geometry::math::{Extremes, MatrixPose, Point};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, not_beyond};
 
-use super::body::CollisionBody;
-use super::element::ElementNumber;
-use super::element_pair::{Separation, separation_within};
-use super::incumbent::Incumbent;
-use super::scratch::Scratch;
-use super::search::Goal;
-use super::surface_surface::{Candidates, SurfaceSurface, triangle_slack};
+use crate::body::{BodyPair, CollisionBody};
 use crate::bounding_volume::Obb;
 use crate::bvh::Visitor;
+use crate::narrow_phase::{Separation, TrianglePairs, separation_within, triangle_slack};
+use crate::search::{BestSoFar, Goal, Scratch, ScratchParts, SurfaceSurfaceVisitor, TriangleCandidates};
 use bounds::Bounds;
-use collector::collect;
+use collector::{PairLists, collect};
 use eight_pairs::EightPairs;
+use listed_pair::ListedPair;
 
-/// Maximum number of pairs; more would cost as much as a search.
-const MOST: usize = 512;
-
-/// Two elements, and a lower bound (m) on their distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Listed {
-    lower: f32,
-    a: ElementNumber,
-    b: ElementNumber,
-}
+pub use limits::FrontLimits;
 
 /// Pairs of elements of two bodies.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +49,7 @@ pub struct Front {
 /// Listed pairs of one kind.
 #[derive(Clone, Debug, Default)]
 struct Group {
-    listed: Vec<Listed>,
+    listed: Vec<ListedPair>,
     bounds: Bounds,
 }
 
@@ -79,34 +69,35 @@ impl Front {
         self.of_triangles.listed.clear();
     }
 
-    /// Lists the elements of two bodies that may be within `beyond` (m) of each other, or the nearest of these if they are many.
+    /// Lists the elements of two bodies that may be within `limits.beyond` of each other, or the nearest of these if they are many.
     /// `nearest` is the result of a search at that pose. Bodies with solid meshes, planes, points or voxels have no front. There is no
-    /// front either if it would cost more than `most` ([`Work::cost`](crate::Work::cost)).
+    /// front either if it would cost more than the limits allow.
     #[inline]
     pub fn collect(
         &mut self,
-        bodies: (&CollisionBody, &CollisionBody),
-        pose_ab: &MatrixPose,
+        bodies: BodyPair,
         nearest: &Separation,
-        (beyond, most): (f64, u64),
+        limits: FrontLimits,
         scratch: &mut Scratch,
     ) {
         self.clear();
         let has_none =
-            |body: &CollisionBody| body.interior.is_some() || body.has_grains() || body.has_planes();
-        if has_none(bodies.0) || has_none(bodies.1) {
+            |body: &CollisionBody| body.interior().is_some() || body.has_cubes() || body.has_planes();
+        if has_none(bodies.a) || has_none(bodies.b) {
             return;
         }
-        let lists = (&mut self.with_solids.listed, &mut self.of_triangles.listed);
-        let [near_a, near_b] = &nearest.witness_points;
-        let direction = (near_b - near_a).try_normalize(0.0).unwrap_or_else(Vector::zeros);
-        let Some(beyond) = collect(bodies, pose_ab, direction, (beyond, most), scratch, lists) else {
+        let lists = PairLists {
+            with_solids: &mut self.with_solids.listed,
+            of_triangles: &mut self.of_triangles.listed,
+        };
+        let Some(beyond) = collect(bodies, &nearest.direction(), limits, scratch, lists) else {
             return self.clear();
         };
         self.beyond = beyond;
-        self.listed_at = Some(*pose_ab);
-        self.with_solids.renew(bodies, pose_ab, near_a, scratch.level());
-        self.of_triangles.renew(bodies, pose_ab, near_a, scratch.level());
+        self.listed_at = Some(*bodies.pose_ab);
+        let near_a = &nearest.witness_points[0];
+        self.with_solids.renew(bodies, near_a, scratch.level());
+        self.of_triangles.renew(bodies, near_a, scratch.level());
     }
 
     /// The distance of the bodies at another pose, with the same result as a search: `Some(None)` if it is proven larger than `limit`
@@ -114,38 +105,38 @@ impl Front {
     #[must_use]
     pub fn distance(
         &mut self,
-        bodies: (&CollisionBody, &CollisionBody),
-        pose_ab: &MatrixPose,
+        bodies: BodyPair,
         limit: f64,
         scratch: &mut Scratch,
     ) -> Option<Option<Separation>> {
-        let moved = bodies.1.bounding_sphere().displacement(self.listed_at.as_ref()?, pose_ab);
+        let BodyPair { b, pose_ab, .. } = bodies;
+        let moved = b.bounding_sphere().displacement(self.listed_at.as_ref()?, pose_ab);
         let certain = self.beyond - moved;
         if certain <= 0.0 {
             return None;
         }
         let level = scratch.level();
         let goal = Goal { limit: limit.lesser(certain), ..Goal::EXACT };
-        let Scratch { work, candidates, .. } = scratch;
-        let incumbent = &mut Incumbent::new(goal, work);
-        let look = Look { bodies, pose_ab, level };
+        let ScratchParts { work, candidates, .. } = scratch.begin();
+        let best_so_far = &mut BestSoFar::new(goal, work);
+        let update = FrontUpdate { bodies, level };
         let of_solids = self.with_solids.bounds.move_to(pose_ab, level);
         let of_triangles = self.of_triangles.bounds.move_to(pose_ab, level);
         // the nearest pair of all first: the others then mostly exceed its distance
         let solids_first = of_solids.lower < of_triangles.lower;
         let mut unclear = [0; 2];
         if solids_first {
-            unclear[0] = look.at_solids(&self.with_solids, of_solids.index, incumbent);
+            unclear[0] = update.test_solids(&self.with_solids, of_solids.index, best_so_far);
         }
-        unclear[1] = look.at_triangles(&self.of_triangles, of_triangles.index, incumbent, candidates);
+        unclear[1] = update.test_triangles(&self.of_triangles, of_triangles.index, best_so_far, candidates);
         if !solids_first {
-            unclear[0] = look.at_solids(&self.with_solids, of_solids.index, incumbent);
+            unclear[0] = update.test_solids(&self.with_solids, of_solids.index, best_so_far);
         }
-        let found = incumbent.best;
+        let found = best_so_far.separation();
         if let Some(found) = found {
             for (group, unclear) in [&mut self.with_solids, &mut self.of_triangles].into_iter().zip(unclear) {
                 if group.bounds.are_worn(unclear) {
-                    group.renew(bodies, pose_ab, &found.witness_points[0], level);
+                    group.renew(bodies, &found.witness_points[0], level);
                 }
             }
         }
@@ -159,62 +150,56 @@ impl Front {
 
 impl Group {
     /// Recomputes the bounds of all pairs, from a point of a near the nearest elements.
-    fn renew(
-        &mut self,
-        bodies: (&CollisionBody, &CollisionBody),
-        pose_ab: &MatrixPose,
-        near_a: &Point,
-        level: Level,
-    ) {
-        self.bounds.renew(bodies, pose_ab, near_a, &self.listed, level);
+    fn renew(&mut self, bodies: BodyPair, near_a: &Point, level: Level) {
+        self.bounds.renew(bodies, near_a, &self.listed, level);
     }
 }
 
 /// The update of a front at a new pose.
-struct Look<'l> {
-    bodies: (&'l CollisionBody, &'l CollisionBody),
-    pose_ab: &'l MatrixPose,
+struct FrontUpdate<'l> {
+    bodies: BodyPair<'l>,
     level: Level,
 }
 
-impl Look<'_> {
+impl FrontUpdate<'_> {
     /// Measures the pair with the least bound, and then all that may still be nearer; returns the number of these.
-    fn at_solids(&self, group: &Group, first: usize, incumbent: &mut Incumbent) -> usize {
+    fn test_solids(&self, group: &Group, first: usize, best_so_far: &mut BestSoFar) -> usize {
         let Some(first) = group.listed.get(first) else { return 0 };
-        self.measure(first, incumbent);
+        self.measure(first, best_so_far);
         let mut unclear = 0;
         for (pair, bound) in group.listed.iter().zip(group.bounds.now().iter().flatten()) {
             // NaN proves nothing
-            if *bound <= incumbent.threshold() || bound.is_nan() {
+            if *bound <= best_so_far.threshold() || bound.is_nan() {
                 unclear += 1;
-                self.measure(pair, incumbent);
+                self.measure(pair, best_so_far);
             }
         }
         unclear
     }
 
-    fn measure(&self, pair: &Listed, incumbent: &mut Incumbent) {
-        incumbent.work.primitive_tests += 1;
-        let (a, b) = (self.bodies.0.core(pair.a), self.bodies.1.core(pair.b));
-        if let Some(found) = separation_within(&a, &b, self.pose_ab, incumbent.bound()) {
-            incumbent.offer_numbered(found, (pair.a, pair.b));
+    fn measure(&self, pair: &ListedPair, best_so_far: &mut BestSoFar) {
+        best_so_far.work.primitive_tests += 1;
+        let (a, b) = (self.bodies.a.element(pair.elements.a), self.bodies.b.element(pair.elements.b));
+        if let Some(found) = separation_within(&a, &b, self.bodies.pose_ab, best_so_far.bound()) {
+            best_so_far.offer_elements(found, pair.elements);
         }
     }
 
-    /// As [`Self::at_solids`], after an f32 test of those that may be nearer, eight at a time.
-    fn at_triangles(
+    /// As [`Self::test_solids`], after an f32 test of those that may be nearer, eight at a time.
+    fn test_triangles(
         &self,
         group: &Group,
         first: usize,
-        incumbent: &mut Incumbent,
-        candidates: &mut Candidates,
+        best_so_far: &mut BestSoFar,
+        candidates: &mut TriangleCandidates,
     ) -> usize {
-        let (Some(a), Some(b)) = (&self.bodies.0.surface, &self.bodies.1.surface) else { return 0 };
+        let BodyPair { a, b, pose_ab } = self.bodies;
+        let (Some(a), Some(b)) = (a.surface(), b.surface()) else { return 0 };
         let Some(first) = group.listed.get(first) else { return 0 };
-        let relative = &a.tree.relative(&b.tree, self.pose_ab);
+        let relative = &a.tree().relative(b.tree(), pose_ab);
         candidates.begin(None);
-        let surfaces = &mut SurfaceSurface { a, b, pose_ab: self.pose_ab, relative, incumbent, candidates };
-        surfaces.measure(first.a.index(), first.b.index());
+        let surfaces = &mut SurfaceSurfaceVisitor { a, b, pose_ab, relative, best_so_far, candidates };
+        surfaces.measure(first.elements.a.index(), first.elements.b.index());
         let unclear = dispatch!(self.level, simd => screen_unclear(simd, group, surfaces));
         surfaces.measure_candidates();
         unclear
@@ -226,7 +211,7 @@ impl Look<'_> {
 fn screen_unclear<S: Simd>(
     simd: S,
     group: &Group,
-    surfaces: &mut SurfaceSurface<'_, '_, Obb, false>,
+    surfaces: &mut SurfaceSurfaceVisitor<'_, '_, Obb, false>,
 ) -> usize {
     let (mut eight, mut count, mut unclear) = ([group.listed[0]; LANES], 0, 0);
     for (pairs, bounds) in group.listed.chunks(LANES).zip(group.bounds.now()) {
@@ -248,17 +233,11 @@ fn screen_unclear<S: Simd>(
 }
 
 #[inline(always)]
-fn screen<S: Simd>(simd: S, pairs: &[Listed], surfaces: &mut SurfaceSurface<'_, '_, Obb, false>) {
+fn screen<S: Simd>(simd: S, pairs: &[ListedPair], surfaces: &mut SurfaceSurfaceVisitor<'_, '_, Obb, false>) {
     let corners = EightPairs::new(surfaces.a, surfaces.b, pairs);
     let (one, other) = corners.load(simd, surfaces.relative);
     let mask = u64::from(u8::MAX >> (LANES - pairs.len()));
     let slack = triangle_slack(surfaces.relative);
-    let numbers = |lane: usize| (pairs[lane].a.index(), pairs[lane].b.index());
-    surfaces.screen(simd, &one, &other, slack, mask, numbers);
-}
-
-impl Listed {
-    fn by_distance(x: &Self, y: &Self) -> std::cmp::Ordering {
-        x.lower.total_cmp(&y.lower).then((x.a, x.b).cmp(&(y.a, y.b)))
-    }
+    let indices = |lane: usize| (pairs[lane].elements.a.index(), pairs[lane].elements.b.index());
+    surfaces.screen(simd, TrianglePairs { one: &one, other: &other, slack, mask }, indices);
 }

@@ -16,58 +16,26 @@
 //! error, no panic.
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bounding_volume;
 pub mod bvh;
 
 mod body;
-mod bounding_sphere;
-mod collide;
-mod containment;
-mod core;
-mod distance;
-mod element;
-mod element_pair;
+mod elements;
 mod front;
-mod gjk;
-mod grain_grains;
-mod grain_lanes;
-mod grains;
-mod incumbent;
 mod narrow_phase;
-mod penetration;
-mod piece;
-mod planes;
-mod postponed;
-mod samples;
-mod scratch;
+mod queries;
 mod search;
-mod solid;
-mod solid_grains;
-mod solid_lanes;
-mod solid_solid;
-mod surface;
-mod surface_grains;
-mod surface_solid;
-mod surface_surface;
-mod triangle_lanes;
-mod volumes;
-mod within_margin;
-mod work;
 
-pub use body::CollisionBody;
-pub use bounding_sphere::BoundingSphere;
-pub use collide::collide;
-pub use distance::distance_bounds_below;
-pub use distance::{DistanceBounds, Effort, distance, distance_bounds};
-pub use element::Element;
-pub use element_pair::{Separation, element_contact, element_separation};
-pub use front::Front;
-pub use penetration::{deepest_overlap, signed_distance};
-pub use piece::{Piece, PieceVolume};
-pub use postponed::{ElementPair, Postponed, nearest_in_doubt};
-pub use scratch::Scratch;
-pub use volumes::BodyVolume;
-pub use within_margin::{margin_bounds, pieces_within_margin, within_margin};
-pub use work::Work;
+pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, PieceVolume};
+pub use elements::{Element, ElementPair};
+pub use front::{Front, FrontLimits};
+pub use narrow_phase::{Separation, element_contact, element_separation};
+pub use queries::{
+    DistanceBounds, DistanceCandidate, collide, deepest_overlap, distance, distance_bounds,
+    distance_bounds_below, distance_candidates, margin_bounds, pieces_within_margin, signed_distance,
+    within_margin,
+};
+pub use search::{Effort, Scratch, Work};

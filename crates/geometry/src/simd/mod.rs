@@ -10,12 +10,19 @@ mod vectors;
 
 #[doc(hidden)]
 pub use fearless_simd;
-pub use fearless_simd::{Level, Simd, f32x4, f32x8, f64x4, f64x8, mask32x8, prelude};
+pub use fearless_simd::{Level, Simd, f32x4, f32x8, f64x4, f64x8, mask32x8};
 pub use real::{Real, sin_cos};
 pub use single::Single;
 pub use vectors::Vectors;
 
 use prelude::*;
+
+/// Traits with the methods of vectors and masks.
+pub mod prelude {
+    pub use fearless_simd::{
+        Select, SimdBase, SimdCombine, SimdFloat, SimdFrom, SimdInto, SimdMask, SimdNarrow, SimdSplit,
+    };
+}
 
 /// Number of lanes in a vector.
 pub const LANES: usize = 8;

@@ -28,9 +28,11 @@ pub trait Real:
     /// The same number in every lane.
     fn splat(token: Self::Token, value: f64) -> Self;
 
+    /// Magnitude.
     #[must_use]
     fn abs(self) -> Self;
 
+    /// Square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
 

@@ -22,9 +22,11 @@ pub trait Single:
     /// The same number in every lane.
     fn splat(token: Self::Token, value: f32) -> Self;
 
+    /// Magnitude.
     #[must_use]
     fn abs(self) -> Self;
 
+    /// Square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
 

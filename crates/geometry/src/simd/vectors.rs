@@ -6,12 +6,16 @@ use super::{LANES, Simd, f32x4, f32x8};
 /// Eight points or directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Vectors<S: Simd> {
+    /// First components.
     pub x: f32x8<S>,
+    /// Second components.
     pub y: f32x8<S>,
+    /// Third components.
     pub z: f32x8<S>,
 }
 
 impl<S: Simd> Vectors<S> {
+    /// Loads components, ordered by coordinate and lane.
     #[inline(always)]
     pub fn load(simd: S, components: &[[f32; LANES]; 3]) -> Self {
         Self {
@@ -35,6 +39,7 @@ impl<S: Simd> Vectors<S> {
         Self { x: f32x8::splat(simd, v[0]), y: f32x8::splat(simd, v[1]), z: f32x8::splat(simd, v[2]) }
     }
 
+    /// Components, ordered by coordinate and lane.
     #[inline(always)]
     #[must_use]
     pub fn store(self) -> [[f32; LANES]; 3] {
@@ -66,12 +71,14 @@ impl<S: Simd> Vectors<S> {
         self.x * v[0] + self.y * v[1] + self.z * v[2]
     }
 
+    /// Dot products, lane by lane.
     #[inline(always)]
     #[must_use]
     pub fn dot(self, other: Self) -> f32x8<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// Cross products, lane by lane.
     #[inline(always)]
     #[must_use]
     pub fn cross(self, other: Self) -> Self {
@@ -82,36 +89,42 @@ impl<S: Simd> Vectors<S> {
         }
     }
 
+    /// Products with one number for each lane.
     #[inline(always)]
     #[must_use]
     pub fn scaled(self, by: f32x8<S>) -> Self {
         Self { x: self.x * by, y: self.y * by, z: self.z * by }
     }
 
+    /// Sums, lane by lane.
     #[inline(always)]
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 
+    /// Differences, lane by lane.
     #[inline(always)]
     #[must_use]
     pub fn minus(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 
+    /// Magnitudes of the components.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
         Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
 
+    /// Smaller components, lane by lane.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self { x: self.x.min(other.x), y: self.y.min(other.y), z: self.z.min(other.z) }
     }
 
+    /// Larger components, lane by lane.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
@@ -132,6 +145,7 @@ impl<S: Simd> Vectors<S> {
         self.x.abs() + self.y.abs() + self.z.abs()
     }
 
+    /// Euclidean lengths.
     #[inline(always)]
     #[must_use]
     pub fn norm(self) -> f32x8<S> {

@@ -1,6 +1,6 @@
 //! Detects closed shells wound inward that are cavities.
 
-use super::ClosedSurface;
+use super::closed_surface::ClosedSurface;
 use crate::Triangle;
 use crate::math::{Extremes, Point, Vector};
 
@@ -24,10 +24,10 @@ pub(super) fn are_cavities(vertices: &[Point], shells: &[ClosedSurface]) -> bool
     if shells.len() > MOST_SHELLS {
         return false;
     }
-    let sizes = shells.iter().map(|shell| (shell.bounds[1] - shell.bounds[0]).norm());
+    let sizes = shells.iter().map(|shell| (shell.bounds()[1] - shell.bounds()[0]).norm());
     let contact = CONTACT * sizes.fold(0.0, f64::greater);
     let trees: Vec<BoxTree> = shells.iter().map(|shell| BoxTree::new(vertices, shell)).collect();
-    let faces: usize = shells.iter().map(|shell| shell.triangles.len()).sum();
+    let faces: usize = shells.iter().map(|shell| shell.triangles().len()).sum();
     let mut steps_left = MOST_STEPS * (faces + 64);
     let mut are_apart =
         |i: usize, j: usize| trees[i].is_near(&trees[j], contact, &mut steps_left) == Some(false);
@@ -36,7 +36,7 @@ pub(super) fn are_cavities(vertices: &[Point], shells: &[ClosedSurface]) -> bool
 }
 
 fn is_nested_as_wound(vertices: &[Point], shells: &[ClosedSurface], own: usize) -> bool {
-    let point = vertices[shells[own].triangles[0][0] as usize];
+    let point = vertices[shells[own].triangles()[0][0] as usize];
     let others = shells.iter().enumerate().filter(|(i, _)| *i != own);
     let around: f64 = others.map(|(_, other)| other.winding_number(vertices, &point, &mut 0).round()).sum();
     around == if shells[own].volume(vertices) < 0.0 { 1.0 } else { 0.0 }
@@ -62,7 +62,7 @@ enum Content {
 
 impl BoxTree {
     fn new(vertices: &[Point], shell: &ClosedSurface) -> Self {
-        let corners = shell.triangles.iter().map(|t| t.map(|v| vertices[v as usize]));
+        let corners = shell.triangles().iter().map(|t| t.map(|v| vertices[v as usize]));
         let triangles: Vec<Triangle> = corners.map(|[a, b, c]| Triangle { a, b, c }).collect();
         let mut tree = Self { nodes: Vec::with_capacity(2 * triangles.len()), triangles };
         let mut order: Vec<usize> = (0..tree.triangles.len()).collect();

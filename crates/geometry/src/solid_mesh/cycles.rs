@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::patches::Patches;
+use super::patches::{PatchMultiple, Patches};
 
 /// A closed surface: its patches, and the multiplicity of each, negative if it is reversed.
-pub(super) type Cycle = Vec<(u32, i64)>;
+pub(super) type Cycle = Vec<PatchMultiple>;
 
 /// Maximum number of elimination steps, as a multiple of patches and seams: a mesh that needs more is too complex.
 const MOST_STEPS: usize = 256;
@@ -31,16 +31,17 @@ pub(super) fn basis(patches: &Patches) -> (Vec<Cycle>, bool) {
         }
     }
     let mut alone: Vec<bool> = patches.is_open.iter().map(|open| !open).collect();
-    for (patch, _) in patches.seams.iter().flatten() {
+    for PatchMultiple { patch, .. } in patches.seams.iter().flatten() {
         alone[*patch as usize] = false;
     }
-    ((0..).zip(alone).filter(|(_, alone)| *alone).map(|(patch, _)| vec![(patch, 1)]).collect(), true)
+    let alone = (0..).zip(alone).filter(|(_, alone)| *alone);
+    (alone.map(|(patch, _)| vec![PatchMultiple { patch, times: 1 }]).collect(), true)
 }
 
 fn has_few_faces(patches: &Patches, cycles: &[Cycle]) -> bool {
     let size = |patch: u32| patches.faces[patch as usize].len() as u64;
     let all: u64 = patches.faces.iter().map(|faces| faces.len() as u64).sum();
-    let of_cycles = (cycles.iter().flatten()).fold(0_u64, |sum, (patch, times)| {
+    let of_cycles = (cycles.iter().flatten()).fold(0_u64, |sum, PatchMultiple { patch, times }| {
         sum.saturating_add(times.unsigned_abs().saturating_mul(size(*patch)))
     });
     of_cycles <= MOST_REPEATED * (all + 64)
@@ -59,7 +60,7 @@ struct Elimination<'p> {
 
 impl Elimination<'_> {
     /// Adds the condition that patches cancel at a seam; `None` if that takes too long.
-    fn add(&mut self, seam: &[(u32, i64)]) -> Option<()> {
+    fn add(&mut self, seam: &[PatchMultiple]) -> Option<()> {
         let sum = self.reduced(seam)?;
         if sum.is_empty() {
             return Some(());
@@ -73,9 +74,9 @@ impl Elimination<'_> {
     }
 
     /// Constraint of one seam on the patches around it.
-    fn reduced(&mut self, seam: &[(u32, i64)]) -> Option<Sum> {
+    fn reduced(&mut self, seam: &[PatchMultiple]) -> Option<Sum> {
         let mut sum = Sum::new();
-        for &(patch, times) in seam {
+        for &PatchMultiple { patch, times } in seam {
             match &self.solved[patch as usize] {
                 None => add_to(&mut sum, patch, times)?,
                 Some(known) => {
@@ -111,11 +112,11 @@ impl Elimination<'_> {
         let mut cycles: Vec<Cycle> = Vec::new();
         for (patch, _) in (0..).zip(&self.solved).filter(|(_, solved)| solved.is_none()) {
             place[patch as usize] = cycles.len();
-            cycles.push(vec![(patch, 1)]);
+            cycles.push(vec![PatchMultiple { patch, times: 1 }]);
         }
         for (patch, solved) in (0..).zip(&self.solved) {
             for (free, times) in solved.iter().flatten() {
-                cycles[place[*free as usize]].push((patch, *times));
+                cycles[place[*free as usize]].push(PatchMultiple { patch, times: *times });
             }
         }
         cycles

@@ -2,13 +2,35 @@
 
 use super::weld::WeldedFaces;
 
+/// A face of a patch.
+#[derive(Clone, Copy)]
+pub(super) struct OrientedFace {
+    pub face: u32,
+    /// True if it is reversed relative to the mesh, so that the winding in the patch is consistent.
+    pub is_reversed: bool,
+}
+
+/// A patch and its multiplicity in a surface or along an edge; negative in the reverse direction.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct PatchMultiple {
+    pub patch: u32,
+    pub times: i64,
+}
+
+/// Place of a face: its patch, and whether it is reversed there.
+#[derive(Clone, Copy)]
+struct Place {
+    patch: u32,
+    is_reversed: bool,
+}
+
 /// Maximal sets of faces connected by edges of two faces, and their relations at all other edges.
 pub(super) struct Patches {
-    /// By patch: its faces, and for each whether it is reversed relative to the mesh so that the winding in the patch is consistent.
-    pub faces: Vec<Vec<(u32, bool)>>,
+    /// By patch: its faces.
+    pub faces: Vec<Vec<OrientedFace>>,
     /// For each edge with other than two faces: how often, and in which direction, patches run along it. In a closed surface these
     /// numbers cancel.
-    pub seams: Vec<Vec<(u32, i64)>>,
+    pub seams: Vec<Vec<PatchMultiple>>,
     /// By patch: true if it has a free edge, or only one side; then it is part of no closed surface.
     pub is_open: Vec<bool>,
 }
@@ -59,8 +81,8 @@ fn half_edges(corners: &[[u32; 3]]) -> Vec<HalfEdge> {
 /// Traversal of faces from neighbour to neighbour.
 struct Flood {
     neighbours: Vec<[Neighbour; 3]>,
-    /// By face: its patch, and whether it is reversed.
-    places: Vec<(u32, bool)>,
+    /// By face.
+    places: Vec<Place>,
     patches: Patches,
 }
 
@@ -79,12 +101,12 @@ impl Flood {
             }
         }
         let patches = Patches { faces: Vec::new(), seams: Vec::new(), is_open: Vec::new() };
-        Self { neighbours, places: vec![(NONE, false); count], patches }
+        Self { neighbours, places: vec![Place { patch: NONE, is_reversed: false }; count], patches }
     }
 
     fn run(mut self) -> Self {
         for start in 0..self.places.len() {
-            if self.places[start].0 == NONE {
+            if self.places[start].patch == NONE {
                 self.fill(u32::try_from(start).expect("faces are named by 32 bits"));
             }
         }
@@ -93,20 +115,20 @@ impl Flood {
 
     fn fill(&mut self, start: u32) {
         let patch = u32::try_from(self.patches.faces.len()).expect("there are no more patches than faces");
-        let mut faces = vec![(start, false)];
+        let mut faces = vec![OrientedFace { face: start, is_reversed: false }];
         let mut is_one_sided = false;
-        self.places[start as usize] = (patch, false);
+        self.places[start as usize] = Place { patch, is_reversed: false };
         let mut next = 0;
-        while let Some(&(face, turned)) = faces.get(next) {
+        while let Some(&OrientedFace { face, is_reversed }) = faces.get(next) {
             next += 1;
             for neighbour in self.neighbours[face as usize].iter().filter(|n| n.face != NONE) {
                 let place = &mut self.places[neighbour.face as usize];
-                let wanted = turned ^ neighbour.turns;
-                if place.0 == NONE {
-                    *place = (patch, wanted);
-                    faces.push((neighbour.face, wanted));
+                let wanted = is_reversed ^ neighbour.turns;
+                if place.patch == NONE {
+                    *place = Place { patch, is_reversed: wanted };
+                    faces.push(OrientedFace { face: neighbour.face, is_reversed: wanted });
                 } else {
-                    is_one_sided |= place.1 != wanted;
+                    is_one_sided |= place.is_reversed != wanted;
                 }
             }
         }
@@ -119,7 +141,7 @@ impl Flood {
             let seam = self.seam(at_edge);
             match seam.as_slice() {
                 [] => {}
-                [(patch, _)] => self.patches.is_open[*patch as usize] = true,
+                [PatchMultiple { patch, .. }] => self.patches.is_open[*patch as usize] = true,
                 _ => self.patches.seams.push(seam),
             }
         }
@@ -129,21 +151,21 @@ impl Flood {
     }
 
     /// Net number of times that patches run along an edge in one direction.
-    fn seam(&self, at_edge: &[HalfEdge]) -> Vec<(u32, i64)> {
+    fn seam(&self, at_edge: &[HalfEdge]) -> Vec<PatchMultiple> {
         let along = at_edge.iter().map(|half| {
-            let (patch, turned) = self.places[half.face as usize];
-            (patch, if half.is_forward == turned { -1 } else { 1 })
+            let Place { patch, is_reversed } = self.places[half.face as usize];
+            PatchMultiple { patch, times: if half.is_forward == is_reversed { -1 } else { 1 } }
         });
-        let mut along: Vec<(u32, i64)> = along.collect();
+        let mut along: Vec<PatchMultiple> = along.collect();
         along.sort_unstable();
         let sums = along
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|of_one| (of_one[0].0, of_one.iter().map(|(_, n)| n).sum()));
-        let mut seam: Vec<(u32, i64)> = sums.filter(|(_, sum)| *sum != 0).collect();
+            .chunk_by(|a, b| a.patch == b.patch)
+            .map(|of_one| PatchMultiple { times: of_one.iter().map(|one| one.times).sum(), ..of_one[0] });
+        let mut seam: Vec<PatchMultiple> = sums.filter(|sum| sum.times != 0).collect();
         // the same condition for both directions of the edge
-        if seam.first().is_some_and(|(_, sum)| *sum < 0) {
-            for (_, sum) in &mut seam {
-                *sum = -*sum;
+        if seam.first().is_some_and(|first| first.times < 0) {
+            for sum in &mut seam {
+                sum.times = -sum.times;
             }
         }
         seam

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::cycles::Cycle;
-use super::patches::Patches;
+use super::patches::{OrientedFace, PatchMultiple, Patches};
 use super::weld::WeldedFaces;
 
 /// Repairs and open parts of a mesh, displayed as one line.
@@ -20,23 +20,29 @@ pub struct SolidRemarks {
     /// Number of faces that belong to no closed surface.
     open: usize,
     /// True if too many faces meet at edges to find all closed surfaces.
-    pub(super) is_tangled: bool,
+    is_tangled: bool,
     /// Number of closed shells.
     shells: usize,
     /// Number of shells wound against the largest that are not cavities.
-    pub(super) inward_shells: usize,
+    inward_shells: usize,
     /// Number of shells wound against the largest that bound cavities.
-    pub(super) cavities: usize,
+    cavities: usize,
 }
 
 impl SolidRemarks {
-    pub(super) fn new(faces: usize, welded: &WeldedFaces, patches: &Patches, cycles: &[Cycle]) -> Self {
+    pub(super) fn new(
+        faces: usize,
+        welded: &WeldedFaces,
+        patches: &Patches,
+        cycles: &[Cycle],
+        is_tangled: bool,
+    ) -> Self {
         let mut is_open = vec![true; patches.faces.len()];
-        for (patch, _) in cycles.iter().flatten() {
+        for PatchMultiple { patch, .. } in cycles.iter().flatten() {
             is_open[*patch as usize] = false;
         }
         let (shells, repeated) = (cycles.len(), welded.repeated);
-        let mut remarks = Self { faces, repeated, shells, ..Self::default() };
+        let mut remarks = Self { faces, repeated, is_tangled, shells, ..Self::default() };
         remarks.double_sided = welded.is_double_sided.iter().filter(|double| **double).count();
         for (faces, is_open) in patches.faces.iter().zip(is_open) {
             if is_open {
@@ -47,6 +53,16 @@ impl SolidRemarks {
             }
         }
         remarks
+    }
+
+    /// Notes the number of shells that bound cavities.
+    pub(super) fn note_cavities(&mut self, count: usize) {
+        self.cavities = count;
+    }
+
+    /// Notes the number of shells wound inward that bound no cavities.
+    pub(super) fn note_inward_shells(&mut self, count: usize) {
+        self.inward_shells = count;
     }
 
     /// True if there is no remark on the mesh.
@@ -68,10 +84,10 @@ impl SolidRemarks {
 }
 
 /// Numbers of faces that keep their winding, and that are reversed; faces in both windings do not count.
-fn wound(faces: &[(u32, bool)], welded: &WeldedFaces) -> [usize; 2] {
+fn wound(faces: &[OrientedFace], welded: &WeldedFaces) -> [usize; 2] {
     let mut counts = [0; 2];
-    for (_, turned) in faces.iter().filter(|(face, _)| !welded.is_double_sided[*face as usize]) {
-        counts[usize::from(*turned)] += 1;
+    for oriented in faces.iter().filter(|oriented| !welded.is_double_sided[oriented.face as usize]) {
+        counts[usize::from(oriented.is_reversed)] += 1;
     }
     counts
 }
@@ -85,7 +101,7 @@ pub(super) fn wound_inward(
 ) -> Vec<bool> {
     // more faces inward than outward, if it is known
     let inward = |cycle: &Cycle| {
-        let [(patch, times)] = cycle.as_slice() else { return None };
+        let [PatchMultiple { patch, times }] = cycle.as_slice() else { return None };
         let [kept, turned] = wound(&patches.faces[*patch as usize], welded);
         (kept != turned).then_some((turned > kept) == (*times > 0))
     };

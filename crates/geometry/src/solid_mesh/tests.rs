@@ -4,9 +4,10 @@
 
 use std::collections::HashMap;
 
-use crate::TriangleMesh;
+use super::winding_tree::WindingTree;
 use crate::math::{Point, Pose, Vector};
 use crate::testing::Random;
+use crate::{InsideTest, TriangleMesh};
 
 /// Vertices and faces that can be modified.
 #[derive(Clone, Default)]
@@ -266,7 +267,7 @@ fn winding_numbers_are_those_of_brute_force() {
         if random.below(2) == 0 {
             draft = draft.unwelded();
         }
-        let tree = super::WindingTree::new(&draft.vertices, &draft.faces);
+        let tree = WindingTree::new(&draft.vertices, &draft.faces);
         let far = if random.below(4) == 0 { 1e3 } else { 1.0 };
         for _ in 0..40 {
             let p = if random.below(3) == 0 {
@@ -294,7 +295,7 @@ fn winding_numbers_of_open_surfaces_are_those_of_brute_force() {
             draft.faces.swap_remove(random.below(draft.faces.len()));
         }
         draft.faces.extend_from_within(..random.below(4));
-        let tree = super::WindingTree::new(&draft.vertices, &draft.faces);
+        let tree = WindingTree::new(&draft.vertices, &draft.faces);
         for _ in 0..40 {
             let p = Point::from(random.vector(1.5));
             let (found, expected) = (tree.winding_number(&draft.vertices, &p, &mut 0), winding(&draft, &p));
@@ -306,7 +307,7 @@ fn winding_numbers_of_open_surfaces_are_those_of_brute_force() {
 #[test]
 fn a_winding_number_costs_a_small_part_of_the_faces() {
     let ball = Draft::cube(0.5).divided(6);
-    let tree = super::WindingTree::new(&ball.vertices, &ball.faces);
+    let tree = WindingTree::new(&ball.vertices, &ball.faces);
     let mut cost = 0;
     assert!((tree.winding_number(&ball.vertices, &Point::from(CENTRE), &mut cost) - 1.0).abs() < 1e-9);
     assert!(cost < ball.faces.len() as u64 / 10, "{cost} of {}", ball.faces.len());
@@ -322,7 +323,7 @@ fn points_that_share_an_answer_have_that_answer() {
         let mut draft = shells.iter().fold(Draft::default(), Draft::and);
         spoil(&mut draft, &mut random);
         let mesh = draft.mesh();
-        let mut test = mesh.inside_test();
+        let mut test = InsideTest::new(&mesh);
         let mut at = Vector::zeros();
         for _ in 0..100 {
             at = if random.below(10) == 0 { random.vector(1.0) } else { at + random.vector(0.05) };
@@ -333,7 +334,7 @@ fn points_that_share_an_answer_have_that_answer() {
     }
     assert!(inside > 1000, "{inside}");
     let fine = Draft::cube(0.5).divided(5).mesh();
-    let mut test = fine.inside_test();
+    let mut test = InsideTest::new(&fine);
     assert!((0..1000).all(|_| test.encloses(&Point::from(random.vector(0.4)))));
     assert!(test.take_cost() < 50_000);
 }

@@ -3,7 +3,6 @@
 //! For a point outside of a box, the faces in the box have the same winding number as any other surface in the box with the same
 //! boundary: here a cone over the boundary. A box of n faces then costs about √n triangles. Nothing is approximated.
 
-use super::half_angle;
 use crate::math::{Point, Vector};
 
 /// Maximum number of faces in a leaf.
@@ -187,4 +186,11 @@ fn summed(sorted: &[Edge]) -> Vec<Edge> {
     let same = sorted.chunk_by(|a, b| a.ends == b.ends);
     let sums = same.map(|same| Edge { ends: same[0].ends, times: same.iter().map(|edge| edge.times).sum() });
     sums.filter(|edge| edge.times != 0).collect()
+}
+
+/// Half the solid angle of a triangle, from the vectors from a point to its corners (van Oosterom & Strackee 1983).
+fn half_angle([a, b, c]: [Vector; 3]) -> f64 {
+    let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+    let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+    a.dot(&b.cross(&c)).atan2(below)
 }

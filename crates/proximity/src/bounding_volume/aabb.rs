@@ -3,8 +3,9 @@
 use clearance_geometry::math::{RotationMatrix, Vector};
 use clearance_geometry::simd::{Simd, f32x8};
 
-use super::obb::{FacingObbs, ObbPack, SeenObbs};
-use super::{BoundingVolume, Obb, Relative};
+use super::obb::{FacingObbs, Obb, ObbPack, SeenObbs};
+use super::relative::Relative;
+use super::volume_trait::BoundingVolume;
 
 /// A box along the axes of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,15 +4,21 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
-use super::{BoundingVolume, Relative, lanes, principal_axes, round, round_up};
+use super::principal_axes::principal_axes;
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// A segment and a radius around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
+    /// Ends of the segment (m).
     pub ends: [[f32; 3]; 2],
+    /// Radius (m).
     pub radius: f32,
 }
 
+/// Eight capsules of one frame.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub struct CapsulePack {
@@ -20,6 +26,7 @@ pub struct CapsulePack {
     radius: [f32; LANES],
 }
 
+/// Eight capsules of a frame, transformed to another frame.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub struct SeenCapsules {
@@ -27,6 +34,7 @@ pub struct SeenCapsules {
     radius: [f32; LANES],
 }
 
+/// Eight capsules, prepared for tests.
 #[derive(Clone, Copy, Debug)]
 pub struct FacingCapsules<S: Simd> {
     ends: [Vectors<S>; 2],

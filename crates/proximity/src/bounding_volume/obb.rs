@@ -5,12 +5,17 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
-use super::{BoundingVolume, Relative, lanes, principal_axes, round, round_up};
+use super::principal_axes::principal_axes;
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// A box along the axes of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obb {
+    /// Centre along the axes of the frame (m).
     pub centre: [f32; 3],
+    /// Half extents along the axes of the frame (m).
     pub half_extents: [f32; 3],
 }
 

@@ -3,13 +3,14 @@
 use clearance_geometry::constants::{PLACEMENT_SLACK, VOLUME_SLACK};
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix, Vector};
 
-use super::{round, round_up};
+use super::rounding::{round, round_up};
 
 /// A rotation about the anchor of a tree: the axes of a node's frame as rows, in the frame of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes(pub [[f32; 3]; 3]);
 
 impl Axes {
+    /// The axes of the tree.
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
     /// From axes as columns.
@@ -26,6 +27,22 @@ impl Axes {
         let row = |k: usize| Vector::from(self.0[k].map(f64::from)).dot(point);
         Vector::new(row(0), row(1), row(2))
     }
+
+    /// Components of a direction of the tree's frame along these axes.
+    #[inline(always)]
+    #[must_use]
+    pub fn turned(&self, v: &[f32; 3]) -> [f32; 3] {
+        turned(&self.0, v)
+    }
+}
+
+/// The anchor of a tree in the frame of its body, and the largest distance (m, 1-norm) of anything in the tree from it.
+#[derive(Clone, Copy, Debug)]
+pub struct AnchoredReach<'a> {
+    /// Origin of all frames of the tree.
+    pub anchor: &'a Point,
+    /// Largest distance (m, 1-norm) from the anchor.
+    pub reach: f64,
 }
 
 /// `point_b = r * point_a + t` for the frames of two nodes, or of two trees.
@@ -40,24 +57,20 @@ pub struct Relative {
 }
 
 impl Relative {
-    /// The frames of two trees with anchors `anchor_a` and `anchor_b`; the trees extend that far (m) from them.
+    /// The frames of two trees.
     ///
     /// Slack: entries of `r` and `t` after two f32 products of three terms each have an error of less than 16 units of 2⁻²⁴. A coordinate
     /// computed from them has an error of less than 32 units relative to the 1-norm of its inputs. Two such coordinates and two sums of
     /// three extents give [`VOLUME_SLACK`], 64 units.
     #[must_use]
     #[inline]
-    pub fn of_trees(
-        pose_ab: &MatrixPose,
-        (anchor_a, reach_a): (&Point, f64),
-        (anchor_b, reach_b): (&Point, f64),
-    ) -> Self {
+    pub fn of_trees(pose_ab: &MatrixPose, a: AnchoredReach, b: AnchoredReach) -> Self {
         let rotation = pose_ab.rotation.transpose();
-        let t = rotation * (anchor_a.coords - pose_ab.translation) - anchor_b.coords;
-        let reach = t.abs().sum() + reach_a + reach_b;
+        let t = rotation * (a.anchor.coords - pose_ab.translation) - b.anchor.coords;
+        let reach = t.abs().sum() + a.reach + b.reach;
         // rounding error of f64 where anchors and poses nearly cancel
         let entered =
-            anchor_a.coords.abs().sum() + anchor_b.coords.abs().sum() + pose_ab.translation.abs().sum();
+            a.anchor.coords.abs().sum() + b.anchor.coords.abs().sum() + pose_ab.translation.abs().sum();
         Self {
             r: std::array::from_fn(|i| std::array::from_fn(|j| round(rotation[(i, j)]))),
             t: [round(t.x), round(t.y), round(t.z)],
@@ -111,15 +124,6 @@ impl Relative {
             x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
             x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
         ]
-    }
-}
-
-impl Axes {
-    /// Components of a direction of the tree's frame along these axes.
-    #[inline(always)]
-    #[must_use]
-    pub fn turned(&self, v: &[f32; 3]) -> [f32; 3] {
-        turned(&self.0, v)
     }
 }
 

@@ -7,29 +7,36 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 
-use super::obb::{FacingObbs, ObbPack, SeenObbs};
-use super::{BoundingVolume, Obb, Relative, lanes, principal_axes, round, round_up};
+use super::obb::{FacingObbs, Obb, ObbPack, SeenObbs};
+use super::principal_axes::principal_axes;
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// A rectangle normal to the third axis of its frame, and a radius around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rss {
     /// A box of zero thickness.
     pub rectangle: Obb,
+    /// Radius (m).
     pub radius: f32,
 }
 
+/// Eight rectangle swept spheres of one frame.
 #[derive(Clone, Debug)]
 pub struct RssPack {
     rectangles: ObbPack,
     radius: [f32; LANES],
 }
 
+/// Eight rectangle swept spheres of a frame, transformed to another frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SeenRss {
     rectangles: SeenObbs,
     radius: [f32; LANES],
 }
 
+/// Eight rectangle swept spheres, prepared for tests.
 #[derive(Clone, Copy, Debug)]
 pub struct FacingRss<S: Simd> {
     rectangles: FacingObbs<S>,

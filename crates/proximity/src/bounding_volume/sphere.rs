@@ -4,15 +4,20 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
-use super::{BoundingVolume, Relative, lanes, round, round_up};
+use super::relative::Relative;
+use super::rounding::{lanes, round, round_up};
+use super::volume_trait::BoundingVolume;
 
 /// All points within a radius of a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
+    /// Centre (m).
     pub centre: [f32; 3],
+    /// Radius (m).
     pub radius: f32,
 }
 
+/// Eight spheres of one frame.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub struct SpherePack {
@@ -20,6 +25,7 @@ pub struct SpherePack {
     radius: [f32; LANES],
 }
 
+/// Eight spheres of a frame, transformed to another frame.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub struct SeenSpheres {
@@ -27,6 +33,7 @@ pub struct SeenSpheres {
     radius: [f32; LANES],
 }
 
+/// Eight spheres, prepared for tests.
 #[derive(Clone, Copy, Debug)]
 pub struct FacingSpheres<S: Simd> {
     centre: Vectors<S>,

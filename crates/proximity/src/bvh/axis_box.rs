@@ -1,16 +1,20 @@
 //! Boxes along the axes of one common frame.
 
 use clearance_geometry::math::{Extremes, Point};
-use clearance_geometry::simd::LANES;
+use clearance_geometry::simd::prelude::*;
+use clearance_geometry::simd::{LANES, Simd, f32x8, mask32x8};
 
 /// A box along the axes (m), rounded outward. If its lower corner is above the upper one, it is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisBox {
+    /// Lower corner (m).
     pub lo: [f32; 3],
+    /// Upper corner (m).
     pub hi: [f32; 3],
 }
 
 impl AxisBox {
+    /// The box without points.
     pub const EMPTY: Self = Self { lo: [f32::INFINITY; 3], hi: [f32::NEG_INFINITY; 3] };
 
     /// The unbounded box.
@@ -30,6 +34,7 @@ impl AxisBox {
         found
     }
 
+    /// True if all coordinates are finite.
     #[must_use]
     #[inline]
     pub fn is_bounded(&self) -> bool {
@@ -72,13 +77,17 @@ impl AxisBox {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub struct EightBoxes {
+    /// Lower corners (m), by coordinate and lane.
     pub lo: [[f32; LANES]; 3],
+    /// Upper corners (m), by coordinate and lane.
     pub hi: [[f32; LANES]; 3],
 }
 
 impl EightBoxes {
+    /// Eight boxes without points.
     pub const EMPTY: Self = Self { lo: [[f32::INFINITY; LANES]; 3], hi: [[f32::NEG_INFINITY; LANES]; 3] };
 
+    /// The box in a lane.
     #[inline(always)]
     #[must_use]
     pub fn lane(&self, lane: usize) -> AxisBox {
@@ -87,6 +96,7 @@ impl EightBoxes {
         AxisBox { lo: [x[lane], y[lane], z[lane]], hi: [u[lane], v[lane], w[lane]] }
     }
 
+    /// Replaces the box in a lane.
     #[inline]
     pub fn set(&mut self, lane: usize, bounds: &AxisBox) {
         for i in 0..3 {
@@ -99,6 +109,14 @@ impl EightBoxes {
     #[inline]
     pub fn union(&self) -> AxisBox {
         (0..LANES).fold(AxisBox::EMPTY, |all, lane| all.union(&self.lane(lane)))
+    }
+
+    /// Mask of the lanes whose boxes lie beyond a box along one axis.
+    #[inline(always)]
+    pub(super) fn beyond<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
+        let Self { lo, hi } = self;
+        let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
+        lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
     }
 }
 

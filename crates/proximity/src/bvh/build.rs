@@ -3,7 +3,7 @@
 use clearance_geometry::math::{Extremes, Point, RotationMatrix, Vector};
 use clearance_geometry::simd::LANES;
 
-use super::cut::{Extent, best_cut};
+use super::surface_area_heuristic::{Extent, Split, best_split};
 use super::tree::{Content, Leaf, Node, NodeRef, Tree};
 use crate::bounding_volume::{Axes, BoundingVolume, principal_axes};
 
@@ -40,7 +40,7 @@ impl<B: BoundingVolume, L: Content> Tree<B, L> {
         let reach = builder.corners.iter().map(|p| p.abs().sum()).fold(0.0, f64::greater);
         builder.nodes.shrink_to_fit();
         builder.leaves.shrink_to_fit();
-        (Self { anchor, reach, root, nodes: builder.nodes, leaves: builder.leaves }, order)
+        (Self::new(anchor, reach, root, builder.nodes, builder.leaves), order)
     }
 }
 
@@ -158,7 +158,7 @@ impl<B: BoundingVolume, L: Content> Builder<'_, B, L> {
         let mut extents = std::mem::take(&mut self.extents);
         extents.clear();
         extents.extend(order.iter().map(|&i| self.extent(i as usize, &axes)));
-        let (axis, count) = best_cut(&extents, L::CAPACITY);
+        let Split { axis, count, .. } = best_split(&extents, L::CAPACITY);
         self.extents = extents;
         let axis: Vector = axes.column(axis).into();
         let key = |i: u32| self.centres[i as usize].dot(&axis);

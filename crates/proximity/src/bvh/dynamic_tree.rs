@@ -5,7 +5,7 @@
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::prelude::*;
-use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, low_byte, mask32x8};
+use clearance_geometry::simd::{LANES, Level, Simd, dispatch, low_byte};
 
 use super::axis_box::{AxisBox, EightBoxes};
 
@@ -22,7 +22,7 @@ pub struct DynamicTree {
     nodes: Vec<Node>,
     unused: Vec<u32>,
     /// By item: its place in the tree.
-    seats: Vec<Option<Seat>>,
+    slots: Vec<Option<Slot>>,
     count: usize,
     changes: usize,
 }
@@ -33,21 +33,34 @@ struct Node {
     boxes: EightBoxes,
     children: [Child; LANES],
     /// The node and lane of which it is a child.
-    seat: Option<Seat>,
+    slot: Option<Slot>,
 }
 
 /// Content of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Child {
+    /// The lane is free.
     Nothing,
+    /// An item, by its number.
     Item(u32),
+    /// A node, by its number.
     Node(u32),
 }
 
+/// Place of a child: a lane of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Seat {
+struct Slot {
     node: u32,
     lane: usize,
+}
+
+/// Some of eight boxes.
+#[derive(Clone, Copy, Debug)]
+pub struct SelectedBoxes<'b> {
+    /// All eight boxes.
+    pub boxes: &'b EightBoxes,
+    /// Bit mask of the selected boxes.
+    pub mask: u8,
 }
 
 impl DynamicTree {
@@ -67,6 +80,7 @@ impl DynamicTree {
         self.count
     }
 
+    /// True if there are no items.
     #[must_use]
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -84,10 +98,10 @@ impl DynamicTree {
     #[inline]
     pub fn set(&mut self, item: u32, bounds: AxisBox) {
         self.make_room(item);
-        match self.seats[item as usize] {
-            Some(seat) if self.nodes[seat.node as usize].holds(&bounds) => self.sit(seat, item, &bounds),
-            Some(seat) => {
-                self.clear(seat);
+        match self.slots[item as usize] {
+            Some(slot) if self.nodes[slot.node as usize].holds(&bounds) => self.place(slot, item, &bounds),
+            Some(slot) => {
+                self.clear(slot);
                 self.insert(item, bounds);
             }
             None => {
@@ -101,9 +115,9 @@ impl DynamicTree {
     /// Removes an item, if it is in the tree.
     #[inline]
     pub fn remove(&mut self, item: u32) {
-        let Some(seat) = self.seats.get_mut(item as usize).and_then(Option::take) else { return };
+        let Some(slot) = self.slots.get_mut(item as usize).and_then(Option::take) else { return };
         self.count -= 1;
-        self.clear(seat);
+        self.clear(slot);
         self.note_change();
     }
 
@@ -156,23 +170,23 @@ impl DynamicTree {
         tested
     }
 
-    /// As [`Self::find_overlapping`], for those of eight boxes whose bits are set in `among`: each found item has a bit mask of the boxes
+    /// As [`Self::find_overlapping`], for several boxes at once: each found item has a bit mask of the boxes
     /// that it overlaps.
     #[inline(always)]
     pub fn find_overlapping_any<S: Simd>(
         &self,
         simd: S,
-        (with, among): (&EightBoxes, u8),
+        with: SelectedBoxes,
         stack: &mut Vec<(u32, u8)>,
         found: &mut Vec<(u32, u8)>,
     ) -> u64 {
         stack.clear();
-        stack.extend(self.root().map(|node| (node, among)));
+        stack.extend(self.root().map(|node| (node, with.mask)));
         let mut tested = 0;
-        while let Some((node, asked)) = stack.pop() {
-            tested += u64::from(asked.count_ones()) * LANES as u64;
+        while let Some((node, selected)) = stack.pop() {
+            tested += u64::from(selected.count_ones()) * LANES as u64;
             let node = &self.nodes[node as usize];
-            let (children, mut near) = node.overlaps_any(simd, with, asked);
+            let (children, mut near) = node.overlaps_any(simd, SelectedBoxes { mask: selected, ..with });
             while near != 0 {
                 let lane = near.trailing_zeros() as usize;
                 near &= near - 1;
@@ -187,8 +201,8 @@ impl DynamicTree {
     }
 
     fn make_room(&mut self, item: u32) {
-        if self.seats.len() <= item as usize {
-            self.seats.resize(item as usize + 1, None);
+        if self.slots.len() <= item as usize {
+            self.slots.resize(item as usize + 1, None);
         }
     }
 
@@ -196,7 +210,7 @@ impl DynamicTree {
         self.changes += 1;
         if self.changes > self.count.max(FEW_CHANGES) {
             let mut items = self.items();
-            *self = Self { seats: vec![None; self.seats.len()], ..Self::default() };
+            *self = Self { slots: vec![None; self.slots.len()], ..Self::default() };
             self.fill(&mut items);
         }
     }
@@ -205,10 +219,10 @@ impl DynamicTree {
     #[must_use]
     #[inline]
     pub fn items(&self) -> Vec<(u32, AxisBox)> {
-        let seats = (0..).zip(&self.seats);
-        let placed = seats.filter_map(|(item, seat)| {
-            let seat = (*seat)?;
-            Some((item, self.nodes[seat.node as usize].boxes.lane(seat.lane)))
+        let slots = (0..).zip(&self.slots);
+        let placed = slots.filter_map(|(item, slot)| {
+            let slot = (*slot)?;
+            Some((item, self.nodes[slot.node as usize].boxes.lane(slot.lane)))
         });
         placed.collect()
     }
@@ -222,27 +236,27 @@ impl DynamicTree {
     }
 
     /// A node over items, which are sorted.
-    fn add_node(&mut self, items: &mut [(u32, AxisBox)], seat: Option<Seat>) -> u32 {
-        let number = self.new_node(seat);
+    fn add_node(&mut self, items: &mut [(u32, AxisBox)], slot: Option<Slot>) -> u32 {
+        let number = self.new_node(slot);
         let mut parts = Vec::with_capacity(LANES);
         divide(items, LANES, &mut parts);
         for (lane, part) in parts.into_iter().enumerate() {
             let bounds = part.iter().fold(AxisBox::EMPTY, |all, (_, bounds)| all.union(bounds));
-            let seat = Seat { node: number, lane };
+            let slot = Slot { node: number, lane };
             let child = match part {
                 [(item, _)] => {
-                    self.seats[*item as usize] = Some(seat);
+                    self.slots[*item as usize] = Some(slot);
                     Child::Item(*item)
                 }
-                _ => Child::Node(self.add_node(part, Some(seat))),
+                _ => Child::Node(self.add_node(part, Some(slot))),
             };
             self.nodes[number as usize].set(lane, child, &bounds);
         }
         number
     }
 
-    fn new_node(&mut self, seat: Option<Seat>) -> u32 {
-        let node = Node::empty(seat);
+    fn new_node(&mut self, slot: Option<Slot>) -> u32 {
+        let node = Node::empty(slot);
         if let Some(unused) = self.unused.pop() {
             self.nodes[unused as usize] = node;
             return unused;
@@ -261,9 +275,9 @@ impl DynamicTree {
             let node = &mut self.nodes[number as usize];
             let free = node.children.iter().position(|child| *child == Child::Nothing);
             let lane = free.unwrap_or_else(|| node.least_growth(&bounds));
-            let seat = Seat { node: number, lane };
+            let slot = Slot { node: number, lane };
             match node.children[lane] {
-                Child::Nothing => return self.sit(seat, item, &bounds),
+                Child::Nothing => return self.place(slot, item, &bounds),
                 Child::Node(child) => {
                     let grown = node.boxes.lane(lane).union(&bounds);
                     node.set(lane, Child::Node(child), &grown);
@@ -271,49 +285,49 @@ impl DynamicTree {
                 }
                 Child::Item(other) => {
                     let old = node.boxes.lane(lane);
-                    let pair = self.new_node(Some(seat));
+                    let pair = self.new_node(Some(slot));
                     let grown = old.union(&bounds);
                     self.nodes[number as usize].set(lane, Child::Node(pair), &grown);
-                    self.sit(Seat { node: pair, lane: 0 }, other, &old);
-                    self.sit(Seat { node: pair, lane: 1 }, item, &bounds);
+                    self.place(Slot { node: pair, lane: 0 }, other, &old);
+                    self.place(Slot { node: pair, lane: 1 }, item, &bounds);
                     return self.refit(number);
                 }
             }
         }
     }
 
-    fn sit(&mut self, seat: Seat, item: u32, bounds: &AxisBox) {
-        self.nodes[seat.node as usize].set(seat.lane, Child::Item(item), bounds);
-        self.seats[item as usize] = Some(seat);
-        self.refit(seat.node);
+    fn place(&mut self, slot: Slot, item: u32, bounds: &AxisBox) {
+        self.nodes[slot.node as usize].set(slot.lane, Child::Item(item), bounds);
+        self.slots[item as usize] = Some(slot);
+        self.refit(slot.node);
     }
 
     /// Clears a lane, and removes nodes that become empty.
-    fn clear(&mut self, mut seat: Seat) {
+    fn clear(&mut self, mut slot: Slot) {
         loop {
-            let node = &mut self.nodes[seat.node as usize];
-            node.set(seat.lane, Child::Nothing, &AxisBox::EMPTY);
+            let node = &mut self.nodes[slot.node as usize];
+            node.set(slot.lane, Child::Nothing, &AxisBox::EMPTY);
             let empty = node.children.iter().all(|child| *child == Child::Nothing);
-            match node.seat.filter(|_| empty) {
+            match node.slot.filter(|_| empty) {
                 Some(parent) => {
-                    self.unused.push(seat.node);
-                    seat = parent;
+                    self.unused.push(slot.node);
+                    slot = parent;
                 }
-                None => return self.refit(seat.node),
+                None => return self.refit(slot.node),
             }
         }
     }
 
     /// Updates the boxes above a node.
     fn refit(&mut self, mut number: u32) {
-        while let Some(seat) = self.nodes[number as usize].seat {
+        while let Some(slot) = self.nodes[number as usize].slot {
             let bounds = self.nodes[number as usize].boxes.union();
-            let parent = &mut self.nodes[seat.node as usize];
-            if parent.boxes.lane(seat.lane) == bounds {
+            let parent = &mut self.nodes[slot.node as usize];
+            if parent.boxes.lane(slot.lane) == bounds {
                 return;
             }
-            parent.set(seat.lane, Child::Node(number), &bounds);
-            number = seat.node;
+            parent.set(slot.lane, Child::Node(number), &bounds);
+            number = slot.node;
         }
     }
 }
@@ -405,8 +419,8 @@ fn transposed(mut bits: u64) -> u64 {
 }
 
 impl Node {
-    fn empty(seat: Option<Seat>) -> Self {
-        Self { boxes: EightBoxes::EMPTY, children: [Child::Nothing; LANES], seat }
+    fn empty(slot: Option<Slot>) -> Self {
+        Self { boxes: EightBoxes::EMPTY, children: [Child::Nothing; LANES], slot }
     }
 
     fn set(&mut self, lane: usize, child: Child, bounds: &AxisBox) {
@@ -443,17 +457,18 @@ impl Node {
         low_byte(!apart.to_bitmask())
     }
 
-    /// For each lane a bit mask of the `asked` boxes that overlap its box, and the mask of lanes with any overlap.
+    /// For each lane a bit mask of the selected boxes that overlap its box, and the mask of lanes with any overlap.
     #[inline(always)]
-    fn overlaps_any<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
-        if asked.count_ones() > FEW_BOXES {
-            return self.overlaps_many(simd, with, asked);
+    fn overlaps_any<S: Simd>(&self, simd: S, with: SelectedBoxes) -> ([u8; LANES], u8) {
+        let SelectedBoxes { boxes, mask } = with;
+        if mask.count_ones() > FEW_BOXES {
+            return self.overlaps_many(simd, with);
         }
-        let (mut by_box, mut any, mut left) = (0, 0, asked);
+        let (mut by_box, mut any, mut left) = (0, 0, mask);
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
-            let near = self.overlaps(simd, &with.lane(lane));
+            let near = self.overlaps(simd, &boxes.lane(lane));
             by_box |= u64::from(near) << (8 * lane);
             any |= near;
         }
@@ -462,25 +477,17 @@ impl Node {
 
     /// As above, for many boxes: lane by lane.
     #[inline(always)]
-    fn overlaps_many<S: Simd>(&self, simd: S, with: &EightBoxes, asked: u8) -> ([u8; LANES], u8) {
+    fn overlaps_many<S: Simd>(&self, simd: S, with: SelectedBoxes) -> ([u8; LANES], u8) {
+        let SelectedBoxes { boxes, mask } = with;
         let (mut near, mut any) = ([0; LANES], 0);
         for (lane, near) in near.iter_mut().enumerate() {
             let own = self.boxes.lane(lane);
-            let apart = with.beyond(simd, 0, &own) | with.beyond(simd, 1, &own) | with.beyond(simd, 2, &own);
-            *near = low_byte(!apart.to_bitmask()) & asked;
+            let apart =
+                boxes.beyond(simd, 0, &own) | boxes.beyond(simd, 1, &own) | boxes.beyond(simd, 2, &own);
+            *near = low_byte(!apart.to_bitmask()) & mask;
             any |= u8::from(*near != 0) << lane;
         }
         (near, any)
-    }
-}
-
-impl EightBoxes {
-    /// Mask of the lanes whose boxes lie beyond a box along one axis.
-    #[inline(always)]
-    fn beyond<S: Simd>(&self, simd: S, i: usize, from: &AxisBox) -> mask32x8<S> {
-        let Self { lo, hi } = self;
-        let (lo, hi) = (f32x8::from_slice(simd, &lo[i]), f32x8::from_slice(simd, &hi[i]));
-        lo.simd_gt(from.hi[i]) | hi.simd_lt(from.lo[i])
     }
 }
 

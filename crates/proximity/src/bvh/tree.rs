@@ -3,18 +3,18 @@
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix};
 use clearance_geometry::simd::LANES;
 
-use crate::bounding_volume::{Axes, BoundingVolume, Relative};
+use crate::bounding_volume::{AnchoredReach, Axes, BoundingVolume, Relative};
 
 /// A tree of volumes `B` over leaves that hold `L`.
 #[derive(Clone, Debug)]
 pub struct Tree<B: BoundingVolume, L> {
     /// The origin of all frames of the tree, in the frame of the body.
-    pub(super) anchor: Point,
+    anchor: Point,
     /// Largest distance (m, 1-norm) of anything in the tree from the anchor.
-    pub(super) reach: f64,
-    pub(super) root: NodeRef,
-    pub(super) nodes: Vec<Node<B>>,
-    pub(super) leaves: Vec<Leaf<B, L>>,
+    reach: f64,
+    root: NodeRef,
+    nodes: Vec<Node<B>>,
+    leaves: Vec<Leaf<B, L>>,
 }
 
 /// Content of leaves: a few items that are tested together.
@@ -74,6 +74,7 @@ impl NodeRef {
         Self(u32::try_from(index).expect("leaf count fits 31 bits") | Self::LEAF)
     }
 
+    /// True if it refers to a leaf.
     #[must_use]
     #[inline]
     pub fn is_leaf(self) -> bool {
@@ -87,6 +88,17 @@ impl NodeRef {
 }
 
 impl<B: BoundingVolume, L> Tree<B, L> {
+    #[inline]
+    pub(super) fn new(
+        anchor: Point,
+        reach: f64,
+        root: NodeRef,
+        nodes: Vec<Node<B>>,
+        leaves: Vec<Leaf<B, L>>,
+    ) -> Self {
+        Self { anchor, reach, root, nodes, leaves }
+    }
+
     #[must_use]
     #[inline]
     pub fn anchor(&self) -> &Point {
@@ -119,12 +131,6 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     #[must_use]
     pub fn leaf(&self, leaf: NodeRef) -> &Leaf<B, L> {
         &self.leaves[leaf.index()]
-    }
-
-    #[must_use]
-    #[inline]
-    pub fn nodes(&self) -> &[Node<B>] {
-        &self.nodes
     }
 
     #[must_use]
@@ -171,7 +177,9 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     #[must_use]
     #[inline]
     pub fn relative<M>(&self, other: &Tree<B, M>, pose_ab: &MatrixPose) -> Relative {
-        Relative::of_trees(pose_ab, (&self.anchor, self.reach), (&other.anchor, other.reach))
+        let a = AnchoredReach { anchor: &self.anchor, reach: self.reach };
+        let b = AnchoredReach { anchor: &other.anchor, reach: other.reach };
+        Relative::of_trees(pose_ab, a, b)
     }
 
     /// Memory of nodes and leaves, in bytes.

@@ -4,13 +4,12 @@ use clearance_geometry::math::{MatrixPose, Point, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Level, Simd, Vectors, dispatch, f32x8};
 
-use super::Listed;
 use super::eight_pairs::EightPairs;
-use crate::body::CollisionBody;
+use super::listed_pair::ListedPair;
+use crate::body::BodyPair;
 use crate::bounding_volume::Relative;
-use crate::core::RoundedCore;
-use crate::element_pair::{gap_along, separation_within};
-use crate::surface_surface::triangle_slack;
+use crate::elements::RoundedShape;
+use crate::narrow_phase::{f32_above, gap_along, separation_within, triangle_slack};
 
 /// Number of pairs that may be nearest from which on new bounds are worth their cost.
 const UNCLEAR: usize = 8 * LANES;
@@ -76,8 +75,8 @@ impl Bounds {
             self.centre.coords.abs().sum() + from.translation.abs().sum() + to.translation.abs().sum();
         let motion = Motion {
             shift: [shift.x as f32, shift.y as f32, shift.z as f32],
-            turn: round_up(turn),
-            rounding: round_up(F64_ROUNDING * entered) + F32_ROUNDING * round_up(shift.abs().sum()),
+            turn: f32_above(turn),
+            rounding: f32_above(F64_ROUNDING * entered) + F32_ROUNDING * f32_above(shift.abs().sum()),
         };
         dispatch!(level, simd => follow(simd, &self.eights, &motion, &mut self.now))
     }
@@ -90,19 +89,12 @@ impl Bounds {
 
     /// Recomputes the bounds of all pairs; `centre` is a point of a near the nearest elements.
     #[inline]
-    pub fn renew(
-        &mut self,
-        bodies: (&CollisionBody, &CollisionBody),
-        pose_ab: &MatrixPose,
-        centre: &Point,
-        listed: &[Listed],
-        level: Level,
-    ) {
-        (self.at, self.centre, self.usual) = (Some(*pose_ab), *centre, None);
+    pub fn renew(&mut self, bodies: BodyPair, centre: &Point, listed: &[ListedPair], level: Level) {
+        (self.at, self.centre, self.usual) = (Some(*bodies.pose_ab), *centre, None);
         self.eights.clear();
         for pairs in listed.chunks(LANES) {
             let mut eight = Eight::NOTHING;
-            eight.take_gaps(bodies, pose_ab, centre, pairs, level);
+            eight.take_gaps(bodies, centre, pairs, level);
             self.eights.push(eight);
         }
         self.now.clear();
@@ -143,19 +135,14 @@ impl Eight {
     /// Value for lanes without a pair: farther away than any other.
     const NOTHING: Self = Self { n: [[0.0; LANES]; 3], gap: [FAR; LANES], reach: [0.0; LANES] };
 
-    fn take_gaps(
-        &mut self,
-        (a, b): (&CollisionBody, &CollisionBody),
-        pose_ab: &MatrixPose,
-        centre: &Point,
-        pairs: &[Listed],
-        level: Level,
-    ) {
-        if pairs[0].a.is_triangle()
-            && pairs[0].b.is_triangle()
-            && let (Some(a), Some(b)) = (&a.surface, &b.surface)
+    fn take_gaps(&mut self, bodies: BodyPair, centre: &Point, pairs: &[ListedPair], level: Level) {
+        let BodyPair { a, b, pose_ab } = bodies;
+        let first = pairs[0].elements;
+        if first.a.is_triangle()
+            && first.b.is_triangle()
+            && let (Some(a), Some(b)) = (a.surface(), b.surface())
         {
-            let relative = &a.tree.relative(&b.tree, pose_ab);
+            let relative = &a.tree().relative(b.tree(), pose_ab);
             let corners = EightPairs::new(a, b, pairs);
             let centre = EightPairs::point_in_b(a, relative, centre);
             dispatch!(level, simd => self.take_gaps_of_triangles(simd, &corners, relative, &centre));
@@ -163,9 +150,9 @@ impl Eight {
             return;
         }
         for (lane, pair) in pairs.iter().enumerate() {
-            let (a, b) = (a.core(pair.a), b.core(pair.b));
-            self.reach[lane] = round_up(a.farthest_from(centre));
-            self.take_gap(lane, (&a, &b), pose_ab);
+            let (a, b) = (a.element(pair.elements.a), b.element(pair.elements.b));
+            self.reach[lane] = f32_above(a.farthest_from(centre));
+            self.take_gap(lane, &a, &b, pose_ab);
         }
     }
 
@@ -187,7 +174,7 @@ impl Eight {
 
     /// Of a pair with a solid, in f64.
     #[allow(clippy::cast_possible_truncation)] // granted, or rounded down
-    fn take_gap(&mut self, lane: usize, (a, b): (&RoundedCore, &RoundedCore), pose_ab: &MatrixPose) {
+    fn take_gap(&mut self, lane: usize, a: &RoundedShape, b: &RoundedShape, pose_ab: &MatrixPose) {
         let found = separation_within(a, b, pose_ab, f64::INFINITY);
         let between = found.map_or_else(Vector::zeros, |f| f.witness_points[1] - f.witness_points[0]);
         let Some(n) = between.try_normalize(0.0) else {
@@ -200,10 +187,4 @@ impl Eight {
             self.n[i][lane] = n[i] as f32;
         }
     }
-}
-
-#[allow(clippy::cast_possible_truncation)] // rounded up right after
-#[inline]
-pub(super) fn round_up(x: f64) -> f32 {
-    (x as f32).next_up()
 }

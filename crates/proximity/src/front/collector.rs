@@ -1,71 +1,66 @@
 //! Collects the near elements of two bodies.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Vector};
-use clearance_geometry::simd::{LANES, Simd, dispatch, not_beyond};
+use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
-use super::bounds::round_up;
-use super::{Listed, MOST};
-use crate::body::CollisionBody;
+use super::limits::FrontLimits;
+use super::listed_pair::{ListedPair, MOST};
+use crate::body::{BodyPair, SolidLeaf, Surface};
 use crate::bounding_volume::{Obb, Relative};
-use crate::bvh::{TriangleLeaf, Visitor, descend};
-use crate::core::RoundedCore;
-use crate::element::ElementNumber;
-use crate::element_pair::separation_within;
-use crate::scratch::Scratch;
-use crate::solid::SolidLeaf;
-use crate::surface::Surface;
-use crate::surface_surface::triangle_slack;
-use crate::triangle_lanes::{LaneTriangles, MovedTriangles};
-use crate::work::Work;
+use crate::bvh::{TreePair, TriangleLeaf, Visitor};
+use crate::elements::{ElementId, ElementPair, RoundedShape};
+use crate::narrow_phase::{
+    LaneTriangles, MovedTriangles, f32_above, separation_within, shortened_to_f32, triangle_slack,
+};
+use crate::search::{Scratch, ScratchParts, Work};
 
-/// Lists all pairs of elements that may be within `beyond` (m), or the nearest of these. Returns a lower bound on the distances of pairs
-/// that are not listed; `None` if the search would cost more than `most`. `direction` (frame of a) separates the nearest elements.
+/// The lists that a collection fills.
+pub(super) struct PairLists<'l> {
+    /// Pairs with a solid.
+    pub with_solids: &'l mut Vec<ListedPair>,
+    /// Pairs of triangles.
+    pub of_triangles: &'l mut Vec<ListedPair>,
+}
+
+/// Lists all pairs of elements within the limits, or the nearest of these. Returns a lower bound on the distances of pairs that are not
+/// listed; `None` if the search would cost too much. `direction` (frame of a) separates the nearest elements.
 pub(super) fn collect(
-    (a, b): (&CollisionBody, &CollisionBody),
-    pose_ab: &MatrixPose,
-    direction: Vector,
-    (beyond, most): (f64, u64),
+    bodies: BodyPair,
+    direction: &Vector,
+    limits: FrontLimits,
     scratch: &mut Scratch,
-    (with_solids, of_triangles): (&mut Vec<Listed>, &mut Vec<Listed>),
+    lists: PairLists,
 ) -> Option<f64> {
-    let level = scratch.level();
-    let Scratch { work, stack, .. } = scratch;
-    let most = work.cost().saturating_add(most);
-    let mut near = Near { beyond: round_up(beyond), pose_ab, work, most, listed: with_solids };
-    if let (Some(a), Some(b)) = (&a.solids, &b.solids) {
+    let BodyPair { a, b, pose_ab } = bodies;
+    let PairLists { with_solids, of_triangles } = lists;
+    let ScratchParts { work, traversal, .. } = scratch.begin();
+    let beyond = limits.beyond;
+    let most = work.cost().saturating_add(limits.most_work);
+    let mut near = Near { beyond: f32_above(beyond), pose_ab, work, most, listed: with_solids };
+    if let (Some(a), Some(b)) = (a.solids(), b.solids()) {
         let relative = &a.relative(b, pose_ab);
-        dispatch!(level, simd => descend(simd, (a, b), relative, stack, &mut SolidsAndSolids(&mut near)));
+        traversal.run(TreePair { a, b, relative }, &mut SolidsAndSolids(&mut near));
     }
-    if let (Some(solids), Some(surface)) = (&a.solids, &b.surface) {
-        let relative = &solids.relative(&surface.tree, pose_ab);
+    if let (Some(solids), Some(surface)) = (a.solids(), b.surface()) {
+        let relative = &solids.relative(surface.tree(), pose_ab);
         let visitor = &mut SolidsAndSurface { near: &mut near, surface, solid_is_a: true };
-        dispatch!(level, simd => descend(simd, (solids, &surface.tree), relative, stack, visitor));
+        traversal.run(TreePair { a: solids, b: surface.tree(), relative }, visitor);
     }
-    if let (Some(surface), Some(solids)) = (&a.surface, &b.solids) {
-        let relative = &solids.relative(&surface.tree, &pose_ab.inverse());
+    if let (Some(surface), Some(solids)) = (a.surface(), b.solids()) {
+        let relative = &solids.relative(surface.tree(), &pose_ab.inverse());
         let visitor = &mut SolidsAndSurface { near: &mut near, surface, solid_is_a: false };
-        dispatch!(level, simd => descend(simd, (solids, &surface.tree), relative, stack, visitor));
+        traversal.run(TreePair { a: solids, b: surface.tree(), relative }, visitor);
     }
     near.keep_nearest(MOST);
     near.listed = of_triangles;
-    if let (Some(a), Some(b)) = (&a.surface, &b.surface) {
-        let relative = &a.tree.relative(&b.tree, pose_ab);
-        let visitor = &mut Surfaces {
-            near: &mut near,
-            relative,
-            direction: shortened(&pose_ab.rotation.tr_mul(&direction)),
-        };
-        dispatch!(level, simd => descend(simd, (&a.tree, &b.tree), relative, stack, visitor));
+    if let (Some(a), Some(b)) = (a.surface(), b.surface()) {
+        let relative = &a.tree().relative(b.tree(), pose_ab);
+        let direction = shortened_to_f32(&pose_ab.rotation.tr_mul(direction));
+        let visitor = &mut SurfaceAndSurface { near: &mut near, relative, direction };
+        traversal.run(TreePair { a: a.tree(), b: b.tree(), relative }, visitor);
     }
     near.keep_nearest(MOST);
     (!near.costs_too_much()).then(|| f64::from(near.beyond).lesser(beyond))
-}
-
-/// A unit vector in f32, not longer than one.
-#[allow(clippy::cast_possible_truncation)] // rounding is meant
-fn shortened(n: &Vector) -> [f32; 3] {
-    let n = n * (1.0 - f64::from(8.0 * f32::EPSILON));
-    [n.x as f32, n.y as f32, n.z as f32]
 }
 
 /// The pairs listed so far, and the limit for further ones.
@@ -75,7 +70,7 @@ struct Near<'n> {
     work: &'n mut Work,
     /// Limit on the work.
     most: u64,
-    listed: &'n mut Vec<Listed>,
+    listed: &'n mut Vec<ListedPair>,
 }
 
 impl Near<'_> {
@@ -86,14 +81,14 @@ impl Near<'_> {
     /// Removes the farthest pairs, if there are too many: the limit is then the distance of the nearest removed one.
     fn keep_nearest(&mut self, most: usize) {
         if self.listed.len() > most {
-            let (_, farthest, _) = self.listed.select_nth_unstable_by(most, Listed::by_distance);
+            let (_, farthest, _) = self.listed.select_nth_unstable_by(most, ListedPair::by_distance);
             self.beyond = self.beyond.lesser(farthest.lower);
             self.listed.truncate(most);
         }
     }
 
-    fn list(&mut self, lower: f32, a: ElementNumber, b: ElementNumber) {
-        self.listed.push(Listed { lower, a, b });
+    fn list(&mut self, lower: f32, elements: ElementPair) {
+        self.listed.push(ListedPair { lower, elements });
         if self.listed.len() > 2 * MOST {
             self.keep_nearest(MOST);
         }
@@ -101,10 +96,10 @@ impl Near<'_> {
 
     /// Measures a pair with a solid.
     #[allow(clippy::cast_possible_truncation)] // rounded down right after
-    fn measure(&mut self, (a, b): (&RoundedCore, &RoundedCore), numbers: (ElementNumber, ElementNumber)) {
+    fn measure(&mut self, a: &RoundedShape, b: &RoundedShape, elements: ElementPair) {
         self.work.primitive_tests += 1;
         if let Some(found) = separation_within(a, b, self.pose_ab, f64::from(self.beyond)) {
-            self.list((found.distance as f32).next_down(), numbers.0, numbers.1);
+            self.list((found.distance as f32).next_down(), elements);
         }
     }
 }
@@ -128,8 +123,8 @@ impl Visitor<SolidLeaf, SolidLeaf> for SolidsAndSolids<'_, '_> {
 
     #[inline(always)]
     fn leaves<S: Simd>(&mut self, _: S, a: &SolidLeaf, b: &SolidLeaf) {
-        let numbers = (ElementNumber::of_solid(a.number), ElementNumber::of_solid(b.number));
-        self.0.measure((&a.core, &b.core), numbers);
+        let elements = ElementPair { a: ElementId::of_solid(a.index), b: ElementId::of_solid(b.index) };
+        self.0.measure(&a.shape, &b.shape, elements);
     }
 }
 
@@ -156,26 +151,27 @@ impl Visitor<SolidLeaf, TriangleLeaf> for SolidsAndSurface<'_, '_> {
 
     #[inline(always)]
     fn leaves<S: Simd>(&mut self, _: S, solid: &SolidLeaf, leaf: &TriangleLeaf) {
-        let number = ElementNumber::of_solid(solid.number);
+        let id = ElementId::of_solid(solid.index);
         for i in leaf.first..leaf.first + leaf.count {
-            let (other, triangle) = (ElementNumber::of_triangle(i), self.surface.core(i));
+            let triangle = &self.surface.shape(i);
+            let elements = ElementPair::ordered(id, ElementId::of_triangle(i), self.solid_is_a);
             if self.solid_is_a {
-                self.near.measure((&solid.core, &triangle), (number, other));
+                self.near.measure(&solid.shape, triangle, elements);
             } else {
-                self.near.measure((&triangle, &solid.core), (other, number));
+                self.near.measure(triangle, &solid.shape, elements);
             }
         }
     }
 }
 
-struct Surfaces<'c, 'n> {
+struct SurfaceAndSurface<'c, 'n> {
     near: &'c mut Near<'n>,
     relative: &'c Relative,
     /// Direction of the nearest separation, in the frame of b's tree; length at most one.
     direction: [f32; 3],
 }
 
-impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
+impl Visitor<TriangleLeaf, TriangleLeaf> for SurfaceAndSurface<'_, '_> {
     const SEPARATE: bool = false;
 
     fn threshold(&self) -> f32 {
@@ -219,8 +215,8 @@ impl Visitor<TriangleLeaf, TriangleLeaf> for Surfaces<'_, '_> {
             while near != 0 {
                 let other = near.trailing_zeros();
                 near &= near - 1;
-                let numbers = [a.first + lane, b.first + other].map(ElementNumber::of_triangle);
-                self.near.list(lower[other as usize & 7], numbers[0], numbers[1]);
+                let [i, j] = [a.first + lane, b.first + other].map(ElementId::of_triangle);
+                self.near.list(lower[other as usize & 7], ElementPair { a: i, b: j });
             }
         }
     }

@@ -3,11 +3,11 @@
 use clearance_geometry::math::Point;
 use clearance_geometry::simd::{LANES, Simd};
 
-use super::Listed;
+use super::listed_pair::ListedPair;
+use crate::body::Surface;
 use crate::bounding_volume::{Obb, Relative};
-use crate::element::ElementNumber;
-use crate::surface::Surface;
-use crate::triangle_lanes::LaneTriangles;
+use crate::elements::ElementId;
+use crate::narrow_phase::LaneTriangles;
 
 /// Their corners, each in the frame of its own tree.
 #[repr(align(32))]
@@ -19,12 +19,12 @@ pub(super) struct EightPairs {
 impl EightPairs {
     /// Of fewer than eight the last is repeated.
     #[inline]
-    pub fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[Listed]) -> Self {
+    pub fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[ListedPair]) -> Self {
         let mut all = Self { a: [[[0.0; LANES]; 3]; 3], b: [[[0.0; LANES]; 3]; 3] };
         for lane in 0..LANES {
-            let Listed { a: i, b: j, .. } = pairs[lane.min(pairs.len() - 1)];
-            set(&mut all.a, lane, a, i);
-            set(&mut all.b, lane, b, j);
+            let elements = pairs[lane.min(pairs.len() - 1)].elements;
+            set(&mut all.a, lane, a, elements.a);
+            set(&mut all.b, lane, b, elements.b);
         }
         all
     }
@@ -33,7 +33,7 @@ impl EightPairs {
     #[allow(clippy::cast_possible_truncation)] // rounding is meant
     #[inline]
     pub fn point_in_b(a: &Surface<Obb>, relative: &Relative, point: &Point) -> [f32; 3] {
-        let p = point - a.tree.anchor();
+        let p = point - a.tree().anchor();
         relative.point(&[p.x as f32, p.y as f32, p.z as f32])
     }
 
@@ -46,9 +46,9 @@ impl EightPairs {
 
 /// As the leaves of the surface's tree have them.
 #[allow(clippy::cast_possible_truncation)] // rounding is meant
-fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface<Obb>, number: ElementNumber) {
-    let anchor = surface.tree.anchor();
-    for (corner, p) in corners.iter_mut().zip(surface.triangle(number.index()).corners()) {
+fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface<Obb>, id: ElementId) {
+    let anchor = surface.tree().anchor();
+    for (corner, p) in corners.iter_mut().zip(surface.triangle(id.index()).corners()) {
         for i in 0..3 {
             corner[i][lane] = (p[i] - anchor[i]) as f32;
         }

@@ -92,7 +92,7 @@ proptest! {
         let expected: Vec<_> = (0..).zip(boxes.iter().map(bits)).filter(|(_, bits)| *bits != 0).collect();
         for level in [Level::new(), clearance_geometry::simd::baseline()] {
             let (mut stack, mut found) = (Vec::new(), Vec::new());
-            dispatch!(level, simd => tree.find_overlapping_any(simd, (&eight, among), &mut stack, &mut found));
+            dispatch!(level, simd => tree.find_overlapping_any(simd, SelectedBoxes { boxes: &eight, mask: among }, &mut stack, &mut found));
             found.sort_unstable();
             prop_assert_eq!(&found, &expected);
         }

@@ -1,0 +1,17 @@
+//! Two posed bodies, the input of every query.
+
+use clearance_geometry::math::MatrixPose;
+
+use super::collision_body::CollisionBody;
+use crate::bounding_volume::{BoundingVolume, Obb};
+
+/// Two bodies, the second posed in the frame of the first.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyPair<'b, B: BoundingVolume = Obb> {
+    /// First body; results are in its frame.
+    pub a: &'b CollisionBody<B>,
+    /// Second body.
+    pub b: &'b CollisionBody<B>,
+    /// Pose of b in the frame of a.
+    pub pose_ab: &'b MatrixPose,
+}

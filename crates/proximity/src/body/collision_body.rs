@@ -1,0 +1,291 @@
+//! A rigid body for proximity queries.
+
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
+use clearance_geometry::{Plane, Shape};
+
+use super::bounding_sphere::BoundingSphere;
+use super::cube_set::CubeSet;
+use super::interior::Interior;
+use super::piece::{Piece, PieceVolume, cube_pieces, solid_pieces, surface_pieces};
+use super::solid::{Solid, SolidLeaf};
+use super::surface::Surface;
+use super::volume_box::BodyVolume;
+use crate::bounding_volume::{BoundingVolume, Obb};
+use crate::bvh::Tree;
+use crate::elements::{ElementId, RoundedShape};
+
+/// Collision geometry of one body in its own frame, with hierarchies of volumes `B`: triangles, solid primitives, planes, points and
+/// voxels. Immutable; threads share it.
+#[derive(Clone, Debug)]
+pub struct CollisionBody<B: BoundingVolume = Obb> {
+    /// All triangles.
+    surface: Option<Surface<B>>,
+    /// All primitives.
+    solids: Option<Tree<B, SolidLeaf>>,
+    /// In the frame of the body.
+    planes: Vec<Plane>,
+    /// Clouds of points and sets of voxels.
+    cube_sets: Vec<CubeSet<B>>,
+    interior: Option<Interior>,
+    /// Bounding sphere of everything except the planes.
+    bounded: Option<BoundingSphere>,
+}
+
+impl CollisionBody {
+    /// A body of shapes, each at its pose in the body's frame; `None` without shapes. Meshes are surfaces.
+    #[must_use]
+    #[inline]
+    pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
+        Self::with_volumes(shapes)
+    }
+
+    /// As [`Self::new`], but closed meshes are solids: a body wholly inside one touches it, if it was also built by this function. Open
+    /// meshes stay surfaces.
+    #[must_use]
+    #[inline]
+    pub fn with_solid_meshes<'a>(
+        shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape), IntoIter: Clone>,
+    ) -> Option<Self> {
+        let shapes = shapes.into_iter();
+        let mut body = Self::new(shapes.clone())?;
+        body.interior = Some(Interior::new(shapes));
+        Some(body)
+    }
+
+    /// Splits the body into not many more than `most` pieces, so that a broad phase can find those that are near. Empty if it cannot be
+    /// split: planes are infinite, and solid meshes have an inside.
+    #[must_use]
+    #[inline]
+    pub fn pieces(&self, most: usize) -> Vec<(Piece, PieceVolume)> {
+        if self.has_planes() || self.interior.is_some() {
+            return Vec::new();
+        }
+        let mut pieces = Vec::new();
+        pieces.extend(self.solids.iter().flat_map(solid_pieces));
+        pieces.extend(self.surface.iter().flat_map(|surface| surface_pieces(surface, most)));
+        pieces.extend(self.cube_sets.iter().flat_map(|cubes| cube_pieces(cubes, most)));
+        pieces
+    }
+
+    /// The boxes at a given depth below the roots of the hierarchies, and the boxes of leaves nearer to the root: together they contain
+    /// the body except its planes.
+    #[must_use]
+    #[inline]
+    pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {
+        let surface = self.surface.iter().flat_map(|surface| BodyVolume::of_tree(surface.tree(), level));
+        let solids = self.solids.iter().flat_map(|tree| BodyVolume::of_tree(tree, level));
+        let cubes = self.cube_sets.iter().flat_map(|cubes| {
+            let (pose_bs, radius) = (Pose::from(cubes.pose_bs()), cubes.radius());
+            let volumes = BodyVolume::of_tree(cubes.tree(), level).into_iter();
+            volumes.map(move |volume| volume.placed(&pose_bs, radius))
+        });
+        surface.chain(solids).chain(cubes).collect()
+    }
+}
+
+impl<B: BoundingVolume> CollisionBody<B> {
+    /// As [`CollisionBody::new`], with hierarchies of any type of volume.
+    ///
+    /// # Panics
+    /// If the meshes together have more than 2³² vertices or 2³¹ triangles.
+    #[must_use]
+    #[inline]
+    pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
+        let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) =
+            Default::default();
+        let (mut planes, mut cube_sets): (Vec<Plane>, Vec<CubeSet<B>>) = Default::default();
+        for (pose, shape) in shapes {
+            match shape {
+                Shape::Primitive(primitive) => solids.push(Solid { primitive: *primitive, pose: *pose }),
+                Shape::Mesh(mesh) => {
+                    let first = u32::try_from(vertices.len()).expect("vertex count fits 32 bits");
+                    vertices.extend(mesh.vertices().iter().map(|p| pose * p));
+                    faces.extend(mesh.triangles().iter().map(|t| t.map(|v| v + first)));
+                }
+                Shape::Plane(plane) => planes.push(plane.transformed(pose)),
+                Shape::Points(cloud) => {
+                    cube_sets.push(CubeSet::of_points(cloud, pose, next_index(&cube_sets)));
+                }
+                Shape::Voxels(voxels) => {
+                    cube_sets.push(CubeSet::of_voxels(voxels, pose, next_index(&cube_sets)));
+                }
+            }
+        }
+        let bounded = BoundingSphere::around(&vertices, &faces, &solids, &cube_sets);
+        if bounded.is_none() && planes.is_empty() {
+            return None;
+        }
+        let solids = (!solids.is_empty()).then(|| Tree::build(&solids).0);
+        let surface = Surface::new(vertices, &faces);
+        Some(Self { surface, solids, planes, cube_sets, interior: None, bounded })
+    }
+
+    /// A sphere around the body, in its frame; its radius is infinite where the body has a plane.
+    #[must_use]
+    #[inline]
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        self.bounded.filter(|_| !self.has_planes()).unwrap_or(BoundingSphere::UNBOUNDED)
+    }
+
+    /// A sphere around everything except the planes.
+    #[inline]
+    pub(crate) fn bounded(&self) -> Option<&BoundingSphere> {
+        self.bounded.as_ref()
+    }
+
+    /// Lower bound (m) on the distance of two bodies, from their bounding spheres and planes.
+    #[must_use]
+    #[inline]
+    pub fn sphere_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
+        let bounded = self.bounded.as_ref().zip(other.bounded.as_ref());
+        let of_spheres = bounded.map_or(f64::INFINITY, |(a, b)| a.lower_bound(b, pose_ab));
+        if !self.has_planes() && !other.has_planes() {
+            return of_spheres;
+        }
+        of_spheres.lesser(self.plane_bound(other, pose_ab))
+    }
+
+    /// Lower bound (m) on the distance of planes of either body from anything of the other body; one of them has planes.
+    fn plane_bound(&self, other: &Self, pose_ab: &MatrixPose) -> f64 {
+        if self.has_planes() && other.has_planes() {
+            return 0.0;
+        }
+        let least = |planes: &[Plane], body: &Self, pose: &MatrixPose| {
+            let bound = |plane: &Plane| body.bounded().map(|sphere| sphere.plane_bound(&plane.placed(pose)));
+            planes.iter().filter_map(bound).fold(f64::INFINITY, f64::lesser)
+        };
+        if self.has_planes() {
+            least(&self.planes, other, &pose_ab.inverse())
+        } else {
+            least(&other.planes, self, pose_ab)
+        }
+    }
+
+    /// The triangles.
+    #[inline]
+    pub(crate) fn surface(&self) -> Option<&Surface<B>> {
+        self.surface.as_ref()
+    }
+
+    /// The solid primitives.
+    #[inline]
+    pub(crate) fn solids(&self) -> Option<&Tree<B, SolidLeaf>> {
+        self.solids.as_ref()
+    }
+
+    /// The planes, in the frame of the body.
+    #[inline]
+    pub(crate) fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
+    /// Clouds of points and sets of voxels.
+    #[inline]
+    pub(crate) fn cube_sets(&self) -> &[CubeSet<B>] {
+        &self.cube_sets
+    }
+
+    /// The inside, if closed meshes are solids.
+    #[inline]
+    pub(crate) fn interior(&self) -> Option<&Interior> {
+        self.interior.as_ref()
+    }
+
+    /// A triangle or a solid primitive of the body.
+    #[inline]
+    pub(crate) fn element(&self, id: ElementId) -> RoundedShape {
+        let missing = "the identifier is of an element of this body";
+        if id.is_triangle() {
+            self.surface.as_ref().expect(missing).shape(id.index())
+        } else {
+            self.solids.as_ref().expect(missing).leaves()[id.index() as usize].content.shape
+        }
+    }
+
+    #[inline]
+    pub(crate) fn has_solids(&self) -> bool {
+        self.solids.is_some()
+    }
+
+    #[inline]
+    pub(crate) fn has_planes(&self) -> bool {
+        !self.planes.is_empty()
+    }
+
+    #[inline]
+    pub(crate) fn has_cubes(&self) -> bool {
+        !self.cube_sets.is_empty()
+    }
+
+    /// Number of triangles.
+    #[must_use]
+    #[inline]
+    pub fn triangle_count(&self) -> usize {
+        self.surface.as_ref().map_or(0, Surface::triangle_count)
+    }
+
+    /// Number of points in clouds and of voxels.
+    #[must_use]
+    #[inline]
+    pub fn cube_count(&self) -> usize {
+        self.cube_sets.iter().map(CubeSet::count).sum()
+    }
+
+    /// Memory of the hierarchies and of the triangles, points and voxels in them, in bytes.
+    #[must_use]
+    #[inline]
+    pub fn bytes(&self) -> usize {
+        let cubes: usize = self.cube_sets.iter().map(CubeSet::bytes).sum();
+        self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + cubes
+    }
+}
+
+/// Index of the next set.
+fn next_index<B: BoundingVolume>(sets: &[CubeSet<B>]) -> u32 {
+    u32::try_from(sets.len()).expect("a body has few clouds")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use clearance_geometry::testing::Random;
+    use clearance_geometry::{PointCloud, Primitive, TriangleMesh};
+
+    fn is_held(point: &Point, volumes: &[BodyVolume]) -> bool {
+        volumes.iter().any(|volume| {
+            let own = volume.pose_bv.inverse_transform_point(point).coords.abs();
+            (own - volume.half_extents).max() <= 1e-5
+        })
+    }
+
+    #[test]
+    #[expect(clippy::cast_possible_truncation, reason = "a cloud's points are short")]
+    fn every_level_holds_the_body_and_its_largest_box_is_no_larger_than_that_above() {
+        let mut random = Random::new(3);
+        let vertices: Vec<Point> = (0..600).map(|_| random.vector(0.5).into()).collect();
+        let triangles = (0..200).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = Shape::Mesh(Arc::new(TriangleMesh::new(vertices.clone(), triangles).unwrap()));
+        let ball = Shape::Primitive(Primitive::Sphere { radius: 0.3 });
+        let cloud: Vec<[f32; 3]> = vertices.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect();
+        let cloud = Shape::Points(Arc::new(PointCloud::new(cloud, 0.05).unwrap()));
+        let [here, there] = [random.pose(2.0), random.pose(2.0)];
+        let body = CollisionBody::new([(&here, &mesh), (&there, &ball), (&there, &cloud)]).unwrap();
+        let mut before = f64::INFINITY;
+        for level in 0..5 {
+            let volumes = body.volumes(level);
+            assert!(level > 0 || volumes.len() == 3);
+            for vertex in &vertices {
+                assert!(is_held(&(here * vertex), &volumes), "level {level}");
+                let outermost = Point::from(vertex.coords + random.direction().scale(0.0499));
+                assert!(is_held(&(there * outermost), &volumes), "level {level}");
+            }
+            assert!(is_held(&(there * Point::new(0.2999, 0.0, 0.0)), &volumes));
+            let size = volumes.iter().map(|v| v.half_extents.product()).fold(0.0, f64::max);
+            assert!(size <= before);
+            before = size;
+        }
+        assert_eq!(body.volumes(20), body.volumes(30));
+    }
+}

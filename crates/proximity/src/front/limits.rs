@@ -1,0 +1,10 @@
+//! Limits of a front.
+
+/// Limits of the pairs that a front collects.
+#[derive(Clone, Copy, Debug)]
+pub struct FrontLimits {
+    /// Largest distance (m) of the elements of a pair.
+    pub beyond: f64,
+    /// Largest cost of collecting them ([`Work::cost`](crate::Work::cost)).
+    pub most_work: u64,
+}

@@ -1,0 +1,66 @@
+//! Scratch memory of queries, owned by the caller.
+
+use clearance_geometry::simd::{Level, baseline};
+
+use super::tree_traversal::TreeTraversal;
+use super::triangle_candidates::TriangleCandidates;
+use super::work::Work;
+
+/// Scratch memory of one thread's queries: after the first queries they allocate nothing. Between queries only the counters are
+/// meaningful.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    /// Cost of all queries so far.
+    pub work: Work,
+    traversal: TreeTraversal,
+    candidates: TriangleCandidates,
+}
+
+/// Parts of the scratch memory that a search uses at the same time.
+pub(crate) struct ScratchParts<'s> {
+    pub work: &'s mut Work,
+    pub traversal: &'s mut TreeTraversal,
+    pub candidates: &'s mut TriangleCandidates,
+}
+
+impl Default for Scratch {
+    /// Uses the best SIMD instructions of this machine.
+    fn default() -> Self {
+        Self::at(Level::new())
+    }
+}
+
+impl Scratch {
+    /// The SIMD level that queries use.
+    #[must_use]
+    #[inline]
+    pub fn level(&self) -> Level {
+        self.traversal.level()
+    }
+
+    /// Uses only the baseline instructions of this architecture. Results are the same, bit by bit.
+    #[must_use]
+    #[inline]
+    pub fn portable() -> Self {
+        Self::at(baseline())
+    }
+
+    fn at(level: Level) -> Self {
+        let (work, candidates) = (Work::default(), TriangleCandidates::default());
+        Self { work, traversal: TreeTraversal::new(level), candidates }
+    }
+
+    /// Begins a search.
+    #[inline]
+    pub(crate) fn begin(&mut self) -> ScratchParts<'_> {
+        let Self { work, traversal, candidates } = self;
+        traversal.begin();
+        ScratchParts { work, traversal, candidates }
+    }
+
+    /// The pairs of triangles that a search left to the caller.
+    #[inline]
+    pub(crate) fn candidates(&mut self) -> &mut TriangleCandidates {
+        &mut self.candidates
+    }
+}
