@@ -12,46 +12,29 @@
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![deny(missing_docs)]
 
-mod batch;
-mod bodies;
-mod capsule_fit;
-mod capsule_lanes;
 mod capsules;
 mod collision_checker;
-mod constant_contacts;
-mod contact;
-mod fixed_nearest;
-mod least_distance;
-mod memory;
-mod mesh_lint;
+mod collision_report;
 mod motion;
-mod nearby;
-mod nearest_first;
-mod numbers;
-mod obstacles;
-mod pair;
-mod pair_priority;
-mod pieces;
-mod questions;
-mod reachable;
-mod report;
-mod root_volume;
-mod state_query;
-mod stream;
-mod volumes;
-mod within_reach;
+mod pairs;
+mod remarks;
+mod revision;
+mod robot;
+mod settings_error;
+mod state;
 mod workspace;
-mod world_hits;
+mod world;
 
-pub use collision_checker::{CollisionChecker, SettingsError};
-pub use constant_contacts::ConstantContacts;
-pub use contact::Contact;
-pub use mesh_lint::{SolidMeshRemark, solid_mesh_remarks};
+pub use collision_checker::CollisionChecker;
+pub use collision_report::{CollisionReport, PairDistance, Question, UndecidedPair};
 pub use motion::{
     LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
     UndecidedReason, Watch,
 };
-pub use report::{CollisionReport, PairDistance, Question, UndecidedPair};
-pub use volumes::LinkVolume;
+pub use remarks::{ConstantContacts, SolidMeshRemark, solid_mesh_remarks};
+pub use robot::LinkVolume;
+pub use settings_error::SettingsError;
+pub use state::Contact;
 pub use workspace::Workspace;
